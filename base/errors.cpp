@@ -1,0 +1,14 @@
+#include "samara/base/errors.h"
+
+namespace samara {
+
+namespace {
+std::string located(const std::string& file, int line, const std::string& sentence) {
+  return line > 0 ? file + ":" + std::to_string(line) + ": " + sentence : file + ": " + sentence;
+}
+}  // namespace
+
+InputError::InputError(const std::string& file, int line, const std::string& sentence)
+    : Error(located(file, line, sentence)) {}
+
+}  // namespace samara

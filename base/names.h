@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Help with names that a user typed.
+namespace samara {
+
+/// The candidate with the smallest edit distance to `name`, or an empty string if none is near (more than half
+/// of the longer word differs).
+std::string nearest_name(std::string_view name, std::span<const std::string> candidates);
+
+/// A half sentence for error messages: `; did you mean "C_D"?` or, where nothing is near,
+/// `; known: C_D, m_a, area`.
+std::string suggestion(std::string_view name, std::span<const std::string> candidates);
+
+/// Names joined by ", ".
+std::string join(std::span<const std::string> names);
+
+}  // namespace samara

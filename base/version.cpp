@@ -1,0 +1,5 @@
+#include "samara/base/version.h"
+
+namespace samara {
+const char* version() { return SAMARA_VERSION; }
+}  // namespace samara

@@ -1,0 +1,23 @@
+# Third-party packages. Every one of them is also named in SamaraConfig.cmake.in, for consumers of a static build.
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(Ceres 2.1 REQUIRED)
+find_package(SUNDIALS 6.4 REQUIRED COMPONENTS cvodes nvecserial sunmatrixdense sunlinsoldense)
+find_package(TBB REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(fmt REQUIRED)
+find_package(tomlplusplus REQUIRED)
+# The MPI flavour may be installed too (SUNDIALS pulls it in); FindHDF5 with this switch finds the serial one.
+set(HDF5_PREFER_PARALLEL OFF)
+find_package(HDF5 REQUIRED COMPONENTS C HL)
+if(SAMARA_APPS)
+  find_package(CLI11 REQUIRED)
+  find_package(spdlog REQUIRED)
+endif()
+if(SAMARA_TESTS)
+  find_package(Catch2 2.13 REQUIRED)
+  # h5py lives with the distribution's Python; another one (pyenv, conda) may stand first on PATH.
+  if(EXISTS /usr/bin/python3 AND NOT Python3_EXECUTABLE)
+    set(Python3_EXECUTABLE /usr/bin/python3)
+  endif()
+  find_package(Python3 COMPONENTS Interpreter REQUIRED)
+endif()

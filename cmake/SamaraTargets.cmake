@@ -1,0 +1,54 @@
+# samara_room(<name> HEADERS ... [INTERNAL_HEADERS ...] [SOURCES ...] [PUBLIC ...] [PRIVATE ...])
+#
+# One library per folder: target samara_<name>, exported as samara::<name>. HEADERS are installed under
+# include/samara/<name>; in the build tree the same include paths work through links.
+function(samara_room name)
+  cmake_parse_arguments(ROOM "" "" "HEADERS;INTERNAL_HEADERS;SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  set(target samara_${name})
+  if(ROOM_SOURCES)
+    add_library(${target} ${ROOM_SOURCES} ${ROOM_HEADERS} ${ROOM_INTERNAL_HEADERS})
+    set(scope PUBLIC)
+    target_link_libraries(${target} PUBLIC ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
+    samara_compile_options(${target})
+    set_target_properties(${target} PROPERTIES
+      VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+      POSITION_INDEPENDENT_CODE ON)
+  else()
+    add_library(${target} INTERFACE)
+    set(scope INTERFACE)
+    target_link_libraries(${target} INTERFACE ${ROOM_PUBLIC})
+  endif()
+  add_library(samara::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_compile_features(${target} ${scope} cxx_std_20)
+  target_include_directories(${target} ${scope}
+    $<BUILD_INTERFACE:${samara_BINARY_DIR}/include>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  file(MAKE_DIRECTORY ${samara_BINARY_DIR}/include/samara)
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${samara_BINARY_DIR}/include/samara/${name} SYMBOLIC)
+  set_property(GLOBAL APPEND PROPERTY SAMARA_ROOMS ${target})
+  if(SAMARA_INSTALL)
+    install(FILES ${ROOM_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/samara/${name})
+  endif()
+endfunction()
+
+# Warnings and sanitizers for our own code (never passed on to users of the libraries).
+function(samara_compile_options target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow
+    $<$<BOOL:${SAMARA_WARNINGS_AS_ERRORS}>:-Werror>)
+  if(SAMARA_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${SAMARA_SANITIZE} -fno-omit-frame-pointer
+      -fno-sanitize-recover=all)
+    target_link_options(${target} PRIVATE -fsanitize=${SAMARA_SANITIZE})
+  endif()
+endfunction()
+
+# samara::samara stands for all rooms.
+function(samara_umbrella)
+  get_property(rooms GLOBAL PROPERTY SAMARA_ROOMS)
+  add_library(samara_samara INTERFACE)
+  add_library(samara::samara ALIAS samara_samara)
+  set_target_properties(samara_samara PROPERTIES EXPORT_NAME samara)
+  target_link_libraries(samara_samara INTERFACE ${rooms})
+  set_property(GLOBAL APPEND PROPERTY SAMARA_ROOMS samara_samara)
+endfunction()

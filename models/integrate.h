@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "samara/models/parametric_model.h"
+
+/// The reference integrator: CVODES (SUNDIALS), variable-order BDF or Adams, with forward sensitivities whose
+/// right-hand side is analytic (automatic derivatives of the model; difference quotients stall at tight tolerances).
+namespace samara::models {
+
+struct IntegrateOptions {
+  /// Local error per step: relative * |x_i| + relative * scale_i, with the model's scale of each state (SI).
+  double relative_tolerance = 1e-10;
+  long max_steps = 100000;
+  /// Adams for non-stiff problems (the default: bodies in a fluid over moderate times), BDF otherwise.
+  bool stiff = false;
+};
+
+enum class IntegrateStatus { done, too_many_steps, step_too_small, not_finite, failed };
+
+struct Trajectory {
+  IntegrateStatus status = IntegrateStatus::failed;
+  std::string message = "the integrator was not called";  ///< one sentence
+  double reached = 0.0;                                    ///< time up to which the rows are valid
+  Eigen::VectorXd times;                                   ///< as asked for
+  Eigen::MatrixXd states;                                  ///< times x states, SI
+  /// Per free coordinate j asked for: d(states)/dq_j, times x states. Empty without sensitivities.
+  std::vector<Eigen::MatrixXd> sensitivities;
+  long steps = 0;
+  long rhs_evaluations = 0;
+
+  bool is_usable() const { return status == IntegrateStatus::done; }
+};
+
+/// Integrates from t = 0 and returns the states at the given times.
+///
+/// For many integrations of one model keep an Integrator: it owns solver memory and is cheap to call again.
+/// One per thread.
+class Integrator {
+ public:
+  /// @param with_sensitivities computes derivatives by all free coordinates of the model
+  Integrator(const ParametricModel& model, const IntegrateOptions& options, bool with_sensitivities);
+  ~Integrator();
+  Integrator(Integrator&&) noexcept;
+  Integrator& operator=(Integrator&&) noexcept;
+
+  /// @param q free coordinates (SI)
+  /// @param times not decreasing, from 0 on
+  /// @throws ArgumentError if q or times are not finite, q is outside its meaning, or times decrease.
+  Trajectory operator()(std::span<const double> q, std::span<const double> times);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The one-liner.
+Trajectory integrate(const ParametricModel& model, std::span<const double> q, std::span<const double> times,
+                     const IntegrateOptions& options = {}, bool with_sensitivities = false);
+
+}  // namespace samara::models

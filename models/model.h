@@ -1,0 +1,97 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+/// A model is an ordinary differential equation x' = f(t, x, p) with named, united states and parameters.
+///
+/// Models are immutable and may be shared between threads. Everything is in SI units; angles are in rad;
+/// a dimensionless quantity has the unit "1".
+namespace samara::models {
+
+struct ParameterInfo {
+  std::string name;
+  std::string unit;
+  /// The value used when none is given. Empty: the parameter must be given, or, if `derived` says how, it
+  /// follows from the others.
+  std::optional<double> default_value;
+  /// Formula of a default that depends on other parameters ("8/3 fluid_density (area/pi)^(3/2)"), or empty.
+  std::string derived;
+  std::string description;
+  /// Open lower bound of its meaning: values must be greater (or equal, if `lower_inclusive`).
+  double lower = -std::numeric_limits<double>::infinity();
+  bool lower_inclusive = false;
+};
+
+struct StateInfo {
+  std::string name;
+  std::string unit;
+  double default_initial = 0.0;
+  std::string description;
+};
+
+struct ModelInfo {
+  std::string name;
+  std::string title;
+  std::string equations;  ///< as text, in the names below
+  std::string frames;     ///< what the axes mean, in words
+  std::string source;     ///< paper or book, with equation numbers
+  std::string validity;   ///< where it stops being true
+  std::vector<std::string> symmetries;  ///< e.g. "translation of x"
+  std::vector<StateInfo> states;
+  std::vector<ParameterInfo> parameters;
+};
+
+/// Characteristic sizes of a motion, in SI units, from which every state takes its scale by its unit.
+struct Scales {
+  double length = 1.0;
+  double time = 1.0;
+  double velocity = 1.0;
+};
+
+/// Values of all parameters of a model, in the order of ModelInfo::parameters. Where `given` is false, the model
+/// puts the default, or the derived default, in place of `value`.
+struct ParameterValues {
+  std::vector<double> value;
+  std::vector<char> given;
+};
+
+class Model {
+ public:
+  virtual ~Model() = default;
+
+  virtual const ModelInfo& info() const = 0;
+
+  /// f(t, x, p). Sizes: x and dxdt number of states, p all parameters. Does not allocate, does not check.
+  virtual void rhs(double t, std::span<const double> x, const ParameterValues& p,
+                   std::span<double> dxdt) const = 0;
+
+  /// f and its derivatives: df_dx (states x states) and df_dp (states x all parameters, the chain through derived
+  /// defaults included; zero columns for parameters that are not given). Does not allocate, does not check.
+  virtual void rhs_with_derivatives(double t, std::span<const double> x, const ParameterValues& p,
+                                    std::span<double> dxdt, Eigen::Ref<Eigen::MatrixXd> df_dx,
+                                    Eigen::Ref<Eigen::MatrixXd> df_dp) const = 0;
+
+  /// Parameters with defaults and derived defaults filled in.
+  virtual std::vector<double> completed(const ParameterValues& p) const = 0;
+
+  /// Characteristic sizes at a parameter point.
+  virtual Scales scales(const ParameterValues& p) const = 0;
+};
+
+/// The scale of a state: length, velocity, 1/time by its unit ("m", "m/s", "rad/s" or "1/s"), else 1.
+double state_scale(const StateInfo& state, const Scales& scales);
+
+/// Names of all models that ship with Samara, sorted.
+std::vector<std::string> model_names();
+
+/// @throws ArgumentError if there is no such model; the message names the nearest.
+std::shared_ptr<const Model> find_model(const std::string& name);
+
+}  // namespace samara::models
