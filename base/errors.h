@@ -4,8 +4,8 @@
 #include <string>
 
 /// The exceptions of Samara. They report mistakes of the caller, of a file, or of a query; each carries one
-/// sentence that names the thing, its value, and what was expected. Numerical outcomes (a tolerance missed, an
-/// iteration that stagnates) are never exceptions: they come back in the result, with a status.
+/// sentence that names the thing, its value, and what was expected. Numerical outcomes (a tolerance missed,
+/// an iteration that stagnates) are never exceptions: they come back in the result, with a status.
 namespace samara {
 
 /// Base of the family.

@@ -8,8 +8,8 @@
 /// Help with names that a user typed.
 namespace samara {
 
-/// The candidate with the smallest edit distance to `name`, or an empty string if none is near (more than half
-/// of the longer word differs).
+/// The candidate with the smallest edit distance to `name`, or an empty string if none is near (more than
+/// half of the longer word differs).
 std::string nearest_name(std::string_view name, std::span<const std::string> candidates);
 
 /// A half sentence for error messages: `; did you mean "C_D"?` or, where nothing is near,

@@ -1,5 +1,7 @@
 #include "samara/base/version.h"
 
 namespace samara {
-const char* version() { return SAMARA_VERSION; }
+const char* version() {
+  return SAMARA_VERSION;
+}
 }  // namespace samara
