@@ -1,0 +1,142 @@
+#include "samara/io/atomic_file.h"
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <random>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "samara/base/errors.h"
+
+namespace samara::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void cannot_write(const fs::path& path, const std::string& reason) {
+  throw ArgumentError("cannot write \"" + path.string() + "\": " + reason);
+}
+
+/// A file descriptor that is closed at the end of its scope.
+class Descriptor {
+ public:
+  explicit Descriptor(int descriptor) : descriptor_(descriptor) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  bool valid() const { return descriptor_ >= 0; }
+  int get() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
+/// A name that no other thread or process uses now; its length does not depend on the final name, which may
+/// already be as long as the file system allows.
+std::string temporary_name() {
+  static std::atomic<unsigned> counter{0};
+  std::random_device entropy;
+  return ".samara-" + std::to_string(::getpid()) + "-" + std::to_string(counter++) + "-" +
+         std::to_string(entropy()) + ".tmp";
+}
+
+void write_all(int descriptor, std::string_view text, const fs::path& path) {
+  while (!text.empty()) {
+    const ssize_t count = ::write(descriptor, text.data(), text.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) cannot_write(path, std::strerror(errno));
+    text.remove_prefix(static_cast<std::size_t>(count));
+  }
+}
+
+bool is_stream(const fs::file_status& status) {
+  return fs::is_character_file(status) || fs::is_fifo(status) || fs::is_socket(status);
+}
+
+}  // namespace
+
+PendingFile::PendingFile(const fs::path& final_path) : given_(final_path), target_(final_path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(final_path, error);
+  if (fs::exists(status)) {
+    if (fs::is_directory(status)) cannot_write(given_, "it is a directory");
+    if (!fs::is_regular_file(status)) cannot_write(given_, "it is not a regular file");
+    target_ = fs::canonical(final_path, error);
+    if (error) cannot_write(given_, error.message());
+  }
+  const fs::path directory = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
+  if (target_.filename().empty()) cannot_write(given_, "the path names no file");
+  if (!fs::exists(directory, error))
+    cannot_write(given_, "the directory " + directory.string() + " does not exist");
+  const fs::path candidate = directory / temporary_name();
+  const Descriptor file(::open(candidate.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666));
+  if (!file.valid()) cannot_write(given_, std::strerror(errno));
+  temporary_ = candidate;
+}
+
+PendingFile::~PendingFile() {
+  discard();
+}
+
+PendingFile::PendingFile(PendingFile&& other) noexcept
+    : given_(std::move(other.given_)),
+      target_(std::move(other.target_)),
+      temporary_(std::exchange(other.temporary_, {})) {}
+
+PendingFile& PendingFile::operator=(PendingFile&& other) noexcept {
+  if (this == &other) return *this;
+  discard();
+  given_ = std::move(other.given_);
+  target_ = std::move(other.target_);
+  temporary_ = std::exchange(other.temporary_, {});
+  return *this;
+}
+
+void PendingFile::discard() noexcept {
+  if (temporary_.empty()) return;
+  std::error_code ignored;
+  fs::remove(temporary_, ignored);
+  temporary_.clear();
+}
+
+void PendingFile::commit() {
+  if (temporary_.empty()) cannot_write(given_, "it was committed before");
+  {
+    const Descriptor file(::open(temporary_.c_str(), O_RDONLY | O_CLOEXEC));
+    if (!file.valid() || ::fsync(file.get()) != 0) cannot_write(given_, std::strerror(errno));
+  }
+  std::error_code error;
+  fs::rename(temporary_, target_, error);
+  if (error) cannot_write(given_, error.message());
+  // The new name reaches the disk with the directory; where a file system has no such call, the content is
+  // safe all the same.
+  const Descriptor directory(::open(temporary_.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (directory.valid()) ::fsync(directory.get());
+  temporary_.clear();
+}
+
+void write_text_atomically(const fs::path& path, std::string_view text) {
+  std::error_code error;
+  if (is_stream(fs::status(path, error))) {
+    const Descriptor stream(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+    if (!stream.valid()) cannot_write(path, std::strerror(errno));
+    write_all(stream.get(), text, path);
+    return;
+  }
+  PendingFile pending(path);
+  {
+    const Descriptor file(::open(pending.path().c_str(), O_WRONLY | O_CLOEXEC));
+    if (!file.valid()) cannot_write(path, std::strerror(errno));
+    write_all(file.get(), text, path);
+  }
+  pending.commit();
+}
+
+}  // namespace samara::io

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+/// Writing files so that a reader sees the old content or the new, and never a part.
+///
+/// The content goes to a temporary file in the same directory (`.samara-...tmp`), is flushed to the disk and
+/// then renamed. A path that cannot be written is a mistake of the call, so all failures here are
+/// ArgumentErrors.
+namespace samara::io {
+
+/// A temporary file that becomes the final one on commit() and is removed otherwise.
+class PendingFile {
+ public:
+  /// Creates the temporary file, empty. A symbolic link is followed: the file it points to will be replaced.
+  /// @throws ArgumentError naming `final_path` if its directory does not exist or cannot be written, or if it
+  /// is a directory or a device.
+  explicit PendingFile(const std::filesystem::path& final_path);
+  ~PendingFile();
+  PendingFile(PendingFile&& other) noexcept;
+  PendingFile& operator=(PendingFile&& other) noexcept;
+
+  /// The temporary file, to be written by whoever holds this object.
+  const std::filesystem::path& path() const { return temporary_; }
+  /// The path as the caller gave it.
+  const std::filesystem::path& final_path() const { return given_; }
+
+  /// Flushes the temporary file to the disk and renames it. Nothing may hold it open for writing any more.
+  /// @throws ArgumentError if that fails (the temporary file is then removed on destruction), or after an
+  /// earlier commit.
+  void commit();
+
+ private:
+  void discard() noexcept;
+
+  std::filesystem::path given_;
+  std::filesystem::path target_;     // given_ without symbolic links
+  std::filesystem::path temporary_;  // empty once committed or moved from
+};
+
+/// Replaces or creates the file. Pipes and devices (/dev/stdout, /dev/null) are written directly.
+/// @throws ArgumentError naming the path and the reason if it cannot be written.
+void write_text_atomically(const std::filesystem::path& path, std::string_view text);
+
+}  // namespace samara::io

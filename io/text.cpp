@@ -1,0 +1,84 @@
+#include "samara/io/text.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <system_error>
+
+#include "samara/base/errors.h"
+
+namespace samara::io {
+
+NumberPrefix read_number(std::string_view text) {
+  NumberPrefix number;
+  const std::size_t sign = !text.empty() && text.front() == '+' ? 1 : 0;
+  // std::from_chars takes no plus sign; "+-1" must not pass either.
+  const std::string_view digits = text.substr(sign);
+  if (sign == 1 && !digits.empty() && digits.front() == '-') return {.problem = NumberProblem::malformed};
+  const auto [end, code] = std::from_chars(digits.data(), digits.data() + digits.size(), number.value);
+  if (code == std::errc::invalid_argument) return {.problem = NumberProblem::malformed};
+  number.length = sign + static_cast<std::size_t>(end - digits.data());
+  if (code == std::errc::result_out_of_range) {
+    number.problem = NumberProblem::out_of_range;
+  } else if (!std::isfinite(number.value)) {
+    number.problem = NumberProblem::not_finite;
+  }
+  return number;
+}
+
+std::string shortest_decimal(double value) {
+  std::array<char, 32> buffer;
+  const auto [end, code] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return std::string(buffer.data(), end);
+}
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t kLongest = 60;
+  std::size_t shown = std::min(text.size(), kLongest);
+  while (shown < text.size() && (static_cast<unsigned char>(text[shown]) & 0xC0) == 0x80)
+    --shown;  // within a character
+  std::string quote = "\"";
+  for (const char c : text.substr(0, shown)) {
+    const auto code = static_cast<unsigned char>(c);
+    if (code >= 0x20 && code != 0x7F) {
+      quote += c;
+    } else {
+      constexpr std::string_view kDigits = "0123456789abcdef";
+      quote += "\\x";
+      quote += kDigits[code / 16];
+      quote += kDigits[code % 16];
+    }
+  }
+  return quote.append(shown == text.size() ? "\"" : "...\"");
+}
+
+std::string read_text_file(const std::filesystem::path& path) {
+  std::error_code status_error;
+  const std::filesystem::file_status status = std::filesystem::status(path, status_error);
+  if (!std::filesystem::exists(status)) throw InputError(path.string(), "the file does not exist");
+  if (std::filesystem::is_directory(status))
+    throw InputError(path.string(), "is a directory, expected a file");
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (!file) throw InputError(path.string(), std::string("cannot be opened: ") + std::strerror(errno));
+  std::string text;
+  std::array<char, 65536> block;
+  while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
+    text.append(block.data(), count);
+  }
+  if (std::ferror(file.get()) != 0) throw InputError(path.string(), "cannot be read to its end");
+  return text;
+}
+
+}  // namespace samara::io

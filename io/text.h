@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+/// Locale-independent reading and writing of text; internal to io/.
+namespace samara::io {
+
+enum class NumberProblem {
+  none,
+  malformed,     ///< no number stands there
+  not_finite,    ///< the words nan or inf, which std::from_chars would take
+  out_of_range,  ///< too large for a double
+};
+
+/// A number at the beginning of a text.
+struct NumberPrefix {
+  double value = 0.0;
+  std::size_t length = 0;  ///< bytes that belong to the number
+  NumberProblem problem = NumberProblem::none;
+};
+
+/// Reads a decimal number (`1`, `+1.5`, `-2e-3`) from the beginning of `text`.
+NumberPrefix read_number(std::string_view text);
+
+/// The shortest decimal text that reads back as exactly `value`.
+std::string shortest_decimal(double value);
+
+/// Without blanks and tabs at both ends.
+std::string_view trimmed(std::string_view text);
+
+/// The text in double quotes for a message: cut when it is long, control characters as \x0a.
+std::string in_quotes(std::string_view text);
+
+/// The whole content of a file.
+/// @throws InputError if it is missing, a directory, or cannot be read.
+std::string read_text_file(const std::filesystem::path& path);
+
+}  // namespace samara::io

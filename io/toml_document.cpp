@@ -1,0 +1,338 @@
+#include "samara/io/toml_document.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <toml++/toml.h>
+
+#include "samara/base/names.h"
+#include "samara/io/text.h"
+#include "samara/io/units.h"
+
+namespace samara::io {
+
+struct TomlTable::Node {
+  std::shared_ptr<const toml::table> document;  // keeps `table` alive
+  const toml::table* table = nullptr;
+  std::string file;
+  std::string path;
+
+  bool is_root() const { return table == document.get(); }
+  const toml::node* find(const std::string& key) const { return table->get(key); }
+  int line_of(const toml::node& value) const { return static_cast<int>(value.source().begin.line); }
+  int line() const { return is_root() ? 0 : line_of(*table); }
+  std::shared_ptr<const Node> below(const toml::table& child, const std::string& name) const;
+  InputError error(int line_number, const std::string& key, const std::string& sentence) const;
+  const toml::node& require(const std::string& key) const;
+};
+
+namespace {
+
+/// A key as it must be written in TOML.
+std::string written(std::string_view key) {
+  const bool bare = !key.empty() && std::all_of(key.begin(), key.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  });
+  return bare ? std::string(key) : in_quotes(key);
+}
+
+/// What a message says was found.
+std::string description(const toml::node& value) {
+  switch (value.type()) {
+    case toml::node_type::string:
+      return "the string " + in_quotes(value.as_string()->get());
+    case toml::node_type::integer:
+      return "the integer " + std::to_string(value.as_integer()->get());
+    case toml::node_type::floating_point:
+      return "the number " + shortest_decimal(value.as_floating_point()->get());
+    case toml::node_type::boolean:
+      return value.as_boolean()->get() ? "the boolean true" : "the boolean false";
+    case toml::node_type::array:
+      return "an array";
+    case toml::node_type::table:
+      return "a table";
+    default:
+      return "a date or a time";
+  }
+}
+
+/// Why a value could not be converted; the caller adds the place.
+struct Refusal {
+  std::string sentence;
+};
+
+[[noreturn]] void expected(const std::string& what, const toml::node& found) {
+  throw Refusal{"expected " + what + ", found " + description(found)};
+}
+
+std::string as_string(const toml::node& value) {
+  if (!value.is_string()) expected("a string", value);
+  return value.as_string()->get();
+}
+
+double as_number(const toml::node& value) {
+  if (value.is_integer()) return static_cast<double>(value.as_integer()->get());
+  if (!value.is_floating_point()) expected("a number", value);
+  const double number = value.as_floating_point()->get();
+  if (!std::isfinite(number)) expected("a finite number", value);
+  return number;
+}
+
+double as_quantity(const toml::node& value, std::string_view unit) {
+  if (!value.is_string()) {
+    if (!value.is_number()) expected("a number, or a string with a unit", value);
+    return as_number(value);
+  }
+  try {
+    return quantity_to_si(value.as_string()->get(), unit);
+  } catch (const ArgumentError& error) {
+    throw Refusal{error.what()};
+  }
+}
+
+template <typename Convert>
+auto as_list(const toml::node& value, const std::string& of_what, const Convert& convert) {
+  if (!value.is_array()) expected("an array of " + of_what, value);
+  std::vector<decltype(convert(value))> list;
+  for (const toml::node& element : *value.as_array()) {
+    try {
+      list.push_back(convert(element));
+    } catch (const Refusal& refusal) {
+      throw Refusal{"element " + std::to_string(list.size()) + ": " + refusal.sentence};
+    }
+  }
+  return list;
+}
+
+/// The value of a required key, with a refusal turned into a located error.
+template <typename Node, typename Convert>
+auto converted(const Node& node, const std::string& key, const Convert& convert) {
+  const toml::node& value = node.require(key);
+  try {
+    return convert(value);
+  } catch (const Refusal& refusal) {
+    throw node.error(node.line_of(value), key, refusal.sentence);
+  }
+}
+
+/// Calls `get` if the key is there.
+template <typename Get>
+auto if_present(bool present, const Get& get) -> std::optional<decltype(get())> {
+  if (!present) return std::nullopt;
+  return get();
+}
+
+std::string with_full_stop_removed(std::string_view sentence) {
+  std::string one_line(sentence);
+  std::replace(one_line.begin(), one_line.end(), '\n', ' ');
+  while (!one_line.empty() && (one_line.back() == '.' || one_line.back() == ' ')) one_line.pop_back();
+  return one_line;
+}
+
+/// toml++ bounds the depth of arrays, but not that of dotted keys, which would exhaust the stack.
+void check_depth_of_keys(std::string_view text, const std::string& name) {
+  constexpr int kMostDots = 200;
+  int line = 1;
+  int dots = 0;
+  char quote = 0;  // of the string we are in, or 0
+  for (const char c : text) {
+    if (c == '\n') ++line;
+    if (quote != 0 && c != '\n') {
+      if (c == quote) quote = 0;
+      continue;
+    }
+    quote = c == '"' || c == '\'' ? c : '\0';
+    if (c == '.') ++dots;
+    if (dots > kMostDots) throw InputError(name, line, "a key has more than 200 dots");
+    if (std::string_view("=,[]{}#\n").find(c) != std::string_view::npos) dots = 0;
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<const TomlTable::Node> TomlTable::Node::below(const toml::table& child,
+                                                              const std::string& name) const {
+  const std::string parent = path.empty() ? "" : path.substr(1, path.size() - 2) + ".";
+  return std::make_shared<const Node>(Node{document, &child, file, "[" + parent + name + "]"});
+}
+
+InputError TomlTable::Node::error(int line_number, const std::string& key,
+                                  const std::string& sentence) const {
+  const std::string table_name = path.empty() ? "" : path + " ";
+  return InputError(file, line_number, table_name + written(key) + ": " + sentence);
+}
+
+const toml::node& TomlTable::Node::require(const std::string& key) const {
+  if (const toml::node* value = find(key)) return *value;
+  throw error(line(), key, "the key is missing");
+}
+
+TomlTable TomlTable::read(const std::filesystem::path& path) {
+  return parse(read_text_file(path), path.string());
+}
+
+TomlTable TomlTable::parse(std::string_view text, const std::string& name) {
+  check_depth_of_keys(text, name);
+  try {
+    auto document = std::make_shared<const toml::table>(toml::parse(text, name));
+    const toml::table* root = document.get();
+    return TomlTable(std::make_shared<const Node>(Node{std::move(document), root, name, ""}));
+  } catch (const toml::parse_error& error) {
+    throw InputError(name, static_cast<int>(error.source().begin.line),
+                     "not valid TOML: " + with_full_stop_removed(error.description()));
+  }
+}
+
+const std::string& TomlTable::file() const {
+  return node_->file;
+}
+const std::string& TomlTable::path() const {
+  return node_->path;
+}
+
+int TomlTable::line(const std::string& key) const {
+  const auto entry = node_->table->find(key);
+  return entry == node_->table->end() ? node_->line() : static_cast<int>(entry->first.source().begin.line);
+}
+
+bool TomlTable::has(const std::string& key) const {
+  return node_->find(key) != nullptr;
+}
+
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<const toml::key*> entries;
+  for (auto&& [key, value] : *node_->table) entries.push_back(&key);
+  std::stable_sort(entries.begin(), entries.end(), [](const toml::key* a, const toml::key* b) {
+    const toml::source_position& at = a->source().begin;
+    const toml::source_position& bt = b->source().begin;
+    return std::pair(at.line, at.column) < std::pair(bt.line, bt.column);
+  });
+  std::vector<std::string> names;
+  for (const toml::key* key : entries) names.emplace_back(key->str());
+  return names;
+}
+
+void TomlTable::expect_keys(const std::vector<std::string>& known) const {
+  for (const std::string& key : keys()) {
+    if (std::find(known.begin(), known.end(), key) == known.end()) {
+      throw error(key, "unknown key" + suggestion(key, known));
+    }
+  }
+}
+
+InputError TomlTable::error(const std::string& key, const std::string& sentence) const {
+  return node_->error(line(key), key, sentence);
+}
+
+bool TomlTable::is_string(const std::string& key) const {
+  return has(key) && node_->find(key)->is_string();
+}
+bool TomlTable::is_boolean(const std::string& key) const {
+  return has(key) && node_->find(key)->is_boolean();
+}
+bool TomlTable::is_integer(const std::string& key) const {
+  return has(key) && node_->find(key)->is_integer();
+}
+bool TomlTable::is_number(const std::string& key) const {
+  return has(key) && node_->find(key)->is_number();
+}
+bool TomlTable::is_array(const std::string& key) const {
+  return has(key) && node_->find(key)->is_array();
+}
+bool TomlTable::is_table(const std::string& key) const {
+  return has(key) && node_->find(key)->is_table();
+}
+
+std::string TomlTable::string(const std::string& key) const {
+  return converted(*node_, key, as_string);
+}
+
+bool TomlTable::boolean(const std::string& key) const {
+  return converted(*node_, key, [](const toml::node& value) {
+    if (!value.is_boolean()) expected("true or false", value);
+    return value.as_boolean()->get();
+  });
+}
+
+std::int64_t TomlTable::integer(const std::string& key) const {
+  return converted(*node_, key, [](const toml::node& value) {
+    if (!value.is_integer()) expected("an integer", value);
+    return value.as_integer()->get();
+  });
+}
+
+double TomlTable::number(const std::string& key) const {
+  return converted(*node_, key, as_number);
+}
+
+double TomlTable::quantity(const std::string& key, std::string_view unit) const {
+  return converted(*node_, key, [&](const toml::node& value) { return as_quantity(value, unit); });
+}
+
+std::vector<std::string> TomlTable::strings(const std::string& key) const {
+  return converted(*node_, key, [](const toml::node& value) { return as_list(value, "strings", as_string); });
+}
+
+std::vector<double> TomlTable::numbers(const std::string& key) const {
+  return converted(*node_, key, [](const toml::node& value) { return as_list(value, "numbers", as_number); });
+}
+
+std::vector<double> TomlTable::quantities(const std::string& key, std::string_view unit) const {
+  return converted(*node_, key, [&](const toml::node& value) {
+    return as_list(value, "quantities",
+                   [&](const toml::node& element) { return as_quantity(element, unit); });
+  });
+}
+
+TomlTable TomlTable::table(const std::string& key) const {
+  return converted(*node_, key, [&](const toml::node& value) {
+    if (!value.is_table()) expected("a table", value);
+    return TomlTable(node_->below(*value.as_table(), written(key)));
+  });
+}
+
+std::vector<TomlTable> TomlTable::tables(const std::string& key) const {
+  return converted(*node_, key, [&](const toml::node& value) {
+    std::size_t index = 0;
+    return as_list(value, "tables", [&](const toml::node& element) {
+      if (!element.is_table()) expected("a table", element);
+      const std::string name = written(key) + "[" + std::to_string(index++) + "]";
+      return TomlTable(node_->below(*element.as_table(), name));
+    });
+  });
+}
+
+std::optional<std::string> TomlTable::optional_string(const std::string& key) const {
+  return if_present(has(key), [&] { return string(key); });
+}
+std::optional<bool> TomlTable::optional_boolean(const std::string& key) const {
+  return if_present(has(key), [&] { return boolean(key); });
+}
+std::optional<std::int64_t> TomlTable::optional_integer(const std::string& key) const {
+  return if_present(has(key), [&] { return integer(key); });
+}
+std::optional<double> TomlTable::optional_number(const std::string& key) const {
+  return if_present(has(key), [&] { return number(key); });
+}
+std::optional<double> TomlTable::optional_quantity(const std::string& key, std::string_view unit) const {
+  return if_present(has(key), [&] { return quantity(key, unit); });
+}
+std::optional<std::vector<std::string>> TomlTable::optional_strings(const std::string& key) const {
+  return if_present(has(key), [&] { return strings(key); });
+}
+std::optional<std::vector<double>> TomlTable::optional_numbers(const std::string& key) const {
+  return if_present(has(key), [&] { return numbers(key); });
+}
+std::optional<std::vector<double>> TomlTable::optional_quantities(const std::string& key,
+                                                                  std::string_view unit) const {
+  return if_present(has(key), [&] { return quantities(key, unit); });
+}
+std::optional<TomlTable> TomlTable::optional_table(const std::string& key) const {
+  return if_present(has(key), [&] { return table(key); });
+}
+std::optional<std::vector<TomlTable>> TomlTable::optional_tables(const std::string& key) const {
+  return if_present(has(key), [&] { return tables(key); });
+}
+
+}  // namespace samara::io

@@ -1,0 +1,114 @@
+#include "samara/io/atomic_file.h"
+
+#include <utility>
+
+#include <catch2/catch.hpp>
+#include <unistd.h>
+
+#include "error_text.h"
+#include "temporary_directory.h"
+
+using Catch::Matchers::Contains;
+using samara::ArgumentError;
+using samara::io::PendingFile;
+using samara::io::write_text_atomically;
+
+namespace fs = std::filesystem;
+
+TEST_CASE("a text written is the text in the file, and nothing else is left") {
+  const TemporaryDirectory directory;
+  const std::string text("a\r\n\0b", 5);
+  write_text_atomically(directory / "f", "older and longer");
+  write_text_atomically(directory / "f", text);
+  CHECK(content(directory / "f") == text);
+  CHECK(directory.file_count() == 1);
+}
+
+TEST_CASE("a pending file has its final name only after the commit") {
+  const TemporaryDirectory directory;
+  PendingFile pending(directory / "f");
+  CHECK(pending.path().parent_path() == directory.path());
+  CHECK(pending.final_path() == directory / "f");
+  put_content(pending.path(), "new");
+  CHECK_FALSE(fs::exists(directory / "f"));
+  pending.commit();
+  CHECK(content(directory / "f") == "new");
+  CHECK(directory.file_count() == 1);
+  CHECK_THAT(error_text<ArgumentError>([&] { pending.commit(); }), Contains("committed before"));
+}
+
+TEST_CASE("a pending file that is not committed leaves the old content") {
+  const TemporaryDirectory directory;
+  put_content(directory / "f", "old");
+  {
+    PendingFile pending(directory / "f");
+    put_content(pending.path(), "new");
+    const PendingFile moved = std::move(pending);
+    CHECK(directory.file_count() == 2);
+  }
+  CHECK(content(directory / "f") == "old");
+  CHECK(directory.file_count() == 1);
+}
+
+TEST_CASE("assigning to a pending file discards what it held") {
+  const TemporaryDirectory directory;
+  PendingFile pending(directory / "f");
+  pending = PendingFile(directory / "g");
+  CHECK(directory.file_count() == 1);
+  pending.commit();
+  CHECK(fs::exists(directory / "g"));
+}
+
+TEST_CASE("a symbolic link stays, and the file behind it is replaced") {
+  const TemporaryDirectory directory;
+  put_content(directory / "f", "old");
+  fs::create_symlink(directory / "f", directory / "link");
+  write_text_atomically(directory / "link", "new");
+  CHECK(fs::is_symlink(directory / "link"));
+  CHECK(content(directory / "f") == "new");
+}
+
+TEST_CASE("a new file gets the permissions of the process") {
+  const TemporaryDirectory directory;
+  put_content(directory / "usual", "");
+  write_text_atomically(directory / "f", "");
+  CHECK(fs::status(directory / "f").permissions() == fs::status(directory / "usual").permissions());
+}
+
+TEST_CASE("a file with the longest possible name can be written") {
+  const TemporaryDirectory directory;
+  const std::string name(255, 'n');
+  write_text_atomically(directory / name, "x");
+  CHECK(content(directory / name) == "x");
+}
+
+TEST_CASE("a device is written directly and stays a device") {
+  write_text_atomically("/dev/null", "x");
+  CHECK(fs::is_character_file("/dev/null"));
+  CHECK_THAT(error_text<ArgumentError>([] { write_text_atomically("/dev/full", "x"); }),
+             Contains("cannot write \"/dev/full\"") && Contains("No space"));
+}
+
+TEST_CASE("a path that cannot be written is refused with path and reason") {
+  const TemporaryDirectory directory;
+  put_content(directory / "file", "");
+  const auto error = [](const fs::path& path) {
+    return error_text<ArgumentError>([&] { write_text_atomically(path, "x"); });
+  };
+  CHECK_THAT(error(directory / "none/f"), Contains("none/f\"") && Contains("does not exist"));
+  CHECK_THAT(error(directory.path()), Contains("it is a directory"));
+  CHECK_THAT(error(directory / "file/f"), Contains("file/f\""));
+  CHECK_THAT(error(""), Contains("names no file"));
+  CHECK_THAT(error(directory / std::string(256, 'n')), Contains("cannot write"));
+  CHECK_THAT(error_text<ArgumentError>([] { PendingFile pending("/dev/null"); }),
+             Contains("not a regular file"));
+}
+
+TEST_CASE("a directory without write permission is refused") {
+  if (::geteuid() == 0) return;  // root may write everywhere
+  const TemporaryDirectory directory;
+  fs::permissions(directory.path(), fs::perms::owner_read | fs::perms::owner_exec);
+  const std::string error = error_text<ArgumentError>([&] { write_text_atomically(directory / "f", "x"); });
+  fs::permissions(directory.path(), fs::perms::owner_all);
+  CHECK_THAT(error, Contains("Permission denied"));
+}

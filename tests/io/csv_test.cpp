@@ -1,0 +1,90 @@
+#include "samara/io/csv.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+#include "error_text.h"
+#include "samara/io/delimited_table.h"
+#include "temporary_directory.h"
+
+using Catch::Matchers::Contains;
+using samara::ArgumentError;
+using samara::io::DelimitedTable;
+using samara::io::format_csv;
+using samara::io::write_csv;
+
+namespace {
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+std::string format_error(const std::vector<std::string>& header, const Eigen::MatrixXd& values,
+                         const samara::io::CsvComments& comments = {}) {
+  return error_text<ArgumentError>([&] { format_csv(header, values, comments); });
+}
+}  // namespace
+
+TEST_CASE("a table is written row by row with comments above") {
+  Eigen::MatrixXd values(2, 2);
+  values << 0.0, 0.1, 1e-300, kNan;
+  CHECK(format_csv({"t[s]", "x[m]"}, values, {{"body", "card"}}) ==
+        "# body: card\nt[s],x[m]\n0,0.1\n1e-300,\n");
+}
+
+TEST_CASE("every double written as CSV reads back with the same bits") {
+  std::mt19937_64 random(7);
+  Eigen::MatrixXd values(2000, 3);
+  for (double& value : values.reshaped()) {
+    do value = std::bit_cast<double>(random());
+    while (!std::isfinite(value));
+  }
+  values.topRows(4).col(0) << -0.0, std::numeric_limits<double>::denorm_min(),
+      std::numeric_limits<double>::max(), 1.0 / 3.0;
+  const DelimitedTable read = DelimitedTable::parse(format_csv({"a", "b", "c"}, values), "t");
+  for (int column = 0; column < 3; ++column) {
+    const Eigen::VectorXd back = read.numbers(read.header()[static_cast<std::size_t>(column)]);
+    const bool same =
+        std::equal(back.begin(), back.end(), values.col(column).begin(), [](double a, double b) {
+          return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+        });
+    CHECK(same);
+  }
+}
+
+TEST_CASE("missing values survive, also in a single column") {
+  const Eigen::VectorXd values = Eigen::Vector3d(1.0, kNan, 3.0);
+  const Eigen::VectorXd back = DelimitedTable::parse(format_csv({"a"}, values), "t").numbers("a");
+  REQUIRE(back.size() == 3);
+  CHECK(std::isnan(back[1]));
+  CHECK(back[2] == 3.0);
+}
+
+TEST_CASE("any name survives in the header, and comments do") {
+  const std::vector<std::string> header = {"#a", "b,c", "d\"e", " f ", "g\nh", "i;j;k;l;m;n;o;p", "q\tr"};
+  const std::string text = format_csv(header, Eigen::MatrixXd::Zero(1, 7), {{"k", "v: w"}});
+  const DelimitedTable read = DelimitedTable::parse(text, "t");
+  CHECK(read.header() == header);
+  CHECK(read.comment("k") == "v: w");
+}
+
+TEST_CASE("a table written to a file reads back") {
+  const TemporaryDirectory directory;
+  write_csv(directory / "t.csv", {"a", "b"}, Eigen::MatrixXd::Identity(2, 2));
+  CHECK(DelimitedTable::read(directory / "t.csv").numbers("b") == Eigen::Vector2d(0, 1));
+  CHECK_THAT(error_text<ArgumentError>(
+                 [&] { write_csv(directory / "no/t.csv", {"a"}, Eigen::MatrixXd::Zero(1, 1)); }),
+             Contains("does not exist"));
+}
+
+TEST_CASE("what a table cannot hold is refused") {
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1);
+  CHECK_THAT(format_error({"a", "b"}, one), Contains("1 columns") && Contains("got 2"));
+  CHECK_THAT(format_error({}, Eigen::MatrixXd(0, 0)), Contains("at least one"));
+  CHECK_THAT(format_error({""}, one), Contains("empty"));
+  CHECK_THAT(format_error({"a", "a"}, Eigen::MatrixXd::Ones(1, 2)), Contains("\"a\" stands twice"));
+  CHECK_THAT(format_error({"a"}, one / 0.0), Contains("row 0 of column \"a\" is infinite"));
+  CHECK_THAT(format_error({"a"}, one, {{"k:", "v"}}), Contains("free of colons"));
+  CHECK_THAT(format_error({"a"}, one, {{"k", "v\nw"}}), Contains("not one line"));
+}
