@@ -1,13 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
-
 #include <limits>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 /// A model is an ordinary differential equation x' = f(t, x, p) with named, united states and parameters.
 ///
@@ -17,33 +17,36 @@ namespace samara::models {
 
 struct ParameterInfo {
   std::string name;
-  std::string unit;
+  std::string unit;  ///< SI, as text: "kg/m^3"; "1" if dimensionless
   /// The value used when none is given. Empty: the parameter must be given, or, if `derived` says how, it
   /// follows from the others.
-  std::optional<double> default_value;
+  std::optional<double> default_value = {};
   /// Formula of a default that depends on other parameters ("8/3 fluid_density (area/pi)^(3/2)"), or empty.
-  std::string derived;
-  std::string description;
+  std::string derived = {};
+  std::string description = {};
   /// Open lower bound of its meaning: values must be greater (or equal, if `lower_inclusive`).
   double lower = -std::numeric_limits<double>::infinity();
   bool lower_inclusive = false;
 };
 
+/// Whether `value` respects the lower bound of the parameter's meaning (NaN does not).
+bool in_meaning(const ParameterInfo& parameter, double value);
+
 struct StateInfo {
   std::string name;
   std::string unit;
   double default_initial = 0.0;
-  std::string description;
+  std::string description = {};
 };
 
 struct ModelInfo {
   std::string name;
   std::string title;
-  std::string equations;  ///< as text, in the names below
-  std::string frames;     ///< what the axes mean, in words
-  std::string source;     ///< paper or book, with equation numbers
-  std::string validity;   ///< where it stops being true
-  std::vector<std::string> symmetries;  ///< e.g. "translation of x"
+  std::string equations;                     ///< as text, in the names below
+  std::string frames;                        ///< what the axes mean, in words
+  std::string source;                        ///< paper or book, with equation numbers
+  std::string validity;                      ///< where it stops being true
+  std::vector<std::string> symmetries = {};  ///< "translation of x": f does not depend on the state x
   std::vector<StateInfo> states;
   std::vector<ParameterInfo> parameters;
 };
@@ -55,8 +58,8 @@ struct Scales {
   double velocity = 1.0;
 };
 
-/// Values of all parameters of a model, in the order of ModelInfo::parameters. Where `given` is false, the model
-/// puts the default, or the derived default, in place of `value`.
+/// Values of all parameters of a model, in the order of ModelInfo::parameters. Where `given` is false, the
+/// model puts the default, or the derived default, in place of `value`.
 struct ParameterValues {
   std::vector<double> value;
   std::vector<char> given;
@@ -72,8 +75,9 @@ class Model {
   virtual void rhs(double t, std::span<const double> x, const ParameterValues& p,
                    std::span<double> dxdt) const = 0;
 
-  /// f and its derivatives: df_dx (states x states) and df_dp (states x all parameters, the chain through derived
-  /// defaults included; zero columns for parameters that are not given). Does not allocate, does not check.
+  /// f and its derivatives: df_dx (states x states) and df_dp (states x all parameters, the chain through
+  /// derived defaults included; zero columns for parameters that are not given). Does not allocate, does not
+  /// check.
   virtual void rhs_with_derivatives(double t, std::span<const double> x, const ParameterValues& p,
                                     std::span<double> dxdt, Eigen::Ref<Eigen::MatrixXd> df_dx,
                                     Eigen::Ref<Eigen::MatrixXd> df_dp) const = 0;

@@ -10,7 +10,8 @@
 
 namespace samara::models {
 
-/// A free coordinate of a parametric problem: a parameter of the model, or the initial value "s(0)" of a state s.
+/// A free coordinate of a parametric problem: a parameter of the model, or the initial value "s(0)" of state
+/// s.
 struct FreeCoordinate {
   std::string name;
   std::string unit;
@@ -61,7 +62,7 @@ class ParametricModel {
   void rhs_with_derivatives(double t, std::span<const double> x, std::span<const double> q,
                             std::span<double> dxdt, RhsDerivatives& derivatives, Workspace& workspace) const;
 
-  /// x(0) at q. Its derivative by q is one where a free coordinate is the initial value of that state, else zero.
+  /// x(0) at q. Its derivative by q_j is one where q_j is the initial value of that state, else zero.
   void initial(std::span<const double> q, std::span<double> x0) const;
 
   /// All parameters at q with defaults filled in, in the order of the model.
@@ -78,8 +79,8 @@ class ParametricModel {
   std::shared_ptr<const Model> model_;
   std::map<std::string, double> fixed_;
   std::vector<FreeCoordinate> free_;
-  ParameterValues base_;             ///< fixed parameters; free ones are marked given
-  std::vector<double> base_initial_; ///< fixed or default initial values
+  ParameterValues base_;              ///< fixed parameters; free ones are marked given
+  std::vector<double> base_initial_;  ///< fixed or default initial values
 };
 
 }  // namespace samara::models

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "samara/models/model.h"
+
+/// The test for a model of your own.
+///
+///   const auto check = samara::models::check_model(my_model);
+///   for (const std::string& finding : check.findings) std::cerr << finding << "\n";
+///
+/// It looks at what a model says of itself (names, units, defaults, texts, symmetries), and at random points
+/// compares its derivatives with central differences of its right-hand side.
+namespace samara::models {
+
+struct CheckModelOptions {
+  unsigned seed = 1;
+  int points = 50;
+  /// Largest |derivative - central difference| over |derivative| + |f| / (size of the variable). Differences
+  /// over a step of 6e-6 of the variable are good to about 1e-9 in this measure where f is smooth.
+  double tolerance = 1e-6;
+};
+
+struct ModelCheck {
+  std::vector<std::string> findings;  ///< a sentence each; none is good
+
+  bool passed() const { return findings.empty(); }
+};
+
+/// @throws ArgumentError if an option is outside its meaning; what the model throws passes through.
+ModelCheck check_model(const Model& model, const CheckModelOptions& options = {});
+
+}  // namespace samara::models

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <stdexcept>
+
+#include <ceres/jet.h>
+
+#include "samara/models/model.h"
+
+/// From a law to a Model.
+///
+/// A law is the physics alone, written once for every scalar type S (double, ceres::Jet, a SIMD pack):
+///
+///   struct SomeLaw {
+///     static constexpr int kStates = ..., kParameters = ...;
+///     static ModelInfo info();
+///     /// dxdt = f(t, x, p), branch-free; p is complete.
+///     template <class S> static void rhs(const S& t, const S* x, const S* p, S* dxdt);
+///     /// Puts derived defaults where `given` is false; constant defaults are in place already.
+///     template <class S> static void complete(const char* given, S* p);
+///     /// Characteristic sizes, finite and positive for every p within its meaning.
+///     static Scales scales(const double* p);
+///   };
+///
+/// Derivatives come from forward automatic differentiation by all states and parameters at once.
+/// Include this only in source files: no installed header shows ceres::Jet.
+namespace samara::models {
+
+template <class Law>
+class LawModel final : public Model {
+ public:
+  LawModel() : info_(Law::info()) {
+    if (info_.states.size() != kStates || info_.parameters.size() != kParameters) {
+      throw std::logic_error("law \"" + info_.name + "\" lists other states or parameters than it has");
+    }
+    for (std::size_t j = 0; j < kParameters; ++j) {
+      defaults_[j] = info_.parameters[j].default_value.value_or(0.0);
+    }
+  }
+
+  const ModelInfo& info() const override { return info_; }
+
+  void rhs(double t, std::span<const double> x, const ParameterValues& p,
+           std::span<double> dxdt) const override {
+    const std::array<double, kParameters> all = complete(p);
+    Law::template rhs<double>(t, x.data(), all.data(), dxdt.data());
+  }
+
+  void rhs_with_derivatives(double t, std::span<const double> x, const ParameterValues& p,
+                            std::span<double> dxdt, Eigen::Ref<Eigen::MatrixXd> df_dx,
+                            Eigen::Ref<Eigen::MatrixXd> df_dp) const override {
+    // A jet's infinitesimal parts: first one per state, then one per parameter. A parameter that is not given
+    // is no variable: it is a constant, or a function of those that are given.
+    std::array<Jet, kStates> x_jet;
+    std::array<Jet, kParameters> p_jet;
+    std::array<Jet, kStates> f;
+    for (std::size_t i = 0; i < kStates; ++i) x_jet[i] = Jet(x[i], static_cast<int>(i));
+    for (std::size_t j = 0; j < kParameters; ++j) {
+      p_jet[j] = p.given[j] ? Jet(p.value[j], static_cast<int>(kStates + j)) : Jet(defaults_[j]);
+    }
+    Law::template complete<Jet>(p.given.data(), p_jet.data());
+    Law::template rhs<Jet>(Jet(t), x_jet.data(), p_jet.data(), f.data());
+    for (std::size_t i = 0; i < kStates; ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      dxdt[i] = f[i].a;
+      df_dx.row(row) = f[i].v.template head<kStates>().transpose();
+      df_dp.row(row) = f[i].v.template tail<kParameters>().transpose();
+    }
+  }
+
+  std::vector<double> completed(const ParameterValues& p) const override {
+    const std::array<double, kParameters> all = complete(p);
+    return {all.begin(), all.end()};
+  }
+
+  Scales scales(const ParameterValues& p) const override { return Law::scales(complete(p).data()); }
+
+ private:
+  static constexpr std::size_t kStates = Law::kStates;
+  static constexpr std::size_t kParameters = Law::kParameters;
+  using Jet = ceres::Jet<double, Law::kStates + Law::kParameters>;
+
+  std::array<double, kParameters> complete(const ParameterValues& p) const {
+    std::array<double, kParameters> all;
+    for (std::size_t j = 0; j < kParameters; ++j) all[j] = p.given[j] ? p.value[j] : defaults_[j];
+    Law::template complete<double>(p.given.data(), all.data());
+    return all;
+  }
+
+  ModelInfo info_;
+  std::array<double, kParameters> defaults_ = {};
+};
+
+}  // namespace samara::models

@@ -1,0 +1,87 @@
+#include "samara/models/law_model.h"
+#include "samara/models/laws/drag_scales.h"
+
+namespace samara::models::laws {
+
+namespace {
+
+struct QuadraticDragFall {
+  static constexpr int kStates = 1;
+  static constexpr int kParameters = 5;
+  enum Parameter { kCD, kFluidDensity, kG, kArea, kMass };
+
+  static ModelInfo info() {
+    return {
+        .name = "quadratic_drag_fall",
+        .title = "Vertical speed of a heavy body in a light fluid",
+        .equations = "u' = -(fluid_density C_D area / (2 mass)) |u| u - g",
+        .frames = "u is the vertical velocity, positive upward",
+        .source =
+            "dissertation, eq. (6.20), which prints u^2 for -|u| u and so holds for u <= 0; from rest "
+            "u = -u_T tanh(g t / u_T) with u_T = sqrt(2 mass g / (fluid_density C_D area))",
+        .validity =
+            "neither buoyancy nor added mass: bodies much denser than the fluid; constant C_D; no rotation",
+        .states = {{.name = "u", .unit = "m/s", .description = "vertical velocity, positive upward"}},
+        .parameters = parameters(),
+    };
+  }
+
+  static std::vector<ParameterInfo> parameters() {
+    return {
+        {.name = "C_D",
+         .unit = "1",
+         .description = "drag coefficient on `area`",
+         .lower = 0.0,
+         .lower_inclusive = true},
+        {.name = "fluid_density",
+         .unit = "kg/m^3",
+         .default_value = 1.23,
+         .description = "density of the fluid; default: air, as in dissertation chapter 6",
+         .lower = 0.0},
+        {.name = "g",
+         .unit = "m/s^2",
+         .default_value = 9.81,
+         .description = "gravitational acceleration; default as in dissertation chapter 6",
+         .lower = 0.0,
+         .lower_inclusive = true},
+        {.name = "area",
+         .unit = "m^2",
+         .default_value = 0.5,
+         .description = "reference area of the drag; default as in dissertation chapter 6",
+         .lower = 0.0},
+        {.name = "mass",
+         .unit = "kg",
+         .default_value = 0.1,
+         .description = "mass of the body; default as in dissertation chapter 6",
+         .lower = 0.0},
+    };
+  }
+
+  /// k in u' = -k |u| u - g [1/m].
+  template <class S>
+  static S drag_per_mass(const S& C_D, const S* p) {
+    return p[kFluidDensity] * C_D * p[kArea] / (S(2.0) * p[kMass]);
+  }
+
+  template <class S>
+  static void rhs(const S&, const S* x, const S* p, S* dxdt) {
+    using std::abs;
+    const S& u = x[0];
+    dxdt[0] = -drag_per_mass(p[kCD], p) * abs(u) * u - p[kG];
+  }
+
+  template <class S>
+  static void complete(const char*, S*) {}
+
+  static Scales scales(const double* p) {
+    return drag_scales(p[kG], drag_per_mass(p[kCD], p), drag_per_mass(kLeastDragCoefficient, p));
+  }
+};
+
+}  // namespace
+
+std::shared_ptr<const Model> quadratic_drag_fall() {
+  return std::make_shared<LawModel<QuadraticDragFall>>();
+}
+
+}  // namespace samara::models::laws
