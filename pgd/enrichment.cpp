@@ -40,14 +40,20 @@ void validate(const EnrichOptions& o) {
 /// One solve: the problem, its projection, and what has been found so far.
 class Enrichment {
  public:
-  Enrichment(const LinearProblem& problem, const EnrichOptions& options)
+  Enrichment(const LinearProblem& problem, const EnrichOptions& options, const SeparatedTensor* start)
       : problem_(problem),
         options_(options),
         form_(project(problem, options.projection)),
         fixed_point_(form_.a),
         random_(options.seed) {
     result_.solution = SeparatedTensor::zero(problem.rhs.sizes());
-    result_.residual = measure(result_.solution);
+    if (start != nullptr && start->rank() > 0) {
+      result_.solution = *start;
+      result_.solution.normalise();
+      improve();
+    } else {
+      result_.residual = measure(result_.solution);
+    }
   }
 
   EnrichResult run() {
@@ -93,10 +99,14 @@ class Enrichment {
     return product;
   }
 
-  /// Adds the term, projects the weights, updates the factors if that pays.
   void add(Product product) {
     const double amplitude = product.amplitude;
     result_.solution.append(SeparatedTensor::product(std::move(product.factors)), amplitude);
+    improve();
+  }
+
+  /// Projects the weights of the present terms, updates their factors if that pays, measures the residual.
+  void improve() {
     project_weights(form_, result_.solution);
     result_.residual = measure(result_.solution);
     if (options_.update_sweeps == 0) return;
@@ -180,10 +190,15 @@ class Enrichment {
 
 }  // namespace
 
-EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options) {
+EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options,
+                    const SeparatedTensor* start) {
   validate(options);
   problem.validate();
-  return Enrichment(problem, options).run();
+  if (start != nullptr && start->rank() > 0 && start->sizes() != problem.rhs.sizes()) {
+    throw ArgumentError(fmt::format("the start has sizes {}, the right-hand side {}",
+                                    fmt::join(start->sizes(), " x "), fmt::join(problem.rhs.sizes(), " x ")));
+  }
+  return Enrichment(problem, options, start).run();
 }
 
 std::string to_string(Termination termination) {

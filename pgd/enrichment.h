@@ -76,7 +76,8 @@ struct EnrichResult {
 /// Solves D(U) = G. An empty or zero right-hand side gives the solution without terms and
 /// Termination::residual.
 /// @throws ArgumentError if the problem does not validate, or an option is out of range.
-EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options = {});
+EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options = {},
+                    const SeparatedTensor* start = nullptr);
 
 std::string to_string(Termination termination);
 

@@ -115,23 +115,53 @@ bool solve_nodes(const SeparatedOperator& a, std::size_t mode, std::span<const E
   return true;
 }
 
-bool solve_dense_factor(const SeparatedOperator& a, std::size_t mode, std::span<const Eigen::MatrixXd> c,
-                        const Eigen::MatrixXd& b, Eigen::MatrixXd& x) {
-  const Eigen::Index n = b.rows();
-  const Eigen::Index terms = b.cols();
-  Eigen::MatrixXd system = Eigen::MatrixXd::Zero(n * terms, n * terms);
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    for (Eigen::Index row = 0; row < terms; ++row) {
-      for (Eigen::Index col = 0; col < terms; ++col) {
-        a.terms[i][mode].add_to_dense(system.block(row * n, col * n, n, n), c[i](row, col));
+/// Where a block lower triangular structure common to all matrices allows a cut: 0, cuts.., n. Causal
+/// operators, such as integration over time elements, have one cut per element.
+std::vector<Eigen::Index> block_cuts(const std::vector<Eigen::MatrixXd>& matrices) {
+  const Eigen::Index n = matrices.front().rows();
+  std::vector<Eigen::Index> cuts = {0};
+  Eigen::Index reach = 0;  // one past the last column that a row so far refers to
+  for (Eigen::Index row = 0; row < n; ++row) {
+    for (const Eigen::MatrixXd& matrix : matrices) {
+      for (Eigen::Index col = n; col > reach; --col) {
+        if (matrix(row, col - 1) != 0.0) reach = col;
       }
     }
+    if (reach <= row + 1) cuts.push_back(row + 1);
   }
-  const Eigen::PartialPivLU<Eigen::MatrixXd> lu(system);
-  if (!is_regular(lu)) return false;
-  const Eigen::VectorXd solution = lu.solve(Eigen::Map<const Eigen::VectorXd>(b.data(), b.size()));
-  if (!solution.allFinite()) return false;
-  x = Eigen::Map<const Eigen::MatrixXd>(solution.data(), n, terms);
+  if (cuts.back() != n) cuts.push_back(n);
+  return cuts;
+}
+
+bool solve_dense_factor(const SeparatedOperator& a, std::size_t mode, std::span<const Eigen::MatrixXd> c,
+                        const Eigen::MatrixXd& b, Eigen::MatrixXd& x) {
+  const Eigen::Index terms = b.cols();
+  std::vector<Eigen::MatrixXd> matrices;
+  for (const auto& term : a.terms)
+    matrices.push_back(term[mode].apply(Eigen::MatrixXd::Identity(b.rows(), b.rows())));
+  const std::vector<Eigen::Index> cuts = block_cuts(matrices);
+  Eigen::MatrixXd result(b.rows(), terms);
+  // Block forward substitution; with a single block this is the full system.
+  for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+    const Eigen::Index first = cuts[k];
+    const Eigen::Index n = cuts[k + 1] - first;
+    Eigen::MatrixXd rhs = b.middleRows(first, n);
+    Eigen::MatrixXd system = Eigen::MatrixXd::Zero(n * terms, n * terms);
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      rhs.noalias() -= matrices[i].block(first, 0, n, first) * result.topRows(first) * c[i].transpose();
+      for (Eigen::Index row = 0; row < terms; ++row) {
+        for (Eigen::Index col = 0; col < terms; ++col) {
+          system.block(row * n, col * n, n, n) += c[i](row, col) * matrices[i].block(first, first, n, n);
+        }
+      }
+    }
+    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(system);
+    if (!is_regular(lu)) return false;
+    const Eigen::VectorXd solution = lu.solve(Eigen::Map<const Eigen::VectorXd>(rhs.data(), rhs.size()));
+    result.middleRows(first, n) = Eigen::Map<const Eigen::MatrixXd>(solution.data(), n, terms);
+  }
+  if (!result.allFinite()) return false;
+  x = std::move(result);
   return true;
 }
 
