@@ -1,5 +1,7 @@
 #include "samara/models/model.h"
 
+#include <algorithm>
+
 namespace samara::models {
 
 double state_scale(const StateInfo& state, const Scales& scales) {
@@ -11,6 +13,13 @@ double state_scale(const StateInfo& state, const Scales& scales) {
 
 bool in_meaning(const ParameterInfo& parameter, double value) {
   return parameter.lower_inclusive ? value >= parameter.lower : value > parameter.lower;
+}
+
+std::string time_unit(const ModelInfo& info) {
+  const auto dimensionless = [](const auto& item) { return item.unit == "1"; };
+  const bool all = std::all_of(info.states.begin(), info.states.end(), dimensionless) &&
+                   std::all_of(info.parameters.begin(), info.parameters.end(), dimensionless);
+  return all ? "1" : "s";
 }
 
 }  // namespace samara::models

@@ -92,6 +92,9 @@ class Model {
 /// The scale of a state: length, velocity, 1/time by its unit ("m", "m/s", "rad/s" or "1/s"), else 1.
 double state_scale(const StateInfo& state, const Scales& scales);
 
+/// "s", or "1" for a model all of whose states and parameters are dimensionless.
+std::string time_unit(const ModelInfo& info);
+
 /// Names of all models that ship with Samara, sorted.
 std::vector<std::string> model_names();
 

@@ -225,6 +225,21 @@ class Cross {
   IndexBatch worst_;
 };
 
+void check_pivots(const CrossPivots& pivots, const std::vector<int>& sizes) {
+  for (std::size_t k = 0; k < pivots.right.size(); ++k) {
+    const IndexBatch& set = pivots.right[k];
+    if (set.cols() == 0) continue;
+    bool fits = k <= sizes.size() && set.rows() == static_cast<Eigen::Index>(sizes.size() - k);
+    for (Eigen::Index m = 0; fits && m < set.rows(); ++m) {
+      fits = set.row(m).minCoeff() >= 0 && set.row(m).maxCoeff() < sizes[k + static_cast<std::size_t>(m)];
+    }
+    if (!fits) {
+      throw ArgumentError(fmt::format("the start's pivots behind mode {} do not lie on the grid of {} nodes",
+                                      k, fmt::join(sizes, " x ")));
+    }
+  }
+}
+
 }  // namespace
 
 CrossResult interpolate(const EntryFunction& function, int outputs, const std::vector<int>& sizes,
@@ -242,6 +257,7 @@ CrossResult interpolate(const EntryFunction& function, int outputs, const std::v
                     "expected positive numbers",
                     options.tolerance, options.max_rank, options.max_sweeps, options.guard_entries));
   }
+  check_pivots(options.start, sizes);
   return Cross(function, outputs, sizes, options).run();
 }
 

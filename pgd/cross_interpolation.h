@@ -40,7 +40,7 @@ struct CrossOptions {
   int guard_entries = 200;  ///< fresh ones in every sweep
   long max_evaluations = 50'000'000;
   std::uint64_t seed = 1;
-  CrossPivots start;  ///< empty: random
+  CrossPivots start = {};  ///< empty: random
 };
 
 enum class CrossStatus { converged, max_sweeps, max_evaluations, not_finite };
@@ -59,7 +59,7 @@ struct CrossResult {
 };
 
 /// @param sizes nodes per mode, at least one mode
-/// @throws ArgumentError if sizes or options are out of range.
+/// @throws ArgumentError if sizes or options are out of range, or the start's pivots are not on this grid.
 CrossResult interpolate(const EntryFunction& function, int outputs, const std::vector<int>& sizes,
                         const CrossOptions& options);
 

@@ -25,6 +25,9 @@ std::vector<Eigen::VectorXd> inverse(const std::vector<Eigen::VectorXd>& scale) 
   return result;
 }
 
+/// Accuracy of f relative to the residual expected.
+constexpr double kNoise = 0.02;
+
 /// Newton's iteration: the state in one place, the steps as functions.
 class Newton {
  public:
@@ -33,7 +36,7 @@ class Newton {
     std::vector<int> sizes = {grid_.states()};
     sizes.insert(sizes.end(), grid_.sizes().begin(), grid_.sizes().end());
     w_ = SeparatedTensor::zero(sizes);
-    if (guess != nullptr) w_ = compressed(grid_.from_field(*guess), 0.1 * options.tolerance);
+    if (guess != nullptr) w_ = compressed(grid_.from_field(*guess), 0.3 * options.tolerance);
   }
 
   EvolutionResult run() {
@@ -50,7 +53,6 @@ class Newton {
     EvolutionResult result{grid_.field(w_), status_, message_, std::move(history_)};
     result.residual = residual_;
     result.nonlinearity_error = nonlinearity_error_;
-    result.compression_error = compression_error_;
     result.rhs_evaluations = rhs_evaluations_;
     result.jacobian_evaluations = jacobian_evaluations_;
     result.grid_size = grid_.size();
@@ -59,13 +61,35 @@ class Newton {
   }
 
  private:
-  /// G = S f(x0 + W) - W, compressed; its norm is the residual. @returns false if f is not finite.
+  /// S f(x0 + W), and the residual S f - W. f is approximated well below the residual: what is noise there
+  /// has high rank, and the linear solve would spend its terms on it. @returns false if f is not finite.
   bool approximate_residual() {
     SeparatedTensor state = w_;
     state.append(start_);
+    const double floor = 0.3 * options_.tolerance;
+    double accuracy = std::max(floor, kNoise * expected_residual());
+    previous_residual_ = residual_;
+    while (true) {
+      if (!approximate_integral(state, accuracy)) return false;
+      SeparatedTensor residual = integral_;
+      residual.append(scaled_modes(w_, grid_.root_weights()), -1.0);
+      residual_ = norm(residual);
+      if (accuracy <= floor || accuracy <= 2.0 * kNoise * residual_) break;
+      accuracy = std::max(floor, kNoise * residual_);
+    }
+    record_.residual = residual_;
+    return true;
+  }
+
+  /// Before the first residual is known: what a start from nothing, or from a guess, should leave.
+  double expected_residual() const {
+    if (history_.empty()) return w_.rank() == 0 ? 1.0 : 10.0 * options_.tolerance;
+    return std::min(1.0, options_.linear_tolerance * residual_);
+  }
+
+  bool approximate_integral(const SeparatedTensor& state, double accuracy) {
     CrossOptions cross;
-    cross.tolerance =
-        std::max(0.05 * options_.tolerance, 0.1 * options_.linear_tolerance * expected_residual());
+    cross.tolerance = accuracy;
     cross.max_rank = options_.max_rank;
     cross.seed = options_.seed + history_.size();
     cross.start = rhs_pivots_;
@@ -78,23 +102,12 @@ class Newton {
     if (!cross_is_finite(result, "the right-hand side")) return false;
     rhs_pivots_ = std::move(result.pivots);
     nonlinearity_error_ = result.guard_error;
-    apply_integration(result.train.cores[1]);
-    // Scaled to the weighted norm, in which rounding is right.
     TensorTrain integral = std::move(result.train);
+    apply_integration(integral.cores[1]);
+    // Scaled to the weighted norm, in which rounding is right.
     scale_modes(integral, grid_.root_weights());
-    integral_ = to_separated(rounded(std::move(integral), cross.tolerance));
-    SeparatedTensor residual = integral_;
-    residual.append(scaled_modes(w_, grid_.root_weights()), -1.0);
-    previous_residual_ = residual_;
-    residual_ = norm(residual);
-    record_.residual = residual_;
+    integral_ = to_separated(rounded(std::move(integral), 0.2 * accuracy));
     return true;
-  }
-
-  /// What the step just made should leave. f is approximated well below it: what is noise in the residual has
-  /// high rank, and the linear solve would spend its terms on it.
-  double expected_residual() const {
-    return history_.empty() ? 1.0 : std::min(1.0, options_.linear_tolerance * residual_);
   }
 
   static void scale_modes(TensorTrain& train, const std::vector<Eigen::VectorXd>& scale) {
@@ -127,6 +140,11 @@ class Newton {
 
   bool converged() {
     if (!(residual_ <= options_.tolerance)) return false;
+    if (nonlinearity_error_ > options_.tolerance) {
+      return stop(EvolutionStatus::stalled,
+                  fmt::format("residual {:.3g}, but f is approximated only to {:.3g} > {:.3g}", residual_,
+                              nonlinearity_error_, options_.tolerance));
+    }
     return stop(EvolutionStatus::converged, fmt::format("residual {:.3g} <= {:.3g} after {} iterations",
                                                         residual_, options_.tolerance, history_.size()));
   }
@@ -157,6 +175,7 @@ class Newton {
     w_ = before_step_;
     w_.weights *= 1.0 - step_;
     w_.append(full_step_, step_);
+    w_ = compressed(w_, 0.1 * options_.linear_tolerance * residual_);
     return true;
   }
 
@@ -192,7 +211,7 @@ class Newton {
     if (!cross_is_finite(result, "the Jacobian")) return false;
     jacobian_pivots_ = std::move(result.pivots);
     jacobian_size_ = std::max(result.largest, 1.0);
-    jacobian_ = weighted_compressed(to_separated(result.train), options_.linear_tolerance * jacobian_size_);
+    jacobian_ = compressed(to_separated(result.train), options_.linear_tolerance * jacobian_size_);
     record_.jacobian_terms = jacobian_.rank();
     return true;
   }
@@ -227,14 +246,9 @@ class Newton {
   }
 
   /// Compression in the weighted norm.
-  SeparatedTensor weighted_compressed(const SeparatedTensor& tensor, double tolerance) {
+  SeparatedTensor compressed(const SeparatedTensor& tensor, double tolerance) const {
     CompressionResult result = compress(scaled_modes(tensor, grid_.root_weights()), tolerance);
-    compression_error_ = result.error;
     return scaled_modes(std::move(result.tensor), inverse(grid_.root_weights()));
-  }
-
-  SeparatedTensor compressed(const SeparatedTensor& tensor, double tolerance) {
-    return weighted_compressed(tensor, tolerance);
   }
 
   bool stop(EvolutionStatus status, std::string message) {
@@ -259,7 +273,6 @@ class Newton {
   double previous_residual_ = std::numeric_limits<double>::infinity();
   double jacobian_size_ = 1.0;
   double nonlinearity_error_ = 0.0;
-  double compression_error_ = 0.0;
   long rhs_evaluations_ = 0;
   long jacobian_evaluations_ = 0;
 };

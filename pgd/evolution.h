@@ -60,10 +60,12 @@ struct EvolutionOptions {
   double tolerance = 1e-6;
   int max_iterations = 25;
   int max_rank = 150;
-  Projection projection = Projection::minimal_residual;
+  /// The integral form is the identity plus a smoothing operator, for which Galerkin is safe; and it keeps
+  /// the causal structure in time, so that the factor updates of the time axis are solved element by element.
+  Projection projection = Projection::galerkin;
   /// Relative residual asked of the linear solves, and relative accuracy of the Jacobian: together they set
   /// the contraction of the inexact Newton iteration.
-  double linear_tolerance = 3e-2;
+  double linear_tolerance = 0.1;
   std::uint64_t seed = 1;
   ProgressCallback progress = {};
 };
@@ -94,9 +96,9 @@ struct EvolutionResult {
   EvolutionStatus status = EvolutionStatus::diverged;
   std::string message;
   std::vector<EvolutionRecord> history;
-  double residual = 0.0;            ///< last one, in scales
+  /// Last one, in scales: what the truncation to finitely many terms leaves of the equations.
+  double residual = 0.0;
   double nonlinearity_error = 0.0;  ///< guard error of f times the duration, in scales
-  double compression_error = 0.0;   ///< of the last iterate, in scales
   long rhs_evaluations = 0;
   long jacobian_evaluations = 0;
   double grid_size = 0.0;  ///< nodes of time x parameters

@@ -35,7 +35,9 @@ SeparatedField::SeparatedField(std::vector<Axis> axes, std::vector<OutputLabel> 
     }
     for (Eigen::Index r = 0; r < factor.cols(); ++r) {
       const double length = std::sqrt(factor.col(r).dot(axes_[k].mass() * factor.col(r)) / axes_[k].length());
-      if (length == 0.0) continue;
+      // Factors that are normalised already stay as they are, to the last bit: fields survive a file
+      // unchanged.
+      if (length == 0.0 || std::abs(length - 1.0) < 1e-12) continue;
       factors_[k].col(r) /= length;
       weights_.col(r) *= length;
     }

@@ -49,6 +49,7 @@ void SeparatedTensor::normalise() {
 }
 
 void SeparatedTensor::append(const SeparatedTensor& other, double scale) {
+  if (&other == this) return append(SeparatedTensor(other), scale);
   const Eigen::Index old_rank = weights.size();
   weights.conservativeResize(old_rank + other.weights.size());
   weights.tail(other.weights.size()) = scale * other.weights;

@@ -1,0 +1,156 @@
+#include "samara/codebooks/build.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <ctime>
+#include <utility>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "samara/base/version.h"
+#include "samara/codebooks/certify.h"
+#include "samara/codebooks/checkpoint.h"
+#include "samara/codebooks/model_system.h"
+#include "samara/pgd/adaptive_evolution.h"
+
+namespace samara::codebooks {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::vector<double> box_centre(const Plan& plan) {
+  std::vector<double> centre;
+  for (const BoxEntry& entry : plan.box) centre.push_back(0.5 * (entry.lower + entry.upper));
+  return centre;
+}
+
+pgd::AdaptiveProblem problem_of(const Plan& plan, const models::ParametricModel& model,
+                                const ModelSystem& system) {
+  const models::ModelInfo& info = model.model().info();
+  const models::Scales scales = model.scales(box_centre(plan));
+  pgd::AdaptiveProblem problem;
+  problem.system = &system;
+  problem.time = {"t", models::time_unit(info), pgd::AxisRole::time};
+  problem.end = plan.end;
+  std::vector<double> start(info.states.size());
+  model.initial(box_centre(plan), start);
+  for (std::size_t s = 0; s < info.states.size(); ++s) {
+    problem.states.push_back({info.states[s].name, info.states[s].unit});
+    problem.scales.push_back(models::state_scale(info.states[s], scales));
+    const auto floor = plan.absolute.find(info.states[s].name);
+    problem.scale_floors.push_back(floor == plan.absolute.end() ? 0.0 : floor->second);
+    problem.initial.push_back({start[s], -1});
+  }
+  for (std::size_t k = 0; k < plan.box.size(); ++k) {
+    const models::FreeCoordinate& free = model.free()[k];
+    const pgd::AxisRole role = free.is_initial ? pgd::AxisRole::initial : pgd::AxisRole::parameter;
+    problem.parameters.push_back(
+        {{free.name, free.unit, role}, plan.box[k].lower, plan.box[k].upper, plan.box[k].nodes});
+    if (!free.is_initial) continue;
+    const auto state = static_cast<std::size_t>(free.index);
+    problem.initial[state].axis = static_cast<int>(k);
+    problem.scales[state] =
+        std::max({problem.scales[state], std::abs(plan.box[k].lower), std::abs(plan.box[k].upper)});
+  }
+  return problem;
+}
+
+ModelDescription describe(const models::ParametricModel& model) {
+  const models::ModelInfo& info = model.model().info();
+  ModelDescription description{info.name,     info.title, info.equations, info.frames, info.source,
+                               model.fixed(), {}};
+  for (const auto& parameter : info.parameters) description.fixed_units[parameter.name] = parameter.unit;
+  for (const auto& state : info.states) description.fixed_units[state.name + "(0)"] = state.unit;
+  return description;
+}
+
+BuildRecord record_of(const pgd::AdaptiveResult& result) {
+  BuildRecord record;
+  record.builder = "pgd";
+  record.strategy = "newton";
+  record.status = result.status == pgd::AdaptiveStatus::converged      ? "converged"
+                  : result.status == pgd::AdaptiveStatus::not_resolved ? "not_resolved"
+                  : result.status == pgd::AdaptiveStatus::max_evaluations
+                      ? "max_calls"
+                      : to_string(result.evolution.status);
+  record.message = result.message;
+  record.evaluations = static_cast<double>(result.state.rhs_evaluations + result.state.jacobian_evaluations);
+  record.grid_size = result.evolution.grid_size;
+  record.iterations = result.state.iterations;
+  record.rounds = result.state.round;
+  return record;
+}
+
+Provenance provenance_of(const Plan& plan, double seconds) {
+  std::array<char, 256> host{};
+  gethostname(host.data(), host.size() - 1);
+  return {fmt::format("samara {}", version()), plan.text,
+          fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))), host.data(), seconds};
+}
+
+std::string sentence(const BuildRecord& record, const Certificate& certificate) {
+  if (certificate.met) {
+    return fmt::format("certified: largest error {:.3g} <= {:.3g} at {} points", certificate.max_error,
+                       certificate.tolerance, certificate.points);
+  }
+  if (record.status != "converged") return fmt::format("the build missed its tolerance: {}", record.message);
+  if (certificate.failed_points > 0) {
+    return fmt::format("the certificate is incomplete: {} of {} integrations failed",
+                       certificate.failed_points, certificate.points);
+  }
+  return fmt::format("the build missed its tolerance: largest error {:.3g} > {:.3g}", certificate.max_error,
+                     certificate.tolerance);
+}
+
+}  // namespace
+
+BuildResult build(const Plan& plan, const BuildOptions& options) {
+  const Clock::time_point begin = Clock::now();
+  const models::ParametricModel model = plan.parametric_model();
+  const ModelSystem system(model);
+  const pgd::AdaptiveProblem problem = problem_of(plan, model, system);
+  pgd::AdaptiveOptions adaptive;
+  adaptive.tolerance = plan.relative;
+  adaptive.max_evaluations = plan.builder.max_calls;
+  adaptive.evolution.seed = plan.builder.seed;
+  adaptive.evolution.progress = options.progress;
+  if (!options.checkpoint.empty()) {
+    adaptive.checkpoint = [&](const pgd::SolverState& state) {
+      save_checkpoint(options.checkpoint, plan.text, state);
+    };
+  }
+  pgd::SolverState start;
+  if (options.resume && std::filesystem::exists(options.checkpoint))
+    start = load_checkpoint(options.checkpoint, plan.text);
+  pgd::AdaptiveResult solution = solve_adaptively(problem, adaptive, std::move(start));
+
+  const BuildRecord record = record_of(solution);
+  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  Codebook book(describe(model), {Piece{{std::move(solution.evolution.field)}}}, record,
+                provenance_of(plan, seconds), {}, plan.title);
+  CertifyOptions certify_options;
+  certify_options.points = options.certificate_points;
+  certify_options.seed = options.certificate_seed;
+  certify_options.tolerance = plan.relative;
+  certify_options.absolute = plan.absolute;
+  certify_options.threads = plan.builder.threads;
+  certify_options.progress = options.progress;
+  Certificate certificate = certify(book, model, certify_options);
+  certificate.met = certificate.met && record.status == "converged";
+  certificate.residual = solution.evolution.residual;
+  for (const pgd::AxisResolution& axis : solution.resolution) {
+    certificate.spent.discretisation = std::max(certificate.spent.discretisation, axis.coefficients);
+  }
+  certificate.spent.compression = solution.evolution.residual;
+  certificate.spent.nonlinearity = solution.evolution.nonlinearity_error;
+  const bool met = certificate.met;
+  std::string message = sentence(record, certificate);
+  if (!options.checkpoint.empty()) std::filesystem::remove(options.checkpoint);
+  return {book.with_certificate(std::move(certificate)), met, std::move(message)};
+}
+
+}  // namespace samara::codebooks

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "samara/base/progress.h"
+#include "samara/codebooks/codebook.h"
+#include "samara/codebooks/plan.h"
+
+/// Builds the codebook of a plan by the PGD engine, without integrating any trajectory, and then certifies it
+/// against one integrator on points that the builder did not see.
+///
+/// Usage:
+///   const BuildResult result = build(read_plan("coin.toml"));
+///   if (!result.met) warn(result.message);
+///   save(result.book, "coin.h5");
+namespace samara::codebooks {
+
+struct BuildOptions {
+  int certificate_points = 2000;
+  std::uint64_t certificate_seed = 2026;
+  /// Where to keep the solver's state between rounds; empty: nowhere. The file is removed when the build is
+  /// done.
+  std::filesystem::path checkpoint = {};
+  /// Go on from the checkpoint if there is one. The result equals that of an undisturbed build except its
+  /// provenance.
+  bool resume = false;
+  ProgressCallback progress = {};
+};
+
+struct BuildResult {
+  Codebook book;        ///< always valid, marked by its certificate if it missed the tolerance
+  bool met = false;     ///< the certificate's word
+  std::string message;  ///< one sentence with the numbers
+};
+
+/// @throws ArgumentError as Plan::parametric_model(); InputError for a checkpoint that is broken or of
+/// another plan.
+BuildResult build(const Plan& plan, const BuildOptions& options = {});
+
+}  // namespace samara::codebooks

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace samara::codebooks {
+
+/// How far one output of a codebook is from the independent integrator. Errors are divided by
+/// max(range of the output over box and time, the plan's absolute tolerance for it), unless they say SI.
+struct OutputError {
+  std::string name;
+  std::string unit;
+  double range = 0.0;   ///< max(range over the certificate's points and times, absolute tolerance), SI
+  double max = 0.0;     ///< over all points and times
+  double p95 = 0.0;     ///< 95 % quantile over points of the largest error over times
+  double mean = 0.0;    ///< mean over points of the largest error over times
+  double rms = 0.0;     ///< root mean square over points and times, relative to that of the output itself
+  double max_si = 0.0;  ///< largest error in the output's unit
+  std::vector<double> worst;  ///< coordinates of the largest error, in the order of Codebook::coordinates()
+};
+
+/// What the builder spent of the tolerance, in the same measure.
+struct ErrorBudget {
+  double discretisation = 0.0;
+  double compression = 0.0;
+  double nonlinearity = 0.0;
+};
+
+/// Error of a codebook against CVODES at tight tolerance, on scrambled Sobol' points that no builder saw, at
+/// all times of a grid finer than the builder's.
+struct Certificate {
+  double tolerance = 0.0;  ///< what the plan asked for
+  bool met = false;        ///< builder converged, no integration failed, and every output's max <= tolerance
+  double max_error = 0.0;  ///< largest OutputError::max
+  int points = 0;
+  int times = 0;
+  int failed_points = 0;  ///< where the integrator gave no trajectory
+  std::uint64_t seed = 0;
+  std::string integrator;
+  double integrator_tolerance = 0.0;
+  double residual = 0.0;  ///< of the equations, as the builder reports it, in scales of the states
+  ErrorBudget spent;
+  std::vector<OutputError> outputs;
+};
+
+}  // namespace samara::codebooks

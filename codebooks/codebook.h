@@ -1,0 +1,105 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "samara/codebooks/certificate.h"
+#include "samara/pgd/separated_field.h"
+
+/// A codebook is the separated solution of a parametric model over time and a box of parameters and initial
+/// values, with a certificate of its error. Coordinates and outputs are in SI units.
+///
+/// Usage:
+///   const Codebook book = load("coin.h5");
+///   Query query(book);
+///   Eigen::VectorXd values(book.output_count());
+///   query.values({{0.3, 1.15, 0.0}}, values);        // t, C_D, v(0)
+namespace samara::codebooks {
+
+/// What the codebook is a solution of, enough to integrate it again.
+struct ModelDescription {
+  std::string name;
+  std::string title;
+  std::string equations;  ///< as text
+  std::string frames;     ///< in words
+  std::string source;
+  std::map<std::string, double> fixed;             ///< parameters and initial values the plan fixed, SI
+  std::map<std::string, std::string> fixed_units;  ///< their units
+};
+
+/// How it was made; the only place for times and hosts.
+struct Provenance {
+  std::string generator;  ///< "samara 0.1.0"
+  std::string plan;       ///< text of the plan
+  std::string created;    ///< UTC, ISO 8601
+  std::string host;
+  double build_seconds = 0.0;
+};
+
+/// How the builder went; the same on every machine and after every resume.
+struct BuildRecord {
+  std::string builder;     ///< "pgd"
+  std::string strategy;    ///< "newton"
+  std::string status;      ///< "converged", or why not
+  std::string message;     ///< in one sentence
+  double evaluations = 0;  ///< of the right-hand side and its Jacobian
+  double grid_size = 0;    ///< nodes of time x parameters of the last round
+  int iterations = 0;      ///< of Newton, all rounds
+  int rounds = 0;          ///< of refinement
+};
+
+/// One time slab of one parameter cell: its own axes and field groups, all groups over the same axes.
+struct Piece {
+  std::vector<pgd::SeparatedField> groups;
+};
+
+/// One coordinate of the whole codebook: time first, then parameters and initial values.
+struct Coordinate {
+  std::string name;
+  std::string unit;
+  pgd::AxisRole role = pgd::AxisRole::parameter;
+  double lower = 0.0;
+  double upper = 0.0;
+};
+
+class Codebook {
+ public:
+  /// @throws ArgumentError if there is no piece, pieces differ in their coordinates or outputs, or time is
+  /// not first.
+  Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecord build = {},
+           Provenance provenance = {}, std::optional<Certificate> certificate = {}, std::string title = {});
+
+  const std::vector<Coordinate>& coordinates() const { return coordinates_; }
+  const std::vector<pgd::OutputLabel>& outputs() const { return outputs_; }
+  int coordinate_count() const { return static_cast<int>(coordinates_.size()); }
+  int output_count() const { return static_cast<int>(outputs_.size()); }
+  const std::vector<Piece>& pieces() const { return pieces_; }
+  const ModelDescription& model() const { return model_; }
+  const BuildRecord& build() const { return build_; }
+  const Provenance& provenance() const { return provenance_; }
+  const std::optional<Certificate>& certificate() const { return certificate_; }
+  const std::string& title() const { return title_; }
+
+  /// @throws ArgumentError with the nearest known name.
+  int coordinate_index(const std::string& name) const;
+  int output_index(const std::string& name) const;
+
+  /// The same codebook with another certificate.
+  Codebook with_certificate(Certificate certificate) const;
+
+ private:
+  ModelDescription model_;
+  std::vector<Piece> pieces_;
+  BuildRecord build_;
+  Provenance provenance_;
+  std::optional<Certificate> certificate_;
+  std::string title_;
+  std::vector<Coordinate> coordinates_;
+  std::vector<pgd::OutputLabel> outputs_;
+};
+
+}  // namespace samara::codebooks

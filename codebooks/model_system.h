@@ -1,0 +1,24 @@
+#pragma once
+
+#include "samara/models/parametric_model.h"
+#include "samara/pgd/evolution.h"
+
+namespace samara::codebooks {
+
+/// A model as the engine sees it: the only adapter between the two. Parameters are the free coordinates in
+/// order. The model must outlive it.
+class ModelSystem final : public pgd::EvolutionSystem {
+ public:
+  explicit ModelSystem(const models::ParametricModel& model) : model_(model) {}
+
+  int state_count() const override { return model_.state_count(); }
+  void rhs(const Eigen::VectorXd& t, const Eigen::MatrixXd& x, const Eigen::MatrixXd& q,
+           Eigen::MatrixXd& f) const override;
+  void jacobian(const Eigen::VectorXd& t, const Eigen::MatrixXd& x, const Eigen::MatrixXd& q,
+                Eigen::MatrixXd& jacobian) const override;
+
+ private:
+  const models::ParametricModel& model_;
+};
+
+}  // namespace samara::codebooks

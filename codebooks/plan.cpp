@@ -1,0 +1,170 @@
+#include "samara/codebooks/plan.h"
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/io/toml_document.h"
+
+namespace samara::codebooks {
+
+namespace {
+
+using io::TomlTable;
+
+/// Units of everything a plan may fix or free: parameters, and initial values "s(0)".
+std::map<std::string, std::string> settable_units(const models::ModelInfo& info) {
+  std::map<std::string, std::string> units;
+  for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;
+  for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
+  return units;
+}
+
+const std::string& unit_of(const TomlTable& table, const std::string& key,
+                           const std::map<std::string, std::string>& units, const std::string& model) {
+  const auto it = units.find(key);
+  if (it != units.end()) return it->second;
+  std::vector<std::string> known;
+  for (const auto& [name, unit] : units) known.push_back(name);
+  throw table.error(key, fmt::format("the model \"{}\" has no parameter or initial value of this name{}",
+                                     model, suggestion(key, known)));
+}
+
+BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::string& unit) {
+  BoxEntry entry;
+  entry.name = key;
+  std::vector<double> range;
+  if (box.is_table(key)) {
+    const TomlTable table = box.table(key);
+    table.expect_keys({"range", "nodes"});
+    range = table.quantities("range", unit);
+    if (const auto nodes = table.optional_integer("nodes")) {
+      if (*nodes < 2 || *nodes > 2000)
+        throw table.error("nodes", fmt::format("is {}, expected 2 to 2000", *nodes));
+      entry.nodes = static_cast<int>(*nodes);
+    }
+  } else {
+    range = box.quantities(key, unit);
+  }
+  if (range.size() != 2)
+    throw box.error(key, fmt::format("has {} numbers, expected an interval [lower, upper]", range.size()));
+  if (!(range[0] < range[1])) {
+    throw box.error(key, fmt::format("is the interval [{}, {}], expected lower < upper", range[0], range[1]));
+  }
+  entry.lower = range[0];
+  entry.upper = range[1];
+  return entry;
+}
+
+void read_tolerance(const TomlTable& root, const models::ModelInfo& info, Plan& plan) {
+  const auto table = root.optional_table("tolerance");
+  if (!table) return;
+  table->expect_keys({"relative", "absolute"});
+  plan.relative = table->optional_number("relative").value_or(plan.relative);
+  if (!(plan.relative > 0.0 && plan.relative < 1.0)) {
+    throw table->error("relative", fmt::format("is {}, expected more than 0 and less than 1", plan.relative));
+  }
+  const auto absolute = table->optional_table("absolute");
+  if (!absolute) return;
+  std::map<std::string, std::string> units;
+  for (const auto& state : info.states) units[state.name] = state.unit;
+  for (const std::string& key : absolute->keys()) {
+    const double value = absolute->quantity(key, unit_of(*absolute, key, units, info.name));
+    if (!(value >= 0.0)) throw absolute->error(key, fmt::format("is {}, expected at least 0", value));
+    plan.absolute[key] = value;
+  }
+}
+
+std::string one_of(const TomlTable& table, const std::string& key, const std::vector<std::string>& known) {
+  const std::string value = table.optional_string(key).value_or(known.front());
+  if (std::find(known.begin(), known.end(), value) != known.end()) return value;
+  throw table.error(key, fmt::format("is \"{}\"{}", value, suggestion(value, known)));
+}
+
+std::int64_t integer_in(const TomlTable& table, const std::string& key, std::int64_t fallback,
+                        std::int64_t lower, std::int64_t upper) {
+  const std::int64_t value = table.optional_integer(key).value_or(fallback);
+  if (value >= lower && value <= upper) return value;
+  throw table.error(key, fmt::format("is {}, expected {} to {}", value, lower, upper));
+}
+
+void read_builder(const TomlTable& root, Plan& plan) {
+  const auto table = root.optional_table("builder");
+  if (!table) return;
+  table->expect_keys({"kind", "strategy", "max_calls", "threads", "seed"});
+  plan.builder.kind = one_of(*table, "kind", {"auto", "pgd"});
+  plan.builder.strategy = one_of(*table, "strategy", {"auto", "newton"});
+  plan.builder.max_calls = integer_in(*table, "max_calls", 0, 0, 1'000'000'000'000);
+  plan.builder.threads = static_cast<int>(integer_in(*table, "threads", 0, 0, 1024));
+  plan.builder.seed = static_cast<std::uint64_t>(integer_in(*table, "seed", 1, 0, INT64_MAX));
+}
+
+}  // namespace
+
+models::ParametricModel Plan::parametric_model() const {
+  std::vector<std::string> free;
+  for (const BoxEntry& entry : box) free.push_back(entry.name);
+  return models::ParametricModel(models::find_model(model), fixed, free);
+}
+
+Plan parse_plan(const std::string& text, const std::string& name) {
+  const TomlTable root = TomlTable::parse(text, name);
+  root.expect_keys({"model", "title", "fixed", "box", "time", "tolerance", "builder"});
+  Plan plan;
+  plan.source = name;
+  plan.text = text;
+  plan.model = root.string("model");
+  plan.title = root.optional_string("title").value_or("");
+  try {
+    const auto model = models::find_model(plan.model);
+    const std::map<std::string, std::string> units = settable_units(model->info());
+    if (const auto fixed = root.optional_table("fixed")) {
+      for (const std::string& key : fixed->keys()) {
+        plan.fixed[key] = fixed->quantity(key, unit_of(*fixed, key, units, plan.model));
+      }
+    }
+    const TomlTable box = root.table("box");
+    for (const std::string& key : box.keys()) {
+      const std::string& unit = unit_of(box, key, units, plan.model);
+      if (plan.fixed.count(key) > 0)
+        throw box.error(key, "is fixed in [fixed] and free in [box], expected one of them");
+      plan.box.push_back(read_entry(box, key, unit));
+    }
+    if (plan.box.empty())
+      throw root.error("box", "is empty, expected at least one free parameter or initial value");
+    const TomlTable time = root.table("time");
+    time.expect_keys({"end"});
+    plan.end = time.quantity("end", "s");
+    if (!(plan.end > 0.0)) throw time.error("end", fmt::format("is {}, expected more than 0", plan.end));
+    read_tolerance(root, model->info(), plan);
+    read_builder(root, plan);
+    // Required parameters, and every corner of the box inside the parameters' meaning.
+    const models::ParametricModel parametric = plan.parametric_model();
+    std::vector<double> lower, upper;
+    for (const BoxEntry& entry : plan.box) {
+      lower.push_back(entry.lower);
+      upper.push_back(entry.upper);
+    }
+    parametric.check(lower);
+    parametric.check(upper);
+  } catch (const ArgumentError& error) {
+    throw InputError(name, error.what());
+  }
+  return plan;
+}
+
+Plan read_plan(const std::filesystem::path& path) {
+  const TomlTable checked =
+      TomlTable::read(path);  // missing, unreadable or malformed files are reported by it
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return parse_plan(text.str(), path.string());
+}
+
+}  // namespace samara::codebooks

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/codebooks/codebook.h"
+
+namespace samara::codebooks {
+
+/// Answers at single points. Holds the scratch space of one thread; the codebook must outlive it. Does not
+/// allocate after construction.
+class Query {
+ public:
+  explicit Query(const Codebook& book);
+
+  /// All outputs at a point.
+  /// @param x coordinates in the order of Codebook::coordinates(), SI
+  /// @throws ArgumentError if x has the wrong size or is not finite; OutsideBoxError naming the coordinate.
+  void values(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values);
+
+  /// The same with gradient(output, coordinate), exact derivatives of the separated form. At a border of
+  /// pieces they are one-sided, from the lower piece.
+  void values(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values,
+              Eigen::Ref<Eigen::MatrixXd> gradient);
+
+ private:
+  struct Group {
+    const pgd::SeparatedField* field;
+    pgd::SeparatedField::Workspace workspace;
+    std::vector<int> outputs;  ///< their places in the codebook
+    Eigen::VectorXd values;
+    Eigen::MatrixXd gradient;
+  };
+  std::vector<Group>& groups_at(std::span<const double> x);
+
+  const Codebook& book_;
+  std::vector<std::vector<Group>> pieces_;
+};
+
+/// Answers at fixed times, for chosen outputs, again and again at other parameters: what a fit asks for. Each
+/// call costs one product of the parameter axes and one small matrix product over the prepared times. Does
+/// not allocate after construction; one per thread; the codebook must outlive it.
+class TrajectoryQuery {
+ public:
+  /// @param times s, inside the box
+  /// @param outputs names; empty: all
+  /// @throws ArgumentError for an unknown output; OutsideBoxError for a time outside the box.
+  TrajectoryQuery(const Codebook& book, std::vector<double> times,
+                  const std::vector<std::string>& outputs = {});
+
+  int time_count() const { return static_cast<int>(times_.size()); }
+  int output_count() const { return output_count_; }
+  int parameter_count() const { return book_.coordinate_count() - 1; }
+
+  /// @param q the coordinates behind time, in order, SI
+  /// @param values times x outputs
+  /// @throws as Query::values
+  void values(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> values);
+
+  /// @param derivatives times x (outputs * parameters): column o + outputs * k holds d(output o)/d(q_k)
+  void values(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> values,
+              Eigen::Ref<Eigen::MatrixXd> derivatives);
+
+ private:
+  /// The part of one group of one piece: the times it answers for.
+  struct Part {
+    const pgd::SeparatedField* field;
+    std::vector<int> rows;           ///< of the times
+    Eigen::MatrixXd time_factors;    ///< those times x rank
+    std::vector<int> field_outputs;  ///< chosen outputs of the field, and where they go
+    std::vector<int> columns;
+    Eigen::MatrixXd weights;  ///< rank x chosen outputs
+    std::vector<pgd::InterpolationStencil> stencils;
+    Eigen::MatrixXd factor_values, factor_derivatives;  ///< rank x parameters
+    Eigen::VectorXd product;
+    Eigen::MatrixXd scaled_weights;  ///< rank x chosen outputs
+    Eigen::MatrixXd result;          ///< those times x chosen outputs
+  };
+  void check(std::span<const double> q) const;
+
+  const Codebook& book_;
+  std::vector<double> times_;
+  int output_count_ = 0;
+  std::vector<Part> parts_;
+};
+
+}  // namespace samara::codebooks

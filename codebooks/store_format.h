@@ -1,0 +1,11 @@
+#pragma once
+
+/// Names in the codebook file, shared by its writer and its reader.
+namespace samara::codebooks::format {
+
+inline constexpr const char* kFormat = "samara-codebook";
+inline constexpr int kMajor = 0;
+inline constexpr int kMinor = 1;
+inline constexpr const char* kGroupKind = "sum_of_products";
+
+}  // namespace samara::codebooks::format

@@ -1,0 +1,171 @@
+#include "samara/codebooks/store_piece.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/codebooks/store_format.h"
+
+namespace samara::codebooks {
+
+namespace {
+
+using io::Hdf5Reader;
+using io::Hdf5Writer;
+
+std::span<const double> as_span(const Eigen::VectorXd& v) {
+  return {v.data(), static_cast<std::size_t>(v.size())};
+}
+
+void write_axis(Hdf5Writer& file, const std::string& path, int index, const pgd::Axis& axis) {
+  file.write_vector(path, axis.nodes());
+  file.make_scale(path, axis.name());
+  file.write_integer_attribute(path, "index", index);
+  file.write_text_attribute(path, "units", axis.unit());
+  file.write_text_attribute(path, "role", to_string(axis.role()));
+  file.write_text_attribute(path, "basis", to_string(axis.basis()));
+  file.write_text_attribute(path, "transform", "none");
+  file.write_number_attribute(path, "lower", axis.lower());
+  file.write_number_attribute(path, "upper", axis.upper());
+  file.write_integer_attribute(path, "degree", axis.degree());
+  file.write_numbers_attribute(path, "borders", as_span(axis.borders()));
+}
+
+void write_group(Hdf5Writer& file, const std::string& piece, const std::string& path,
+                 const pgd::SeparatedField& field) {
+  file.create_group(path);
+  file.write_text_attribute(path, "kind", format::kGroupKind);
+  std::vector<std::string> names, units;
+  for (const pgd::OutputLabel& output : field.outputs()) {
+    names.push_back(output.name);
+    units.push_back(output.unit);
+  }
+  file.write_texts(path + "/outputs", names);
+  file.write_texts(path + "/units", units);
+  file.write_matrix(path + "/weights", field.weights());
+  for (std::size_t k = 0; k < field.axes().size(); ++k) {
+    const std::string& name = field.axes()[k].name();
+    file.write_matrix(path + "/factors/" + name, field.factors()[k]);
+    file.attach_scale(path + "/factors/" + name, 0, piece + "/axes/" + name);
+  }
+}
+
+}  // namespace
+
+void write_piece(Hdf5Writer& file, const std::string& path, const Piece& piece) {
+  std::vector<double> lower, upper;
+  const std::vector<pgd::Axis>& axes = piece.groups.front().axes();
+  for (std::size_t k = 0; k < axes.size(); ++k) {
+    write_axis(file, path + "/axes/" + axes[k].name(), static_cast<int>(k), axes[k]);
+    lower.push_back(axes[k].lower());
+    upper.push_back(axes[k].upper());
+  }
+  file.write_numbers_attribute(path, "lower", lower);
+  file.write_numbers_attribute(path, "upper", upper);
+  for (std::size_t g = 0; g < piece.groups.size(); ++g) {
+    write_group(file, path, fmt::format("{}/groups/{}", path, g), piece.groups[g]);
+  }
+}
+
+int numbered_children(const Hdf5Reader& file, const std::string& group) {
+  const auto count = static_cast<int>(file.children(group).size());
+  for (int k = 0; k < count; ++k) {
+    if (!file.has(fmt::format("{}/{}", group, k)))
+      throw file.error(group, fmt::format("member {} of {} is missing", k, count));
+  }
+  if (count == 0) throw file.error(group, "is empty, expected at least one member");
+  return count;
+}
+
+namespace {
+
+/// Axes are rebuilt from their borders; the nodes in the file must be the ones that follow.
+pgd::Axis read_axis(const Hdf5Reader& file, const std::string& path, const std::string& name) {
+  const Eigen::VectorXd nodes = file.vector(path);
+  const std::string transform = file.text_attribute(path, "transform");
+  if (transform != "none")
+    throw file.error(path, fmt::format("transform is \"{}\", expected \"none\"", transform));
+  const std::vector<double> border_list = file.numbers_attribute(path, "borders");
+  const Eigen::VectorXd borders =
+      Eigen::Map<const Eigen::VectorXd>(border_list.data(), static_cast<Eigen::Index>(border_list.size()));
+  const auto degree = static_cast<Eigen::Index>(file.integer_attribute(path, "degree"));
+  if (degree < 1 || borders.size() < 2 || (borders.size() - 1) * degree + 1 != nodes.size()) {
+    throw file.error(path, fmt::format("{} nodes do not fit {} borders and degree {}", nodes.size(),
+                                       borders.size(), degree));
+  }
+  try {
+    pgd::Axis::Label label{name, file.text_attribute(path, "units"),
+                           pgd::role_from_string(file.text_attribute(path, "role"))};
+    const pgd::Basis basis = pgd::basis_from_string(file.text_attribute(path, "basis"));
+    const auto count = static_cast<int>(nodes.size());
+    const pgd::Axis axis =
+        basis == pgd::Basis::p1 ? pgd::Axis::p1(std::move(label), borders)
+        : basis == pgd::Basis::chebyshev
+            ? pgd::Axis::chebyshev(std::move(label), borders[0], borders[borders.size() - 1], count)
+            : pgd::Axis::radau(std::move(label), borders, static_cast<int>(degree));
+    const bool fits =
+        axis.size() == nodes.size() && (axis.nodes() - nodes).cwiseAbs().maxCoeff() <=
+                                           1e-12 * std::max(axis.length(), nodes.cwiseAbs().maxCoeff());
+    if (!fits) throw file.error(path, fmt::format("the nodes are not those of a {} axis", to_string(basis)));
+    return axis;
+  } catch (const ArgumentError& error) {
+    throw file.error(path, error.what());
+  }
+}
+
+std::vector<pgd::Axis> read_axes(const Hdf5Reader& file, const std::string& piece) {
+  const std::string group = piece + "/axes";
+  const std::vector<std::string> names = file.children(group);
+  std::vector<std::string> ordered(names.size());
+  for (const std::string& name : names) {
+    const auto index = static_cast<std::size_t>(file.integer_attribute(group + "/" + name, "index"));
+    if (index >= names.size() || !ordered[index].empty()) {
+      throw file.error(group + "/" + name,
+                       fmt::format("index {} is taken or not below {}", index, names.size()));
+    }
+    ordered[index] = name;
+  }
+  std::vector<pgd::Axis> axes;
+  for (const std::string& name : ordered) axes.push_back(read_axis(file, group + "/" + name, name));
+  if (axes.empty()) throw file.error(group, "is empty, expected at least one axis");
+  return axes;
+}
+
+pgd::SeparatedField read_group(const Hdf5Reader& file, const std::string& path,
+                               const std::vector<pgd::Axis>& axes) {
+  const std::string kind = file.text_attribute(path, "kind");
+  if (kind != format::kGroupKind) {
+    throw file.error(path, fmt::format("kind is \"{}\", expected \"{}\"", kind, format::kGroupKind));
+  }
+  const std::vector<std::string> names = file.texts(path + "/outputs");
+  const std::vector<std::string> units = file.texts(path + "/units");
+  if (names.size() != units.size() || names.empty()) {
+    throw file.error(path, fmt::format("has {} outputs and {} units", names.size(), units.size()));
+  }
+  std::vector<pgd::OutputLabel> outputs;
+  for (std::size_t o = 0; o < names.size(); ++o) outputs.push_back({names[o], units[o]});
+  Eigen::MatrixXd weights = file.matrix(path + "/weights", {.rows = static_cast<Eigen::Index>(names.size())});
+  std::vector<Eigen::MatrixXd> factors;
+  for (const pgd::Axis& axis : axes) {
+    factors.push_back(
+        file.matrix(path + "/factors/" + axis.name(), {.rows = axis.size(), .columns = weights.cols()}));
+  }
+  return pgd::SeparatedField(axes, std::move(outputs), std::move(factors), std::move(weights));
+}
+
+}  // namespace
+
+Piece read_piece(const Hdf5Reader& file, const std::string& path) {
+  const std::vector<pgd::Axis> axes = read_axes(file, path);
+  Piece piece;
+  const int groups = numbered_children(file, path + "/groups");
+  for (int g = 0; g < groups; ++g)
+    piece.groups.push_back(read_group(file, fmt::format("{}/groups/{}", path, g), axes));
+  return piece;
+}
+
+}  // namespace samara::codebooks

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "samara/pgd/evolution.h"
+
+/// The evolution solver with axes refined until they resolve the solution.
+///
+/// Every round solves on the present axes, starting from the field of the round before, and then looks at the
+/// highest Legendre coefficients along every axis; axes that do not resolve the field get half as many nodes
+/// more. Early rounds are solved only as well as their axes deserve.
+namespace samara::pgd {
+
+/// Axis whose nodes the solver chooses (or that the caller fixes).
+struct AdaptiveAxis {
+  Axis::Label label;
+  double lower = 0.0;
+  double upper = 1.0;
+  std::optional<int> nodes = {};  ///< fixed number of Chebyshev nodes; empty: refined as needed
+};
+
+struct AdaptiveProblem {
+  const EvolutionSystem* system = nullptr;
+  Axis::Label time;
+  double end = 1.0;  ///< time runs from 0
+  std::vector<AdaptiveAxis> parameters;
+  std::vector<OutputLabel> states;
+  std::vector<double> scales;        ///< first guess; replaced by the sampled ranges of the states
+  std::vector<double> scale_floors;  ///< least scale of every state: its absolute tolerance
+  std::vector<InitialValue> initial;
+};
+
+/// Everything a later round depends on: a value that can be stored and taken up again, with the same end
+/// result.
+struct SolverState {
+  int round = 0;  ///< rounds done
+  int time_elements = 4;
+  std::vector<int> nodes;  ///< of the parameter axes
+  std::vector<double> scales;
+  double coarseness = 0.0;  ///< largest highest_coefficients() of the last round
+  std::optional<SeparatedField> field;
+  long rhs_evaluations = 0;
+  long jacobian_evaluations = 0;
+  int iterations = 0;
+};
+
+struct AdaptiveOptions {
+  /// Wanted largest error over the box, in scales of the states; shared out as decided for all builders:
+  /// discretisation 0.3, compression 0.3, nonlinearity 0.3, reserve 0.1. Root mean squares inside the solver
+  /// are held a factor of `peak_factor` below their share, because errors peak where the solution is hardest.
+  double tolerance = 1e-4;
+  double peak_factor = 6.0;
+  int time_points = 6;  ///< Radau points per time element
+  int first_time_elements = 4;
+  int first_nodes = 7;
+  int max_time_elements = 256;
+  int max_nodes = 129;
+  int max_rounds = 12;
+  long max_evaluations = 0;                                 ///< of f and J in all rounds; 0: no limit
+  EvolutionOptions evolution = {};                          ///< its tolerance is set by this solver
+  std::function<void(const SolverState&)> checkpoint = {};  ///< called after every round that is not the last
+};
+
+enum class AdaptiveStatus { converged, evolution_failed, not_resolved, max_evaluations };
+
+struct AxisResolution {
+  std::string axis;
+  double coefficients = 0.0;  ///< highest_coefficients(), in scales
+  int nodes = 0;
+};
+
+struct AdaptiveResult {
+  EvolutionResult evolution;  ///< of the last round
+  AdaptiveStatus status = AdaptiveStatus::not_resolved;
+  std::string message;
+  std::vector<AxisResolution> resolution;
+  SolverState state;
+};
+
+/// @param start a state handed to `checkpoint` before, to go on from there; default: from the beginning
+/// @throws ArgumentError as solve_evolution() and Axis do.
+AdaptiveResult solve_adaptively(const AdaptiveProblem& problem, const AdaptiveOptions& options = {},
+                                SolverState start = {});
+
+}  // namespace samara::pgd
