@@ -14,7 +14,7 @@ namespace samara::pgd {
 namespace {
 
 constexpr double kShare = 0.3;  ///< of the tolerance, for each kind of error
-constexpr int kRangeSamples = 400;
+constexpr int kSamples = 400;
 
 class AdaptiveSolver {
  public:
@@ -73,7 +73,7 @@ class AdaptiveSolver {
     state_.rhs_evaluations += evolution.rhs_evaluations;
     state_.jacobian_evaluations += evolution.jacobian_evaluations;
     state_.iterations += static_cast<int>(evolution.history.size()) - 1;
-    const std::vector<double> ranges = sampled_ranges(*state_.field, kRangeSamples, options_.evolution.seed);
+    const std::vector<double> ranges = sampled_ranges(*state_.field, kSamples, options_.evolution.seed);
     for (std::size_t s = 0; s < ranges.size(); ++s) {
       const double scale = std::max(ranges[s], problem_.scale_floors[s]);
       if (std::isfinite(scale) && scale > 0.0) state_.scales[s] = scale;
@@ -85,7 +85,10 @@ class AdaptiveSolver {
     state_.coarseness = 0.0;
     for (int k = 0; k < state_.field->axis_count(); ++k) {
       const Axis& axis = state_.field->axes()[static_cast<std::size_t>(k)];
-      resolution.push_back({axis.name(), highest_coefficients(*state_.field, k, state_.scales), axis.size()});
+      resolution.push_back(
+          {axis.name(),
+           highest_coefficients(*state_.field, k, state_.scales, kSamples, options_.evolution.seed),
+           axis.size()});
       state_.coarseness = std::max(state_.coarseness, resolution.back().coefficients);
     }
     return resolution;

@@ -86,14 +86,20 @@ EnrichResult shorter_sum(const SeparatedTensor& target, double relative_toleranc
 
 CompressionResult compress(const SeparatedTensor& tensor, double tolerance) {
   const TensorTrain train = rounded(to_train(tensor), 0.5 * tolerance);
-  const std::vector<int> ranks = train.ranks();
-  const int bound = ranks.empty() ? 1 : *std::max_element(ranks.begin(), ranks.end());
-  SeparatedTensor best = to_separated(train, 0.1 * tolerance);
-  SeparatedTensor original = merged(tensor);
-  if (original.rank() < best.rank()) best = std::move(original);
+  int bound = 1;
+  double chains = 1.0;
+  for (const int rank : train.ranks()) {
+    bound = std::max(bound, rank);
+    chains *= rank;
+  }
+  SeparatedTensor best = merged(tensor);
+  const bool expand = chains < best.rank();
+  if (expand) best = to_separated(train, 0.1 * tolerance);
   const double size = norm(best);
-  if (best.rank() > bound && size > 0.0) {
-    EnrichResult shorter = shorter_sum(best, std::min(0.4 * tolerance / size, 1.0), best.rank() - 1);
+  if (size <= tolerance) {
+    best.keep({});
+  } else if (best.rank() > bound) {
+    EnrichResult shorter = shorter_sum(best, (expand ? 0.4 : 1.0) * tolerance / size, best.rank() - 1);
     if (shorter.termination == Termination::residual) best = std::move(shorter.solution);
   }
   best.normalise();

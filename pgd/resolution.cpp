@@ -7,7 +7,6 @@
 #include <Eigen/LU>
 
 #include "samara/pgd/random.h"
-#include "samara/pgd/separated_tensor.h"
 
 namespace samara::pgd {
 
@@ -30,32 +29,39 @@ Eigen::MatrixXd to_legendre(const Eigen::VectorXd& nodes) {
 
 }  // namespace
 
-double highest_coefficients(const SeparatedField& field, int axis, std::span<const double> scales) {
+double highest_coefficients(const SeparatedField& field, int axis, std::span<const double> scales,
+                            int samples, std::uint64_t seed) {
   const Axis& own = field.axes()[static_cast<std::size_t>(axis)];
   if (own.basis() == Basis::p1) return 0.0;
-  const Eigen::MatrixXd coefficients =
+  const Eigen::MatrixXd transform =
       to_legendre(own.element_basis().nodes()).bottomRows(std::min(2, own.degree()));
-  SeparatedTensor tensor;
-  tensor.weights = Eigen::VectorXd::Ones(field.rank());
-  tensor.factors.push_back(
-      Eigen::Map<const Eigen::VectorXd>(scales.data(), static_cast<Eigen::Index>(scales.size()))
-          .cwiseInverse()
-          .asDiagonal() *
-      field.weights());
-  std::size_t own_mode = 0;
-  for (int k = 0; k < field.axis_count(); ++k) {
-    const Axis& other = field.axes()[static_cast<std::size_t>(k)];
-    const Eigen::MatrixXd& factor = field.factors()[static_cast<std::size_t>(k)];
-    if (k == axis) own_mode = tensor.factors.size();
-    // Weights of the first Radau node are zero up to round-off, possibly below.
-    const Eigen::VectorXd root = (other.weights() / other.length()).cwiseMax(0.0).cwiseSqrt();
-    tensor.factors.emplace_back(root.asDiagonal() * factor);
-  }
-  double largest = 0.0;
+  const Eigen::MatrixXd& factor = field.factors()[static_cast<std::size_t>(axis)];
+  // Sum of both coefficients' sizes per element and term would ignore cancellation between terms: terms are
+  // summed first, at sampled nodes of the other axes.
+  std::vector<Eigen::MatrixXd> coefficients;
   for (int e = 0; e < own.elements(); ++e) {
-    tensor.factors[own_mode] = coefficients * field.factors()[static_cast<std::size_t>(axis)].middleRows(
-                                                  e * own.degree(), own.degree() + 1);
-    largest = std::max(largest, fast_norm(tensor));
+    coefficients.emplace_back(transform * factor.middleRows(e * own.degree(), own.degree() + 1));
+  }
+  const Eigen::MatrixXd weights =
+      (Eigen::Map<const Eigen::VectorXd>(scales.data(), static_cast<Eigen::Index>(scales.size()))
+           .cwiseInverse()
+           .asDiagonal() *
+       field.weights())
+          .transpose();
+  Random random(seed);
+  Eigen::VectorXd product(field.rank());
+  double largest = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    product.setOnes();
+    for (int k = 0; k < field.axis_count(); ++k) {
+      const Eigen::MatrixXd& other = field.factors()[static_cast<std::size_t>(k)];
+      if (k != axis)
+        product.array() *= other.row(random.below(static_cast<int>(other.rows()))).transpose().array();
+    }
+    const Eigen::MatrixXd outputs = product.asDiagonal() * weights;
+    for (const Eigen::MatrixXd& c : coefficients) {
+      largest = std::max(largest, (c * outputs).cwiseAbs().colwise().sum().maxCoeff());
+    }
   }
   return largest;
 }

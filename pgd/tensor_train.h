@@ -60,7 +60,8 @@ TensorTrain rounded(TensorTrain train, double tolerance);
 
 /// Euclidean norm by orthogonalisation: accurate to round-off of the train itself.
 double norm(const TensorTrain& train);
-/// Euclidean norm of a sum of products without the cancellation of fast_norm(). O(d n R^3).
+/// Euclidean norm of a sum of products to eight digits or better, also where terms cancel: by inner products
+/// where they resolve it, O(R^2 sum n), else by orthogonalisation, O(d n R^3).
 double norm(const SeparatedTensor& tensor);
 
 /// The same tensor as a sum of products, one for every chain of ranks, the smallest products left out as long
