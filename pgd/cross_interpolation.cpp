@@ -165,13 +165,13 @@ class Cross {
   }
 
   bool finished(CrossResult& result) {
+    result.guard_error = table_.bad_entry().empty() ? guard() : std::numeric_limits<double>::infinity();
     if (!table_.bad_entry().empty()) {
       result.status = CrossStatus::not_finite;
       result.message =
           fmt::format("the function is not finite at entry ({})", fmt::join(table_.bad_entry(), ", "));
       return true;
     }
-    result.guard_error = guard();
     const std::string figures = fmt::format("guard error {:.3g} after {} sweeps and {} evaluations",
                                             result.guard_error, result.sweeps, table_.evaluations());
     if (result.guard_error <= options_.tolerance) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/pgd/compression.h"
 #include "samara/pgd/cross_interpolation.h"
+#include "samara/pgd/entry_table.h"
 #include "samara/pgd/evolution_terms.h"
 
 namespace samara::pgd {
@@ -66,11 +68,15 @@ class Newton {
   bool approximate_residual() {
     SeparatedTensor state = w_;
     state.append(start_);
+    const EntryFunction rhs = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
+      grid_.rhs(state, entries, values);
+    };
+    EntryTable known(rhs, grid_.states(), grid_.sizes());  // asked once, at whatever accuracy
     const double floor = 0.3 * options_.tolerance;
     double accuracy = std::max(floor, kNoise * expected_residual());
     previous_residual_ = residual_;
     while (true) {
-      if (!approximate_integral(state, accuracy)) return false;
+      if (!approximate_integral(known, accuracy)) return false;
       SeparatedTensor residual = integral_;
       residual.append(scaled_modes(w_, grid_.root_weights()), -1.0);
       residual_ = norm(residual);
@@ -87,18 +93,20 @@ class Newton {
     return std::min(1.0, options_.linear_tolerance * residual_);
   }
 
-  bool approximate_integral(const SeparatedTensor& state, double accuracy) {
+  bool approximate_integral(EntryTable& known, double accuracy) {
     CrossOptions cross;
     cross.tolerance = accuracy;
     cross.max_rank = options_.max_rank;
-    cross.seed = options_.seed + history_.size();
+    // Other guard entries every time.
+    cross.seed = options_.seed + static_cast<std::uint64_t>(rhs_evaluations_);
     cross.start = rhs_pivots_;
     const EntryFunction f = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
-      grid_.rhs(state, entries, values);
+      values = known.fetch(entries);
     };
+    const long before = known.evaluations();
     CrossResult result = interpolate(f, grid_.states(), grid_.sizes(), cross);
-    record_.evaluations += result.evaluations;
-    rhs_evaluations_ += result.evaluations;
+    record_.evaluations += known.evaluations() - before;
+    rhs_evaluations_ += known.evaluations() - before;
     if (!cross_is_finite(result, "the right-hand side")) return false;
     rhs_pivots_ = std::move(result.pivots);
     nonlinearity_error_ = result.guard_error;
@@ -300,9 +308,24 @@ void EvolutionProblem::validate() const {
   }
 }
 
+namespace {
+void check_guess(const EvolutionProblem& problem, const SeparatedField& guess) {
+  std::vector<std::string> expected = {problem.time.name()};
+  for (const Axis& axis : problem.parameters) expected.push_back(axis.name());
+  std::vector<std::string> found;
+  for (const Axis& axis : guess.axes()) found.push_back(axis.name());
+  if (found != expected || guess.output_count() != problem.system->state_count()) {
+    throw ArgumentError(fmt::format("the guess has {} outputs over ({}), expected {} over ({})",
+                                    guess.output_count(), fmt::join(found, ", "),
+                                    problem.system->state_count(), fmt::join(expected, ", ")));
+  }
+}
+}  // namespace
+
 EvolutionResult solve_evolution(const EvolutionProblem& problem, const EvolutionOptions& options,
                                 const SeparatedField* guess) {
   problem.validate();
+  if (guess != nullptr) check_guess(problem, *guess);
   if (!(options.tolerance > 0.0) || !(options.linear_tolerance > 0.0) || options.max_iterations < 1 ||
       options.max_rank < 1) {
     throw ArgumentError(

@@ -106,7 +106,7 @@ struct EvolutionResult {
 };
 
 /// @param guess a field over axes of the same names (any nodes) to start from, or null
-/// @throws ArgumentError if problem or options do not validate.
+/// @throws ArgumentError if problem or options do not validate, or the guess has other axes or outputs.
 EvolutionResult solve_evolution(const EvolutionProblem& problem, const EvolutionOptions& options = {},
                                 const SeparatedField* guess = nullptr);
 

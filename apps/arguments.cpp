@@ -1,0 +1,135 @@
+#include "arguments.h"
+
+#include <CLI/CLI.hpp>
+
+#include "samara/base/version.h"
+#include "terminal.h"
+
+namespace samara::apps {
+
+namespace {
+
+constexpr const char* kAssignments = "NAME=VALUE, SI or with a unit: C_D=1.2, \"v(0)=10 cm/s\"";
+
+template <class T>
+void on_call(CLI::App* command, std::optional<T>& target, std::shared_ptr<T> values) {
+  command->callback([&target, values] { target = *values; });
+}
+
+void add_models(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<ModelsArguments>();
+  CLI::App* command =
+      app.add_subcommand("models", "models with parameters, units, defaults, sources, validity");
+  command->add_option("NAME", values->model, "explain this model only");
+  command->add_flag("--json", values->json, "print one JSON object");
+  on_call(command, arguments.models, values);
+}
+
+void add_simulate(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<SimulateArguments>();
+  CLI::App* command = app.add_subcommand("simulate", "one trajectory by the reference integrator, as CSV");
+  command->add_option("MODEL", values->model, "name of a model (samara models)")->required();
+  command->add_option("--set", values->set, kAssignments)->allow_extra_args(false);
+  command->add_option("--until", values->until, "end of the trajectory, s or with a unit")
+      ->capture_default_str();
+  command->add_option("--frames", values->frames, "rows, equally spaced in time")->capture_default_str();
+  command->add_option("-o,--output", values->output, "CSV file; stdout if not given");
+  on_call(command, arguments.simulate, values);
+}
+
+void add_build(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<BuildArguments>();
+  CLI::App* command = app.add_subcommand("build", "builds and certifies the codebook of a plan");
+  command->add_option("PLAN", values->plan, "plan, TOML")->required();
+  command->add_option("-o,--output", values->output, "codebook file to write, HDF5")->required();
+  command->add_flag("--resume", values->resume,
+                    "go on where a killed build of the same plan and output stopped");
+  on_call(command, arguments.build, values);
+}
+
+void add_info(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<InfoArguments>();
+  CLI::App* command =
+      app.add_subcommand("info", "axes, ranks, size, certificate and provenance of a codebook");
+  command->add_option("BOOK", values->book, "codebook file")->required();
+  command->add_flag("--json", values->json, "print one JSON object");
+  on_call(command, arguments.info, values);
+}
+
+void add_query(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<QueryArguments>();
+  CLI::App* command =
+      app.add_subcommand("query", "values of a codebook, and derivatives by every axis, as CSV or JSON");
+  command->add_option("BOOK", values->book, "codebook file")->required();
+  command->add_option("--set", values->set, kAssignments)->allow_extra_args(false);
+  command->add_option("--at", values->at, "times, s or with a unit; default: 11 from begin to end");
+  command->add_flag("--gradient", values->gradient, "add the derivative of every output by every axis");
+  command->add_flag("--clamp", values->clamp,
+                    "take the nearest point of the box instead of refusing (exit code 5)");
+  command->add_option("-o,--output", values->output, "CSV file; stdout if not given");
+  command->add_flag("--json", values->json, "print one JSON object");
+  on_call(command, arguments.query, values);
+}
+
+void add_validate(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<ValidateArguments>();
+  CLI::App* command = app.add_subcommand("validate", "certifies a codebook again, on fresh points");
+  command->add_option("BOOK", values->book, "codebook file")->required();
+  command->add_option("--points", values->points, "scrambled Sobol' points in the box")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000000));
+  command->add_option("--seed", values->seed, "of the scrambling")->capture_default_str();
+  command->add_flag("--json", values->json, "print one JSON object");
+  on_call(command, arguments.validate, values);
+}
+
+void add_fit(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<FitArguments>();
+  CLI::App* command = app.add_subcommand("fit", "coefficients with uncertainty from captured trajectories");
+  command
+      ->add_option("SOURCE", values->source,
+                   "codebook file, or name of a model (with a config that has a [box])")
+      ->required();
+  command->add_option("CAPTURE", values->captures, "capture files: tables, or sidecars (.toml) that map one")
+      ->required();
+  command->add_option("--config", values->config, "what to fit and how, TOML");
+  command->add_option("--window", values->window,
+                      "only this much of each capture from its first frame, s or with a unit");
+  command->add_flag("--reference", values->reference,
+                    "integrate (CVODES with sensitivities) instead of querying the codebook");
+  command->add_option("-o,--output", values->output, "also write the result as JSON to this file");
+  command->add_flag("--json", values->json, "print one JSON object instead of the table");
+  on_call(command, arguments.fit, values);
+}
+
+}  // namespace
+
+Arguments parse(int argc, const char* const* argv) {
+  Arguments arguments;
+  CLI::App app(
+      "Parametric solution codebooks of bodies moving in a fluid.\n"
+      "Exit codes: 0 done, 1 internal failure, 2 wrong call, 3 bad input file, 4 tolerance or convergence "
+      "missed,\n"
+      "5 query outside the box.",
+      "samara");
+  app.set_version_flag("--version", std::string("samara ") + version());
+  app.require_subcommand(1);
+  add_models(app, arguments);
+  add_simulate(app, arguments);
+  add_build(app, arguments);
+  add_info(app, arguments);
+  add_query(app, arguments);
+  add_validate(app, arguments);
+  add_fit(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    arguments.exit_code = app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    complain(error.what());
+    arguments.exit_code = kWrongCall;
+  }
+  return arguments;
+}
+
+}  // namespace samara::apps

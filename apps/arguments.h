@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What the user typed, as plain values; the only file that knows the option parser is arguments.cpp.
+namespace samara::apps {
+
+struct ModelsArguments {
+  std::string model;  ///< empty: all
+  bool json = false;
+};
+
+struct SimulateArguments {
+  std::string model;
+  std::vector<std::string> set;
+  std::string until = "1";
+  int frames = 101;
+  std::string output;
+};
+
+struct BuildArguments {
+  std::string plan;
+  std::string output;
+  bool resume = false;
+};
+
+struct InfoArguments {
+  std::string book;
+  bool json = false;
+};
+
+struct QueryArguments {
+  std::string book;
+  std::vector<std::string> set;
+  std::vector<std::string> at;
+  bool gradient = false;
+  bool clamp = false;
+  std::string output;
+  bool json = false;
+};
+
+struct ValidateArguments {
+  std::string book;
+  int points = 2000;
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+
+struct FitArguments {
+  std::string source;  ///< codebook file or model name
+  std::vector<std::string> captures;
+  std::string config;
+  std::string window;
+  bool reference = false;
+  std::string output;
+  bool json = false;
+};
+
+/// One of the commands, or nothing but an exit code (help, version, a wrong call).
+struct Arguments {
+  std::optional<int> exit_code;
+  std::optional<ModelsArguments> models;
+  std::optional<SimulateArguments> simulate;
+  std::optional<BuildArguments> build;
+  std::optional<InfoArguments> info;
+  std::optional<QueryArguments> query;
+  std::optional<ValidateArguments> validate;
+  std::optional<FitArguments> fit;
+};
+
+/// Prints help to stdout and mistakes to stderr itself.
+Arguments parse(int argc, const char* const* argv);
+
+}  // namespace samara::apps

@@ -1,0 +1,52 @@
+#include "assignments.h"
+
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/io/units.h"
+
+namespace samara::apps {
+
+double number_or_quantity(const std::string& what, const std::string& text, const std::string& unit) {
+  double value = 0.0;
+  const char* end = text.data() + text.size();
+  const auto [rest, problem] = std::from_chars(text.data(), end, value);
+  if (problem == std::errc() && rest == end) {
+    if (!std::isfinite(value))
+      throw ArgumentError(fmt::format("{} is {}, expected a finite number", what, text));
+    return value;
+  }
+  try {
+    return io::quantity_to_si(text, unit);
+  } catch (const ArgumentError& error) {
+    throw ArgumentError(fmt::format("{}: {}", what, error.what()));
+  }
+}
+
+std::map<std::string, double> parse_assignments(const std::vector<std::string>& texts,
+                                                const std::map<std::string, std::string>& units) {
+  std::vector<std::string> known;
+  for (const auto& [name, unit] : units) known.push_back(name);
+  std::map<std::string, double> values;
+  for (const std::string& text : texts) {
+    const std::size_t sign = text.find('=');
+    if (sign == std::string::npos) {
+      throw ArgumentError(fmt::format("--set \"{}\" has no \"=\", expected NAME=VALUE", text));
+    }
+    const std::string name = text.substr(0, sign);
+    const auto unit = units.find(name);
+    if (unit == units.end()) {
+      throw ArgumentError(fmt::format("--set: unknown name \"{}\"{}", name, suggestion(name, known)));
+    }
+    const double value = number_or_quantity(name, text.substr(sign + 1), unit->second);
+    if (!values.emplace(name, value).second)
+      throw ArgumentError(fmt::format("--set: \"{}\" is set twice", name));
+  }
+  return values;
+}
+
+}  // namespace samara::apps

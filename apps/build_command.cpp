@@ -1,0 +1,39 @@
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "output.h"
+#include "samara/base/errors.h"
+#include "samara/codebooks/build.h"
+#include "samara/codebooks/store.h"
+#include "terminal.h"
+
+namespace samara::apps {
+
+int run(const BuildArguments& arguments) {
+  const codebooks::Plan plan = codebooks::read_plan(arguments.plan);
+  // A build may take long: that its result cannot be written should be known before.
+  const std::filesystem::path folder = std::filesystem::path(arguments.output).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+    throw ArgumentError(
+        fmt::format("{}: cannot be written: \"{}\" is not a directory", arguments.output, folder.string()));
+  }
+  codebooks::BuildOptions options;
+  options.checkpoint = arguments.output + ".checkpoint";
+  options.resume = arguments.resume;
+  options.progress = progress_line();
+  const codebooks::BuildResult result = codebooks::build(plan, options);
+  codebooks::save(result.book, arguments.output);
+  const codebooks::BuildRecord& record = result.book.build();
+  narrate(fmt::format(
+      "built {} in {:.1f} s: {} rounds, {} Newton iterations, {:.3g} evaluations, grid of {:.3g} nodes",
+      arguments.output, result.book.provenance().build_seconds, record.rounds, record.iterations,
+      record.evaluations, record.grid_size));
+  print(to_table(*result.book.certificate(), result.book));
+  if (result.met) return kDone;
+  warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
+  return kToleranceMissed;
+}
+
+}  // namespace samara::apps

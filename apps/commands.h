@@ -1,0 +1,16 @@
+#pragma once
+
+#include "arguments.h"
+
+/// The subcommands, one file each. They return the exit code; errors are exceptions of samara::Error.
+namespace samara::apps {
+
+int run(const ModelsArguments& arguments);
+int run(const SimulateArguments& arguments);
+int run(const BuildArguments& arguments);
+int run(const InfoArguments& arguments);
+int run(const QueryArguments& arguments);
+int run(const ValidateArguments& arguments);
+int run(const FitArguments& arguments);
+
+}  // namespace samara::apps

@@ -1,0 +1,84 @@
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <glog/logging.h>
+
+#include "assignments.h"
+#include "commands.h"
+#include "output.h"
+#include "samara/base/errors.h"
+#include "samara/codebooks/store.h"
+#include "samara/identification/capture_file.h"
+#include "samara/identification/codebook_trajectories.h"
+#include "samara/identification/fit.h"
+#include "samara/identification/fit_config.h"
+#include "samara/identification/fit_report.h"
+#include "samara/identification/reference_trajectories.h"
+#include "samara/io/atomic_file.h"
+#include "terminal.h"
+
+namespace samara::apps {
+
+namespace {
+
+namespace id = samara::identification;
+
+/// What is fitted: the trajectories of a codebook (kept alive here) or of a model.
+struct Source {
+  std::optional<codebooks::Codebook> book;
+  std::unique_ptr<id::TrajectoryFamily> family;
+  id::FitOptions options;
+};
+
+/// A name that is no file, and has no dot or slash that would make it one, is the name of a model.
+bool is_model_name(const std::string& text) {
+  return !std::filesystem::exists(text) && text.find_first_of("./") == std::string::npos;
+}
+
+Source open_source(const FitArguments& arguments) {
+  Source source;
+  if (is_model_name(arguments.source)) {
+    const auto model = models::find_model(arguments.source);
+    if (arguments.config.empty()) {
+      throw ArgumentError(fmt::format(
+          "the fit of the model \"{}\" needs --config with a [box] of what is free", arguments.source));
+    }
+    source.options = id::read_fit_config(arguments.config, id::config_names(model->info()));
+    source.family = id::reference_trajectories(model, source.options.fixed, source.options.box);
+    return source;
+  }
+  source.book = codebooks::load(arguments.source);
+  if (!arguments.config.empty())
+    source.options = id::read_fit_config(arguments.config, id::config_names(*source.book));
+  if (!source.book->certificate() || !source.book->certificate()->met) {
+    warn(fmt::format("{} has no certificate that meets its tolerance", arguments.source));
+  }
+  source.family = arguments.reference ? id::reference_trajectories(*source.book)
+                                      : id::codebook_trajectories(*source.book);
+  return source;
+}
+
+}  // namespace
+
+int run(const FitArguments& arguments) {
+  // Ceres reports through glog, which would print its own lines; the result carries the same in a sentence.
+  FLAGS_minloglevel = google::GLOG_FATAL;
+  Source source = open_source(arguments);
+  if (!arguments.window.empty())
+    source.options.window = number_or_quantity("--window", arguments.window, "s");
+  std::vector<id::Capture> captures;
+  for (const std::string& path : arguments.captures) {
+    for (id::Capture& capture : id::read_captures(path)) captures.push_back(std::move(capture));
+  }
+  const id::FitResult result = id::fit(*source.family, captures, source.options);
+  if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::fit_json(result));
+  print(arguments.json ? id::fit_json(result) : id::fit_text(result));
+  for (const std::string& sentence : result.warnings) warn(sentence);
+  if (result.is_usable()) return kDone;
+  complain(result.message);
+  return kToleranceMissed;
+}
+
+}  // namespace samara::apps

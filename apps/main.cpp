@@ -1,0 +1,46 @@
+#include <exception>
+
+#include "commands.h"
+#include "samara/base/errors.h"
+#include "terminal.h"
+
+namespace samara::apps {
+
+namespace {
+
+int dispatch(const Arguments& arguments) {
+  if (arguments.exit_code) return *arguments.exit_code;
+  if (arguments.models) return run(*arguments.models);
+  if (arguments.simulate) return run(*arguments.simulate);
+  if (arguments.build) return run(*arguments.build);
+  if (arguments.info) return run(*arguments.info);
+  if (arguments.query) return run(*arguments.query);
+  if (arguments.validate) return run(*arguments.validate);
+  return run(*arguments.fit);
+}
+
+int guarded(int argc, const char* const* argv) {
+  try {
+    return dispatch(parse(argc, argv));
+  } catch (const OutsideBoxError& error) {
+    complain(error.what());
+    return kOutsideBox;
+  } catch (const InputError& error) {
+    complain(error.what());
+    return kBadInput;
+  } catch (const ArgumentError& error) {
+    complain(error.what());
+    return kWrongCall;
+  } catch (const std::exception& error) {
+    complain(error.what());
+    return kInternalFailure;
+  }
+}
+
+}  // namespace
+
+}  // namespace samara::apps
+
+int main(int argc, char** argv) {
+  return samara::apps::guarded(argc, argv);
+}

@@ -1,0 +1,87 @@
+#include "output.h"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "samara/io/atomic_file.h"
+
+namespace samara::apps {
+
+void print(const std::string& text) {
+  fmt::print("{}", text);
+}
+
+void print(const Json& object) {
+  fmt::print("{}\n", object.dump());
+}
+
+void write_answer(const std::string& path, const std::string& text) {
+  if (path.empty()) {
+    print(text);
+  } else {
+    io::write_text_atomically(path, text);
+  }
+}
+
+std::string unit_suffix(const std::string& unit) {
+  return unit == "1" ? std::string() : fmt::format(" {}", unit);
+}
+
+Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {
+  Json object = {{"met", c.met},
+                 {"tolerance", c.tolerance},
+                 {"max_error", c.max_error},
+                 {"points", c.points},
+                 {"times", c.times},
+                 {"failed_points", c.failed_points},
+                 {"seed", c.seed},
+                 {"integrator", c.integrator},
+                 {"integrator_tolerance", c.integrator_tolerance},
+                 {"residual", c.residual},
+                 {"spent",
+                  {{"discretisation", c.spent.discretisation},
+                   {"compression", c.spent.compression},
+                   {"nonlinearity", c.spent.nonlinearity}}},
+                 {"outputs", Json::array()}};
+  for (const codebooks::OutputError& o : c.outputs) {
+    Json worst = Json::object();
+    for (std::size_t k = 0; k < o.worst.size(); ++k) worst[book.coordinates()[k].name] = o.worst[k];
+    object["outputs"].push_back({{"name", o.name},
+                                 {"unit", o.unit},
+                                 {"range", o.range},
+                                 {"max", o.max},
+                                 {"p95", o.p95},
+                                 {"mean", o.mean},
+                                 {"rms", o.rms},
+                                 {"max_si", o.max_si},
+                                 {"worst", worst}});
+  }
+  return object;
+}
+
+std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook& book) {
+  std::string text =
+      fmt::format("certificate: {}, largest error {:.3g} (asked for {:.3g}) at {} points x {} times\n",
+                  c.met ? "met" : "MISSED", c.max_error, c.tolerance, c.points, c.times);
+  if (c.failed_points > 0) text += fmt::format("  {} points could not be integrated\n", c.failed_points);
+  text += fmt::format("  against {}, relative tolerance {:.0e}; seed {}\n", c.integrator,
+                      c.integrator_tolerance, c.seed);
+  text += fmt::format("  {:<10} {:>10} {:>10} {:>10} {:>10} {:>14}  {}\n", "output", "max", "95 %", "mean",
+                      "rms", "max in SI", "worst at");
+  for (const codebooks::OutputError& o : c.outputs) {
+    std::string worst;
+    for (std::size_t k = 0; k < o.worst.size(); ++k) {
+      const codebooks::Coordinate& coordinate = book.coordinates()[k];
+      worst += fmt::format("{}{} = {:.4g}{}", k == 0 ? "" : ", ", coordinate.name, o.worst[k],
+                           unit_suffix(coordinate.unit));
+    }
+    text += fmt::format("  {:<10} {:>10.2e} {:>10.2e} {:>10.2e} {:>10.2e} {:>14}  {}\n", o.name, o.max, o.p95,
+                        o.mean, o.rms, fmt::format("{:.2e}{}", o.max_si, unit_suffix(o.unit)), worst);
+  }
+  text += fmt::format("  spent: discretisation {:.1e}, compression {:.1e}, nonlinearity {:.1e}\n",
+                      c.spent.discretisation, c.spent.compression, c.spent.nonlinearity);
+  return text;
+}
+
+}  // namespace samara::apps

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "samara/codebooks/certificate.h"
+#include "samara/codebooks/codebook.h"
+
+/// Answers on stdout, shared by several commands.
+namespace samara::apps {
+
+using Json = nlohmann::ordered_json;
+
+void print(const std::string& text);
+/// One object on one line.
+void print(const Json& object);
+/// To a file, or to stdout if the path is empty.
+void write_answer(const std::string& path, const std::string& text);
+
+Json to_json(const codebooks::Certificate& certificate, const codebooks::Codebook& book);
+/// The certificate as a readable table.
+std::string to_table(const codebooks::Certificate& certificate, const codebooks::Codebook& book);
+
+/// " m/s", or nothing for a dimensionless quantity.
+std::string unit_suffix(const std::string& unit);
+
+}  // namespace samara::apps

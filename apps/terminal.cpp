@@ -1,0 +1,38 @@
+#include "terminal.h"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace samara::apps {
+
+void complain(const std::string& sentence) {
+  clear_progress();
+  fmt::print(stderr, "samara: {}\n", sentence);
+}
+
+void warn(const std::string& sentence) {
+  clear_progress();
+  fmt::print(stderr, "samara: warning: {}\n", sentence);
+}
+
+void narrate(const std::string& line) {
+  clear_progress();
+  fmt::print(stderr, "{}\n", line);
+}
+
+ProgressCallback progress_line() {
+  if (isatty(STDERR_FILENO) == 0) return {};
+  return [](const Progress& progress) {
+    fmt::print(stderr, "\r\033[K{} {:.0f} %", progress.stage, 100.0 * progress.fraction);
+    std::fflush(stderr);
+    return true;
+  };
+}
+
+void clear_progress() {
+  if (isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\r\033[K");
+}
+
+}  // namespace samara::apps

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+
+#include "samara/base/progress.h"
+
+/// Exit codes, and everything that goes to stderr.
+namespace samara::apps {
+
+inline constexpr int kDone = 0;
+inline constexpr int kInternalFailure = 1;
+inline constexpr int kWrongCall = 2;
+inline constexpr int kBadInput = 3;
+inline constexpr int kToleranceMissed = 4;
+inline constexpr int kOutsideBox = 5;
+
+/// "samara: <sentence>" on stderr.
+void complain(const std::string& sentence);
+/// "samara: warning: <sentence>" on stderr.
+void warn(const std::string& sentence);
+/// One line of narration on stderr.
+void narrate(const std::string& line);
+
+/// Draws one line that overwrites itself, if stderr is a terminal; else does nothing.
+ProgressCallback progress_line();
+/// Removes that line.
+void clear_progress();
+
+}  // namespace samara::apps

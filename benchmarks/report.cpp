@@ -1,0 +1,60 @@
+#include "report.h"
+
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "samara/base/errors.h"
+
+namespace samara::benchmarks {
+
+namespace {
+using Clock = std::chrono::steady_clock;
+
+double seconds(Clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+double time_calls(const std::function<void()>& call, long count) {
+  const Clock::time_point begin = Clock::now();
+  for (long i = 0; i < count; ++i) call();
+  return seconds(Clock::now() - begin) / static_cast<double>(count);
+}
+}  // namespace
+
+void print(const Measurement& m) {
+  nlohmann::ordered_json line = {
+      {"bench", m.bench}, {"case", m.test_case}, {"metric", m.metric}, {"value", m.value}, {"unit", m.unit}};
+  if (!m.baseline.empty()) line["baseline"] = m.baseline;
+  if (m.ratio) line["ratio"] = *m.ratio;
+  std::cout << line.dump() << std::endl;
+}
+
+double time_of(const std::function<void()>& call, int repeats, double least_seconds) {
+  const double once = time_calls(call, 1);
+  const long count = std::max(1L, static_cast<long>(least_seconds / std::max(once, 1e-9)));
+  std::vector<double> times;
+  for (int i = 0; i < repeats; ++i) times.push_back(time_calls(call, count));
+  std::nth_element(times.begin(), times.begin() + repeats / 2, times.end());
+  return times[static_cast<std::size_t>(repeats / 2)];
+}
+
+Options options(int argc, char** argv) {
+  Options result;
+  for (int i = 1; i < argc; ++i) {
+    const std::string text = argv[i];
+    if (text == "--quick") {
+      result.quick = true;
+    } else if (text.starts_with("-") || !result.only_case.empty()) {
+      throw ArgumentError("unknown argument \"" + text + "\", expected [--quick] [CASE]");
+    } else {
+      result.only_case = text;
+    }
+  }
+  return result;
+}
+
+}  // namespace samara::benchmarks

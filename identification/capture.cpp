@@ -1,0 +1,46 @@
+#include "samara/identification/capture.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+
+namespace samara::identification {
+
+bool Capture::has(const std::string& quantity) const {
+  return std::ranges::count(channels, quantity, &Channel::quantity) > 0;
+}
+
+const Channel& Capture::channel(const std::string& quantity) const {
+  const auto found = std::ranges::find(channels, quantity, &Channel::quantity);
+  if (found != channels.end()) return *found;
+  std::vector<std::string> known;
+  for (const Channel& candidate : channels) known.push_back(candidate.quantity);
+  throw ArgumentError(
+      fmt::format("capture \"{}\" does not measure \"{}\"{}", id, quantity, suggestion(quantity, known)));
+}
+
+Capture first(const Capture& capture, double seconds) {
+  if (!(seconds > 0.0))
+    throw ArgumentError(fmt::format("a window is {} s long; more than 0 s was expected", seconds));
+  const Eigen::VectorXd& times = capture.times;
+  Eigen::Index count = 0;
+  if (times.size() > 1) {
+    const double interval = (times[times.size() - 1] - times[0]) / static_cast<double>(times.size() - 1);
+    const double end = times[0] + seconds + 1e-3 * interval;
+    while (count < times.size() && times[count] <= end) ++count;
+  }
+  if (count < 3) {
+    throw ArgumentError(
+        fmt::format("a window of {} s leaves {} frames of capture \"{}\"; at least 3 were expected", seconds,
+                    count, capture.id));
+  }
+  Capture part = capture;
+  part.times.conservativeResize(count);
+  for (Channel& channel : part.channels) channel.values.conservativeResize(count);
+  return part;
+}
+
+}  // namespace samara::identification

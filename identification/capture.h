@@ -1,0 +1,40 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+/// A capture is a measured trajectory: what one camera, or one mocap system, saw of one motion.
+namespace samara::identification {
+
+/// One measured quantity over the frames of a capture.
+struct Channel {
+  std::string quantity;    ///< "x", named like the model's output it measures
+  std::string unit;        ///< of SI symbols; "px" if the file gives no scale
+  Eigen::VectorXd values;  ///< one per frame; NaN where it was not seen
+  /// The scale that took pixels to metres [m/px], where one did.
+  std::optional<double> metres_per_pixel = {};
+};
+
+struct Capture {
+  std::string id;                             ///< group labels joined by "/", or the stem of the file
+  std::string file;                           ///< the table it was read from; empty if made in memory
+  std::map<std::string, std::string> labels;  ///< of its group: column -> value
+  Eigen::VectorXd times;                      ///< s, strictly increasing
+  std::vector<Channel> channels;
+
+  int frame_count() const { return static_cast<int>(times.size()); }
+  bool has(const std::string& quantity) const;
+  /// @throws ArgumentError naming the capture and the nearest quantity.
+  const Channel& channel(const std::string& quantity) const;
+};
+
+/// The part of a capture that is at most `seconds` after its first frame. A frame on the border belongs to
+/// it, also where rounding of the times (a thousandth of a frame interval) puts it just behind.
+/// @throws ArgumentError if `seconds` is not positive, or fewer than 3 frames are left.
+Capture first(const Capture& capture, double seconds);
+
+}  // namespace samara::identification

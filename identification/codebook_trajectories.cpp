@@ -1,0 +1,69 @@
+#include "samara/identification/codebook_trajectories.h"
+
+#include <algorithm>
+
+#include "samara/codebooks/query.h"
+#include "samara/identification/model_symmetry.h"
+#include "samara/models/model.h"
+
+namespace samara::identification {
+
+namespace {
+
+FamilyInfo describe(const codebooks::Codebook& book) {
+  FamilyInfo info{.model = book.model().name, .source = "codebook", .fixed = book.model().fixed};
+  const auto& coordinates = book.coordinates();
+  info.end_time = coordinates.front().upper;
+  for (std::size_t k = 1; k < coordinates.size(); ++k) {
+    const codebooks::Coordinate& c = coordinates[k];
+    info.coordinates.push_back({c.name, c.unit, c.role == pgd::AxisRole::initial, c.lower, c.upper});
+  }
+  for (const pgd::OutputLabel& output : book.outputs()) info.outputs.push_back({output.name, output.unit});
+  const std::vector<std::string> models = models::model_names();
+  if (std::ranges::count(models, info.model) > 0) {
+    info.translations = translated_outputs(models::find_model(info.model)->info(), info.outputs);
+  }
+  return info;
+}
+
+class CodebookSource final : public TrajectorySource {
+ public:
+  CodebookSource(const codebooks::Codebook& book, const std::vector<double>& times,
+                 const std::vector<std::string>& outputs)
+      : query_(book, times, outputs) {}
+
+  bool evaluate(std::span<const double> q, Eigen::MatrixXd& values, Eigen::MatrixXd* derivatives) override {
+    if (derivatives) {
+      query_.values(q, values, *derivatives);
+    } else {
+      query_.values(q, values);
+    }
+    return true;
+  }
+
+ private:
+  codebooks::TrajectoryQuery query_;
+};
+
+class CodebookTrajectories final : public TrajectoryFamily {
+ public:
+  explicit CodebookTrajectories(const codebooks::Codebook& book) : book_(book), info_(describe(book)) {}
+
+  const FamilyInfo& info() const override { return info_; }
+  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
+                                       const std::vector<std::string>& outputs) const override {
+    return std::make_unique<CodebookSource>(book_, times, outputs);
+  }
+
+ private:
+  const codebooks::Codebook& book_;
+  FamilyInfo info_;
+};
+
+}  // namespace
+
+std::unique_ptr<TrajectoryFamily> codebook_trajectories(const codebooks::Codebook& book) {
+  return std::make_unique<CodebookTrajectories>(book);
+}
+
+}  // namespace samara::identification

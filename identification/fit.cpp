@@ -1,0 +1,109 @@
+#include "samara/identification/fit.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samara/identification/fit_problem.h"
+#include "samara/identification/fit_summary.h"
+#include "samara/identification/minimize.h"
+#include "samara/identification/segment_residual.h"
+#include "samara/identification/starts.h"
+#include "samara/identification/uncertainty.h"
+
+namespace samara::identification {
+
+namespace {
+
+std::vector<SegmentResidual> make_residuals(const TrajectoryFamily& family, const FitProblem& problem) {
+  std::vector<SegmentResidual> residuals;
+  for (const Segment& segment : problem.segments) residuals.emplace_back(family, problem, segment);
+  return residuals;
+}
+
+/// Costs that differ by less are equal: a millionth, and what rounding leaves of an exact fit.
+double cost_margin(const FitProblem& problem, double best) {
+  return 1e-6 * best + 1e-9 * problem.observation_count();
+}
+
+/// Index of the lowest cost among the starts that did not fail.
+std::optional<std::size_t> best_of(const std::vector<MinimizeResult>& runs) {
+  std::optional<std::size_t> best;
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    if (runs[k].status == FitStatus::failed) continue;
+    if (!best || runs[k].cost < runs[*best].cost) best = k;
+  }
+  return best;
+}
+
+void record_starts(const FitProblem& problem, const std::vector<MinimizeResult>& runs,
+                   std::optional<std::size_t> best, FitResult& result) {
+  for (const MinimizeResult& run : runs) {
+    StartRecord record{.status = run.status,
+                       .message = run.message,
+                       .coefficients = {run.point.shared.begin(), run.point.shared.end()},
+                       .cost = run.cost,
+                       .iterations = run.iterations};
+    if (best && run.status != FitStatus::failed) {
+      const double lowest = runs[*best].cost;
+      record.reached_best = run.cost <= lowest + cost_margin(problem, lowest);
+    }
+    result.starts_at_best += record.reached_best ? 1 : 0;
+    result.iterations += run.iterations;
+    result.starts.push_back(std::move(record));
+  }
+}
+
+void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, FitResult& result) {
+  result.status = best.status;
+  const std::string reached = fmt::format("{} of {} starts reached the best cost, {:.6g}",
+                                          result.starts_at_best, result.starts.size(), result.cost);
+  if (best.status == FitStatus::iteration_limit) {
+    result.message = fmt::format("did not converge within {} iterations; {}", best.iterations, reached);
+  } else if (!uncertainty.undetermined_sets.empty()) {
+    result.status = FitStatus::not_determined;
+    result.message =
+        fmt::format("converged, but the captures do not determine all coefficients; {}", reached);
+  } else {
+    result.message = fmt::format("converged; {}", reached);
+  }
+}
+
+}  // namespace
+
+FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures, const FitOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  const FitProblem problem = make_problem(family.info(), captures, options);
+  std::vector<SegmentResidual> residuals = make_residuals(family, problem);
+
+  std::vector<MinimizeResult> runs;
+  for (int k = 0; k < options.starts; ++k) {
+    runs.push_back(minimize(problem, residuals, start_point(problem, residuals, k), options.max_iterations));
+  }
+  const std::optional<std::size_t> best = best_of(runs);
+
+  FitResult result{.model = family.info().model,
+                   .source = family.info().source,
+                   .loss = to_string(problem.loss),
+                   .fixed = problem.fixed};
+  record_starts(problem, runs, best, result);
+  if (best) {
+    const FitPoint& point = runs[*best].point;
+    result.cost = runs[*best].cost;
+    const Uncertainty uncertainty = estimate_uncertainty(problem, residuals, point);
+    add_coefficients(problem, point, uncertainty, result);
+    add_captures(problem, residuals, point, uncertainty, result);
+    conclude(runs[*best], uncertainty, result);
+    add_warnings(uncertainty, result);
+  } else {
+    result.message =
+        fmt::format("none of {} starts led anywhere; the first: {}", runs.size(), runs.front().message);
+  }
+  for (const SegmentResidual& residual : residuals) result.evaluations += residual.evaluations();
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+}  // namespace samara::identification

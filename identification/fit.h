@@ -1,0 +1,44 @@
+#pragma once
+
+#include <span>
+
+#include "samara/identification/capture.h"
+#include "samara/identification/fit_options.h"
+#include "samara/identification/fit_result.h"
+#include "samara/identification/trajectory_source.h"
+
+/// From captures to coefficients with uncertainty.
+///
+/// A frame at time t of capture c, output o, is compared with
+///
+///     measured(t) = y_o(t; q_c) + offset_(c,o) + noise,
+///
+/// where the coordinates q_c are shared by all captures (parameters, by default) or the capture's own
+/// (initial values), and an offset is free where the motion does not depend on the place. Minimised is
+/// 1/2 sum rho((measured - model)/scale) within the box, with a loss that tames outliers, by Levenberg and
+/// Marquardt (Ceres) with exact derivatives, each capture's own unknowns eliminated (Schur complement), from
+/// several starts.
+///
+/// Uncertainty. Frames of one motion are not independent (tracking, scale and what the model lacks are wrong
+/// for the whole motion), so the errors of shared coefficients come from the scatter of the captures'
+/// gradients g_c at the optimum, by clusters:
+///
+///     cov = C/(C - 1) H^-1 (sum_c g_c g_c^T) H^-1,   H = sum psi' J J^T, own unknowns eliminated,
+///
+/// beside the naive ones, Huber's var(psi)/mean(psi')^2 (J^T J)^-1. Clustered errors are themselves rough for
+/// few clusters, and know nothing of an error that all captures share. Unknowns at a bound are taken as held.
+///
+///     const auto book = codebooks::load("coin.h5");
+///     const auto family = codebook_trajectories(book);
+///     const FitResult result = fit(*family, read_captures("coin.toml"), {.window = 0.4});
+///     std::cout << fit_text(result);
+namespace samara::identification {
+
+/// @throws ArgumentError for options outside their meaning, unknown names (the nearest is named), captures
+///   that do not measure an output or measure it in another dimension, captures with fewer frames than
+///   unknowns, frames outside the times of the family, and two captures of one id. Numerical outcomes are in
+///   the result's status and warnings.
+FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
+              const FitOptions& options = {});
+
+}  // namespace samara::identification

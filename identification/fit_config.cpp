@@ -1,0 +1,141 @@
+#include "samara/identification/fit_config.h"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/io/toml_document.h"
+
+namespace samara::identification {
+
+namespace {
+
+using io::TomlTable;
+using Units = std::map<std::string, std::string>;
+
+std::vector<std::string> names_of(const Units& units) {
+  std::vector<std::string> names;
+  for (const auto& [name, unit] : units) names.push_back(name);
+  return names;
+}
+
+/// A list of known names.
+std::vector<std::string> known_names(const TomlTable& table, const std::string& key, const Units& known) {
+  const std::vector<std::string> names = table.strings(key);
+  for (const std::string& name : names) {
+    if (!known.contains(name)) {
+      throw table.error(key, fmt::format("unknown name \"{}\"{}", name, suggestion(name, names_of(known))));
+    }
+  }
+  return names;
+}
+
+void require_positive(const TomlTable& table, const std::string& key, double value) {
+  if (!(value > 0.0)) throw table.error(key, fmt::format("the value is {}; more than 0 was expected", value));
+}
+
+double positive_quantity(const TomlTable& table, const std::string& key, const std::string& unit) {
+  const double value = table.quantity(key, unit);
+  require_positive(table, key, value);
+  return value;
+}
+
+int positive_integer(const TomlTable& table, const std::string& key) {
+  const std::int64_t value = table.integer(key);
+  require_positive(table, key, static_cast<double>(value));
+  if (value > std::numeric_limits<int>::max()) throw table.error(key, fmt::format("{} is too large", value));
+  return static_cast<int>(value);
+}
+
+LossOptions read_loss(const TomlTable& table, const Units& outputs) {
+  table.expect_keys({"kind", "scale"});
+  LossOptions loss;
+  try {
+    if (table.has("kind")) loss.kind = loss_kind_from_string(table.string("kind"));
+  } catch (const ArgumentError& error) {
+    throw table.error("kind", error.what());
+  }
+  if (!table.has("scale")) return loss;
+  if (!table.is_table("scale")) {
+    loss.length_scale = positive_quantity(table, "scale", "m");
+    return loss;
+  }
+  const TomlTable scales = table.table("scale");
+  scales.expect_keys(names_of(outputs));
+  for (const std::string& name : scales.keys())
+    loss.scales[name] = positive_quantity(scales, name, outputs.at(name));
+  return loss;
+}
+
+std::map<std::string, double> read_fixed(const TomlTable& table, const Units& coordinates) {
+  table.expect_keys(names_of(coordinates));
+  std::map<std::string, double> fixed;
+  for (const std::string& name : table.keys()) fixed[name] = table.quantity(name, coordinates.at(name));
+  return fixed;
+}
+
+std::map<std::string, Interval> read_box(const TomlTable& table, const Units& coordinates) {
+  table.expect_keys(names_of(coordinates));
+  std::map<std::string, Interval> box;
+  for (const std::string& name : table.keys()) {
+    const std::vector<double> ends = table.quantities(name, coordinates.at(name));
+    if (ends.size() != 2 || !(ends[0] < ends[1])) {
+      throw table.error(name, "an interval, [lower, upper] with lower < upper, was expected");
+    }
+    box[name] = {ends[0], ends[1]};
+  }
+  return box;
+}
+
+FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
+  root.expect_keys({"window", "outputs", "loss", "shared", "per_capture", "offsets", "cluster_by", "starts",
+                    "max_iterations", "fixed", "box"});
+  FitOptions options;
+  if (root.has("window")) options.window = positive_quantity(root, "window", "s");
+  if (root.has("outputs")) options.outputs = known_names(root, "outputs", names.outputs);
+  if (root.has("loss")) options.loss = read_loss(root.table("loss"), names.outputs);
+  if (root.has("shared")) options.shared = known_names(root, "shared", names.coordinates);
+  if (root.has("per_capture")) options.per_capture = known_names(root, "per_capture", names.coordinates);
+  if (root.has("offsets")) options.offsets = known_names(root, "offsets", names.outputs);
+  options.cluster_by = root.optional_strings("cluster_by").value_or(std::vector<std::string>{});
+  if (root.has("starts")) options.starts = positive_integer(root, "starts");
+  if (root.has("max_iterations")) options.max_iterations = positive_integer(root, "max_iterations");
+  if (root.has("fixed")) options.fixed = read_fixed(root.table("fixed"), names.coordinates);
+  if (root.has("box")) options.box = read_box(root.table("box"), names.coordinates);
+  return options;
+}
+
+}  // namespace
+
+ConfigNames config_names(const models::ModelInfo& model) {
+  ConfigNames names;
+  for (const models::ParameterInfo& parameter : model.parameters)
+    names.coordinates[parameter.name] = parameter.unit;
+  for (const models::StateInfo& state : model.states) {
+    names.coordinates[fmt::format("{}(0)", state.name)] = state.unit;
+    names.outputs[state.name] = state.unit;
+  }
+  return names;
+}
+
+ConfigNames config_names(const codebooks::Codebook& book) {
+  ConfigNames names;
+  names.coordinates = book.model().fixed_units;
+  for (const codebooks::Coordinate& c : book.coordinates()) {
+    if (c.role != pgd::AxisRole::time) names.coordinates[c.name] = c.unit;
+  }
+  for (const pgd::OutputLabel& output : book.outputs()) names.outputs[output.name] = output.unit;
+  return names;
+}
+
+FitOptions read_fit_config(const std::filesystem::path& path, const ConfigNames& names) {
+  return read_options(TomlTable::read(path), names);
+}
+
+FitOptions parse_fit_config(std::string_view text, const std::string& name, const ConfigNames& names) {
+  return read_options(TomlTable::parse(text, name), names);
+}
+
+}  // namespace samara::identification

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "samara/codebooks/codebook.h"
+#include "samara/identification/fit_options.h"
+#include "samara/models/model.h"
+
+/// Options of a fit from a TOML file:
+///
+///     window = "0.4 s"
+///     outputs = ["x"]
+///     loss = { kind = "huber", scale = "2 mm" }       # or scale = { x = "2 mm", theta = "3 deg" }
+///     shared = ["C_D"]
+///     per_capture = ["v(0)"]
+///     offsets = ["x"]
+///     cluster_by = ["drop"]
+///     starts = 3
+///     max_iterations = 500
+///
+///     [fixed]
+///     fluid_density = "998.2 kg/m^3"
+///
+///     [box]                                           # needed for a model, may narrow the box of a codebook
+///     C_D = [0.6, 2.0]
+///     "v(0)" = ["-0.4 m/s", "0.8 m/s"]
+///
+/// Every key may be left out; fit_options.h has the meanings and defaults. To fit a model without a codebook,
+/// its family takes `fixed` and `box` of the options:
+///
+///     const auto model = models::find_model("vertical_fall");
+///     const FitOptions options = read_fit_config("fit.toml", config_names(model->info()));
+///     const auto family = reference_trajectories(model, options.fixed, options.box);
+namespace samara::identification {
+
+/// What a config may name, with the units that its numbers are checked against.
+struct ConfigNames {
+  std::map<std::string, std::string> coordinates;  ///< parameters and initial values "s(0)" -> unit
+  std::map<std::string, std::string> outputs;      ///< -> unit
+};
+
+ConfigNames config_names(const models::ModelInfo& model);
+/// Its coordinates, and what its plan fixed.
+ConfigNames config_names(const codebooks::Codebook& book);
+
+/// @throws InputError with file and line: unknown keys or names (the nearest is named), wrong kinds, units of
+///   another dimension, values outside their meaning.
+FitOptions read_fit_config(const std::filesystem::path& path, const ConfigNames& names);
+/// The same from a text. @param name stands for the file in messages.
+FitOptions parse_fit_config(std::string_view text, const std::string& name, const ConfigNames& names);
+
+}  // namespace samara::identification

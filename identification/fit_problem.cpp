@@ -1,0 +1,202 @@
+#include "samara/identification/fit_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/identification/segments.h"
+#include "samara/io/units.h"
+
+namespace samara::identification {
+
+namespace {
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::count(names, name) > 0;
+}
+
+std::vector<std::string> coordinate_names(const FamilyInfo& family) {
+  std::vector<std::string> names;
+  for (const FitCoordinate& c : family.coordinates) names.push_back(c.name);
+  return names;
+}
+
+/// @throws ArgumentError for the first name that is no coordinate.
+void check_coordinate(const FamilyInfo& family, const std::string& field, const std::string& name) {
+  const std::vector<std::string> known = coordinate_names(family);
+  if (contains(known, name)) return;
+  throw ArgumentError(fmt::format("{}: the {} of \"{}\" has no free coordinate \"{}\"{}", field,
+                                  family.source, family.model, name, suggestion(name, known)));
+}
+
+/// A name may stand in one list only, and must be known. What the family holds may be fixed again, at the
+/// same value.
+void check_names(const FamilyInfo& family, const FitOptions& options) {
+  std::set<std::string> seen;
+  const auto check = [&](const std::string& field, const std::string& name) {
+    check_coordinate(family, field, name);
+    if (!seen.insert(name).second) {
+      throw ArgumentError(fmt::format(
+          "{}: \"{}\" has a role already; one of shared, per_capture, fixed was expected", field, name));
+    }
+  };
+  for (const std::string& name : options.shared) check("shared", name);
+  for (const std::string& name : options.per_capture) check("per_capture", name);
+  for (const auto& [name, value] : options.fixed) {
+    const auto held = family.fixed.find(name);
+    if (held == family.fixed.end()) {
+      check("fixed", name);
+    } else if (std::abs(held->second - value) > 1e-12 * std::abs(value)) {
+      throw ArgumentError(fmt::format("fixed: \"{}\" is {}, but the {} holds it at {}", name, value,
+                                      family.source, held->second));
+    }
+  }
+  for (const auto& [name, interval] : options.box) check_coordinate(family, "box", name);
+}
+
+/// The coordinate with the box of the fit, which must lie in the family's.
+FitCoordinate narrowed(const FamilyInfo& family, const FitCoordinate& coordinate, const FitOptions& options) {
+  const auto found = options.box.find(coordinate.name);
+  if (found == options.box.end()) return coordinate;
+  const Interval& box = found->second;
+  if (box.lower < coordinate.lower || box.upper > coordinate.upper) {
+    throw ArgumentError(fmt::format(
+        "the box of \"{}\" goes from {} to {}; an interval within that of the {}, {} to {}, "
+        "was expected",
+        coordinate.name, box.lower, box.upper, family.source, coordinate.lower, coordinate.upper));
+  }
+  FitCoordinate result = coordinate;
+  result.lower = box.lower;
+  result.upper = box.upper;
+  return result;
+}
+
+CoordinateSlot fixed_slot(const FamilyInfo& family, const FitCoordinate& coordinate, double value) {
+  if (value < coordinate.lower || value > coordinate.upper) {
+    throw ArgumentError(
+        fmt::format("\"{}\" is fixed at {}; a value in the box of the {}, {} to {}, was expected",
+                    coordinate.name, value, family.source, coordinate.lower, coordinate.upper));
+  }
+  return {CoordinateRole::fixed, 0, value};
+}
+
+void assign_roles(const FamilyInfo& family, const FitOptions& options, FitProblem& problem) {
+  for (const FitCoordinate& coordinate : family.coordinates) {
+    if (const auto fixed = options.fixed.find(coordinate.name); fixed != options.fixed.end()) {
+      problem.slots.push_back(fixed_slot(family, coordinate, fixed->second));
+      problem.fixed[coordinate.name] = fixed->second;
+      continue;
+    }
+    const bool own = contains(options.per_capture, coordinate.name) ||
+                     (coordinate.is_initial && !contains(options.shared, coordinate.name));
+    auto& list = own ? problem.own : problem.shared;
+    problem.slots.push_back(
+        {own ? CoordinateRole::own : CoordinateRole::shared, static_cast<int>(list.size()), 0.0});
+    list.push_back(narrowed(family, coordinate, options));
+  }
+}
+
+const FitOutput& find_output(const FamilyInfo& family, const std::string& field, const std::string& name) {
+  std::vector<std::string> known;
+  for (const FitOutput& output : family.outputs) {
+    if (output.name == name) return output;
+    known.push_back(output.name);
+  }
+  throw ArgumentError(fmt::format("{}: the {} of \"{}\" has no output \"{}\"{}", field, family.source,
+                                  family.model, name, suggestion(name, known)));
+}
+
+/// What was asked for, or every output that all captures measure.
+std::vector<FitOutput> choose_outputs(const FamilyInfo& family, std::span<const Capture> captures,
+                                      const std::vector<std::string>& names) {
+  std::vector<FitOutput> chosen;
+  for (const std::string& name : names) {
+    chosen.push_back(find_output(family, "outputs", name));
+    if (std::ranges::count(names, name) > 1)
+      throw ArgumentError(fmt::format("outputs: \"{}\" stands there twice", name));
+  }
+  if (!names.empty()) return chosen;
+  std::vector<std::string> known;
+  for (const FitOutput& output : family.outputs) {
+    known.push_back(output.name);
+    if (std::ranges::all_of(captures, [&](const Capture& c) { return c.has(output.name); }))
+      chosen.push_back(output);
+  }
+  if (chosen.empty()) {
+    throw ArgumentError(fmt::format("the captures have no quantity in common with the outputs of \"{}\" ({})",
+                                    family.model, join(known)));
+  }
+  return chosen;
+}
+
+double loss_scale(const FitOutput& output, const LossOptions& loss, bool is_only_output) {
+  if (const auto found = loss.scales.find(output.name); found != loss.scales.end()) return found->second;
+  if (io::same_dimension(output.unit, "m")) return loss.length_scale;
+  if (loss.kind == LossKind::none && is_only_output) return 1.0;
+  throw ArgumentError(
+      fmt::format("output \"{}\" [{}] has no loss scale; the size of a large residual was expected in "
+                  "loss.scale",
+                  output.name, output.unit));
+}
+
+bool has_offset(const FamilyInfo& family, const FitOptions& options, const std::string& output) {
+  if (options.offsets) return contains(*options.offsets, output);
+  return contains(family.translations, output) && !contains(coordinate_names(family), output + "(0)");
+}
+
+void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures, const FitOptions& options,
+                    FitProblem& problem) {
+  const std::vector<FitOutput> chosen = choose_outputs(family, captures, options.outputs);
+  for (const auto& [name, scale] : options.loss.scales) find_output(family, "loss.scale", name);
+  for (const FitOutput& output : chosen) {
+    ComparedOutput compared{output.name, output.unit, loss_scale(output, options.loss, chosen.size() == 1)};
+    if (has_offset(family, options, output.name)) {
+      compared.offset = static_cast<int>(problem.offsets.size());
+      problem.offsets.push_back(output.name);
+    }
+    problem.outputs.push_back(compared);
+  }
+  if (!options.offsets) return;
+  for (const std::string& name : *options.offsets) {
+    if (contains(problem.offsets, name)) continue;
+    throw ArgumentError(fmt::format("offsets: \"{}\" is not among the compared outputs ({})", name,
+                                    join(problem.output_names())));
+  }
+}
+
+}  // namespace
+
+int FitProblem::observation_count() const {
+  std::size_t count = 0;
+  for (const Segment& segment : segments) count += segment.observations.size();
+  return static_cast<int>(count);
+}
+
+std::vector<std::string> FitProblem::output_names() const {
+  std::vector<std::string> names;
+  for (const ComparedOutput& output : outputs) names.push_back(output.name);
+  return names;
+}
+
+FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captures,
+                        const FitOptions& options) {
+  validate(options);
+  if (captures.empty()) throw ArgumentError("there are no captures; at least one was expected");
+  check_names(family, options);
+  FitProblem problem;
+  problem.loss = options.loss.kind;
+  problem.fixed = family.fixed;
+  assign_roles(family, options, problem);
+  assign_outputs(family, captures, options, problem);
+  if (problem.shared_count() + problem.own_count() == 0) {
+    throw ArgumentError("every coordinate is fixed; at least one to fit was expected");
+  }
+  add_segments(family, captures, options, problem);
+  return problem;
+}
+
+}  // namespace samara::identification

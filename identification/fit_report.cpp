@@ -1,0 +1,203 @@
+#include "samara/identification/fit_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace samara::identification {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json number(const std::optional<double>& value) {
+  return value ? number(*value) : Json(nullptr);
+}
+
+Json column(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  Json array = Json::array();
+  for (const double value : values) array.push_back(number(value));
+  return array;
+}
+
+/// Row by row.
+Json matrix(const Eigen::MatrixXd& values) {
+  Json rows = Json::array();
+  for (Eigen::Index row = 0; row < values.rows(); ++row) rows.push_back(column(values.row(row).transpose()));
+  return rows;
+}
+
+Json json_of(const Coefficient& c) {
+  return {{"name", c.name},
+          {"unit", c.unit},
+          {"value", number(c.value)},
+          {"standard_error", number(c.standard_error)},
+          {"naive_standard_error", number(c.naive_standard_error)},
+          {"lower", c.lower},
+          {"upper", c.upper},
+          {"at_bound", c.at_bound},
+          {"determined", c.determined}};
+}
+
+Json json_of(const std::vector<OutputRms>& residuals) {
+  Json array = Json::array();
+  for (const OutputRms& r : residuals)
+    array.push_back({{"output", r.output}, {"unit", r.unit}, {"rms", number(r.rms)}});
+  return array;
+}
+
+Json json_of(const CaptureFit& capture) {
+  Json nuisances = Json::array();
+  for (const Nuisance& n : capture.nuisances) {
+    nuisances.push_back({{"name", n.name},
+                         {"unit", n.unit},
+                         {"value", number(n.value)},
+                         {"standard_error", number(n.standard_error)},
+                         {"at_bound", n.at_bound}});
+  }
+  Json outputs = Json::object();
+  for (std::size_t o = 0; o < capture.residuals.size(); ++o) {
+    const auto at = static_cast<Eigen::Index>(o);
+    outputs[capture.residuals[o].output] = {{"measured", column(capture.measured.col(at))},
+                                            {"model", column(capture.model.col(at))}};
+  }
+  return {{"id", capture.id},
+          {"file", capture.file},
+          {"labels", capture.labels},
+          {"cluster", capture.cluster},
+          {"frames", capture.frames},
+          {"nuisances", nuisances},
+          {"residuals", json_of(capture.residuals)},
+          {"times", column(capture.times)},
+          {"outputs", outputs}};
+}
+
+Json json_of(const StartRecord& start) {
+  Json values = Json::array();
+  for (const double value : start.coefficients) values.push_back(number(value));
+  return {{"status", to_string(start.status)},
+          {"message", start.message},
+          {"coefficients", values},
+          {"cost", number(start.cost)},
+          {"iterations", start.iterations},
+          {"reached_best", start.reached_best}};
+}
+
+std::string unit_text(const std::string& unit) {
+  return unit == "1" ? "" : fmt::format(" {}", unit);
+}
+
+std::string error_text(const std::optional<double>& error) {
+  return error ? fmt::format("{:.2g}", *error) : "-";
+}
+
+std::string remark(const Coefficient& c) {
+  if (!c.determined) return "not determined";
+  return c.at_bound ? "at a bound" : "";
+}
+
+/// Lines without the blanks that padding leaves at their ends.
+std::string without_trailing_blanks(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '\n') result.erase(result.find_last_not_of(' ') + 1);
+    result.push_back(c);
+  }
+  return result;
+}
+
+void add_coefficient_table(const FitResult& result, std::back_insert_iterator<std::string> out) {
+  if (result.coefficients.empty()) return;
+  fmt::format_to(out, "\n{:<16} {:>12} {:<10} {:>12} {:>12} {:>23}\n", "coefficient", "value", "unit",
+                 "std. error", "naive", "box");
+  for (const Coefficient& c : result.coefficients) {
+    fmt::format_to(out, "{:<16} {:>12.6g} {:<10} {:>12} {:>12} {:>23} {}\n", c.name, c.value, c.unit,
+                   error_text(c.standard_error), error_text(c.naive_standard_error),
+                   fmt::format("{:.4g} .. {:.4g}", c.lower, c.upper), remark(c));
+  }
+  fmt::format_to(out,
+                 "standard errors from the scatter of {} cluster{}; naive: frames taken as independent\n",
+                 result.clusters, result.clusters == 1 ? "" : "s");
+}
+
+void add_capture_table(const FitResult& result, std::back_insert_iterator<std::string> out) {
+  fmt::format_to(out, "\n{:<20} {:>6}", "capture", "frames");
+  for (const Nuisance& n : result.captures.front().nuisances) {
+    fmt::format_to(out, " {:>22}",
+                   fmt::format("{}{}", n.name, n.unit == "1" ? "" : fmt::format(" [{}]", n.unit)));
+  }
+  for (const OutputRms& r : result.residuals)
+    fmt::format_to(out, " {:>16}",
+                   fmt::format("rms {}{}", r.output, r.unit == "1" ? "" : fmt::format(" [{}]", r.unit)));
+  fmt::format_to(out, "\n");
+  for (const CaptureFit& capture : result.captures) {
+    fmt::format_to(out, "{:<20} {:>6}", capture.id, capture.frames);
+    for (const Nuisance& n : capture.nuisances) {
+      fmt::format_to(
+          out, " {:>22}",
+          fmt::format("{:.4g} +- {}{}", n.value, error_text(n.standard_error), n.at_bound ? " !" : ""));
+    }
+    for (const OutputRms& r : capture.residuals) fmt::format_to(out, " {:>16.3g}", r.rms);
+    fmt::format_to(out, "\n");
+  }
+}
+
+}  // namespace
+
+std::string fit_json(const FitResult& result) {
+  Json coefficients = Json::array();
+  for (const Coefficient& c : result.coefficients) coefficients.push_back(json_of(c));
+  Json captures = Json::array();
+  for (const CaptureFit& capture : result.captures) captures.push_back(json_of(capture));
+  Json starts = Json::array();
+  for (const StartRecord& start : result.starts) starts.push_back(json_of(start));
+  const Json object = {{"schema", "samara-fit/1"},
+                       {"status", to_string(result.status)},
+                       {"message", result.message},
+                       {"warnings", result.warnings},
+                       {"model", result.model},
+                       {"source", result.source},
+                       {"loss", result.loss},
+                       {"fixed", result.fixed},
+                       {"coefficients", coefficients},
+                       {"covariance", matrix(result.covariance)},
+                       {"correlation", matrix(result.correlation)},
+                       {"clusters", result.clusters},
+                       {"residuals", json_of(result.residuals)},
+                       {"residual_count", result.residual_count},
+                       {"cost", number(result.cost)},
+                       {"captures", captures},
+                       {"starts", starts},
+                       {"starts_at_best", result.starts_at_best},
+                       {"iterations", result.iterations},
+                       {"evaluations", result.evaluations},
+                       {"seconds", result.seconds}};
+  // Ids and labels come from files in any encoding.
+  return object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string fit_text(const FitResult& result) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "fit of {} by {}, {} loss: {}\n", result.model, result.source, result.loss,
+                 result.message);
+  add_coefficient_table(result, out);
+  if (!result.captures.empty()) add_capture_table(result, out);
+  for (const OutputRms& r : result.residuals) {
+    fmt::format_to(out, "\nrms of {}: {:.4g}{} over {} values\n", r.output, r.rms, unit_text(r.unit),
+                   result.residual_count);
+  }
+  fmt::format_to(out, "{} iterations, {} trajectories, {:.3g} s\n", result.iterations, result.evaluations,
+                 result.seconds);
+  for (const std::string& warning : result.warnings) fmt::format_to(out, "warning: {}\n", warning);
+  return without_trailing_blanks(text);
+}
+
+}  // namespace samara::identification

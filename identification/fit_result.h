@@ -1,0 +1,111 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace samara::identification {
+
+enum class FitStatus {
+  converged,
+  not_determined,   ///< converged, but coefficients can change together without changing the residuals
+  iteration_limit,  ///< max_iterations were spent; what is reported is the best point so far
+  failed,           ///< no start led anywhere; the message has the reason, the values mean nothing
+};
+
+/// "converged", "not determined", "iteration limit", "failed".
+std::string to_string(FitStatus status);
+
+/// A coordinate that all captures share.
+struct Coefficient {
+  std::string name = {};
+  std::string unit = {};
+  double value = 0.0;
+  double lower = 0.0;  ///< of its box
+  double upper = 0.0;
+  /// From the scatter between clusters of captures. Empty for fewer than two clusters, at a bound, and where
+  /// the captures do not determine the coefficient.
+  std::optional<double> standard_error = {};
+  /// As if all frames were independent: usually much too small.
+  std::optional<double> naive_standard_error = {};
+  bool at_bound = false;
+  bool determined = true;
+};
+
+/// A value of one capture's own: an initial value, or the "offset of x".
+struct Nuisance {
+  std::string name = {};
+  std::string unit = {};
+  double value = 0.0;
+  std::optional<double> standard_error = {};  ///< naive
+  bool at_bound = false;
+};
+
+/// Root mean square of measured - model, in the unit of the output.
+struct OutputRms {
+  std::string output;
+  std::string unit;
+  double rms = 0.0;
+};
+
+struct CaptureFit {
+  std::string id = {};
+  std::string file = {};
+  std::map<std::string, std::string> labels = {};
+  int cluster = 0;  ///< number of its cluster, from 0
+  int frames = 0;   ///< in the window, with something to compare
+  std::vector<Nuisance> nuisances = {};
+  std::vector<OutputRms> residuals = {};
+  /// For pictures: the frames used, and per fitted output what was measured (NaN if missing) and what the
+  /// model says, its offset included. Frames x outputs, SI.
+  Eigen::VectorXd times = {};
+  Eigen::MatrixXd measured = {};
+  Eigen::MatrixXd model = {};
+};
+
+struct StartRecord {
+  FitStatus status = FitStatus::failed;
+  std::string message = {};
+  std::vector<double> coefficients = {};  ///< where it ended, in the order of FitResult::coefficients
+  double cost = 0.0;
+  int iterations = 0;
+  bool reached_best = false;
+};
+
+struct FitResult {
+  FitStatus status = FitStatus::failed;
+  std::string message = "the fit did not run";  ///< why it stopped, in one sentence
+  std::vector<std::string> warnings = {};       ///< one sentence each
+
+  std::string model = {};
+  std::string source = {};  ///< "codebook" or "reference integrator"
+  std::string loss = {};
+  std::map<std::string, double> fixed = {};  ///< everything that was held, SI
+
+  std::vector<Coefficient> coefficients = {};
+  /// Of the coefficients, from the scatter between clusters where there are two or more, else naive. Rows and
+  /// columns of coefficients without a standard error are NaN.
+  Eigen::MatrixXd covariance = {};
+  Eigen::MatrixXd correlation = {};
+  int clusters = 0;
+
+  std::vector<CaptureFit> captures = {};
+  std::vector<OutputRms> residuals = {};  ///< over all captures
+
+  /// 1/2 sum of rho over frames and outputs, residuals divided by their loss scale: no unit.
+  double cost = 0.0;
+  int residual_count = 0;
+  std::vector<StartRecord> starts = {};
+  int starts_at_best = 0;  ///< starts that ended at the best cost
+  int iterations = 0;      ///< over all starts
+  long evaluations = 0;    ///< trajectories of single captures
+  double seconds = 0.0;
+
+  /// Converged, with every coefficient determined.
+  bool is_usable() const { return status == FitStatus::converged; }
+};
+
+}  // namespace samara::identification

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "samara/identification/fit_problem.h"
+#include "samara/identification/fit_result.h"
+#include "samara/identification/segment_residual.h"
+#include "samara/identification/uncertainty.h"
+
+/// Internal to identification/: putting the numbers of a fit into its result.
+namespace samara::identification {
+
+void add_coefficients(const FitProblem& problem, const FitPoint& point, const Uncertainty& uncertainty,
+                      FitResult& result);
+
+/// @param residuals evaluated at `point`
+void add_captures(const FitProblem& problem, const std::vector<SegmentResidual>& residuals,
+                  const FitPoint& point, const Uncertainty& uncertainty, FitResult& result);
+
+/// What the reader must know: coefficients at bounds or not determined, errors that cannot be trusted, other
+/// optima. Needs coefficients, captures and starts.
+void add_warnings(const Uncertainty& uncertainty, FitResult& result);
+
+}  // namespace samara::identification

@@ -1,0 +1,132 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samara/base/names.h"
+#include "samara/identification/fit_summary.h"
+
+namespace samara::identification {
+
+namespace {
+
+void warn_about_bounds(FitResult& result) {
+  for (const Coefficient& c : result.coefficients) {
+    if (!c.at_bound) continue;
+    result.warnings.push_back(
+        fmt::format("{} = {:.6g} lies at a bound of its box, {:.6g} to {:.6g}: its best value is probably "
+                    "outside, and it has no "
+                    "standard error",
+                    c.name, c.value, c.lower, c.upper));
+  }
+  std::map<std::string, std::vector<std::string>> captures;
+  for (const CaptureFit& capture : result.captures) {
+    for (const Nuisance& n : capture.nuisances) {
+      if (n.at_bound) captures[n.name].push_back(fmt::format("\"{}\"", capture.id));
+    }
+  }
+  for (const auto& [name, ids] : captures) {
+    result.warnings.push_back(fmt::format("{} lies at a bound of its box in {} of {} captures: {}", name,
+                                          ids.size(), result.captures.size(), join(ids)));
+  }
+}
+
+void warn_about_undetermined(const Uncertainty& uncertainty, FitResult& result) {
+  for (const std::vector<int>& set : uncertainty.undetermined_sets) {
+    std::vector<std::string> names;
+    for (const int k : set) names.push_back(result.coefficients[static_cast<std::size_t>(k)].name);
+    result.warnings.push_back(
+        names.size() == 1
+            ? fmt::format("the captures do not determine {}: it can change without changing the residuals",
+                          names[0])
+            : fmt::format(
+                  "the captures do not determine {}: they can change together without changing the residuals",
+                  join(names)));
+  }
+  for (std::size_t c = 0; c < result.captures.size(); ++c) {
+    for (std::size_t k = 0; k < result.captures[c].nuisances.size(); ++k) {
+      if (uncertainty.own[c].determined[k]) continue;
+      result.warnings.push_back(fmt::format("capture \"{}\" does not determine its {}", result.captures[c].id,
+                                            result.captures[c].nuisances[k].name));
+    }
+  }
+  for (const Coefficient& c : result.coefficients) {
+    const double error = std::max(c.standard_error.value_or(0.0), c.naive_standard_error.value_or(0.0));
+    if (error < 0.5 * (c.upper - c.lower)) continue;
+    result.warnings.push_back(
+        fmt::format("the captures say little about {}: its standard error {:.3g} is half its box "
+                    "or more",
+                    c.name, error));
+  }
+}
+
+void warn_about_errors(const Uncertainty& uncertainty, FitResult& result) {
+  if (result.coefficients.empty()) return;
+  if (result.clusters < 2) {
+    result.warnings.push_back(
+        "there is only one cluster of captures: the standard errors take all frames as independent and are "
+        "usually "
+        "much too small");
+  } else if (result.clusters <= static_cast<int>(result.coefficients.size())) {
+    result.warnings.push_back(
+        fmt::format("{} coefficients rest on {} clusters of captures: their covariance is "
+                    "singular, their errors are rough",
+                    result.coefficients.size(), result.clusters));
+  }
+  const bool has_naive = std::ranges::any_of(result.coefficients, [](const Coefficient& c) {
+    return c.naive_standard_error || c.at_bound || !c.determined;
+  });
+  if (!has_naive)
+    result.warnings.push_back("there are no more values than unknowns: nothing says how large the noise is");
+  if (uncertainty.hessian_replaced) {
+    result.warnings.push_back(
+        "too many residuals lie where the loss is not convex: the standard errors are rough; a larger loss "
+        "scale, or "
+        "the huber loss, is advised");
+  }
+}
+
+std::string values_text(const FitResult& result, const StartRecord& start) {
+  std::vector<std::string> texts;
+  for (std::size_t k = 0; k < start.coefficients.size(); ++k) {
+    texts.push_back(fmt::format("{} = {:.5g}", result.coefficients[k].name, start.coefficients[k]));
+  }
+  return join(texts);
+}
+
+/// Farther from the best than a hundredth of the box, in any coefficient.
+bool is_elsewhere(const FitResult& result, const StartRecord& start) {
+  for (std::size_t k = 0; k < start.coefficients.size(); ++k) {
+    const Coefficient& c = result.coefficients[k];
+    if (std::abs(start.coefficients[k] - c.value) > 0.01 * (c.upper - c.lower)) return true;
+  }
+  return false;
+}
+
+void warn_about_starts(const Uncertainty& uncertainty, FitResult& result) {
+  if (result.starts.size() > 1 && result.starts_at_best == 1) {
+    result.warnings.push_back(fmt::format(
+        "only one of {} starts reached the best cost: others may be better still", result.starts.size()));
+  }
+  if (!uncertainty.undetermined_sets.empty()) return;
+  for (std::size_t k = 0; k < result.starts.size(); ++k) {
+    const StartRecord& start = result.starts[k];
+    if (start.status != FitStatus::converged || !is_elsewhere(result, start)) continue;
+    if (start.cost > 1.1 * result.cost && !start.reached_best) continue;
+    const double excess = result.cost > 0.0 ? 100.0 * (start.cost / result.cost - 1.0) : 0.0;
+    result.warnings.push_back(
+        fmt::format("start {} ended in another optimum, {}, at a cost only {:.2g} % higher", k + 1,
+                    values_text(result, start), excess));
+  }
+}
+
+}  // namespace
+
+void add_warnings(const Uncertainty& uncertainty, FitResult& result) {
+  warn_about_bounds(result);
+  warn_about_undetermined(uncertainty, result);
+  warn_about_errors(uncertainty, result);
+  warn_about_starts(uncertainty, result);
+}
+
+}  // namespace samara::identification

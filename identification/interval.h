@@ -1,0 +1,14 @@
+#pragma once
+
+namespace samara::identification {
+
+/// Of one coordinate, SI.
+struct Interval {
+  double lower = 0.0;
+  double upper = 0.0;
+
+  double width() const { return upper - lower; }
+  bool contains(double value) const { return value >= lower && value <= upper; }
+};
+
+}  // namespace samara::identification

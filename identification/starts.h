@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "samara/identification/fit_problem.h"
+#include "samara/identification/segment_residual.h"
+
+/// Internal to identification/.
+namespace samara::identification {
+
+/// Start number `index` of a fit, the same in every run: the centre of the box first, then Halton points in
+/// its inner four fifths; all captures at the same values of their own coordinates. Offsets put each
+/// capture's mean residual to zero.
+/// @param residuals one per segment; scratch
+FitPoint start_point(const FitProblem& problem, std::vector<SegmentResidual>& residuals, int index);
+
+}  // namespace samara::identification

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <limits>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+/// Where a fit takes its trajectories from: a codebook, or the reference integrator. Both say what can be
+/// fitted, and answer at the frame times of a capture.
+namespace samara::identification {
+
+/// A free coordinate: a parameter, or the initial value "s(0)" of state s, with its box (SI).
+struct FitCoordinate {
+  std::string name;
+  std::string unit;
+  bool is_initial = false;
+  double lower = 0.0;
+  double upper = 0.0;
+};
+
+struct FitOutput {
+  std::string name;
+  std::string unit;
+};
+
+struct FamilyInfo {
+  std::string model = {};
+  std::string source = {};  ///< "codebook" or "reference integrator"
+  std::vector<FitCoordinate> coordinates = {};
+  std::vector<FitOutput> outputs = {};
+  std::map<std::string, double> fixed = {};    ///< parameters and initial values held by the family, SI
+  std::vector<std::string> translations = {};  ///< outputs that may be shifted without changing the motion
+  double end_time = std::numeric_limits<double>::infinity();  ///< s
+};
+
+/// q -> values and derivatives at fixed times, for chosen outputs. Holds scratch space: one per thread.
+class TrajectorySource {
+ public:
+  virtual ~TrajectorySource() = default;
+
+  /// @param q all coordinates of the family, in order, inside its box
+  /// @param values times x outputs, of that size already
+  /// @param derivatives of that size already, times x (outputs * coordinates): column o + outputs * k holds
+  ///   d(output o)/dq_k; null if not wanted
+  /// @returns false if there is no trajectory at q (the integrator gave up)
+  virtual bool evaluate(std::span<const double> q, Eigen::MatrixXd& values, Eigen::MatrixXd* derivatives) = 0;
+};
+
+/// Trajectories over a box of coordinates. Immutable, safe to share between threads.
+class TrajectoryFamily {
+ public:
+  virtual ~TrajectoryFamily() = default;
+
+  virtual const FamilyInfo& info() const = 0;
+
+  /// @param times s, not decreasing, from 0 to end_time
+  /// @param outputs names
+  /// @throws ArgumentError for an unknown output; OutsideBoxError for times outside.
+  virtual std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
+                                               const std::vector<std::string>& outputs) const = 0;
+};
+
+}  // namespace samara::identification

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/identification/fit_problem.h"
+#include "samara/identification/segment_residual.h"
+
+/// Internal to identification/; the formulas stand in fit.h.
+namespace samara::identification {
+
+/// Of the unknowns of one segment.
+struct OwnUncertainty {
+  Eigen::VectorXd standard_error;  ///< naive; NaN at a bound and where not determined
+  std::vector<char> at_bound;
+  std::vector<char> determined;
+};
+
+/// Of the shared unknowns. Matrices are shared x shared, NaN in rows and columns at a bound or not
+/// determined.
+struct Uncertainty {
+  Eigen::MatrixXd clustered;  ///< all NaN for fewer than two clusters
+  Eigen::MatrixXd naive;
+  std::vector<char> at_bound;
+  std::vector<char> determined;
+  std::vector<std::vector<int>> undetermined_sets;  ///< as in DeterminedInverse
+  /// The Hessian of the loss was no use (a cauchy loss far from its convex part): mean(psi') J^T J stood in.
+  bool hessian_replaced = false;
+  std::vector<OwnUncertainty> own;
+};
+
+/// @param residuals one per segment; scratch, left at `point`
+/// @param point a minimum, at which there are trajectories
+Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentResidual>& residuals,
+                                 const FitPoint& point);
+
+}  // namespace samara::identification

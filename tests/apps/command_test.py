@@ -1,0 +1,334 @@
+"""Usage: command_test.py SAMARA [CLASS]
+
+The command as its users see it: answers on stdout, one sentence on stderr, exit codes.
+"""
+
+import csv
+import json
+import math
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+SAMARA = sys.argv[1]
+HERE = tempfile.TemporaryDirectory()
+FOLDER = pathlib.Path(HERE.name)
+
+LINE_PLAN = """model = "constant_rate"
+[box]
+k = [1.0, 10.0]
+[time]
+end = 10.0
+[tolerance]
+relative = 1e-9
+"""
+
+COIN_PLAN = """model = "vertical_fall"
+[fixed]
+area = "4.7144e-4 m^2"
+thickness = "2.55 mm"
+density = "6338.5 kg/m^3"
+[box]
+C_D = [0.8, 1.6]
+"v(0)" = [0.0, 0.4]
+[time]
+end = "0.4 s"
+[tolerance]
+relative = 1e-3
+"""
+
+
+def run(*arguments):
+    return subprocess.run([SAMARA, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+
+
+def write(name, text):
+    path = FOLDER / name
+    path.write_text(text)
+    return path
+
+
+def book(name, plan):
+    path = FOLDER / f"{name}.h5"
+    if not path.exists():
+        result = run("build", write(f"{name}.toml", plan), "-o", path)
+        assert result.returncode == 0, result.stderr
+    return path
+
+
+class Case(unittest.TestCase):
+    def check_error(self, result, code, *parts):
+        """One sentence on stderr that holds the parts, nothing on stdout, the documented exit code."""
+        self.assertEqual(result.returncode, code, result.stderr)
+        self.assertEqual(result.stdout, "")
+        lines = result.stderr.strip().splitlines()
+        self.assertEqual(len(lines), 1, result.stderr)
+        self.assertTrue(lines[0].startswith("samara: "), lines[0])
+        for part in parts:
+            self.assertIn(part, lines[0])
+
+
+class Answers(Case):
+    def test_models_lists_every_model_and_explains_one(self):
+        self.assertIn("vertical_fall", run("models").stdout)
+        text = run("models", "vertical_fall").stdout
+        for part in ["C_D", "kg/m^3", "8/3", "source"]:
+            self.assertIn(part, text)
+        models = json.loads(run("models", "--json").stdout)
+        self.assertEqual(models["schema"], "samara-models/1")
+        self.assertIn("quadratic_drag_fall", [m["name"] for m in models["models"]])
+
+    def test_simulate_prints_the_exact_fall(self):
+        result = run("simulate", "quadratic_drag_fall", "--set", "C_D=1", "--until", "0.5", "--frames", "6")
+        rows = list(csv.reader(result.stdout.splitlines()))
+        self.assertEqual(rows[0], ["t[s]", "u[m/s]"])
+        speed = math.sqrt(2 * 0.1 * 9.81 / (1.23 * 0.5))
+        for t, u in rows[1:]:
+            self.assertAlmostEqual(float(u), -speed * math.tanh(9.81 * float(t) / speed), delta=1e-8)
+
+    def test_values_may_carry_units(self):
+        arguments = ["simulate", "vertical_fall", "--set", "C_D=1", "--set", "density=6.3 g/cm^3", "--set", "area=4.7 cm^2",
+                     "--set", "thickness=2.5 mm", "--until", "100 ms", "--frames", "2"]
+        plain = ["simulate", "vertical_fall", "--set", "C_D=1", "--set", "density=6300", "--set", "area=4.7e-4",
+                 "--set", "thickness=2.5e-3", "--until", "0.1", "--frames", "2"]
+        left, right = (list(csv.reader(run(*a).stdout.splitlines())) for a in (arguments, plain))
+        self.assertEqual(left[0], right[0])
+        for a, b in zip(left[2], right[2]):
+            self.assertAlmostEqual(float(a), float(b), delta=1e-14)
+
+    def test_query_gives_values_and_derivatives(self):
+        path = book("line", LINE_PLAN)
+        result = run("query", path, "--set", "k=4", "--at", "7", "2", "--gradient")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr, "")
+        rows = list(csv.reader(result.stdout.splitlines()))
+        self.assertEqual(rows[0], ["t[1]", "k[1]", "u[1]", "du/dt[1]", "du/dk[1]"])
+        # u = (10 / k - 1) t, so du/dt = 1.5 and du/dk = -10 t / k^2.
+        for row, t in zip(rows[1:], [7.0, 2.0]):
+            for got, exact in zip(map(float, row), [t, 4.0, 1.5 * t, 1.5, -10.0 * t / 16.0]):
+                self.assertAlmostEqual(got, exact, delta=1e-6)
+
+    def test_query_as_json_is_one_object_with_a_schema(self):
+        path = book("line", LINE_PLAN)
+        answer = json.loads(run("query", path, "--set", "k=4", "--json", "--gradient").stdout)
+        self.assertEqual(answer["schema"], "samara-query/1")
+        self.assertEqual(len(answer["outputs"][0]["values"]), 11)
+        self.assertEqual(set(answer["outputs"][0]["gradient"]), {"t", "k"})
+        self.assertTrue(answer["certificate_met"])
+
+    def test_clamp_takes_the_nearest_point_and_says_so(self):
+        path = book("line", LINE_PLAN)
+        clamped = run("query", path, "--set", "k=11", "--at", "3", "--clamp")
+        self.assertEqual(clamped.returncode, 0)
+        self.assertIn("k was moved", clamped.stderr)
+        self.assertEqual(clamped.stdout, run("query", path, "--set", "k=10", "--at", "3").stdout)
+
+    def test_answers_go_to_a_file_when_asked(self):
+        path = book("line", LINE_PLAN)
+        target = FOLDER / "answer.csv"
+        result = run("query", path, "--set", "k=4", "-o", target)
+        self.assertEqual(result.stdout, "")
+        self.assertEqual(target.read_text(), run("query", path, "--set", "k=4").stdout)
+
+    def test_info_shows_axes_certificate_and_provenance(self):
+        path = book("line", LINE_PLAN)
+        text = run("info", path).stdout
+        for part in ["constant_rate", "chebyshev", "certificate: met", "made by samara"]:
+            self.assertIn(part, text)
+        info = json.loads(run("info", path, "--json").stdout)
+        self.assertEqual(info["schema"], "samara-info/1")
+        self.assertTrue(info["certificate"]["met"])
+        self.assertGreaterEqual(info["certificate"]["points"], 2000)
+
+    def test_validate_certifies_again_on_other_points(self):
+        path = book("line", LINE_PLAN)
+        a = json.loads(run("validate", path, "--points", "500", "--seed", "3", "--json").stdout)["certificate"]
+        b = json.loads(run("validate", path, "--points", "500", "--seed", "4", "--json").stdout)["certificate"]
+        self.assertTrue(a["met"] and b["met"])
+        self.assertEqual(a["points"], 500)
+        self.assertNotEqual(a["outputs"][0]["worst"], b["outputs"][0]["worst"])
+
+
+class BadPlans(Case):
+    def build(self, text):
+        target = FOLDER / "never.h5"
+        result = run("build", write("bad.toml", text), "-o", target)
+        self.assertFalse(target.exists())
+        return result
+
+    def test_an_unknown_key(self):
+        self.check_error(self.build(LINE_PLAN.replace("[box]", "[bos]")), 3, "bad.toml:2", "bos", "box")
+
+    def test_a_reversed_interval(self):
+        self.check_error(self.build(LINE_PLAN.replace("[1.0, 10.0]", "[10.0, 1.0]")), 3, "bad.toml:3", "k", "lower < upper")
+
+    def test_an_empty_interval(self):
+        self.check_error(self.build(LINE_PLAN.replace("[1.0, 10.0]", "[2.0, 2.0]")), 3, "bad.toml:3", "k", "lower < upper")
+
+    def test_nan(self):
+        self.check_error(self.build(LINE_PLAN.replace("10.0]", "nan]")), 3, "bad.toml:3", "nan")
+
+    def test_a_parameter_of_another_model(self):
+        self.check_error(self.build(LINE_PLAN.replace("k =", "C_D =")), 3, "bad.toml:3", "C_D", "constant_rate")
+
+    def test_an_unknown_model(self):
+        self.check_error(self.build(LINE_PLAN.replace("constant_rate", "constant_rat")), 3, "constant_rate")
+
+    def test_a_missing_plan(self):
+        self.check_error(run("build", FOLDER / "none.toml", "-o", FOLDER / "x.h5"), 3, "none.toml")
+
+    def test_an_output_that_cannot_be_written(self):
+        plan = write("line.toml", LINE_PLAN)
+        self.check_error(run("build", plan, "-o", FOLDER / "nowhere" / "x.h5"), 2, "nowhere")
+
+
+class BadCaptures(Case):
+    def fit(self, text, sidecar=None):
+        path = write("capture.csv", text)
+        if sidecar is not None:
+            path = write("side.toml", 'file = "capture.csv"\n' + sidecar)
+        return run("fit", book("coin", COIN_PLAN), path)
+
+    ROWS = "".join(f"{i / 60},{0.2 * i / 60}\n" for i in range(12))
+
+    def test_a_missing_column(self):
+        sidecar = '[columns]\ntime = { quantity = "t", unit = "s" }\ndeep = { quantity = "x", unit = "m" }\n'
+        self.check_error(self.fit("time,depth\n" + self.ROWS, sidecar), 3, "deep", "depth")
+
+    def test_a_header_without_units(self):
+        self.check_error(self.fit("t,x\n" + self.ROWS), 3, "capture.csv", "unit")
+
+    def test_times_that_do_not_increase(self):
+        rows = self.ROWS.splitlines(keepends=True)
+        rows[5], rows[6] = rows[6], rows[5]
+        self.check_error(self.fit("t[s],x[m]\n" + "".join(rows)), 3, "capture.csv:8", "increas")
+
+    def test_a_number_that_is_none(self):
+        self.check_error(self.fit("t[s],x[m]\n" + self.ROWS.replace("0.1,", "0.1x,", 1)), 3, "capture.csv:")
+
+    def test_a_missing_file(self):
+        self.check_error(run("fit", book("coin", COIN_PLAN), FOLDER / "none.csv"), 3, "none.csv")
+
+
+class BadCodebooks(Case):
+    def test_a_truncated_file(self):
+        whole = book("line", LINE_PLAN).read_bytes()
+        for part in [0.0, 0.01, 0.5, 0.99]:
+            path = FOLDER / "short.h5"
+            path.write_bytes(whole[: int(part * len(whole))])
+            self.check_error(run("query", path, "--set", "k=4"), 3, "short.h5")
+
+    def test_a_foreign_file(self):
+        self.check_error(run("info", write("foreign.h5", "not HDF5 at all\n" * 100)), 3, "foreign.h5")
+
+    def test_a_missing_file(self):
+        self.check_error(run("validate", FOLDER / "none.h5"), 3, "none.h5")
+
+    def test_a_query_outside_the_box(self):
+        path = book("line", LINE_PLAN)
+        self.check_error(run("query", path, "--set", "k=11"), 5, "k = 11", "[1, 10]")
+        self.check_error(run("query", path, "--set", "k=4", "--at", "10.5"), 5, "t = 10.5", "[0, 10]")
+
+
+class BadCalls(Case):
+    def test_wrong_calls_are_explained_and_exit_with_2(self):
+        path = book("line", LINE_PLAN)
+        self.check_error(run("query", path), 2, "k is not set")
+        self.check_error(run("query", path, "--set", "kk=4"), 2, "kk", "k")
+        self.check_error(run("query", path, "--set", "k"), 2, "NAME=VALUE")
+        self.check_error(run("query", path, "--set", "k=4", "--set", "k=5"), 2, "twice")
+        self.check_error(run("query", path, "--set", "k=nan"), 2, "k", "finite")
+        self.check_error(run("query", path, "--set", "k=4 m"), 2, "k", "4 m")
+        self.check_error(run("simulate", "vertical_fal"), 2, "vertical_fall")
+        self.check_error(run("simulate", "constant_rate", "--set", "k=2", "--until", "-1"), 2, "--until")
+        self.check_error(run("models", "nothing_like_it"), 2, "nothing_like_it")
+        self.check_error(run("fit", "vertical_fall", "x.csv"), 2, "--config")
+        for arguments in [[], ["unknown"], ["query"], ["query", path, "--frobnicate"]]:
+            self.assertEqual(run(*arguments).returncode, 2)
+
+    def test_help_names_every_option_and_exits_with_0(self):
+        self.assertEqual(run("--help").returncode, 0)
+        for command in ["models", "simulate", "build", "info", "query", "validate", "fit"]:
+            result = run(command, "--help")
+            self.assertEqual(result.returncode, 0)
+            self.assertIn("--help", result.stdout)
+
+
+class Builds(Case):
+    def test_a_build_that_misses_its_tolerance_is_written_marked_and_exits_with_4(self):
+        plan = COIN_PLAN.replace('"v(0)" = [0.0, 0.4]', '"v(0)" = { range = [0.0, 0.4], nodes = 2 }')
+        path = FOLDER / "missed.h5"
+        result = run("build", write("missed.toml", plan), "-o", path)
+        self.assertEqual(result.returncode, 4)
+        self.assertIn("missed", result.stderr)
+        query = run("query", path, "--set", "C_D=1", "--set", "v(0)=0.1")
+        self.assertEqual(query.returncode, 0)
+        self.assertIn("missed its tolerance", query.stderr)
+        self.assertEqual(run("validate", path).returncode, 4)
+
+    def test_a_killed_build_leaves_no_file_and_resumes_to_the_same_codebook(self):
+        plan = write("kill.toml", COIN_PLAN.replace("1e-3", "1e-4"))
+        whole, killed = FOLDER / "whole.h5", FOLDER / "killed.h5"
+        self.assertEqual(run("build", plan, "-o", whole).returncode, 0)
+        process = subprocess.Popen([SAMARA, "build", plan, "-o", killed], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        checkpoint = pathlib.Path(f"{killed}.checkpoint")
+        while process.poll() is None and not checkpoint.exists():
+            time.sleep(0.001)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        self.assertFalse(killed.exists())
+        self.assertTrue(checkpoint.exists())
+        self.assertEqual(run("build", plan, "-o", killed, "--resume").returncode, 0)
+        self.assertFalse(checkpoint.exists())
+        left, right = (json.loads(run("info", p, "--json").stdout) for p in (whole, killed))
+        for info in (left, right):
+            del info["provenance"]
+        left.pop("bytes"), right.pop("bytes")
+        self.assertEqual(left, right)
+        at = ["--set", "C_D=1.1", "--set", "v(0)=0.13", "--gradient"]
+        self.assertEqual(run("query", whole, *at).stdout, run("query", killed, *at).stdout)
+
+
+class Fits(Case):
+    def capture(self):
+        result = run("simulate", "vertical_fall", "--set", "C_D=1.2", "--set", "area=4.7144e-4", "--set", "thickness=2.55e-3",
+                     "--set", "density=6338.5", "--set", "v(0)=0.15", "--until", "0.35", "--frames", "22")
+        rows = list(csv.reader(result.stdout.splitlines()))
+        column = rows[0].index("x[m]")
+        lines = ["t[s],x[m]"] + [f"{row[0]},{float(row[column]) + 0.01}" for row in rows[1:]]
+        return write("fall.csv", "\n".join(lines) + "\n")
+
+    def fitted(self, *arguments):
+        result = run("fit", *arguments, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        answer = json.loads(result.stdout)
+        self.assertEqual(answer["schema"], "samara-fit/1")
+        return next(c["value"] for c in answer["coefficients"] if c["name"] == "C_D")
+
+    def test_a_simulated_fall_gives_back_its_coefficient(self):
+        path, capture = book("coin", COIN_PLAN), self.capture()
+        # The codebook's error is 1e-3 of the depth, and the drag acts on a part of it.
+        self.assertAlmostEqual(self.fitted(path, capture), 1.2, delta=2e-2)
+        self.assertAlmostEqual(self.fitted(path, capture, "--reference"), 1.2, delta=1e-6)
+
+    def test_a_model_is_fitted_without_a_codebook(self):
+        config = write("fit.toml", '[fixed]\narea = "4.7144e-4 m^2"\nthickness = "2.55 mm"\ndensity = 6338.5\n'
+                       '[box]\nC_D = [0.5, 2.0]\n"v(0)" = [0.0, 0.5]\n')
+        self.assertAlmostEqual(self.fitted("vertical_fall", self.capture(), "--config", config), 1.2, delta=1e-6)
+
+    def test_the_result_is_written_to_a_file_too(self):
+        target = FOLDER / "fit.json"
+        result = run("fit", book("coin", COIN_PLAN), self.capture(), "-o", target)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("C_D", result.stdout)
+        self.assertEqual(json.loads(target.read_text())["schema"], "samara-fit/1")
+
+
+if __name__ == "__main__":
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    unittest.main(argv=[sys.argv[0], *sys.argv[2:]])

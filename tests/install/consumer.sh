@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Usage: consumer.sh BUILD_DIR
+# Installs BUILD_DIR into a temporary prefix and uses it from a project of its own.
+set -euo pipefail
+build=$(cd "$1" && pwd)
+here=$(cd "$(dirname "$0")" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+cmake --install "$build" --prefix "$work/prefix" >"$work/install.log"
+cmake -G Ninja -S "$here/consumer" -B "$work/consumer" -DCMAKE_PREFIX_PATH="$work/prefix" >"$work/configure.log" 2>&1 ||
+  { cat "$work/configure.log"; exit 1; }
+cmake --build "$work/consumer"
+"$work/consumer/consumer"
+"$work/prefix/bin/samara" --version

@@ -1,0 +1,22 @@
+// A user's program: builds a small codebook, asks it, and compares with the exact solution.
+#include <cmath>
+#include <cstdio>
+
+#include <samara/codebooks/build.h>
+#include <samara/codebooks/query.h>
+#include <samara/identification/fit.h>
+
+int main() {
+  const auto plan = samara::codebooks::parse_plan(
+      "model = \"constant_rate\"\n[box]\nk = [1.0, 10.0]\n[time]\nend = 10.0\n[tolerance]\nrelative = 1e-9\n",
+      "plan");
+  const auto result = samara::codebooks::build(plan);
+  samara::codebooks::Query query(result.book);
+  Eigen::VectorXd u(1);
+  const double point[] = {7.0, 4.0};  // t, k
+  query.values(point, u);
+  const double exact = (10.0 / 4.0 - 1.0) * 7.0;
+  std::printf("u = %.15g, exact %.15g, fit: %s\n", u[0], exact,
+              samara::identification::FitResult{}.message.c_str());
+  return result.met && std::abs(u[0] - exact) < 1e-9 ? 0 : 1;
+}

@@ -1,0 +1,21 @@
+"""Fails if an installed header includes a third-party library other than Eigen."""
+
+import pathlib
+import re
+import sys
+
+root = pathlib.Path(sys.argv[1])
+wrong = []
+installed = 0
+for room in ["base", "pgd", "models", "io", "codebooks", "identification"]:
+    listing = (root / room / "CMakeLists.txt").read_text()
+    block = re.search(r"samara_room\(\w+\s+HEADERS(.*?)(INTERNAL_HEADERS|SOURCES)", listing, re.S)
+    for name in re.findall(r"\S+\.h", block.group(1)):
+        installed += 1
+        for number, line in enumerate((root / room / name).read_text().splitlines(), 1):
+            match = re.match(r"\s*#include <([^>]+)>", line)
+            # The standard library's headers have neither slash nor suffix.
+            if match and not match.group(1).startswith("Eigen/") and re.search(r"[/.]", match.group(1)):
+                wrong.append(f"{room}/{name}:{number}: {match.group(1)} in an installed header")
+print("\n".join(wrong) or f"{installed} installed headers, third-party includes: Eigen only")
+sys.exit(1 if wrong or installed == 0 else 0)
