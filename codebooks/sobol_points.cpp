@@ -37,7 +37,9 @@ Eigen::MatrixXd sobol_points(int dimensions, int count, std::uint64_t seed) {
   Eigen::MatrixXd points(dimensions, count);
   for (int j = 0; j < count; ++j) {
     for (int k = 0; k < dimensions; ++k) {
-      points(k, j) = scrambled(static_cast<std::uint32_t>(engine() >> 32), seeds[k]) * 0x1.0p-32;
+      // The engine leaves out the first point, the origin; only with it are 2^m points evenly spread.
+      const auto bits = j == 0 ? 0u : static_cast<std::uint32_t>(engine() >> 32);
+      points(k, j) = scrambled(bits, seeds[k]) * 0x1.0p-32;
     }
   }
   return points;
