@@ -1,0 +1,174 @@
+// Counts calls of the allocator: malloc and its relatives are defined here, for the whole program with its
+// shared libraries, on top of the ones of the GNU C library.
+
+#include <atomic>
+#include <cerrno>
+#include <cstddef>
+#include <cstdlib>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "random_tensor.h"
+#include "samara/pgd/fixed_point.h"
+#include "samara/pgd/separated_field.h"
+
+using namespace samara::pgd;
+
+namespace {
+std::atomic<bool> counting{false};
+std::atomic<long> calls{0};
+
+void count() noexcept {
+  if (counting.load(std::memory_order_relaxed)) calls.fetch_add(1, std::memory_order_relaxed);
+}
+}  // namespace
+
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t number, std::size_t size);
+void* __libc_realloc(void* memory, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+void __libc_free(void* memory);
+
+void* malloc(std::size_t size) noexcept {
+  count();
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t number, std::size_t size) noexcept {
+  count();
+  return __libc_calloc(number, size);
+}
+void* realloc(void* memory, std::size_t size) noexcept {
+  count();
+  return __libc_realloc(memory, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) noexcept {
+  count();
+  return __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+  count();
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
+  count();
+  *memory = __libc_memalign(alignment, size);
+  return *memory == nullptr ? ENOMEM : 0;
+}
+void free(void* memory) noexcept {
+  if (memory != nullptr) count();
+  __libc_free(memory);
+}
+}
+
+namespace {
+
+/// Calls of malloc, free and their relatives while `work` runs.
+template <class Work>
+long allocator_calls(Work&& work) {
+  calls = 0;
+  counting = true;
+  work();
+  counting = false;
+  return calls;
+}
+
+SeparatedField typical_field(int outputs, int rank) {
+  const std::vector<Axis> axes = {Axis::radau({"t", "s", AxisRole::time}, 0.0, 1.0, 8, 6),
+                                  Axis::chebyshev({"C_D"}, 0.5, 2.0, 20), Axis::p1({"m", "kg"}, 1.0, 2.0, 50),
+                                  Axis::chebyshev({"v(0)", "m/s"}, -1.0, 1.0, 28)};
+  std::vector<int> sizes = {outputs};
+  for (const Axis& axis : axes) sizes.push_back(axis.size());
+  const SeparatedTensor tensor = random_tensor(sizes, rank, 1);
+  const Eigen::MatrixXd weights = tensor.factors[0] * tensor.weights.asDiagonal();
+  return {axes,
+          std::vector<OutputLabel>(static_cast<std::size_t>(outputs), OutputLabel{"u"}),
+          {tensor.factors.begin() + 1, tensor.factors.end()},
+          weights};
+}
+
+/// Identity plus three products: dense on the states and in time, diagonal on the parameters, as evolution
+/// problems have them.
+SeparatedOperator evolution_operator(const std::vector<int>& sizes) {
+  SeparatedOperator op;
+  std::vector<ModeOperator> identity;
+  for (const int n : sizes) identity.push_back(ModeOperator::identity(n));
+  op.terms.push_back(identity);
+  Random random(2);
+  const auto small = [&random](Eigen::Index) { return 0.05 * random.normal(); };
+  for (int i = 0; i < 3; ++i) {
+    std::vector<ModeOperator> term;
+    for (std::size_t k = 0; k < sizes.size(); ++k) {
+      const Eigen::VectorXd values = Eigen::VectorXd::NullaryExpr(sizes[k] * (k < 2 ? sizes[k] : 1), small);
+      if (k < 2) {
+        term.push_back(
+            ModeOperator::dense(Eigen::Map<const Eigen::MatrixXd>(values.data(), sizes[k], sizes[k])));
+      } else {
+        term.push_back(ModeOperator::diagonal(values));
+      }
+    }
+    op.terms.push_back(std::move(term));
+  }
+  return op;
+}
+
+Product random_start(const std::vector<int>& sizes, std::uint64_t seed) {
+  const SeparatedTensor tensor = random_tensor(sizes, 1, seed);
+  Product product;
+  for (const Eigen::MatrixXd& factor : tensor.factors) product.factors.emplace_back(factor.col(0));
+  return product;
+}
+
+}  // namespace
+
+TEST_CASE("the count sees allocations in this program and inside the library") {
+  CHECK(allocator_calls([] {}) == 0);
+  CHECK(allocator_calls([] { std::vector<double>(10).front() = 1.0; }) == 2);
+  const SeparatedField field = typical_field(1, 5);
+  CHECK(allocator_calls([&] { field.make_workspace(); }) > 0);
+  CHECK(allocator_calls([&] { field(std::vector<double>{0.5, 1.0, 1.5, 0.0}); }) > 0);
+}
+
+TEST_CASE("evaluating a separated field does not allocate") {
+  for (const int outputs : {1, 6}) {
+    for (const int rank : {1, 20, 300}) {
+      const SeparatedField field = typical_field(outputs, rank);
+      SeparatedField::Workspace workspace = field.make_workspace();
+      Eigen::VectorXd values(outputs);
+      Eigen::MatrixXd gradient(outputs, field.axis_count());
+      Eigen::VectorXd terms(rank);
+      Eigen::VectorXd slopes(rank);
+      InterpolationStencil stencil = field.axes()[0].make_stencil();
+      // Inside elements, at nodes and at borders.
+      const std::vector<std::vector<double>> points = {
+          {0.31, 1.1, 1.234, 0.4}, {0.0, 0.5, 1.0, -1.0}, {0.125, 2.0, 2.0, 1.0}};
+      CAPTURE(outputs, rank);
+      for (const std::vector<double>& x : points) {
+        CHECK(allocator_calls([&] { field.evaluate(x, values, workspace); }) == 0);
+        CHECK(allocator_calls([&] { field.evaluate(x, values, gradient, workspace); }) == 0);
+        CHECK(allocator_calls([&] { field.factor_values(0, x[0], stencil, terms); }) == 0);
+        CHECK(allocator_calls([&] { field.factor_values(0, x[0], stencil, terms, slopes); }) == 0);
+      }
+    }
+  }
+}
+
+TEST_CASE("the fixed point does not allocate once it has run on a right-hand side of the same size") {
+  const std::vector<int> sizes = {2, 48, 10, 28};
+  LinearProblem problem;
+  problem.op = evolution_operator(sizes);
+  problem.rhs = random_tensor(sizes, 200, 3);
+  for (const Projection projection : {Projection::galerkin, Projection::minimal_residual}) {
+    // Least squares square the operator's four terms, and bring as many to the right-hand side.
+    const ProjectedForm form = project(problem, projection);
+    FixedPoint fixed_point(form.a);
+    Product warm_up = random_start(sizes, 4);
+    fixed_point.run(form.b, {}, warm_up);
+    REQUIRE_FALSE(warm_up.singular);
+    Product product = random_start(sizes, 5);
+    CHECK(allocator_calls([&] { fixed_point.run(form.b, {}, product); }) == 0);
+    CHECK(product.iterations > 1);
+    CHECK(product.amplitude > 0.0);
+  }
+}
