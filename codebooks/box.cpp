@@ -26,6 +26,13 @@ void require_inside(std::span<const Coordinate> coordinates, std::span<const dou
   }
 }
 
+void require_size(const char* what, Size found, Size expected) {
+  if (found == expected) return;
+  throw ArgumentError(
+      fmt::format("the {} given for the answer have {} rows and {} columns, expected {} and {}", what,
+                  found.rows, found.columns, expected.rows, expected.columns));
+}
+
 bool contains(std::span<const pgd::Axis> axes, std::span<const double> x) {
   for (std::size_t k = 0; k < x.size(); ++k) {
     if (!axes[k].contains(x[k])) return false;

@@ -63,8 +63,10 @@ ModelDescription describe(const models::ParametricModel& model) {
   const models::ModelInfo& info = model.model().info();
   ModelDescription description{info.name,     info.title, info.equations, info.frames, info.source,
                                model.fixed(), {}};
-  for (const auto& parameter : info.parameters) description.fixed_units[parameter.name] = parameter.unit;
-  for (const auto& state : info.states) description.fixed_units[state.name + "(0)"] = state.unit;
+  std::map<std::string, std::string>& units = description.fixed_units;
+  for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;
+  for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
+  std::erase_if(units, [&](const auto& item) { return !model.fixed().contains(item.first); });
   return description;
 }
 
@@ -92,18 +94,24 @@ Provenance provenance_of(const Plan& plan, double seconds) {
           fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))), host.data(), seconds};
 }
 
-std::string sentence(const BuildRecord& record, const Certificate& certificate) {
+std::string sentence(const BuildRecord& record, const Certificate& certificate, bool cancelled) {
+  if (cancelled) {
+    return fmt::format("the build was cancelled; its certificate covers {} of {} points",
+                       certificate.points - certificate.failed_points, certificate.points);
+  }
   if (certificate.met) {
     return fmt::format("certified: largest error {:.3g} <= {:.3g} at {} points", certificate.max_error,
                        certificate.tolerance, certificate.points);
   }
-  if (record.status != "converged") return fmt::format("the build missed its tolerance: {}", record.message);
   if (certificate.failed_points > 0) {
     return fmt::format("the certificate is incomplete: {} of {} integrations failed",
                        certificate.failed_points, certificate.points);
   }
-  return fmt::format("the build missed its tolerance: largest error {:.3g} > {:.3g}", certificate.max_error,
-                     certificate.tolerance);
+  const std::string error = fmt::format("largest error {:.3g} at {} points, tolerance {:.3g}",
+                                        certificate.max_error, certificate.points, certificate.tolerance);
+  if (record.status != "converged")
+    return fmt::format("the build missed its tolerance: {}; {}", record.message, error);
+  return fmt::format("the build missed its tolerance: {}", error);
 }
 
 }  // namespace
@@ -117,7 +125,13 @@ BuildResult build(const Plan& plan, const BuildOptions& options) {
   adaptive.tolerance = plan.relative;
   adaptive.max_evaluations = plan.builder.max_calls;
   adaptive.evolution.seed = plan.builder.seed;
-  adaptive.evolution.progress = options.progress;
+  // Once cancelled, always cancelled: neither solver nor certificate ask again.
+  bool cancelled = false;
+  ProgressCallback progress;
+  if (options.progress) {
+    progress = [&](const Progress& report) { return !(cancelled = cancelled || !options.progress(report)); };
+  }
+  adaptive.evolution.progress = progress;
   if (!options.checkpoint.empty()) {
     adaptive.checkpoint = [&](const pgd::SolverState& state) {
       save_checkpoint(options.checkpoint, plan.text, state);
@@ -138,7 +152,7 @@ BuildResult build(const Plan& plan, const BuildOptions& options) {
   certify_options.tolerance = plan.relative;
   certify_options.absolute = plan.absolute;
   certify_options.threads = plan.builder.threads;
-  certify_options.progress = options.progress;
+  certify_options.progress = progress;
   Certificate certificate = certify(book, model, certify_options);
   certificate.met = certificate.met && record.status == "converged";
   certificate.residual = solution.evolution.residual;
@@ -148,8 +162,8 @@ BuildResult build(const Plan& plan, const BuildOptions& options) {
   certificate.spent.compression = solution.evolution.residual;
   certificate.spent.nonlinearity = solution.evolution.nonlinearity_error;
   const bool met = certificate.met;
-  std::string message = sentence(record, certificate);
-  if (!options.checkpoint.empty()) std::filesystem::remove(options.checkpoint);
+  std::string message = sentence(record, certificate, cancelled);
+  if (!options.checkpoint.empty() && !cancelled) std::filesystem::remove(options.checkpoint);
   return {book.with_certificate(std::move(certificate)), met, std::move(message)};
 }
 

@@ -22,7 +22,7 @@ struct BuildOptions {
   int certificate_points = 2000;
   std::uint64_t certificate_seed = 2026;
   /// Where to keep the solver's state between rounds; empty: nowhere. The file is removed when the build is
-  /// done.
+  /// done; a build that was cancelled leaves it.
   std::filesystem::path checkpoint = {};
   /// Go on from the checkpoint if there is one. The result equals that of an undisturbed build except its
   /// provenance.

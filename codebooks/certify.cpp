@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -74,9 +75,12 @@ PointErrors compare(Worker& worker, std::span<const double> q, const std::vector
   errors.largest.resize(outputs);
   for (Eigen::Index o = 0; o < outputs; ++o) {
     const auto reference = exact.states.col(state_of_output[static_cast<std::size_t>(o)]);
-    const Eigen::VectorXd difference = worker.values.col(o) - reference;
+    // NaN from a broken codebook must not hide: it counts as infinite.
+    const Eigen::VectorXd difference = (worker.values.col(o) - reference).unaryExpr([](double e) {
+      return std::isnan(e) ? std::numeric_limits<double>::infinity() : std::abs(e);
+    });
     Eigen::Index worst = 0;
-    errors.max_error[o] = difference.cwiseAbs().maxCoeff(&worst);
+    errors.max_error[o] = difference.maxCoeff(&worst);
     errors.worst_time[static_cast<std::size_t>(o)] = static_cast<int>(worst);
     errors.sum_error2[o] = difference.squaredNorm();
     errors.sum_value2[o] = reference.squaredNorm();
@@ -105,8 +109,7 @@ OutputError summarise(const std::vector<PointErrors>& all, int output, const Cod
     error2 += all[i].sum_error2[output];
     value2 += all[i].sum_value2[output];
     errors.push_back(all[i].max_error[output]);
-    // NaN from a broken codebook must not hide: it counts as the worst.
-    if (result.worst.empty() || !(errors.back() <= result.max_si)) {
+    if (result.worst.empty() || errors.back() > result.max_si) {
       result.max_si = errors.back();
       result.worst = {times[static_cast<std::size_t>(all[i].worst_time[static_cast<std::size_t>(output)])]};
       for (Eigen::Index k = 0; k < q.rows(); ++k) result.worst.push_back(q(k, static_cast<Eigen::Index>(i)));
@@ -152,6 +155,14 @@ Certificate certify(const Codebook& book, const models::ParametricModel& model,
     throw ArgumentError(fmt::format("the model has {} free coordinates, the codebook {} besides time",
                                     model.free_count(), book.coordinate_count() - 1));
   }
+  for (std::size_t k = 0; k < model.free().size(); ++k) {
+    const std::string& name = book.coordinates()[k + 1].name;
+    if (model.free()[k].name != name) {
+      throw ArgumentError(
+          fmt::format("free coordinate {} of the model is \"{}\", that of the codebook \"{}\"", k,
+                      model.free()[k].name, name));
+    }
+  }
   const std::vector<int> states = states_of_outputs(book, model);
   const std::vector<double> times = certificate_times(book);
   Eigen::MatrixXd q = sobol_points(model.free_count(), options.points, options.seed);
@@ -160,7 +171,9 @@ Certificate certify(const Codebook& book, const models::ParametricModel& model,
     q.row(k) = c.lower + q.row(k).array() * (c.upper - c.lower);
   }
   std::vector<PointErrors> errors(static_cast<std::size_t>(options.points));
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  // More threads than cores would only make TBB print a warning.
+  const int cores = tbb::info::default_concurrency();
+  tbb::task_arena arena(options.threads > 0 ? std::min(options.threads, cores) : cores);
   tbb::enumerable_thread_specific<Worker> workers([&] { return Worker(book, model, times, options); });
   // In slices, so that progress is reported, and cancellation heard, on the calling thread.
   const int slice = std::max(1, options.points / 50);

@@ -1,6 +1,7 @@
 #include "samara/codebooks/codebook.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,8 +18,21 @@ const std::vector<pgd::Axis>& axes_of(const Piece& piece) {
   return piece.groups.front().axes();
 }
 
-/// Smallest box around all pieces; every group of every piece must have the same coordinates in the same
-/// order.
+bool same_axis(const pgd::Axis& a, const pgd::Axis& b) {
+  return a.name() == b.name() && a.unit() == b.unit() && a.role() == b.role() && a.basis() == b.basis() &&
+         a.size() == b.size() && a.elements() == b.elements() && a.borders() == b.borders();
+}
+
+void check_groups(const Piece& piece) {
+  const std::vector<pgd::Axis>& axes = axes_of(piece);
+  for (const pgd::SeparatedField& group : piece.groups) {
+    const bool same =
+        std::equal(axes.begin(), axes.end(), group.axes().begin(), group.axes().end(), same_axis);
+    if (!same) throw ArgumentError("the groups of a piece of the codebook must have the same axes");
+  }
+}
+
+/// Smallest box around all pieces, which must have the same coordinates in the same order.
 std::vector<Coordinate> common_coordinates(const std::vector<Piece>& pieces) {
   std::vector<Coordinate> coordinates;
   for (const pgd::Axis& axis : axes_of(pieces.front())) {
@@ -29,18 +43,28 @@ std::vector<Coordinate> common_coordinates(const std::vector<Piece>& pieces) {
                                     coordinates.front().name, to_string(coordinates.front().role)));
   }
   for (const Piece& piece : pieces) {
-    for (const pgd::SeparatedField& group : piece.groups) {
-      const bool same =
-          std::equal(coordinates.begin(), coordinates.end(), group.axes().begin(), group.axes().end(),
-                     [](const Coordinate& c, const pgd::Axis& a) { return c.name == a.name(); });
-      if (!same) throw ArgumentError("pieces of a codebook must have the same coordinates in the same order");
-      for (std::size_t k = 0; k < coordinates.size(); ++k) {
-        coordinates[k].lower = std::min(coordinates[k].lower, group.axes()[k].lower());
-        coordinates[k].upper = std::max(coordinates[k].upper, group.axes()[k].upper());
-      }
+    const std::vector<pgd::Axis>& axes = axes_of(piece);
+    const bool same = std::equal(coordinates.begin(), coordinates.end(), axes.begin(), axes.end(),
+                                 [](const Coordinate& c, const pgd::Axis& a) {
+                                   return c.name == a.name() && c.unit == a.unit() && c.role == a.role();
+                                 });
+    if (!same) throw ArgumentError("pieces of a codebook must have the same coordinates in the same order");
+    for (std::size_t k = 0; k < coordinates.size(); ++k) {
+      coordinates[k].lower = std::min(coordinates[k].lower, axes[k].lower());
+      coordinates[k].upper = std::max(coordinates[k].upper, axes[k].upper());
     }
   }
   return coordinates;
+}
+
+/// Pieces in the order of their lower corners, so that the first of those that share a border is the lower
+/// one.
+void sort_pieces(std::vector<Piece>& pieces) {
+  std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
+    return std::lexicographical_compare(
+        axes_of(a).begin(), axes_of(a).end(), axes_of(b).begin(), axes_of(b).end(),
+        [](const pgd::Axis& left, const pgd::Axis& right) { return left.lower() < right.lower(); });
+  });
 }
 
 std::vector<pgd::OutputLabel> outputs_of(const Piece& piece) {
@@ -49,6 +73,14 @@ std::vector<pgd::OutputLabel> outputs_of(const Piece& piece) {
     outputs.insert(outputs.end(), group.outputs().begin(), group.outputs().end());
   }
   return outputs;
+}
+
+void check_distinct(const std::vector<pgd::OutputLabel>& outputs) {
+  std::set<std::string> names;
+  for (const pgd::OutputLabel& output : outputs) {
+    if (!names.insert(output.name).second)
+      throw ArgumentError(fmt::format("the codebook has two outputs \"{}\"", output.name));
+  }
 }
 
 template <class Items>
@@ -73,12 +105,16 @@ Codebook::Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecor
       certificate_(std::move(certificate)),
       title_(std::move(title)) {
   if (pieces_.empty()) throw ArgumentError("a codebook needs at least one piece");
+  for (const Piece& piece : pieces_) check_groups(piece);
+  sort_pieces(pieces_);
   coordinates_ = common_coordinates(pieces_);
   outputs_ = outputs_of(pieces_.front());
+  check_distinct(outputs_);
   for (const Piece& piece : pieces_) {
     const auto labels = outputs_of(piece);
-    const bool same = std::equal(labels.begin(), labels.end(), outputs_.begin(), outputs_.end(),
-                                 [](const auto& a, const auto& b) { return a.name == b.name; });
+    const bool same =
+        std::equal(labels.begin(), labels.end(), outputs_.begin(), outputs_.end(),
+                   [](const auto& a, const auto& b) { return a.name == b.name && a.unit == b.unit; });
     if (!same) throw ArgumentError("pieces of a codebook must have the same outputs in the same order");
   }
 }

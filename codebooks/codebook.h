@@ -68,8 +68,9 @@ struct Coordinate {
 
 class Codebook {
  public:
-  /// @throws ArgumentError if there is no piece, pieces differ in their coordinates or outputs, or time is
-  /// not first.
+  /// Keeps the pieces in the order of their lower corners.
+  /// @throws ArgumentError if there is no piece, pieces differ in their coordinates or outputs, groups of a
+  /// piece in their axes, two outputs have one name, or time is not first.
   Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecord build = {},
            Provenance provenance = {}, std::optional<Certificate> certificate = {}, std::string title = {});
 

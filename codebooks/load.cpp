@@ -27,8 +27,10 @@ void check_version(const Hdf5Reader& file) {
   int minor = -1;
   const char* end = version.data() + version.size();
   const auto first = std::from_chars(version.data(), end, major);
-  if (first.ec == std::errc() && first.ptr != end && *first.ptr == '.')
-    std::from_chars(first.ptr + 1, end, minor);
+  if (first.ec == std::errc() && first.ptr != end && *first.ptr == '.') {
+    const auto second = std::from_chars(first.ptr + 1, end, minor);
+    if (second.ptr != end) minor = -1;
+  }
   if (major != format::kMajor || minor < 0 || minor > format::kMinor) {
     throw file.error("/", fmt::format("format_version is \"{}\", this program reads {}.0 to {}.{}", version,
                                       format::kMajor, format::kMajor, format::kMinor));
@@ -122,10 +124,10 @@ Provenance read_provenance(const Hdf5Reader& file) {
 Codebook load(const std::filesystem::path& path) {
   const Hdf5Reader file(path);
   check_version(file);
-  std::vector<Piece> pieces;
-  const int count = numbered_children(file, "/pieces");
-  for (int k = 0; k < count; ++k) pieces.push_back(read_piece(file, fmt::format("/pieces/{}", k)));
   try {
+    std::vector<Piece> pieces;
+    const int count = numbered_children(file, "/pieces");
+    for (int k = 0; k < count; ++k) pieces.push_back(read_piece(file, fmt::format("/pieces/{}", k)));
     Codebook book(read_model(file), std::move(pieces), read_build(file), read_provenance(file), {},
                   file.text_attribute("/", "title"));
     if (!file.has("/certificate")) return book;

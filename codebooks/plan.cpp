@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <memory>
 #include <sstream>
 #include <utility>
 
@@ -25,14 +26,36 @@ std::map<std::string, std::string> settable_units(const models::ModelInfo& info)
   return units;
 }
 
+/// @param what the model calls such things, for the message
 const std::string& unit_of(const TomlTable& table, const std::string& key,
-                           const std::map<std::string, std::string>& units, const std::string& model) {
+                           const std::map<std::string, std::string>& units, const std::string& model,
+                           const char* what = "parameter or initial value") {
   const auto it = units.find(key);
   if (it != units.end()) return it->second;
   std::vector<std::string> known;
   for (const auto& [name, unit] : units) known.push_back(name);
-  throw table.error(key, fmt::format("the model \"{}\" has no parameter or initial value of this name{}",
-                                     model, suggestion(key, known)));
+  throw table.error(
+      key, fmt::format("the model \"{}\" has no {} of this name{}", model, what, suggestion(key, known)));
+}
+
+/// Whether the value respects the bound of the parameter's meaning; initial values have none.
+void check_meaning(const TomlTable& table, const std::string& key, const models::ModelInfo& info,
+                   double value) {
+  for (const models::ParameterInfo& parameter : info.parameters) {
+    if (parameter.name != key || models::in_meaning(parameter, value)) continue;
+    throw table.error(
+        key, fmt::format("is {}, expected {} {}", value, parameter.lower_inclusive ? "at least" : "more than",
+                         parameter.lower));
+  }
+}
+
+std::shared_ptr<const models::Model> read_model(const TomlTable& root) {
+  const std::string name = root.string("model");
+  try {
+    return models::find_model(name);
+  } catch (const ArgumentError& error) {
+    throw root.error("model", error.what());
+  }
 }
 
 BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::string& unit) {
@@ -74,7 +97,7 @@ void read_tolerance(const TomlTable& root, const models::ModelInfo& info, Plan& 
   std::map<std::string, std::string> units;
   for (const auto& state : info.states) units[state.name] = state.unit;
   for (const std::string& key : absolute->keys()) {
-    const double value = absolute->quantity(key, unit_of(*absolute, key, units, info.name));
+    const double value = absolute->quantity(key, unit_of(*absolute, key, units, info.name, "state"));
     if (!(value >= 0.0)) throw absolute->error(key, fmt::format("is {}, expected at least 0", value));
     plan.absolute[key] = value;
   }
@@ -118,42 +141,37 @@ Plan parse_plan(const std::string& text, const std::string& name) {
   Plan plan;
   plan.source = name;
   plan.text = text;
-  plan.model = root.string("model");
+  const std::shared_ptr<const models::Model> model = read_model(root);
+  const models::ModelInfo& info = model->info();
+  plan.model = info.name;
   plan.title = root.optional_string("title").value_or("");
+  const std::map<std::string, std::string> units = settable_units(info);
+  if (const auto fixed = root.optional_table("fixed")) {
+    for (const std::string& key : fixed->keys()) {
+      plan.fixed[key] = fixed->quantity(key, unit_of(*fixed, key, units, plan.model));
+      check_meaning(*fixed, key, info, plan.fixed[key]);
+    }
+  }
+  const TomlTable box = root.table("box");
+  for (const std::string& key : box.keys()) {
+    const std::string& unit = unit_of(box, key, units, plan.model);
+    if (plan.fixed.count(key) > 0)
+      throw box.error(key, "is fixed in [fixed] and free in [box], expected one of them");
+    plan.box.push_back(read_entry(box, key, unit));
+    check_meaning(box, key, info, plan.box.back().lower);
+  }
+  if (plan.box.empty())
+    throw root.error("box", "is empty, expected at least one free parameter or initial value");
+  const TomlTable time = root.table("time");
+  time.expect_keys({"end"});
+  plan.end = time.quantity("end", models::time_unit(info));
+  if (!(plan.end > 0.0)) throw time.error("end", fmt::format("is {}, expected more than 0", plan.end));
+  read_tolerance(root, info, plan);
+  read_builder(root, plan);
   try {
-    const auto model = models::find_model(plan.model);
-    const std::map<std::string, std::string> units = settable_units(model->info());
-    if (const auto fixed = root.optional_table("fixed")) {
-      for (const std::string& key : fixed->keys()) {
-        plan.fixed[key] = fixed->quantity(key, unit_of(*fixed, key, units, plan.model));
-      }
-    }
-    const TomlTable box = root.table("box");
-    for (const std::string& key : box.keys()) {
-      const std::string& unit = unit_of(box, key, units, plan.model);
-      if (plan.fixed.count(key) > 0)
-        throw box.error(key, "is fixed in [fixed] and free in [box], expected one of them");
-      plan.box.push_back(read_entry(box, key, unit));
-    }
-    if (plan.box.empty())
-      throw root.error("box", "is empty, expected at least one free parameter or initial value");
-    const TomlTable time = root.table("time");
-    time.expect_keys({"end"});
-    plan.end = time.quantity("end", "s");
-    if (!(plan.end > 0.0)) throw time.error("end", fmt::format("is {}, expected more than 0", plan.end));
-    read_tolerance(root, model->info(), plan);
-    read_builder(root, plan);
-    // Required parameters, and every corner of the box inside the parameters' meaning.
-    const models::ParametricModel parametric = plan.parametric_model();
-    std::vector<double> lower, upper;
-    for (const BoxEntry& entry : plan.box) {
-      lower.push_back(entry.lower);
-      upper.push_back(entry.upper);
-    }
-    parametric.check(lower);
-    parametric.check(upper);
+    plan.parametric_model();  // required parameters
   } catch (const ArgumentError& error) {
-    throw InputError(name, error.what());
+    throw InputError(name, root.line("model"), error.what());
   }
   return plan;
 }

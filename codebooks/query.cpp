@@ -37,6 +37,7 @@ std::vector<Query::Group>& Query::groups_at(std::span<const double> x) {
 }
 
 void Query::values(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values) {
+  require_size("values", size_of(values), {book_.output_count(), 1});
   for (Group& group : groups_at(x)) {
     group.field->evaluate(x, group.values, group.workspace);
     for (std::size_t o = 0; o < group.outputs.size(); ++o) {
@@ -47,6 +48,8 @@ void Query::values(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values
 
 void Query::values(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values,
                    Eigen::Ref<Eigen::MatrixXd> gradient) {
+  require_size("values", size_of(values), {book_.output_count(), 1});
+  require_size("derivatives", size_of(gradient), {book_.output_count(), book_.coordinate_count()});
   for (Group& group : groups_at(x)) {
     group.field->evaluate(x, group.values, group.gradient, group.workspace);
     for (std::size_t o = 0; o < group.outputs.size(); ++o) {

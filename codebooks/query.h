@@ -18,7 +18,8 @@ class Query {
 
   /// All outputs at a point.
   /// @param x coordinates in the order of Codebook::coordinates(), SI
-  /// @throws ArgumentError if x has the wrong size or is not finite; OutsideBoxError naming the coordinate.
+  /// @throws ArgumentError if x or an answer has the wrong size or x is not finite; OutsideBoxError naming
+  /// the coordinate, or if the point lies in a gap between the pieces.
   void values(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values);
 
   /// The same with gradient(output, coordinate), exact derivatives of the separated form. At a border of
@@ -47,7 +48,8 @@ class TrajectoryQuery {
  public:
   /// @param times s, inside the box
   /// @param outputs names; empty: all
-  /// @throws ArgumentError for an unknown output; OutsideBoxError for a time outside the box.
+  /// @throws ArgumentError for an unknown output or one named twice; OutsideBoxError for a time outside the
+  /// box.
   TrajectoryQuery(const Codebook& book, std::vector<double> times,
                   const std::vector<std::string>& outputs = {});
 
@@ -78,11 +80,15 @@ class TrajectoryQuery {
     Eigen::VectorXd product;
     Eigen::MatrixXd scaled_weights;  ///< rank x chosen outputs
     Eigen::MatrixXd result;          ///< those times x chosen outputs
+
+    /// `result` from `product`.
+    void sum_terms();
   };
   void check(std::span<const double> q) const;
 
   const Codebook& book_;
   std::vector<double> times_;
+  std::vector<char> answered_;  ///< per time, in the present call
   int output_count_ = 0;
   std::vector<Part> parts_;
 };

@@ -83,6 +83,15 @@ int numbered_children(const Hdf5Reader& file, const std::string& group) {
 
 namespace {
 
+/// `lower` and `upper` of an object, for readers that do not look at borders, must be what they say.
+void check_ends(const Hdf5Reader& file, const std::string& path, const std::vector<double>& lower,
+                const std::vector<double>& upper) {
+  if (file.numbers_attribute(path, "lower") != lower)
+    throw file.error(path, "attribute lower is not where the axes begin");
+  if (file.numbers_attribute(path, "upper") != upper)
+    throw file.error(path, "attribute upper is not where the axes end");
+}
+
 /// Axes are rebuilt from their borders; the nodes in the file must be the ones that follow.
 pgd::Axis read_axis(const Hdf5Reader& file, const std::string& path, const std::string& name) {
   const Eigen::VectorXd nodes = file.vector(path);
@@ -93,6 +102,11 @@ pgd::Axis read_axis(const Hdf5Reader& file, const std::string& path, const std::
   const Eigen::VectorXd borders =
       Eigen::Map<const Eigen::VectorXd>(border_list.data(), static_cast<Eigen::Index>(border_list.size()));
   const auto degree = static_cast<Eigen::Index>(file.integer_attribute(path, "degree"));
+  // The element tables take degree^2 numbers of memory: no plan makes such an element.
+  constexpr Eigen::Index kLargestDegree = 4096;
+  if (degree > kLargestDegree) {
+    throw file.error(path, fmt::format("degree is {}, expected at most {}", degree, kLargestDegree));
+  }
   if (degree < 1 || borders.size() < 2 || (borders.size() - 1) * degree + 1 != nodes.size()) {
     throw file.error(path, fmt::format("{} nodes do not fit {} borders and degree {}", nodes.size(),
                                        borders.size(), degree));
@@ -111,6 +125,7 @@ pgd::Axis read_axis(const Hdf5Reader& file, const std::string& path, const std::
         axis.size() == nodes.size() && (axis.nodes() - nodes).cwiseAbs().maxCoeff() <=
                                            1e-12 * std::max(axis.length(), nodes.cwiseAbs().maxCoeff());
     if (!fits) throw file.error(path, fmt::format("the nodes are not those of a {} axis", to_string(basis)));
+    check_ends(file, path, {axis.lower()}, {axis.upper()});
     return axis;
   } catch (const ArgumentError& error) {
     throw file.error(path, error.what());
@@ -161,6 +176,12 @@ pgd::SeparatedField read_group(const Hdf5Reader& file, const std::string& path,
 
 Piece read_piece(const Hdf5Reader& file, const std::string& path) {
   const std::vector<pgd::Axis> axes = read_axes(file, path);
+  std::vector<double> lower, upper;
+  for (const pgd::Axis& axis : axes) {
+    lower.push_back(axis.lower());
+    upper.push_back(axis.upper());
+  }
+  check_ends(file, path, lower, upper);
   Piece piece;
   const int groups = numbered_children(file, path + "/groups");
   for (int g = 0; g < groups; ++g)

@@ -12,13 +12,16 @@ namespace samara::codebooks {
 
 namespace {
 /// Places of the chosen outputs, -1 for those not chosen.
+/// @throws ArgumentError for one that is unknown or chosen twice
 std::vector<int> columns_of(const Codebook& book, const std::vector<std::string>& outputs) {
   std::vector<int> column(static_cast<std::size_t>(book.output_count()), -1);
   if (outputs.empty()) {
     for (std::size_t o = 0; o < column.size(); ++o) column[o] = static_cast<int>(o);
   }
   for (std::size_t o = 0; o < outputs.size(); ++o) {
-    column[static_cast<std::size_t>(book.output_index(outputs[o]))] = static_cast<int>(o);
+    int& place = column[static_cast<std::size_t>(book.output_index(outputs[o]))];
+    if (place >= 0) throw ArgumentError(fmt::format("output \"{}\" is chosen twice", outputs[o]));
+    place = static_cast<int>(o);
   }
   return column;
 }
@@ -26,7 +29,7 @@ std::vector<int> columns_of(const Codebook& book, const std::vector<std::string>
 
 TrajectoryQuery::TrajectoryQuery(const Codebook& book, std::vector<double> times,
                                  const std::vector<std::string>& outputs)
-    : book_(book), times_(std::move(times)) {
+    : book_(book), times_(std::move(times)), answered_(times_.size()) {
   for (const double t : times_) require_inside(std::span(book.coordinates()).first(1), std::span(&t, 1));
   const std::vector<int> column = columns_of(book, outputs);
   output_count_ = outputs.empty() ? book.output_count() : static_cast<int>(outputs.size());
@@ -69,12 +72,22 @@ TrajectoryQuery::TrajectoryQuery(const Codebook& book, std::vector<double> times
   }
 }
 
+void TrajectoryQuery::Part::sum_terms() {
+  scaled_weights = weights.array().colwise() * product.array();
+  // Output by output: the product of two matrices would take scratch memory when it is large, and is not
+  // faster for the few outputs there are.
+  for (Eigen::Index o = 0; o < result.cols(); ++o)
+    result.col(o).noalias() = time_factors * scaled_weights.col(o);
+}
+
 void TrajectoryQuery::check(std::span<const double> q) const {
   require_inside(std::span(book_.coordinates()).subspan(1), q);
 }
 
 void TrajectoryQuery::values(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> values) {
   check(q);
+  require_size("values", size_of(values), {time_count(), output_count_});
+  std::fill(answered_.begin(), answered_.end(), char{0});
   // Pieces are visited from the last to the first, so that at a border the lower piece has the last word.
   for (std::size_t p = parts_.size(); p-- > 0;) {
     Part& part = parts_[p];
@@ -85,8 +98,8 @@ void TrajectoryQuery::values(std::span<const double> q, Eigen::Ref<Eigen::Matrix
       part.field->factor_values(static_cast<int>(k) + 1, q[i], part.stencils[i], part.factor_values.col(k));
       part.product.array() *= part.factor_values.col(k).array();
     }
-    part.scaled_weights = part.weights.array().colwise() * part.product.array();
-    part.result.noalias() = part.time_factors * part.scaled_weights;
+    part.sum_terms();
+    for (const int row : part.rows) answered_[static_cast<std::size_t>(row)] = 1;
     for (std::size_t o = 0; o < part.columns.size(); ++o) {
       for (std::size_t i = 0; i < part.rows.size(); ++i) {
         values(part.rows[i], part.columns[o]) =
@@ -94,10 +107,15 @@ void TrajectoryQuery::values(std::span<const double> q, Eigen::Ref<Eigen::Matrix
       }
     }
   }
+  const auto missing = std::find(answered_.begin(), answered_.end(), char{0});
+  if (missing == answered_.end()) return;
+  throw OutsideBoxError(fmt::format("at t = {} the point lies in a gap between the pieces of the codebook",
+                                    times_[static_cast<std::size_t>(missing - answered_.begin())]));
 }
 
 void TrajectoryQuery::values(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> values,
                              Eigen::Ref<Eigen::MatrixXd> derivatives) {
+  require_size("derivatives", size_of(derivatives), {time_count(), output_count_ * parameter_count()});
   this->values(q, values);
   for (std::size_t p = parts_.size(); p-- > 0;) {
     Part& part = parts_[p];
@@ -112,8 +130,7 @@ void TrajectoryQuery::values(std::span<const double> q, Eigen::Ref<Eigen::Matrix
       for (Eigen::Index other = 0; other < part.factor_values.cols(); ++other) {
         if (other != k) part.product.array() *= part.factor_values.col(other).array();
       }
-      part.scaled_weights = part.weights.array().colwise() * part.product.array();
-      part.result.noalias() = part.time_factors * part.scaled_weights;
+      part.sum_terms();
       for (std::size_t o = 0; o < part.columns.size(); ++o) {
         const Eigen::Index column = part.columns[o] + Eigen::Index{output_count_} * k;
         for (std::size_t i = 0; i < part.rows.size(); ++i) {

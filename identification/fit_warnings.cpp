@@ -12,7 +12,7 @@ namespace {
 
 void warn_about_bounds(FitResult& result) {
   for (const Coefficient& c : result.coefficients) {
-    if (!c.at_bound) continue;
+    if (!c.at_bound || !c.determined) continue;
     result.warnings.push_back(
         fmt::format("{} = {:.6g} lies at a bound of its box, {:.6g} to {:.6g}: its best value is probably "
                     "outside, and it has no "
@@ -80,9 +80,9 @@ void warn_about_errors(const Uncertainty& uncertainty, FitResult& result) {
     result.warnings.push_back("there are no more values than unknowns: nothing says how large the noise is");
   if (uncertainty.hessian_replaced) {
     result.warnings.push_back(
-        "too many residuals lie where the loss is not convex: the standard errors are rough; a larger loss "
-        "scale, or "
-        "the huber loss, is advised");
+        "too many residuals lie beyond the bend of the loss: the standard errors are rough; a larger loss "
+        "scale is "
+        "advised");
   }
 }
 

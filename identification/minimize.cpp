@@ -78,7 +78,34 @@ void set_box(ceres::Problem& problem, double* block, const std::vector<FitCoordi
   }
 }
 
-ceres::Solver::Options solver_options(const FitProblem& problem, FitPoint& point, int max_iterations) {
+/// All unknowns in one block of memory. Ceres orders parameter blocks by their addresses, and with the order
+/// the rounding of its sums: separate blocks would give other bits in every run.
+class Unknowns {
+ public:
+  Unknowns(const FitPoint& point, int shared, int own) : shared_(shared), own_(own) {
+    values_.resize(shared + own * static_cast<Eigen::Index>(point.own.size()));
+    values_.head(shared) = point.shared;
+    for (std::size_t c = 0; c < point.own.size(); ++c) values_.segment(place(c), own) = point.own[c];
+  }
+
+  double* shared() { return values_.data(); }
+  double* own(std::size_t segment) { return values_.data() + place(segment); }
+  void store(FitPoint& point) const {
+    point.shared = values_.head(shared_);
+    for (std::size_t c = 0; c < point.own.size(); ++c) point.own[c] = values_.segment(place(c), own_);
+  }
+
+ private:
+  Eigen::Index place(std::size_t segment) const {
+    return shared_ + own_ * static_cast<Eigen::Index>(segment);
+  }
+
+  int shared_;
+  int own_;
+  Eigen::VectorXd values_;
+};
+
+ceres::Solver::Options solver_options(const FitProblem& problem, Unknowns& unknowns, int max_iterations) {
   ceres::Solver::Options options;
   options.max_num_iterations = max_iterations;
   options.num_threads = 1;
@@ -98,8 +125,8 @@ ceres::Solver::Options solver_options(const FitProblem& problem, FitPoint& point
   } else {
     options.linear_solver_type = ceres::DENSE_SCHUR;
     auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-    for (Eigen::VectorXd& own : point.own) ordering->AddElementToGroup(own.data(), 0);
-    ordering->AddElementToGroup(point.shared.data(), 1);
+    for (std::size_t c = 0; c < problem.segments.size(); ++c) ordering->AddElementToGroup(unknowns.own(c), 0);
+    ordering->AddElementToGroup(unknowns.shared(), 1);
     options.linear_solver_ordering = ordering;
   }
   return options;
@@ -117,33 +144,52 @@ FitStatus status_of(const ceres::Solver::Summary& summary) {
   }
 }
 
+/// Whether there is a trajectory for every segment. Ceres would complain about a start without one on stderr.
+bool can_start(std::vector<SegmentResidual>& residuals, Unknowns& unknowns) {
+  for (std::size_t c = 0; c < residuals.size(); ++c) {
+    if (!residuals[c].evaluate(unknowns.shared(), unknowns.own(c), false)) return false;
+  }
+  return true;
+}
+
+/// One residual block per segment, over the shared block and its own.
+std::vector<std::unique_ptr<SegmentCost>> add_costs(const FitProblem& problem,
+                                                    std::vector<SegmentResidual>& residuals,
+                                                    Unknowns& unknowns, ceres::Problem& ceres_problem) {
+  std::vector<std::unique_ptr<SegmentCost>> costs;
+  for (std::size_t c = 0; c < residuals.size(); ++c) {
+    costs.push_back(std::make_unique<SegmentCost>(problem, residuals[c]));
+    std::vector<double*> blocks;
+    if (problem.shared_count() > 0) blocks.push_back(unknowns.shared());
+    if (problem.own_count() > 0) blocks.push_back(unknowns.own(c));
+    ceres_problem.AddResidualBlock(costs.back().get(), nullptr, blocks);
+    if (problem.own_count() > 0) set_box(ceres_problem, unknowns.own(c), problem.own);
+  }
+  if (problem.shared_count() > 0) set_box(ceres_problem, unknowns.shared(), problem.shared);
+  return costs;
+}
+
 }  // namespace
 
 MinimizeResult minimize(const FitProblem& problem, std::vector<SegmentResidual>& residuals, FitPoint start,
                         int max_iterations) {
-  MinimizeResult result{.point = std::move(start), .message = {}};
-  FitPoint& point = result.point;
-  std::vector<std::unique_ptr<SegmentCost>> costs;
+  MinimizeResult result{.point = std::move(start), .message = "there is no trajectory at this start"};
+  Unknowns unknowns(result.point, problem.shared_count(), problem.own_count());
+  if (!can_start(residuals, unknowns)) return result;
+
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem ceres_problem(ownership);
-  for (std::size_t c = 0; c < residuals.size(); ++c) {
-    costs.push_back(std::make_unique<SegmentCost>(problem, residuals[c]));
-    std::vector<double*> blocks;
-    if (problem.shared_count() > 0) blocks.push_back(point.shared.data());
-    if (problem.own_count() > 0) blocks.push_back(point.own[c].data());
-    ceres_problem.AddResidualBlock(costs.back().get(), nullptr, blocks);
-    if (problem.own_count() > 0) set_box(ceres_problem, point.own[c].data(), problem.own);
-  }
-  if (problem.shared_count() > 0) set_box(ceres_problem, point.shared.data(), problem.shared);
-
+  const auto costs = add_costs(problem, residuals, unknowns, ceres_problem);
   ceres::Solver::Summary summary;
-  ceres::Solve(solver_options(problem, point, max_iterations), &ceres_problem, &summary);
+  ceres::Solve(solver_options(problem, unknowns, max_iterations), &ceres_problem, &summary);
   for (const auto& cost : costs) cost->rethrow();
+
+  unknowns.store(result.point);
   result.status = status_of(summary);
   result.message = summary.message;
   result.cost = summary.final_cost;
-  result.iterations = static_cast<int>(summary.iterations.size());
+  result.iterations = summary.num_successful_steps + summary.num_unsuccessful_steps;
   return result;
 }
 

@@ -66,22 +66,22 @@ Eigen::VectorXd influence_floor(const std::vector<FitCoordinate>& coordinates, c
 /// What one segment says, its own unknowns eliminated.
 struct SegmentTerms {
   std::vector<int> own_free;
-  DeterminedInverse own_inverse;  ///< of J_o^T J_o
-  Eigen::MatrixXd projection;     ///< (J_o^T J_o)^-1 J_o^T J_s
-  Eigen::MatrixXd shared_diagonal_before;
-  Eigen::MatrixXd normal;   ///< J_s^T J_s without what the own unknowns explain
-  Eigen::MatrixXd hessian;  ///< the same weighed by psi'
-  Eigen::VectorXd score;    ///< gradient of the cost
+  DeterminedInverse own_inverse;           ///< of J_o^T J_o
+  Eigen::MatrixXd projection;              ///< (J_o^T J_o)^-1 J_o^T J_s
+  Eigen::VectorXd shared_diagonal_before;  ///< of J_s^T J_s
+  Eigen::MatrixXd normal;                  ///< J_s^T J_s without what the own unknowns explain
+  Eigen::MatrixXd hessian;                 ///< the same weighed by psi'
+  Eigen::VectorXd score;                   ///< gradient of the cost
   bool hessian_usable = true;
   double psi_squares = 0.0;
   double dpsi_sum = 0.0;
 };
 
 SegmentTerms segment_terms(const FitProblem& problem, const SegmentResidual& residual,
-                           const std::vector<int>& shared, const std::vector<int>& own) {
+                           const std::vector<int>& own) {
   SegmentTerms terms;
   terms.own_free = own;
-  const Eigen::MatrixXd J_s = residual.by_shared()(Eigen::all, shared);
+  const Eigen::MatrixXd& J_s = residual.by_shared();
   const Eigen::MatrixXd J_o = residual.by_own()(Eigen::all, own);
   Eigen::VectorXd psi(residual.size());
   Eigen::VectorXd dpsi(residual.size());
@@ -97,7 +97,7 @@ SegmentTerms segment_terms(const FitProblem& problem, const SegmentResidual& res
   terms.own_inverse = invert_determined(J_o.transpose() * J_o, influence_floor(problem.own, own, own_spread));
   terms.projection = terms.own_inverse.inverse * (J_o.transpose() * J_s);
   const Eigen::MatrixXd rest = J_s - J_o * terms.projection;
-  terms.shared_diagonal_before = J_s.colwise().squaredNorm();
+  terms.shared_diagonal_before = J_s.colwise().squaredNorm().transpose();
   terms.normal = rest.transpose() * rest;
 
   const Eigen::MatrixXd H_oo = J_o.transpose() * dpsi.asDiagonal() * J_o;
@@ -113,13 +113,6 @@ SegmentTerms segment_terms(const FitProblem& problem, const SegmentResidual& res
   return terms;
 }
 
-/// Entries of `part` at the places `indices` of a matrix of size n that is NaN elsewhere.
-Eigen::MatrixXd scattered(const Eigen::MatrixXd& part, const std::vector<int>& indices, Eigen::Index n) {
-  Eigen::MatrixXd whole = Eigen::MatrixXd::Constant(n, n, kNaN);
-  whole(indices, indices) = part;
-  return whole;
-}
-
 /// Sums over all segments.
 struct Totals {
   Eigen::MatrixXd normal, hessian;
@@ -127,36 +120,36 @@ struct Totals {
   Eigen::MatrixXd cluster_scores;  ///< shared x clusters
   bool hessian_usable = true;
   double psi_squares = 0.0, dpsi_sum = 0.0, spread = 0.0;
-  int unknowns = 0;
+  int own_unknowns = 0;  ///< not at bounds
 };
 
-Totals add_up(const FitProblem& problem, const std::vector<SegmentTerms>& terms, Eigen::Index shared_count) {
+Totals add_up(const FitProblem& problem, const std::vector<SegmentTerms>& terms) {
   Totals sum;
+  const Eigen::Index shared_count = problem.shared_count();
   sum.normal.setZero(shared_count, shared_count);
   sum.hessian = sum.normal;
   sum.diagonal_before.setZero(shared_count);
   sum.cluster_scores.setZero(shared_count, problem.cluster_count);
-  sum.unknowns = static_cast<int>(shared_count);
   for (std::size_t c = 0; c < terms.size(); ++c) {
     sum.normal += terms[c].normal;
     sum.hessian += terms[c].hessian;
-    sum.diagonal_before += terms[c].shared_diagonal_before.transpose();
+    sum.diagonal_before += terms[c].shared_diagonal_before;
     sum.cluster_scores.col(problem.segments[c].cluster) += terms[c].score;
     sum.hessian_usable = sum.hessian_usable && terms[c].hessian_usable;
     sum.psi_squares += terms[c].psi_squares;
     sum.dpsi_sum += terms[c].dpsi_sum;
     sum.spread += spread(problem, problem.segments[c]);
-    sum.unknowns += static_cast<int>(terms[c].own_free.size());
+    sum.own_unknowns += static_cast<int>(terms[c].own_free.size());
   }
   return sum;
 }
 
 /// Variance of a residual as Huber's formula has it: var(psi)/mean(psi')^2. NaN if nothing is left over.
-double naive_variance(const FitProblem& problem, const Totals& sum) {
+double naive_variance(const FitProblem& problem, const Totals& sum, int unknowns) {
   const int count = problem.observation_count();
   const double mean_dpsi = sum.dpsi_sum / count;
-  if (count <= sum.unknowns || mean_dpsi <= 0.0) return kNaN;
-  return sum.psi_squares / (count - sum.unknowns) / (mean_dpsi * mean_dpsi);
+  if (count <= unknowns || mean_dpsi <= 0.0) return kNaN;
+  return sum.psi_squares / (count - unknowns) / (mean_dpsi * mean_dpsi);
 }
 
 /// H^-1 (sum_c g_c g_c^T) H^-1 C/(C - 1).
@@ -166,6 +159,7 @@ Eigen::MatrixXd sandwich(const Eigen::MatrixXd& inverse_hessian, const Eigen::Ma
   return clusters / (clusters - 1.0) * moved * moved.transpose();
 }
 
+/// @param shared_inverse (J_s^T J_s)^-1, zero for shared unknowns that are held
 OwnUncertainty own_uncertainty(const SegmentTerms& terms, std::vector<char> at_bound,
                                const Eigen::MatrixXd& shared_inverse, double variance) {
   OwnUncertainty own;
@@ -185,58 +179,78 @@ OwnUncertainty own_uncertainty(const SegmentTerms& terms, std::vector<char> at_b
   return own;
 }
 
+/// `part` at the places `indices` of a matrix of size n that is zero elsewhere.
+Eigen::MatrixXd scattered(const Eigen::MatrixXd& part, const std::vector<int>& indices, Eigen::Index n) {
+  Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(n, n);
+  whole(indices, indices) = part;
+  return whole;
+}
+
+/// The clustered covariance of the free unknowns. Where the Hessian of the loss does not serve, mean(psi')
+/// J^T J stands in, and `replaced` says so.
+Eigen::MatrixXd clustered_covariance(const FitProblem& problem, const Totals& sum,
+                                     const std::vector<int>& free, const DeterminedInverse& inverse,
+                                     bool& replaced) {
+  const auto count = static_cast<Eigen::Index>(free.size());
+  if (problem.cluster_count < 2 || count == 0) return Eigen::MatrixXd::Constant(count, count, kNaN);
+  const Eigen::MatrixXd scores = sum.cluster_scores(free, Eigen::all);
+  const Eigen::LLT<Eigen::MatrixXd> hessian(sum.hessian(free, free));
+  replaced = !sum.hessian_usable || hessian.info() != Eigen::Success;
+  if (!replaced && inverse.all_determined()) {
+    return sandwich(hessian.solve(Eigen::MatrixXd::Identity(count, count)), scores);
+  }
+  const double mean_dpsi = sum.dpsi_sum / problem.observation_count();
+  if (mean_dpsi <= 0.0) return Eigen::MatrixXd::Constant(count, count, kNaN);
+  return sandwich(inverse.inverse / mean_dpsi, scores);
+}
+
+/// NaN in the rows and columns of unknowns that have no errors.
+void hide(const std::vector<char>& has_error, Eigen::MatrixXd& matrix) {
+  for (std::size_t k = 0; k < has_error.size(); ++k) {
+    if (has_error[k]) continue;
+    matrix.row(static_cast<Eigen::Index>(k)).setConstant(kNaN);
+    matrix.col(static_cast<Eigen::Index>(k)).setConstant(kNaN);
+  }
+}
+
 }  // namespace
 
 Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentResidual>& residuals,
                                  const FitPoint& point) {
   Uncertainty result;
-  result.at_bound = at_bounds(problem.shared, point.shared);
-  const std::vector<int> shared = free_indices(result.at_bound);
   std::vector<SegmentTerms> terms;
   for (std::size_t c = 0; c < residuals.size(); ++c) {
     residuals[c].evaluate(point.shared.data(), point.own[c].data(), true);
-    terms.push_back(
-        segment_terms(problem, residuals[c], shared, free_indices(at_bounds(problem.own, point.own[c]))));
+    terms.push_back(segment_terms(problem, residuals[c], free_indices(at_bounds(problem.own, point.own[c]))));
   }
-  const auto shared_count = static_cast<Eigen::Index>(shared.size());
-  const Totals sum = add_up(problem, terms, shared_count);
+  const Totals sum = add_up(problem, terms);
 
-  // What is left of a coefficient beside the own unknowns must also stand out of rounding.
+  // Those at a bound are asked too: an unknown without influence may have drifted there. What is left of one
+  // beside the own unknowns must also stand out of rounding.
   const Eigen::VectorXd floor =
-      influence_floor(problem.shared, shared, sum.spread).cwiseMax(kNoInfluence * sum.diagonal_before);
-  const DeterminedInverse inverse = invert_determined(sum.normal, floor);
-  const double variance = naive_variance(problem, sum);
+      influence_floor(problem.shared, free_indices(std::vector<char>(problem.shared.size(), 0)), sum.spread)
+          .cwiseMax(kNoInfluence * sum.diagonal_before);
+  const DeterminedInverse whole = invert_determined(sum.normal, floor);
+  result.determined = whole.determined;
+  result.undetermined_sets = whole.undetermined_sets;
+  result.at_bound = at_bounds(problem.shared, point.shared);
+
+  const std::vector<int> free = free_indices(result.at_bound);
   const Eigen::Index all = problem.shared_count();
-  result.naive = scattered(variance * inverse.inverse, shared, all);
+  const DeterminedInverse inverse = invert_determined(sum.normal(free, free), floor(free));
+  const Eigen::MatrixXd normal_inverse = scattered(inverse.inverse, free, all);
+  const double variance = naive_variance(problem, sum, static_cast<int>(free.size()) + sum.own_unknowns);
+  result.naive = variance * normal_inverse;
+  result.clustered =
+      scattered(clustered_covariance(problem, sum, free, inverse, result.hessian_replaced), free, all);
 
-  const Eigen::LLT<Eigen::MatrixXd> factor(sum.hessian);
-  result.hessian_replaced = shared_count > 0 && (!sum.hessian_usable || factor.info() != Eigen::Success);
-  const bool use_hessian = shared_count > 0 && !result.hessian_replaced && inverse.all_determined();
-  const double mean_dpsi = sum.dpsi_sum / problem.observation_count();
-  result.clustered.setConstant(all, all, kNaN);
-  if (problem.cluster_count >= 2 && (use_hessian || mean_dpsi > 0.0)) {
-    const Eigen::MatrixXd inverse_hessian =
-        use_hessian ? Eigen::MatrixXd(factor.solve(Eigen::MatrixXd::Identity(shared_count, shared_count)))
-                    : Eigen::MatrixXd(inverse.inverse / mean_dpsi);
-    result.clustered = scattered(sandwich(inverse_hessian, sum.cluster_scores), shared, all);
-  }
-
-  result.determined.assign(static_cast<std::size_t>(all), 1);
-  for (std::size_t k = 0; k < shared.size(); ++k) {
-    result.determined[static_cast<std::size_t>(shared[k])] = inverse.determined[k];
-    if (inverse.determined[k]) continue;
-    for (Eigen::MatrixXd* matrix : {&result.naive, &result.clustered}) {
-      matrix->row(shared[k]).setConstant(kNaN);
-      matrix->col(shared[k]).setConstant(kNaN);
-    }
-  }
-  for (const std::vector<int>& set : inverse.undetermined_sets) {
-    result.undetermined_sets.emplace_back();
-    for (const int k : set) result.undetermined_sets.back().push_back(shared[static_cast<std::size_t>(k)]);
-  }
+  std::vector<char> has_error = result.determined;
+  for (std::size_t k = 0; k < has_error.size(); ++k) has_error[k] = has_error[k] && !result.at_bound[k];
+  hide(has_error, result.naive);
+  hide(has_error, result.clustered);
   for (std::size_t c = 0; c < terms.size(); ++c) {
     result.own.push_back(
-        own_uncertainty(terms[c], at_bounds(problem.own, point.own[c]), inverse.inverse, variance));
+        own_uncertainty(terms[c], at_bounds(problem.own, point.own[c]), normal_inverse, variance));
   }
   return result;
 }

@@ -25,7 +25,7 @@ struct Uncertainty {
   std::vector<char> at_bound;
   std::vector<char> determined;
   std::vector<std::vector<int>> undetermined_sets;  ///< as in DeterminedInverse
-  /// The Hessian of the loss was no use (a cauchy loss far from its convex part): mean(psi') J^T J stood in.
+  /// The Hessian of the loss was no use (too many residuals beyond its bend): mean(psi') J^T J stood in.
   bool hessian_replaced = false;
   std::vector<OwnUncertainty> own;
 };

@@ -1,8 +1,10 @@
 #include "samara/pgd/cross_interpolation.h"
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include <catch2/catch.hpp>
 

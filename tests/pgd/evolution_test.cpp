@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
 
 #include <catch2/catch.hpp>
 
@@ -125,7 +129,7 @@ struct Sinking {
   static constexpr double kDensity = 998.2, kArea = 4.714e-4, kThickness = 2.55e-3, kMass = 7.62e-3;  // SI
   static constexpr double kDisplaced = kDensity * kArea * kThickness;
   /// 8/3 rho r^3 of a disc of radius r.
-  static double inertia() { return kMass + 8.0 / 3.0 * kDensity * std::pow(kArea / M_PI, 1.5); }
+  static double inertia() { return kMass + 8.0 / 3.0 * kDensity * std::pow(kArea / std::numbers::pi, 1.5); }
   static double rate(double v, double c_d) {
     return ((kMass - kDisplaced) * 9.81 - 0.5 * kDensity * c_d * kArea * std::abs(v) * v) / inertia();
   }

@@ -1,7 +1,9 @@
 #include "samara/pgd/separated_field.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <thread>
 

@@ -1,0 +1,74 @@
+#include <catch2/catch.hpp>
+
+#include "allocation_counter.h"
+#include "samara/codebooks/query.h"
+#include "sample_books.h"
+
+using namespace samara::codebooks;
+
+namespace {
+
+struct Load {
+  int times;
+  int rank;
+};
+
+/// One piece, several groups.
+Codebook book_of_rank(int rank) {
+  return Codebook(sample_model(), {random_piece({0.0, 1.0, 0.5, 1.0}, 1, rank)});
+}
+
+}  // namespace
+
+TEST_CASE("the counter sees allocations") {
+  CHECK(allocation_counter::during([] { Eigen::VectorXd::Ones(1000).eval(); }) > 0);
+  CHECK(allocation_counter::during([] {}) == 0);
+}
+
+TEST_CASE("a query does not allocate after its construction") {
+  for (const int rank : {1, 5, 30, 150, 1000}) {
+    const Codebook book = book_of_rank(rank);
+    Query query(book);
+    Eigen::VectorXd values(3);
+    Eigen::MatrixXd gradient(3, 3);
+    const Eigen::MatrixXd points = random_points(book, 50, 1);
+    CAPTURE(rank);
+    CHECK(allocation_counter::during([&] {
+            for (Eigen::Index j = 0; j < points.cols(); ++j) query.values(point(points, j), values);
+          }) == 0);
+    CHECK(allocation_counter::during([&] {
+            for (Eigen::Index j = 0; j < points.cols(); ++j) query.values(point(points, j), values, gradient);
+          }) == 0);
+  }
+}
+
+TEST_CASE("a query of several pieces does not allocate after its construction") {
+  const Codebook book = four_pieces();
+  Query query(book);
+  Eigen::VectorXd values(3);
+  Eigen::MatrixXd gradient(3, 3);
+  const Eigen::MatrixXd points = random_points(book, 50, 1);
+  CHECK(allocation_counter::during([&] {
+          for (Eigen::Index j = 0; j < points.cols(); ++j) query.values(point(points, j), values, gradient);
+        }) == 0);
+}
+
+TEST_CASE("a trajectory query does not allocate after its construction, however large it is") {
+  for (const Load& load : {Load{1, 5}, Load{60, 20}, Load{500, 60}, Load{3000, 150}, Load{20000, 20}}) {
+    const Codebook book = book_of_rank(load.rank);
+    std::vector<double> times;
+    for (int i = 0; i < load.times; ++i) times.push_back((i + 0.5) / load.times);
+    TrajectoryQuery query(book, times);
+    Eigen::MatrixXd values(load.times, 3), derivatives(load.times, 6);
+    const Eigen::MatrixXd points = random_points(book, 5, 1);
+    CAPTURE(load.times, load.rank);
+    CHECK(allocation_counter::during([&] {
+            for (Eigen::Index j = 0; j < points.cols(); ++j)
+              query.values(point(points, j).subspan(1), values);
+          }) == 0);
+    CHECK(allocation_counter::during([&] {
+            for (Eigen::Index j = 0; j < points.cols(); ++j)
+              query.values(point(points, j).subspan(1), values, derivatives);
+          }) == 0);
+  }
+}

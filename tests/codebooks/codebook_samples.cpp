@@ -1,0 +1,69 @@
+// Writes sample codebooks.
+//
+//   codebook_samples reference DIRECTORY   two codebooks, DIRECTORY/{pieces,coin}.h5, each with a table of
+//                                          reference values beside it (.csv): coordinates, then outputs
+//   codebook_samples golden FILE           the golden file of the present format version (golden_test.cpp);
+//                                          made once per version, then kept for ever
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include "samara/codebooks/query.h"
+#include "samara/codebooks/store.h"
+#include "samara/io/csv.h"
+#include "sample_books.h"
+
+namespace {
+
+using namespace samara::codebooks;
+
+/// Corners, borders of pieces and elements, and random points.
+Eigen::MatrixXd reference_points(const Codebook& book) {
+  const Eigen::MatrixXd random = random_points(book, 200, 11);
+  Eigen::MatrixXd points(random.rows(), random.cols() + 8);
+  points << random, random.leftCols(8);
+  for (Eigen::Index corner = 0; corner < 8; ++corner) {
+    for (Eigen::Index k = 0; k < points.rows(); ++k) {
+      const auto& axes = book.pieces().front().groups.front().axes();
+      const samara::pgd::Axis& axis = axes[static_cast<std::size_t>(k)];
+      const bool upper = (corner >> k) % 2 != 0;
+      points(k, random.cols() + corner) = upper ? axis.upper() : axis.lower();
+    }
+  }
+  return points;
+}
+
+void write_reference(const Codebook& book, const std::filesystem::path& stem) {
+  save(book, stem.string() + ".h5");
+  const Eigen::MatrixXd points = reference_points(book);
+  Eigen::MatrixXd table(points.cols(), book.coordinate_count() + book.output_count());
+  std::vector<std::string> header;
+  for (const Coordinate& c : book.coordinates()) header.push_back(c.name);
+  for (const auto& output : book.outputs()) header.push_back(output.name);
+  Query query(book);
+  Eigen::VectorXd values(book.output_count());
+  for (Eigen::Index j = 0; j < points.cols(); ++j) {
+    query.values(point(points, j), values);
+    table.row(j) << points.col(j).transpose(), values.transpose();
+  }
+  samara::io::write_csv(stem.string() + ".csv", header, table);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  const std::string verb = count == 3 ? arguments[1] : "";
+  if (verb == "golden") {
+    save(golden_book(), arguments[2]);
+    return 0;
+  }
+  if (verb == "reference") {
+    const std::filesystem::path directory = arguments[2];
+    write_reference(four_pieces(), directory / "pieces");
+    write_reference(coin_build().book, directory / "coin");
+    return 0;
+  }
+  std::fputs("usage: codebook_samples reference DIRECTORY | golden FILE\n", stderr);
+  return 2;
+}

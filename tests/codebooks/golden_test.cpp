@@ -1,0 +1,51 @@
+#include <catch2/catch.hpp>
+
+#include "../io/temporary_directory.h"
+#include "samara/codebooks/query.h"
+#include "samara/codebooks/store.h"
+#include "same_codebook.h"
+#include "sample_books.h"
+
+// A codebook file of every format version that was ever written stays in golden/ and stays readable.
+// They are written by `codebook_samples golden FILE`; never write one again for a version that exists.
+
+using namespace samara::codebooks;
+using Catch::Matchers::WithinAbs;
+
+TEST_CASE("the golden file of format 0.1 loads and evaluates to v0 + C t and v0 t + C t^2/2") {
+  const Codebook book = load(std::filesystem::path(GOLDEN_DIRECTORY) / "codebook_0.1.h5");
+  Query query(book);
+  Eigen::VectorXd values(2);
+  Eigen::MatrixXd gradient(2, 3);
+  const auto check = [&](double t, double C, double v0) {
+    query.values(std::vector{t, C, v0}, values, gradient);
+    // Sums of few products of numbers up to 10: a few tens of eps; derivatives by t are larger by the
+    // differentiation matrices of elements of length 1 and degree 3, of norm 20.
+    constexpr double kRoundOff = 1e-14;
+    CHECK_THAT(values[book.output_index("v")], WithinAbs(v0 + C * t, kRoundOff));
+    CHECK_THAT(values[book.output_index("x")], WithinAbs(v0 * t + C * t * t / 2.0, kRoundOff));
+    const Eigen::RowVector3d v_gradient(C, t, 1.0);
+    const Eigen::RowVector3d x_gradient(v0 + C * t, t * t / 2.0, t);
+    CHECK((gradient.row(book.output_index("v")) - v_gradient).cwiseAbs().maxCoeff() < 20.0 * kRoundOff);
+    CHECK((gradient.row(book.output_index("x")) - x_gradient).cwiseAbs().maxCoeff() < 20.0 * kRoundOff);
+  };
+  check(0.0, -1.0, 0.0);
+  check(3.0, 2.0, 1.0);
+  check(2.0, 0.0, 0.5);
+  const Eigen::MatrixXd points = random_points(book, 100, 7);
+  for (Eigen::Index j = 0; j < points.cols(); ++j) check(points(0, j), points(1, j), points(2, j));
+}
+
+TEST_CASE("the golden file of format 0.1 holds all texts, numbers and the certificate") {
+  const Codebook book = load(std::filesystem::path(GOLDEN_DIRECTORY) / "codebook_0.1.h5");
+  CHECK(book.title() == "the golden codebook");
+  CHECK(book.pieces().size() == 2);
+  CHECK(book.pieces()[0].groups.size() == 2);
+  CHECK(book.outputs()[1].unit == "m");
+  CHECK(book.coordinates()[2].unit == "m/s");
+  check_same_model(book.model(), sample_model());
+  check_same_build(book.build(), sample_build());
+  CHECK(book.provenance().plan == sample_provenance().plan);
+  REQUIRE(book.certificate());
+  check_same_certificate(*book.certificate(), sample_certificate(golden_book()));
+}

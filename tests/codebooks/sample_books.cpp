@@ -1,0 +1,166 @@
+#include "sample_books.h"
+
+#include <numbers>
+#include <random>
+
+namespace {
+
+using namespace samara::codebooks;
+using samara::pgd::Axis;
+using samara::pgd::AxisRole;
+using samara::pgd::OutputLabel;
+using samara::pgd::SeparatedField;
+
+std::vector<Axis> sample_axes(const PieceBox& box) {
+  const double length = box.t_upper - box.t_lower;
+  return {
+      Axis::radau({"t", "s", AxisRole::time},
+                  Eigen::Vector3d(box.t_lower, box.t_lower + 0.37 * length, box.t_upper), 4),
+      Axis::chebyshev({"C_D", "1", AxisRole::parameter}, box.C_D_lower, box.C_D_upper, 7),
+      Axis::p1({"v(0)", "m/s", AxisRole::initial}, Eigen::Vector4d(-0.3, -0.1, 0.05, 0.6)),
+  };
+}
+
+SeparatedField random_field(const std::vector<Axis>& axes, const std::vector<OutputLabel>& outputs, int rank,
+                            std::mt19937_64& random) {
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const auto matrix = [&](Eigen::Index rows, Eigen::Index columns) {
+    return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return uniform(random); }).eval();
+  };
+  std::vector<Eigen::MatrixXd> factors;
+  for (const Axis& axis : axes) factors.push_back(matrix(axis.size(), rank));
+  return SeparatedField(axes, outputs, factors, matrix(static_cast<Eigen::Index>(outputs.size()), rank));
+}
+
+/// A factor matrix from functions of the coordinate, one per column.
+template <class... Functions>
+Eigen::MatrixXd columns_of(const Axis& axis, const Functions&... functions) {
+  Eigen::MatrixXd factor(axis.size(), static_cast<Eigen::Index>(sizeof...(functions)));
+  Eigen::Index r = 0;
+  ((factor.col(r++) = axis.nodes().unaryExpr(functions)), ...);
+  return factor;
+}
+
+Piece golden_piece(double t_lower, double t_upper) {
+  const std::vector<Axis> axes = {Axis::radau({"t", "s", AxisRole::time}, t_lower, t_upper, 2, 3),
+                                  Axis::chebyshev({"C_D", "1", AxisRole::parameter}, -1.0, 2.0, 4),
+                                  Axis::p1({"v(0)", "m/s", AxisRole::initial}, 0.0, 1.0, 3)};
+  const auto one = [](double) { return 1.0; };
+  const auto same = [](double a) { return a; };
+  const auto half_square = [](double a) { return 0.5 * a * a; };
+  const std::vector<Eigen::MatrixXd> v = {columns_of(axes[0], one, same), columns_of(axes[1], one, same),
+                                          columns_of(axes[2], same, one)};
+  const std::vector<Eigen::MatrixXd> x = {columns_of(axes[0], same, half_square),
+                                          columns_of(axes[1], one, same), columns_of(axes[2], same, one)};
+  const Eigen::RowVector2d weights = Eigen::RowVector2d::Ones();
+  return {{SeparatedField(axes, {{"v", "m/s"}}, v, weights), SeparatedField(axes, {{"x", "m"}}, x, weights)}};
+}
+
+}  // namespace
+
+const std::string& coin_plan() {
+  static const std::string text = R"toml(model = "vertical_fall"
+title = "a coin"
+[fixed]
+density = 6339
+area = 4.714e-4
+thickness = "2.55 mm"
+[box]
+C_D = [0.8, 1.6]
+"v(0)" = [0.0, 0.3]
+[time]
+end = 0.5
+[tolerance]
+relative = 1e-3
+)toml";
+  return text;
+}
+
+const BuildResult& coin_build() {
+  static const BuildResult result = build(parse_plan(coin_plan(), "coin.toml"));
+  return result;
+}
+
+Piece random_piece(const PieceBox& box, unsigned seed, int rank) {
+  std::mt19937_64 random(seed);
+  const std::vector<Axis> axes = sample_axes(box);
+  return {{random_field(axes, {{"x", "m"}, {"v", "m/s"}}, rank, random),
+           random_field(axes, {{"E", "J"}}, rank + 2, random)}};
+}
+
+Codebook four_pieces() {
+  return Codebook(sample_model(), {random_piece({0.0, kSlabBorder, 0.5, kCellBorder}, 1),
+                                   random_piece({0.0, kSlabBorder, kCellBorder, 2.0}, 2),
+                                   random_piece({kSlabBorder, 0.5, 0.5, kCellBorder}, 3),
+                                   random_piece({kSlabBorder, 0.5, kCellBorder, 2.0}, 4)});
+}
+
+ModelDescription sample_model() {
+  ModelDescription model;
+  model.name = "vertical_fall";
+  model.title = "Fall \"broadside\" \xE2\x80\x94 caf\xC3\xA9";
+  model.equations = "(m + m_a) v' = W - D |v| v,\n  x' = v";
+  model.frames = "v and x are positive downward";
+  model.source = "";
+  model.fixed = {{"density", 1.0 / 3.0}, {"g", 9.81}, {"x(0)", -0.0}};
+  model.fixed_units = {{"density", "kg/m^3"}, {"g", "m/s^2"}, {"x(0)", "m"}};
+  return model;
+}
+
+BuildRecord sample_build() {
+  return {"pgd", "newton", "not_resolved", "the axes do not resolve it", 1e17 / 3.0, 1e300, 7, 3};
+}
+
+Provenance sample_provenance() {
+  return {"samara 0.1.0", "model = \"vertical_fall\"\n# \xC2\xB5m\n", "2026-01-02T03:04:05Z", "host", 0.1};
+}
+
+Certificate sample_certificate(const Codebook& book) {
+  Certificate certificate;
+  certificate.tolerance = 1e-3;
+  certificate.met = true;
+  certificate.max_error = std::numbers::pi * 1e-4;
+  certificate.points = 2000;
+  certificate.times = 73;
+  certificate.failed_points = 2;
+  certificate.seed = 0xFFFF'FFFF'FFFF'FFF1;
+  certificate.integrator = "CVODES";
+  certificate.integrator_tolerance = 1e-10;
+  certificate.residual = 1.0 / 7.0;
+  certificate.spent = {1.0 / 9.0, 1.0 / 11.0, 1.0 / 13.0};
+  double value = 1.0;
+  for (const OutputLabel& output : book.outputs()) {
+    value += 1.0 / 3.0;
+    certificate.outputs.push_back({output.name,
+                                   output.unit,
+                                   value,
+                                   value / 3.0,
+                                   value / 7.0,
+                                   value / 9.0,
+                                   value / 11.0,
+                                   value / 13.0,
+                                   {}});
+    for (const Coordinate& c : book.coordinates())
+      certificate.outputs.back().worst.push_back(c.lower + value * 1e-3);
+  }
+  return certificate;
+}
+
+Codebook golden_book() {
+  const Codebook bare(sample_model(), {golden_piece(0.0, 2.0), golden_piece(2.0, 3.0)}, sample_build(),
+                      sample_provenance(), {}, "the golden codebook");
+  return bare.with_certificate(sample_certificate(bare));
+}
+
+Eigen::MatrixXd random_points(const Codebook& book, int count, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  Eigen::MatrixXd points(book.coordinate_count(), count);
+  for (Eigen::Index j = 0; j < points.cols(); ++j) {
+    for (Eigen::Index k = 0; k < points.rows(); ++k) {
+      const Coordinate& c = book.coordinates()[static_cast<std::size_t>(k)];
+      points(k, j) = c.lower + uniform(random) * (c.upper - c.lower);
+    }
+  }
+  return points;
+}

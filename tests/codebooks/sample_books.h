@@ -1,0 +1,51 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/codebooks/build.h"
+#include "samara/codebooks/codebook.h"
+
+/// Codebooks for the tests.
+
+/// A coin falling in water, C_D and v(0) free, to 1e-3; built once per program.
+const std::string& coin_plan();
+const samara::codebooks::BuildResult& coin_build();
+
+/// Interval of every coordinate of a hand-made piece.
+struct PieceBox {
+  double t_lower, t_upper;  ///< s
+  double C_D_lower, C_D_upper;
+};
+
+/// Random fields over t (radau), C_D (chebyshev) and v(0) (p1, on a mesh that is not equidistant): two
+/// groups, the first with outputs x and v, the second with E. Nothing makes pieces of different seeds agree
+/// where they meet.
+samara::codebooks::Piece random_piece(const PieceBox& box, unsigned seed, int rank = 5);
+
+/// Two slabs of time by two cells of C_D: four random pieces in the order of their lower corners.
+samara::codebooks::Codebook four_pieces();
+/// What four_pieces() is made of: t in [0, 0.2] and [0.2, 0.5], C_D in [0.5, 1] and [1, 2].
+inline constexpr double kSlabBorder = 0.2;
+inline constexpr double kCellBorder = 1.0;
+
+/// Texts with line breaks, quotes and letters beyond ASCII, and numbers without short decimal forms.
+samara::codebooks::ModelDescription sample_model();
+samara::codebooks::BuildRecord sample_build();
+samara::codebooks::Provenance sample_provenance();
+samara::codebooks::Certificate sample_certificate(const samara::codebooks::Codebook& book);
+
+/// The codebook of the golden file: v = v(0) + C_D t and x = v(0) t + C_D t^2 / 2, exact to round-off, for
+/// t in [0, 2] and [2, 3], C_D in [-1, 2], v(0) in [0, 1], with the samples' texts and certificate.
+samara::codebooks::Codebook golden_book();
+
+/// Random points of the codebook's box: coordinates x count.
+Eigen::MatrixXd random_points(const samara::codebooks::Codebook& book, int count, unsigned seed);
+
+/// One column of the points.
+inline std::span<const double> point(const Eigen::MatrixXd& points, Eigen::Index j) {
+  return {points.data() + j * points.rows(), static_cast<std::size_t>(points.rows())};
+}

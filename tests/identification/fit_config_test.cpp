@@ -1,0 +1,95 @@
+#include "samara/identification/fit_config.h"
+
+#include <catch2/catch.hpp>
+
+#include "files.h"
+
+using namespace samara::identification;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+using Catch::Matchers::WithinRel;
+
+namespace {
+
+ConfigNames names() {
+  return config_names(samara::models::find_model("vertical_fall")->info());
+}
+
+std::string config_error(const std::string& text) {
+  return error_of<samara::InputError>([&] { parse_fit_config(text, "fit.toml", names()); });
+}
+
+}  // namespace
+
+TEST_CASE("an empty config leaves every default") {
+  const FitOptions options = parse_fit_config("", "fit.toml", names());
+  CHECK_FALSE(options.window);
+  CHECK(options.loss.kind == LossKind::huber);
+  CHECK(options.loss.length_scale == 2e-3);
+  CHECK(options.starts == 3);
+  CHECK_FALSE(options.offsets);
+}
+
+TEST_CASE("a config sets every option, with units converted") {
+  const FitOptions options = parse_fit_config(R"toml(
+window = "400 ms"
+outputs = ["x"]
+loss = { kind = "cauchy", scale = "3 mm" }
+shared = ["C_D"]
+per_capture = ["v(0)"]
+offsets = ["x"]
+cluster_by = ["drop"]
+starts = 5
+max_iterations = 50
+[fixed]
+density = "2.7 g/cm^3"
+thickness = 0.002
+[box]
+C_D = [0.6, 2.0]
+"v(0)" = ["-40 cm/s", "0.8 m/s"]
+)toml",
+                                              "fit.toml", names());
+  CHECK_THAT(*options.window, WithinRel(0.4, 1e-15));
+  CHECK(options.outputs == std::vector<std::string>{"x"});
+  CHECK(options.loss.kind == LossKind::cauchy);
+  CHECK_THAT(options.loss.length_scale, WithinRel(3e-3, 1e-15));
+  CHECK(options.shared == std::vector<std::string>{"C_D"});
+  CHECK(options.per_capture == std::vector<std::string>{"v(0)"});
+  CHECK(*options.offsets == std::vector<std::string>{"x"});
+  CHECK(options.cluster_by == std::vector<std::string>{"drop"});
+  CHECK(options.starts == 5);
+  CHECK(options.max_iterations == 50);
+  CHECK_THAT(options.fixed.at("density"), WithinRel(2700.0, 1e-15));
+  CHECK(options.fixed.at("thickness") == 0.002);
+  CHECK(options.box.at("C_D").upper == 2.0);
+  CHECK_THAT(options.box.at("v(0)").lower, WithinRel(-0.4, 1e-15));
+}
+
+TEST_CASE("loss scales may be given output by output") {
+  const FitOptions options =
+      parse_fit_config("loss = { scale = { v = \"5 mm/s\", x = 0.001 } }", "fit.toml", names());
+  CHECK_THAT(options.loss.scales.at("v"), WithinRel(5e-3, 1e-15));
+  CHECK(options.loss.scales.at("x") == 1e-3);
+  CHECK(options.loss.kind == LossKind::huber);
+}
+
+TEST_CASE("whatever a config gets wrong is named with its line") {
+  CHECK_THAT(config_error("windw = \"1 s\""),
+             StartsWith("fit.toml:1: ") && Contains("did you mean \"window\"?"));
+  CHECK_THAT(config_error("window = \"1 m\""), StartsWith("fit.toml:1: window: "));
+  CHECK_THAT(config_error("\nwindow = 0"), StartsWith("fit.toml:2: window: ") && Contains("more than 0"));
+  CHECK_THAT(config_error("outputs = [\"y\"]"), Contains("unknown name \"y\""));
+  CHECK_THAT(config_error("shared = [\"C_d\"]"), Contains("did you mean \"C_D\"?"));
+  CHECK_THAT(config_error("loss = { kind = \"hubert\" }"), Contains("did you mean \"huber\"?"));
+  CHECK_THAT(config_error("loss = { kinds = \"huber\" }"), Contains("did you mean \"kind\"?"));
+  CHECK_THAT(config_error("loss = { scale = \"2 s\" }"), StartsWith("fit.toml:1: [loss] scale: "));
+  CHECK_THAT(config_error("loss = { scale = { y = \"2 m\" } }"), Contains("unknown key"));
+  CHECK_THAT(config_error("starts = 0"), Contains("more than 0"));
+  CHECK_THAT(config_error("starts = 2.5"), Contains("starts"));
+  CHECK_THAT(config_error("[fixed]\narae = 1"),
+             StartsWith("fit.toml:2: [fixed] arae: ") && Contains("\"area\""));
+  CHECK_THAT(config_error("[fixed]\narea = \"1 m\""), StartsWith("fit.toml:2: [fixed] area: "));
+  CHECK_THAT(config_error("[box]\nC_D = [2.0, 1.0]"),
+             StartsWith("fit.toml:2: [box] C_D: ") && Contains("lower < upper"));
+  CHECK_THAT(config_error("[box]\nC_D = [1.0]"), Contains("lower < upper"));
+}

@@ -1,0 +1,67 @@
+#include "samara/identification/fit_report.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "samara/identification/fit.h"
+#include "synthetic.h"
+
+using namespace samara::identification;
+using Catch::Matchers::Contains;
+
+namespace {
+
+FitResult example() {
+  std::mt19937_64 random(2);
+  std::vector<Capture> captures;
+  for (int c = 0; c < 3; ++c) {
+    captures.push_back(coin_capture(fmt::format("coin {}", c), 1.15, 0.05 * c, 0.1));
+    captures.back().labels = {{"drop", fmt::format("{}", c)}};
+    add_noise(captures.back(), 5e-4, random);
+  }
+  captures[0].channels.push_back({"v", "m/s", Eigen::VectorXd::Constant(25, std::nan(""))});
+  return fit(*coin_family(), captures);
+}
+
+}  // namespace
+
+TEST_CASE("the JSON of a fit holds its numbers to the last bit") {
+  const FitResult result = example();
+  const nlohmann::json json = nlohmann::json::parse(fit_json(result));
+  CHECK(json["schema"] == "samara-fit/1");
+  CHECK(json["status"] == "converged");
+  CHECK(json["model"] == "vertical_fall");
+  CHECK(json["coefficients"][0]["name"] == "C_D");
+  CHECK(json["coefficients"][0]["value"].get<double>() == result.coefficients[0].value);
+  CHECK(json["coefficients"][0]["standard_error"].get<double>() == *result.coefficients[0].standard_error);
+  CHECK(json["covariance"][0][0].get<double>() == result.covariance(0, 0));
+  CHECK(json["captures"].size() == 3);
+  CHECK(json["captures"][1]["labels"]["drop"] == "1");
+  CHECK(json["captures"][1]["nuisances"][0]["name"] == "v(0)");
+  CHECK(json["captures"][1]["outputs"]["x"]["model"][3].get<double>() == result.captures[1].model(3, 0));
+  CHECK(json["starts"].size() == 3);
+}
+
+TEST_CASE("numbers that are not there are null in JSON") {
+  FitResult result = example();
+  result.coefficients[0].standard_error.reset();
+  result.captures[0].measured(2, 0) = std::nan("");
+  result.captures[0].id = "not \xff utf-8";
+  const nlohmann::json json = nlohmann::json::parse(fit_json(result));
+  CHECK(json["coefficients"][0]["standard_error"].is_null());
+  CHECK(json["captures"][0]["outputs"]["x"]["measured"][2].is_null());
+}
+
+TEST_CASE("a fit that never ran has a report as well") {
+  CHECK_THAT(fit_text(FitResult{}), Contains("the fit did not run"));
+  CHECK(nlohmann::json::parse(fit_json(FitResult{}))["status"] == "failed");
+}
+
+TEST_CASE("the text names coefficients, captures and warnings") {
+  FitResult result = example();
+  result.warnings = {"the moon was full"};
+  const std::string text = fit_text(result);
+  CHECK_THAT(text, Contains("C_D") && Contains("v(0) [m/s]") && Contains("coin 2") && Contains("3 clusters"));
+  CHECK_THAT(text, Contains("warning: the moon was full\n"));
+  CHECK_THAT(text, !Contains(" \n"));
+}
