@@ -76,12 +76,11 @@ void warn_about_errors(const Uncertainty& uncertainty, FitResult& result) {
   const bool has_naive = std::ranges::any_of(result.coefficients, [](const Coefficient& c) {
     return c.naive_standard_error || c.at_bound || !c.determined;
   });
-  if (!has_naive && !uncertainty.hessian_replaced)
+  if (!has_naive)
     result.warnings.push_back("there are no more values than unknowns: nothing says how large the noise is");
   if (uncertainty.hessian_replaced) {
     result.warnings.push_back(
-        "too many residuals lie beyond the bend of the loss: the standard errors are rough or missing; a "
-        "larger loss "
+        "too many residuals lie beyond the bend of the loss: the standard errors are rough; a larger loss "
         "scale is "
         "advised");
   }

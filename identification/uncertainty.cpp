@@ -187,21 +187,21 @@ Eigen::MatrixXd scattered(const Eigen::MatrixXd& part, const std::vector<int>& i
 }
 
 /// The clustered covariance of the free unknowns. Where the Hessian of the loss does not serve, mean(psi')
-/// J^T J stands in.
+/// J^T J stands in, and `replaced` says so.
 Eigen::MatrixXd clustered_covariance(const FitProblem& problem, const Totals& sum,
                                      const std::vector<int>& free, const DeterminedInverse& inverse,
-                                     bool hessian_serves) {
+                                     bool& replaced) {
   const auto count = static_cast<Eigen::Index>(free.size());
-  const double mean_dpsi = sum.dpsi_sum / problem.observation_count();
-  if (problem.cluster_count < 2 || mean_dpsi <= 0.0) return Eigen::MatrixXd::Constant(count, count, kNaN);
+  if (problem.cluster_count < 2 || count == 0) return Eigen::MatrixXd::Constant(count, count, kNaN);
   const Eigen::MatrixXd scores = sum.cluster_scores(free, Eigen::all);
-  if (!hessian_serves || !inverse.all_determined()) return sandwich(inverse.inverse / mean_dpsi, scores);
   const Eigen::LLT<Eigen::MatrixXd> hessian(sum.hessian(free, free));
-  return sandwich(hessian.solve(Eigen::MatrixXd::Identity(count, count)), scores);
-}
-
-bool is_positive_definite(const Eigen::MatrixXd& matrix) {
-  return matrix.rows() == 0 || Eigen::LLT<Eigen::MatrixXd>(matrix).info() == Eigen::Success;
+  replaced = !sum.hessian_usable || hessian.info() != Eigen::Success;
+  if (!replaced && inverse.all_determined()) {
+    return sandwich(hessian.solve(Eigen::MatrixXd::Identity(count, count)), scores);
+  }
+  const double mean_dpsi = sum.dpsi_sum / problem.observation_count();
+  if (mean_dpsi <= 0.0) return Eigen::MatrixXd::Constant(count, count, kNaN);
+  return sandwich(inverse.inverse / mean_dpsi, scores);
 }
 
 /// NaN in the rows and columns of unknowns that have no errors.
@@ -241,9 +241,8 @@ Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentR
   const Eigen::MatrixXd normal_inverse = scattered(inverse.inverse, free, all);
   const double variance = naive_variance(problem, sum, static_cast<int>(free.size()) + sum.own_unknowns);
   result.naive = variance * normal_inverse;
-  const bool hessian_serves = sum.hessian_usable && is_positive_definite(sum.hessian(free, free));
-  result.hessian_replaced = !free.empty() && inverse.all_determined() && !hessian_serves;
-  result.clustered = scattered(clustered_covariance(problem, sum, free, inverse, hessian_serves), free, all);
+  result.clustered =
+      scattered(clustered_covariance(problem, sum, free, inverse, result.hessian_replaced), free, all);
 
   std::vector<char> has_error = result.determined;
   for (std::size_t k = 0; k < has_error.size(); ++k) has_error[k] = has_error[k] && !result.at_bound[k];

@@ -132,14 +132,6 @@ TEST_CASE("a single capture gives naive errors only, with a warning") {
   CHECK(result.covariance(0, 0) == Approx(std::pow(*result.coefficients[0].naive_standard_error, 2)));
 }
 
-TEST_CASE("a loss scale far below the noise is warned of, for it leaves nothing to take errors from") {
-  FitOptions options;
-  options.loss.length_scale = 1e-7;
-  const FitResult result = fit(*coin_family(), coins(1.15), options);
-  CHECK_THAT(result.coefficients[0].value, WithinRel(1.15, 0.05));
-  CHECK_THAT(all(result.warnings), Contains("beyond the bend of the loss"));
-}
-
 TEST_CASE("an iteration limit is a status, with the best point so far") {
   FitOptions options;
   options.max_iterations = 1;
