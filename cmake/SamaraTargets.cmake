@@ -39,6 +39,8 @@ function(samara_compile_options target)
   if(SAMARA_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${SAMARA_SANITIZE} -fno-omit-frame-pointer
       -fno-sanitize-recover=all)
+    # GCC 12 sees uninitialised memory in Eigen's expressions once the sanitizers have rewritten them.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-error=maybe-uninitialized>)
     target_link_options(${target} PRIVATE -fsanitize=${SAMARA_SANITIZE})
   endif()
 endfunction()

@@ -104,7 +104,7 @@ SegmentTerms segment_terms(const FitProblem& problem, const SegmentResidual& res
   const Eigen::MatrixXd H_os = J_o.transpose() * dpsi.asDiagonal() * J_s;
   terms.hessian = J_s.transpose() * dpsi.asDiagonal() * J_s;
   terms.score = J_s.transpose() * psi;
-  if (own.empty()) return terms;
+  if (own.empty() || J_s.cols() == 0) return terms;
   const Eigen::LLT<Eigen::MatrixXd> factor(H_oo);
   terms.hessian_usable = factor.info() == Eigen::Success && factor.rcond() > 1e-14;
   if (!terms.hessian_usable) return terms;

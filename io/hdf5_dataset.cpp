@@ -134,6 +134,14 @@ Handle open_object(const File& file, const std::string& path, const std::string&
   return object;
 }
 
+const Handle& open_owner(const File& file, const std::string& path) {
+  if (!file.owner.valid() || file.owner_path != path) {
+    file.owner = open_object(file, path, path);
+    file.owner_path = path;
+  }
+  return file.owner;
+}
+
 Source open_dataset(const File& file, const std::string& path) {
   Source source;
   source.what = "dataset " + path;
@@ -148,7 +156,7 @@ Source open_attribute(const File& file, const std::string& path, const std::stri
   Source source;
   source.what = "attribute \"" + name + "\" of " + path;
   source.is_attribute = true;
-  const Handle owner = open_object(file, path, path);
+  const Handle& owner = open_owner(file, path);
   const htri_t found = H5Aexists(owner.get(), name.c_str());
   if (found < 0) file.fail(source.what, "cannot be opened: " + last_reason());
   if (found == 0) file.fail(source.what, "is missing");

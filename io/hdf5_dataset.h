@@ -18,6 +18,9 @@ struct File {
   Handle handle;
   std::string name;
   std::uint64_t bytes = 0;
+  /// The object whose attributes were read last, kept open: one tends to be asked for many.
+  mutable Handle owner = {};
+  mutable std::string owner_path = {};
 
   [[noreturn]] void fail(const std::string& object, const std::string& sentence) const;
 };
@@ -41,6 +44,8 @@ Presence presence(const File& file, const std::string& path);
 
 /// @throws InputError if it is missing or damaged
 Handle open_object(const File& file, const std::string& path, const std::string& what);
+/// The same, remembered in the file until another is asked for.
+const Handle& open_owner(const File& file, const std::string& path);
 Source open_dataset(const File& file, const std::string& path);
 Source open_attribute(const File& file, const std::string& object, const std::string& name);
 

@@ -98,6 +98,7 @@ struct Hdf5Reader::Impl {
   }
   ~Impl() {
     const Session session;
+    file.owner.close();
     file.handle.close();
   }
 };
