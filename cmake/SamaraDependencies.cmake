@@ -1,6 +1,9 @@
 # Third-party packages. Every one of them is also named in SamaraConfig.cmake.in, for consumers of a static build.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Ceres 2.1 REQUIRED)
+if(SAMARA_SUITESPARSE)
+  find_package(UMFPACK REQUIRED)  # CHOLMOD comes with Ceres
+endif()
 find_package(SUNDIALS 6.4 REQUIRED COMPONENTS cvodes nvecserial sunmatrixdense sunlinsoldense)
 find_package(TBB REQUIRED)
 find_package(Boost 1.74 REQUIRED)

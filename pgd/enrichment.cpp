@@ -11,6 +11,7 @@
 #include "samara/pgd/factor_update.h"
 #include "samara/pgd/fixed_point.h"
 #include "samara/pgd/random.h"
+#include "samara/pgd/residual.h"
 
 namespace samara::pgd {
 
@@ -35,114 +36,141 @@ void validate(const EnrichOptions& o) {
           "at least 1");
   require(o.fixed_point_tolerance > 0.0, "fixed_point_tolerance", o.fixed_point_tolerance, "more than 0");
   require(o.update_sweeps >= 0, "update_sweeps", o.update_sweeps, "at least 0");
+  require(o.update_tolerance >= 0.0, "update_tolerance", o.update_tolerance, "at least 0");
+  require(o.first_guesses >= 1, "first_guesses", o.first_guesses, "at least 1");
+  require(o.max_seconds >= 0.0, "max_seconds", o.max_seconds, "at least 0");
 }
 
 /// One solve: the problem, its projection, and what has been found so far.
 class Enrichment {
  public:
-  Enrichment(const LinearProblem& problem, const EnrichOptions& options, const SeparatedTensor* start)
-      : problem_(problem),
-        options_(options),
+  Enrichment(const LinearProblem& problem, const EnrichOptions& options)
+      : options_(options),
+        start_(Clock::now()),
         form_(project(problem, options.projection)),
-        fixed_point_(form_.a),
+        residual_(problem),
+        fixed_point_(form_, options.solver),
         random_(options.seed) {
-    result_.solution = SeparatedTensor::zero(problem.rhs.sizes());
-    if (start != nullptr && start->rank() > 0) {
-      result_.solution = *start;
-      result_.solution.normalise();
-      improve();
-    } else {
-      result_.residual = measure(result_.solution);
-    }
+    state_.solution = SeparatedTensor::zero(problem.rhs.sizes());
+    state_.residual = measure(state_.solution);
+  }
+
+  void start_from(const SeparatedTensor& tensor) {
+    state_.solution = tensor;
+    state_.solution.normalise();
+    improve();
+  }
+
+  void start_from(const EnrichState& state) {
+    state_ = state;
+    random_ = Random(state.random_state);
   }
 
   EnrichResult run() {
-    const Clock::time_point start = Clock::now();
     while (!finished()) {
       const Clock::time_point term_start = Clock::now();
       Product product = find_product();
       if (product.amplitude == 0.0) break;
       TermRecord record{product.amplitude, product.iterations, product.converged, 0.0, 0.0};
-      add(std::move(product));
-      record.residual = result_.residual;
+      state_.largest_amplitude = std::max(state_.largest_amplitude, product.amplitude);
+      state_.solution.append(SeparatedTensor::product(std::move(product.factors)), record.amplitude);
+      improve();
+      record.residual = state_.residual;
       record.seconds = seconds_since(term_start);
-      result_.history.push_back(record);
+      state_.history.push_back(record);
+      state_.random_state = random_.state();
+      if (options_.checkpoint) options_.checkpoint(state_);
     }
-    result_.seconds = seconds_since(start);
-    return std::move(result_);
+    return {std::move(state_.solution), why_, std::move(message_), state_.residual, std::move(state_.history),
+            seconds_since(start_)};
   }
 
  private:
-  /// The best product for what is left of the right-hand side, with one more first guess if the first one was
-  /// orthogonal to it or led to a singular system.
+  /// The best product for what is left of the right-hand side; more first guesses than asked for if they were
+  /// orthogonal to it or led to singular systems.
   Product find_product() {
-    SeparatedTensor deflated = form_.b;
-    deflated.append(form_.a.apply(result_.solution), -1.0);
-    Product product;
-    for (int attempt = 0; attempt < 3; ++attempt) {
-      product = Product{};
-      for (int k = 0; k < deflated.modes(); ++k) {
-        product.factors.emplace_back(Eigen::VectorXd::NullaryExpr(
-            deflated.size(k), [this](Eigen::Index) { return random_.normal(); }));
-      }
-      fixed_point_.run(deflated, {options_.max_fixed_point_iterations, options_.fixed_point_tolerance},
-                       product);
-      if (!product.singular && product.amplitude != 0.0) return product;
-      product.amplitude = 0.0;
+    fixed_point_.deflate(state_.solution);
+    Product best;
+    bool singular = false;
+    int found = 0;
+    constexpr int kMoreGuesses = 2;
+    for (int attempt = 0; attempt < options_.first_guesses + kMoreGuesses; ++attempt) {
+      if (found == options_.first_guesses) break;
+      Product product = random_guess();
+      fixed_point_.run(
+          {options_.max_fixed_point_iterations, options_.fixed_point_tolerance, options_.acceleration},
+          product);
+      singular = singular || product.singular;
+      if (product.singular || product.amplitude == 0.0) continue;
+      ++found;
+      if (found == 1 || product.gain > best.gain) best = std::move(product);
     }
-    if (product.singular) {
+    if (found > 0) return best;
+    best.amplitude = 0.0;
+    if (singular) {
       stop(Termination::singular,
            fmt::format("a one-dimensional problem is singular at term {}", rank() + 1));
     } else {
-      stop(Termination::stagnation, fmt::format("no product lowers the residual {:.3g}", result_.residual));
+      stop(Termination::stagnation, fmt::format("no product lowers the residual {:.3g}", state_.residual));
+    }
+    return best;
+  }
+
+  Product random_guess() {
+    Product product;
+    for (int k = 0; k < form_.b.modes(); ++k) {
+      product.factors.emplace_back(
+          Eigen::VectorXd::NullaryExpr(form_.b.size(k), [this](Eigen::Index) { return random_.normal(); }));
     }
     return product;
   }
 
-  void add(Product product) {
-    const double amplitude = product.amplitude;
-    result_.solution.append(SeparatedTensor::product(std::move(product.factors)), amplitude);
-    improve();
-  }
-
   /// Projects the weights of the present terms, updates their factors if that pays, measures the residual.
   void improve() {
-    project_weights(form_, result_.solution);
-    result_.residual = measure(result_.solution);
+    project_weights(form_, state_.solution);
+    state_.residual = measure(state_.solution);
     if (options_.update_sweeps == 0) return;
-    SeparatedTensor updated = result_.solution;
-    if (!update_factors(form_, updated, options_.update_sweeps)) return;
+    SeparatedTensor updated = state_.solution;
+    if (!update_factors(form_, updated,
+                        {options_.update_sweeps, options_.update_tolerance, options_.solver})) {
+      return;
+    }
     const double residual = measure(updated);
-    if (residual < result_.residual) {
-      result_.solution = std::move(updated);
-      result_.residual = residual;
+    if (residual < state_.residual) {
+      state_.solution = std::move(updated);
+      state_.residual = residual;
     }
   }
 
-  /// Relative residual; the exact one where the cheap one no longer resolves it.
   double measure(const SeparatedTensor& u) const {
-    const double residual = fast_relative_residual(problem_, u);
-    return residual < 1e-6 ? relative_residual(problem_, u) : residual;
+    switch (options_.residual) {
+      case ResidualKind::fast:
+        return residual_.fast(u);
+      case ResidualKind::exact:
+        return residual_.exact(u);
+      case ResidualKind::resolved:
+        break;
+    }
+    return residual_.resolved(u);
   }
 
-  int rank() const { return result_.solution.rank(); }
+  int rank() const { return state_.solution.rank(); }
 
   bool finished() {
-    return residual_reached() || amplitude_reached() || max_rank_reached() || stagnated() || cancelled();
+    return residual_reached() || amplitude_reached() || max_rank_reached() || time_is_up() || stagnated() ||
+           cancelled();
   }
 
   bool residual_reached() {
-    if (!(result_.residual <= options_.residual_tolerance)) return false;
-    return stop(Termination::residual, fmt::format("residual {:.3g} <= {:.3g} with {} terms",
-                                                   result_.residual, options_.residual_tolerance, rank()));
+    if (!(state_.residual <= options_.residual_tolerance)) return false;
+    return stop(Termination::residual, fmt::format("residual {:.3g} <= {:.3g} with {} terms", state_.residual,
+                                                   options_.residual_tolerance, rank()));
   }
 
   bool amplitude_reached() {
-    if (result_.history.empty()) return false;
-    double largest = 0.0;
-    for (const TermRecord& record : result_.history) largest = std::max(largest, record.amplitude);
-    const double newest = result_.history.back().amplitude;
-    if (!(newest < options_.amplitude_tolerance * largest)) return false;
+    if (state_.history.empty()) return false;
+    const double newest = state_.history.back().amplitude;
+    if (!(newest < options_.amplitude_tolerance * state_.largest_amplitude)) return false;
     return stop(Termination::amplitude,
                 fmt::format("term {} has amplitude {:.3g}, below {:.3g} of the largest", rank(), newest,
                             options_.amplitude_tolerance));
@@ -151,42 +179,58 @@ class Enrichment {
   bool max_rank_reached() {
     if (rank() < options_.max_rank) return false;
     return stop(Termination::max_rank,
-                fmt::format("residual {:.3g} > {:.3g} with all {} terms allowed", result_.residual,
+                fmt::format("residual {:.3g} > {:.3g} with all {} terms allowed", state_.residual,
                             options_.residual_tolerance, options_.max_rank));
+  }
+
+  bool time_is_up() {
+    if (options_.max_seconds == 0.0 || seconds_since(start_) < options_.max_seconds) return false;
+    return stop(Termination::max_time,
+                fmt::format("residual {:.3g} > {:.3g} with {} terms after the {} s allowed", state_.residual,
+                            options_.residual_tolerance, rank(), options_.max_seconds));
   }
 
   bool stagnated() {
     const auto span = static_cast<std::size_t>(options_.stagnation_terms);
-    const auto& history = result_.history;
+    const auto& history = state_.history;
     if (history.size() <= span) return false;
-    if (result_.residual < 0.95 * history[history.size() - 1 - span].residual) return false;
+    if (state_.residual < 0.95 * history[history.size() - 1 - span].residual) return false;
     return stop(Termination::stagnation, fmt::format("the last {} terms left the residual at {:.3g} > {:.3g}",
-                                                     span, result_.residual, options_.residual_tolerance));
+                                                     span, state_.residual, options_.residual_tolerance));
   }
 
   bool cancelled() {
     if (!options_.progress) return false;
     // Residuals fall geometrically: the fraction done is one of logarithms.
     const double fraction =
-        std::clamp(std::log(result_.residual) / std::log(options_.residual_tolerance), 0.0, 1.0);
+        std::clamp(std::log(state_.residual) / std::log(options_.residual_tolerance), 0.0, 1.0);
     if (options_.progress({"enrichment", fraction})) return false;
     return stop(Termination::cancelled,
-                fmt::format("cancelled with {} terms at residual {:.3g}", rank(), result_.residual));
+                fmt::format("cancelled with {} terms at residual {:.3g}", rank(), state_.residual));
   }
 
   bool stop(Termination why, std::string message) {
-    result_.termination = why;
-    result_.message = std::move(message);
+    why_ = why;
+    message_ = std::move(message);
     return true;
   }
 
-  const LinearProblem& problem_;
   const EnrichOptions& options_;
+  const Clock::time_point start_;
   const ProjectedForm form_;
+  const Residual residual_;
   FixedPoint fixed_point_;
   Random random_;
-  EnrichResult result_;
+  EnrichState state_;
+  Termination why_ = Termination::singular;
+  std::string message_;
 };
+
+void check_sizes(const char* what, const SeparatedTensor& tensor, const LinearProblem& problem) {
+  if (tensor.sizes() == problem.rhs.sizes()) return;
+  throw ArgumentError(fmt::format("the {} has sizes {}, the right-hand side {}", what,
+                                  fmt::join(tensor.sizes(), " x "), fmt::join(problem.rhs.sizes(), " x ")));
+}
 
 }  // namespace
 
@@ -194,11 +238,20 @@ EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options,
                     const SeparatedTensor* start) {
   validate(options);
   problem.validate();
-  if (start != nullptr && start->rank() > 0 && start->sizes() != problem.rhs.sizes()) {
-    throw ArgumentError(fmt::format("the start has sizes {}, the right-hand side {}",
-                                    fmt::join(start->sizes(), " x "), fmt::join(problem.rhs.sizes(), " x ")));
-  }
-  return Enrichment(problem, options, start).run();
+  const bool warm = start != nullptr && start->rank() > 0;
+  if (warm) check_sizes("start", *start, problem);
+  Enrichment enrichment(problem, options);
+  if (warm) enrichment.start_from(*start);
+  return enrichment.run();
+}
+
+EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options, const EnrichState& state) {
+  validate(options);
+  problem.validate();
+  check_sizes("state", state.solution, problem);
+  Enrichment enrichment(problem, options);
+  enrichment.start_from(state);
+  return enrichment.run();
 }
 
 std::string to_string(Termination termination) {
@@ -209,6 +262,8 @@ std::string to_string(Termination termination) {
       return "amplitude";
     case Termination::max_rank:
       return "max_rank";
+    case Termination::max_time:
+      return "max_time";
     case Termination::stagnation:
       return "stagnation";
     case Termination::singular:

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "samara/pgd/linear_problem.h"
+#include "samara/pgd/projection.h"
+#include "samara/pgd/sparse_solver.h"
 
 namespace samara::pgd {
 
@@ -8,10 +9,17 @@ namespace samara::pgd {
 /// @returns false if B is singular; u is then unchanged.
 bool project_weights(const ProjectedForm& form, SeparatedTensor& u);
 
+struct FactorUpdateOptions {
+  int sweeps = 1;
+  /// Ends the sweeps once one changes the weights by less than this, relative to the largest; 0: never.
+  double tolerance = 0.0;
+  SparseSolverKind solver = SparseSolverKind::automatic;
+};
+
 /// Updates the whole factor matrix of one mode after the other, the other modes' factors kept (block
-/// alternating least squares for the minimal residual), `sweeps` times over all modes. u comes back
-/// normalised.
+/// alternating least squares for the minimal residual), sweep by sweep over all modes. u comes back
+/// normalised. O(links R^2 + n R^2 parts) per mode and the system of factor_system.h.
 /// @returns false if a system was singular; u then holds the updates made before.
-bool update_factors(const ProjectedForm& form, SeparatedTensor& u, int sweeps);
+bool update_factors(const ProjectedForm& form, SeparatedTensor& u, const FactorUpdateOptions& options);
 
 }  // namespace samara::pgd

@@ -4,8 +4,9 @@
 
 #include <Eigen/Core>
 
-#include "samara/pgd/linear_problem.h"
+#include "samara/pgd/acceleration.h"
 #include "samara/pgd/mode_system.h"
+#include "samara/pgd/projection.h"
 
 namespace samara::pgd {
 
@@ -13,39 +14,51 @@ namespace samara::pgd {
 struct Product {
   std::vector<Eigen::VectorXd> factors;  ///< of Euclidean length 1
   double amplitude = 0.0;                ///< 0 if nothing was found in the directions tried
+  /// amplitude <product, b - A u>: what the product takes off the functional that the projection minimises
+  /// (twice the energy for symmetric positive Galerkin, the squared residual for the minimal residual).
+  double gain = 0.0;
   int iterations = 0;
   bool converged = false;
   bool singular = false;  ///< a 1-D problem could not be solved
 };
 
-/// Finds the product R with <V, A R> = <V, b> for variations V of one factor at a time, (6.12)-(6.13).
-/// Holds the workspace; run() does not allocate beyond the returned factors once all modes are diagonal or
-/// dense.
+/// Finds the product R with <V, A R> = <V, b - A u> for variations V of one factor at a time, (6.12)-(6.13).
+/// Holds the workspace; run() does not allocate once all modes are diagonal or dense. One iteration costs
+/// O(links) and O(n (terms of b + parts terms of u)) per mode and the 1-D solves.
 class FixedPoint {
  public:
   struct Options {
     int max_iterations = 20;
     double tolerance = 1e-2;
+    Acceleration acceleration = Acceleration::none;
   };
 
-  explicit FixedPoint(const SeparatedOperator& a);
+  /// The form must outlive it.
+  FixedPoint(const ProjectedForm& form, SparseSolverKind solver);
 
-  /// @param b right-hand side, already deflated by the terms found before
+  /// Subtracts A u from the right-hand side of the runs to come. Allocates.
+  void deflate(const SeparatedTensor& u);
+
   /// @param product first guess in `factors`, replaced by the result
-  void run(const SeparatedTensor& b, const Options& options, Product& product);
+  void run(const Options& options, Product& product);
 
  private:
   /// Solves for the factor of one mode; @returns false if singular or zero.
-  bool solve_mode(const SeparatedTensor& b, int mode, Product& product, double& overlap);
-  void refresh(const SeparatedTensor& b, int mode, const Eigen::VectorXd& factor);
+  bool solve_mode(int mode, Product& product, double& overlap);
+  void refresh(int mode, const Eigen::VectorXd& factor);
+  void start();
+  void extrapolate(Product& product, bool first);
 
-  const SeparatedOperator& a_;
+  const ProjectedForm& form_;
+  OperatorChain plain_;
   std::vector<ModeSystem> systems_;
-  Eigen::MatrixXd a_products_;  ///< (i, k): R_k^T A_k^i R_k
-  Eigen::MatrixXd b_products_;  ///< (m, k): R_k^T b_k^m
-  Eigen::VectorXd a_coefficients_;
-  Eigen::VectorXd b_coefficients_;
+  ChainProducts a_, b_, u_;
+  Eigen::MatrixXd weights_of_b_, weights_of_u_;             ///< as rows
+  std::vector<std::vector<Eigen::MatrixXd>> applied_to_u_;  ///< [mode][part]: size x terms of u
+  std::vector<Eigen::VectorXd> coefficients_;               ///< [mode]: per part
   std::vector<Eigen::VectorXd> rhs_, solution_, applied_;
+  std::vector<Eigen::VectorXd> before_, step_;  ///< of the acceleration
+  double relaxation_ = 1.0;
 };
 
 }  // namespace samara::pgd

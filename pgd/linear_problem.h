@@ -29,20 +29,4 @@ enum class Projection {
   minimal_residual,
 };
 
-/// The equations after projection: <V, A U> = <V, b> for all variations V.
-struct ProjectedForm {
-  SeparatedOperator a;
-  SeparatedTensor b;
-};
-
-/// Galerkin: A = W D, b = W G. Minimal residual: A = D^T W D (rank squared), b = D^T W G.
-ProjectedForm project(const LinearProblem& problem, Projection projection);
-
-/// ||D U - G|| / ||G|| in the weighted norm, through inner products: cheap, resolves down to about 1e-8.
-double fast_relative_residual(const LinearProblem& problem, const SeparatedTensor& u);
-
-/// The same without cancellation, by orthogonalisation. O(d n R^3) with R = terms of G and of D times those
-/// of U.
-double relative_residual(const LinearProblem& problem, const SeparatedTensor& u);
-
 }  // namespace samara::pgd

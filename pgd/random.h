@@ -11,6 +11,8 @@ namespace samara::pgd {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
+  /// What a generator has to be made from to go on as this one does.
+  std::uint64_t state() const { return state_; }
 
   std::uint64_t bits() {
     std::uint64_t z = (state_ += 0x9E3779B97F4A7C15u);

@@ -1,6 +1,9 @@
 #include "samara/pgd/separated_operator.h"
 
 #include <algorithm>
+#include <functional>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 
 namespace samara::pgd {
@@ -88,6 +91,35 @@ bool ModeOperator::all_finite() const {
                  },
                  [](const auto& m) { return m.allFinite(); }},
       storage_);
+}
+
+bool ModeOperator::operator==(const ModeOperator& other) const {
+  if (storage_.index() != other.storage_.index() || rows() != other.rows() || cols() != other.cols())
+    return false;
+  return std::visit(
+      Overloaded{
+          [](int) { return true; },
+          [&](const SparseMatrix& m) {
+            const auto& o = std::get<SparseMatrix>(other.storage_);
+            return m.nonZeros() == o.nonZeros() &&
+                   std::equal(m.valuePtr(), m.valuePtr() + m.nonZeros(), o.valuePtr()) &&
+                   std::equal(m.innerIndexPtr(), m.innerIndexPtr() + m.nonZeros(), o.innerIndexPtr()) &&
+                   std::equal(m.outerIndexPtr(), m.outerIndexPtr() + m.outerSize() + 1, o.outerIndexPtr());
+          },
+          [&](const auto& m) { return m == std::get<std::decay_t<decltype(m)>>(other.storage_); }},
+      storage_);
+}
+
+std::size_t ModeOperator::fingerprint() const {
+  const auto of_numbers = [this](const double* values, Eigen::Index count) {
+    const std::string_view bytes(reinterpret_cast<const char*>(values),
+                                 static_cast<std::size_t>(count) * sizeof(double));
+    return std::hash<std::string_view>()(bytes) ^ (storage_.index() + static_cast<std::size_t>(rows()) * 4);
+  };
+  return std::visit(Overloaded{[&](int) { return of_numbers(nullptr, 0); },
+                               [&](const SparseMatrix& m) { return of_numbers(m.valuePtr(), m.nonZeros()); },
+                               [&](const auto& m) { return of_numbers(m.data(), m.size()); }},
+                    storage_);
 }
 
 SparseMatrix ModeOperator::as_sparse() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <variant>
 #include <vector>
 
@@ -19,7 +20,10 @@ class ModeOperator {
 
   static ModeOperator identity(int size) { return ModeOperator(size); }
   static ModeOperator diagonal(Eigen::VectorXd values) { return ModeOperator(std::move(values)); }
-  static ModeOperator sparse(SparseMatrix matrix) { return ModeOperator(std::move(matrix)); }
+  static ModeOperator sparse(SparseMatrix matrix) {
+    matrix.makeCompressed();
+    return ModeOperator(std::move(matrix));
+  }
   static ModeOperator dense(Eigen::MatrixXd matrix) { return ModeOperator(std::move(matrix)); }
 
   int rows() const;
@@ -37,6 +41,10 @@ class ModeOperator {
   void add_to_triplets(std::vector<Eigen::Triplet<double>>& target, int row, int col, double scale) const;
 
   bool all_finite() const;
+  /// Same storage, same numbers. O(entries).
+  bool operator==(const ModeOperator& other) const;
+  /// Equal for equal operators, and as good as never for others.
+  std::size_t fingerprint() const;
 
   /// this^T diag(weights) other; empty weights mean ones.
   ModeOperator transposed_times(const Eigen::VectorXd& weights, const ModeOperator& other) const;

@@ -7,6 +7,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/pgd/axis.h"
+#include "samara/pgd/residual.h"
 #include "samara/pgd/tensor_train.h"
 
 using namespace samara::pgd;

@@ -1,0 +1,154 @@
+#include "samara/pgd/residual.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <Eigen/QR>
+
+#include "samara/pgd/tensor_train.h"
+
+namespace samara::pgd {
+
+namespace {
+
+std::vector<Eigen::VectorXd> root_weights(const LinearProblem& problem) {
+  std::vector<Eigen::VectorXd> roots;
+  for (const Eigen::VectorXd& w : problem.row_weights) roots.emplace_back(w.cwiseSqrt());
+  roots.resize(problem.rhs.factors.size());
+  return roots;
+}
+
+using Link = OperatorChain::Link;
+
+/// R of the thin QR.
+Eigen::MatrixXd triangular_factor(const Eigen::MatrixXd& matrix) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix);
+  return qr.matrixQR().topRows(std::min(matrix.rows(), matrix.cols())).triangularView<Eigen::Upper>();
+}
+
+/// <D U, D U>, carried from mode to mode for every pair of states.
+class SquaredNorm {
+ public:
+  SquaredNorm(const OperatorChain& chain, const Eigen::VectorXd& weights) : chain_(chain) {
+    pairs_.push_back(weights * weights.transpose());
+  }
+
+  void visit(int mode, const std::vector<Eigen::MatrixXd>& applied) {
+    const auto behind = static_cast<std::size_t>(chain_.states(mode + 1));
+    const auto before = static_cast<std::size_t>(chain_.states(mode));
+    const Eigen::Index terms = pairs_.front().rows();
+    std::vector<Eigen::MatrixXd> next(behind * behind, Eigen::MatrixXd::Zero(terms, terms));
+    const std::size_t parts = applied.size();
+    std::vector<Eigen::MatrixXd> grams(parts * parts);
+    for (const Link& a : chain_.mode(mode).links) {
+      for (const Link& b : chain_.mode(mode).links) {
+        Eigen::MatrixXd& gram =
+            grams[static_cast<std::size_t>(a.part) * parts + static_cast<std::size_t>(b.part)];
+        if (gram.size() == 0) {
+          gram.noalias() = applied[static_cast<std::size_t>(a.part)].transpose() *
+                           applied[static_cast<std::size_t>(b.part)];
+        }
+        next[static_cast<std::size_t>(a.to) * behind + static_cast<std::size_t>(b.to)].array() +=
+            pairs_[static_cast<std::size_t>(a.from) * before + static_cast<std::size_t>(b.from)].array() *
+            gram.array();
+      }
+    }
+    pairs_ = std::move(next);
+  }
+
+  double value() const { return pairs_.front().sum(); }
+
+ private:
+  const OperatorChain& chain_;
+  std::vector<Eigen::MatrixXd> pairs_;
+};
+
+/// Columns of one mode's unfolding of D U: for every state behind it, `terms` columns of rows carry x size.
+void add_operator_columns(const OperatorChain::Mode& mode, const std::vector<Eigen::MatrixXd>& applied,
+                          const Eigen::MatrixXd& carry, Eigen::Index terms, Eigen::MatrixXd& unfolding) {
+  for (const Link& link : mode.links) {
+    const Eigen::MatrixXd& factor = applied[static_cast<std::size_t>(link.part)];
+    for (Eigen::Index r = 0; r < terms; ++r) {
+      Eigen::Map<Eigen::MatrixXd>(unfolding.col(link.to * terms + r).data(), carry.rows(), factor.rows()) +=
+          carry.col(link.from * terms + r) * factor.col(r).transpose();
+    }
+  }
+}
+
+}  // namespace
+
+Residual::Residual(const LinearProblem& problem)
+    : chain_(problem.op),
+      roots_(root_weights(problem)),
+      rhs_(scaled_modes(problem.rhs, roots_)),
+      rhs_norm_(norm(rhs_)) {}
+
+std::vector<Eigen::MatrixXd> Residual::applied(int mode, const SeparatedTensor& u) const {
+  const auto k = static_cast<std::size_t>(mode);
+  std::vector<Eigen::MatrixXd> results;
+  for (const ModeOperator& part : chain_.mode(mode).parts) {
+    results.push_back(part.apply(u.factors[k]));
+    if (roots_[k].size() > 0) results.back().array().colwise() *= roots_[k].array();
+  }
+  return results;
+}
+
+double Residual::fast(const SeparatedTensor& u) const {
+  if (rhs_norm_ == 0.0) return u.rank() == 0 ? 0.0 : std::numeric_limits<double>::infinity();
+  if (u.rank() == 0) return 1.0;
+  SquaredNorm square(chain_, u.weights);
+  ChainProducts mixed(chain_, rhs_.rank(), u.rank());
+  for (int k = 0; k < chain_.modes(); ++k) {
+    const std::vector<Eigen::MatrixXd> y = applied(k, u);
+    square.visit(k, y);
+    for (std::size_t p = 0; p < y.size(); ++p) {
+      mixed.gram(k, static_cast<int>(p)).noalias() =
+          rhs_.factors[static_cast<std::size_t>(k)].transpose() * y[p];
+    }
+  }
+  mixed.start(rhs_.weights * u.weights.transpose());
+  for (int k = 0; k < chain_.modes(); ++k) mixed.advance(k);
+  const double squared = square.value() - 2.0 * mixed.total().sum() + rhs_norm_ * rhs_norm_;
+  return std::sqrt(std::max(0.0, squared)) / rhs_norm_;
+}
+
+double Residual::exact(const SeparatedTensor& u) const {
+  if (rhs_norm_ == 0.0) return u.rank() == 0 ? 0.0 : std::numeric_limits<double>::infinity();
+  const Eigen::Index terms = u.rank();
+  const Eigen::Index sources = rhs_.rank();
+  // Cores of D U - G block by block, as in to_train(): columns of `carry` are states x terms, then sources.
+  Eigen::MatrixXd carry(1, terms + sources);
+  carry << u.weights.transpose(), -rhs_.weights.transpose();
+  for (int k = 0; k < chain_.modes(); ++k) {
+    const std::vector<Eigen::MatrixXd> y = applied(k, u);
+    const Eigen::MatrixXd& g = rhs_.factors[static_cast<std::size_t>(k)];
+    const Eigen::Index operator_columns = chain_.states(k + 1) * terms;
+    Eigen::MatrixXd unfolding = Eigen::MatrixXd::Zero(carry.rows() * g.rows(), operator_columns + sources);
+    add_operator_columns(chain_.mode(k), y, carry, terms, unfolding);
+    for (Eigen::Index m = 0; m < sources; ++m) {
+      Eigen::Map<Eigen::MatrixXd>(unfolding.col(operator_columns + m).data(), carry.rows(), g.rows()) =
+          carry.col(carry.cols() - sources + m) * g.col(m).transpose();
+    }
+    if (k + 1 == chain_.modes()) return unfolding.rowwise().sum().norm() / rhs_norm_;
+    carry = triangular_factor(unfolding);
+  }
+  return 0.0;
+}
+
+double Residual::resolved(const SeparatedTensor& u) const {
+  constexpr double kResolved = 1e-6;
+  const double residual = fast(u);
+  return residual < kResolved ? exact(u) : residual;
+}
+
+double fast_relative_residual(const LinearProblem& problem, const SeparatedTensor& u) {
+  return Residual(problem).fast(u);
+}
+
+double relative_residual(const LinearProblem& problem, const SeparatedTensor& u) {
+  return Residual(problem).exact(u);
+}
+
+}  // namespace samara::pgd

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "samara/pgd/linear_problem.h"
+#include "samara/pgd/operator_chain.h"
+
+namespace samara::pgd {
+
+/// Relative residuals ||D U - G|| / ||G|| of one problem in its weighted norm, for many U. The problem must
+/// outlive it. Without a right-hand side the residual is 0 for U without terms, else infinite.
+class Residual {
+ public:
+  explicit Residual(const LinearProblem& problem);
+
+  /// By inner products: O(links^2 R^2 + n R^2 parts^2) per mode for R terms of U; resolves down to about
+  /// 1e-8, below which round-off answers.
+  double fast(const SeparatedTensor& u) const;
+  /// By orthogonalisation, without cancellation: O(n (S R + R_G)^3) per mode, S the states of the operator's
+  /// chain.
+  double exact(const SeparatedTensor& u) const;
+  /// The fast one where it resolves, else the exact one.
+  double resolved(const SeparatedTensor& u) const;
+
+ private:
+  /// Parts of mode k times U's factor, rows times the roots of the weights.
+  std::vector<Eigen::MatrixXd> applied(int mode, const SeparatedTensor& u) const;
+
+  OperatorChain chain_;
+  std::vector<Eigen::VectorXd> roots_;  ///< of the weights; empty: ones
+  SeparatedTensor rhs_;                 ///< times the roots
+  double rhs_norm_ = 0.0;
+};
+
+/// The same for a single U.
+double fast_relative_residual(const LinearProblem& problem, const SeparatedTensor& u);
+double relative_residual(const LinearProblem& problem, const SeparatedTensor& u);
+
+}  // namespace samara::pgd
