@@ -49,7 +49,8 @@ class Enrichment {
         start_(Clock::now()),
         form_(project(problem, options.projection)),
         residual_(problem),
-        fixed_point_(form_, options.solver),
+        systems_(make_mode_systems(form_.a, options.solver)),
+        fixed_point_(form_, systems_),
         random_(options.seed) {
     state_.solution = SeparatedTensor::zero(problem.rhs.sizes());
     state_.residual = measure(state_.solution);
@@ -131,7 +132,7 @@ class Enrichment {
     state_.residual = measure(state_.solution);
     if (options_.update_sweeps == 0) return;
     SeparatedTensor updated = state_.solution;
-    if (!update_factors(form_, updated,
+    if (!update_factors(form_, systems_, updated,
                         {options_.update_sweeps, options_.update_tolerance, options_.solver})) {
       return;
     }
@@ -219,6 +220,7 @@ class Enrichment {
   const Clock::time_point start_;
   const ProjectedForm form_;
   const Residual residual_;
+  std::vector<ModeSystem> systems_;
   FixedPoint fixed_point_;
   Random random_;
   EnrichState state_;

@@ -9,8 +9,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include "samara/pgd/mode_system.h"
-
 namespace samara::pgd {
 
 namespace {
@@ -164,9 +162,8 @@ std::optional<Decoupled> decouple(const Coefficients& c) {
   return result;
 }
 
-bool solve_decoupled(const Parts& parts, const Decoupled& decoupled, const Eigen::MatrixXd& b,
-                     SparseSolverKind kind, Eigen::MatrixXd& x) {
-  ModeSystem system(parts, kind);
+bool solve_decoupled(ModeSystem& system, const Decoupled& decoupled, const Eigen::MatrixXd& b,
+                     Eigen::MatrixXd& x) {
   const Eigen::MatrixXd rhs = b * decoupled.vectors;
   Eigen::MatrixXd z(b.rows(), b.cols());
   for (Eigen::Index j = 0; j < z.cols(); ++j) {
@@ -178,14 +175,13 @@ bool solve_decoupled(const Parts& parts, const Decoupled& decoupled, const Eigen
 
 }  // namespace
 
-bool solve_factor_system(const std::vector<ModeOperator>& parts, const std::vector<Eigen::MatrixXd>& c,
-                         const Eigen::MatrixXd& b, SparseSolverKind kind, Eigen::MatrixXd& x) {
-  const ModeOperator::Structure structure = sum_structure(parts);
-  if (structure == ModeOperator::Structure::diagonal) return solve_nodes(parts, c, b, x);
-  if (structure == ModeOperator::Structure::dense) return solve_dense(parts, c, b, x);
+bool solve_factor_system(ModeSystem& system, const std::vector<Eigen::MatrixXd>& c, const Eigen::MatrixXd& b,
+                         SparseSolverKind kind, Eigen::MatrixXd& x) {
+  if (system.structure() == ModeOperator::Structure::diagonal) return solve_nodes(system.parts(), c, b, x);
+  if (system.structure() == ModeOperator::Structure::dense) return solve_dense(system.parts(), c, b, x);
   if (const std::optional<Decoupled> decoupled = decouple(c))
-    return solve_decoupled(parts, *decoupled, b, kind, x);
-  return solve_sparse(parts, c, b, kind, x);
+    return solve_decoupled(system, *decoupled, b, x);
+  return solve_sparse(system.parts(), c, b, kind, x);
 }
 
 }  // namespace samara::pgd

@@ -61,15 +61,16 @@ bool project_weights(const ProjectedForm& form, SeparatedTensor& u) {
   return true;
 }
 
-bool update_factors(const ProjectedForm& form, SeparatedTensor& u, const FactorUpdateOptions& options) {
+bool update_factors(const ProjectedForm& form, std::vector<ModeSystem>& systems, SeparatedTensor& u,
+                    const FactorUpdateOptions& options) {
   Products products(form, u);
   for (int sweep = 0; sweep < options.sweeps; ++sweep) {
     const Eigen::VectorXd before = u.weights;
     products.start();
     for (int k = 0; k < u.modes(); ++k) {
       Eigen::MatrixXd& factor = u.factors[static_cast<std::size_t>(k)];
-      if (!solve_factor_system(form.a.mode(k).parts, products.operator_coefficients(k), products.rhs(k),
-                               options.solver, factor)) {
+      if (!solve_factor_system(systems[static_cast<std::size_t>(k)], products.operator_coefficients(k),
+                               products.rhs(k), options.solver, factor)) {
         return false;
       }
       // Lengths go to the weights at once: factors of length one keep the systems well scaled.

@@ -5,17 +5,16 @@
 
 namespace samara::pgd {
 
-FixedPoint::FixedPoint(const ProjectedForm& form, SparseSolverKind solver)
+FixedPoint::FixedPoint(const ProjectedForm& form, std::vector<ModeSystem>& systems)
     : form_(form),
       plain_(OperatorChain::identity(form.b.sizes())),
+      systems_(systems),
       a_(form.a, 1, 1),
       b_(plain_, 1, form.b.rank()),
       u_(form.a, 1, 0),
       weights_of_b_(form.b.weights.transpose()),
       weights_of_u_(1, 0) {
-  systems_.reserve(form.b.factors.size());
   for (int k = 0; k < form.a.modes(); ++k) {
-    systems_.emplace_back(form.a.mode(k).parts, solver);
     coefficients_.emplace_back(static_cast<Eigen::Index>(form.a.mode(k).parts.size()));
     rhs_.emplace_back(form.a.size(k));
   }

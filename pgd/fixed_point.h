@@ -33,8 +33,8 @@ class FixedPoint {
     Acceleration acceleration = Acceleration::none;
   };
 
-  /// The form must outlive it.
-  FixedPoint(const ProjectedForm& form, SparseSolverKind solver);
+  /// Form and systems must outlive it.
+  FixedPoint(const ProjectedForm& form, std::vector<ModeSystem>& systems);
 
   /// Subtracts A u from the right-hand side of the runs to come. Allocates.
   void deflate(const SeparatedTensor& u);
@@ -51,7 +51,7 @@ class FixedPoint {
 
   const ProjectedForm& form_;
   OperatorChain plain_;
-  std::vector<ModeSystem> systems_;
+  std::vector<ModeSystem>& systems_;
   ChainProducts a_, b_, u_;
   Eigen::MatrixXd weights_of_b_, weights_of_u_;             ///< as rows
   std::vector<std::vector<Eigen::MatrixXd>> applied_to_u_;  ///< [mode][part]: size x terms of u

@@ -39,7 +39,7 @@ SparseMatrix sparse_sum(const std::vector<ModeOperator>& parts, const Eigen::Vec
 }
 
 ModeSystem::ModeSystem(const std::vector<ModeOperator>& parts, SparseSolverKind kind)
-    : parts_(parts), structure_(sum_structure(parts)) {
+    : parts_(&parts), structure_(sum_structure(parts)) {
   const Eigen::Index n = parts.front().cols();
   if (structure_ == Structure::diagonal) {
     diagonal_.resize(n);
@@ -77,8 +77,8 @@ bool ModeSystem::solve(const Eigen::VectorXd& coefficients, const Eigen::VectorX
 bool ModeSystem::solve_diagonal(const Eigen::VectorXd& coefficients, const Eigen::VectorXd& rhs,
                                 Eigen::Ref<Eigen::VectorXd> x) {
   diagonal_.setZero();
-  for (std::size_t i = 0; i < parts_.size(); ++i)
-    parts_[i].add_to_diagonal(diagonal_, coefficients[static_cast<Eigen::Index>(i)]);
+  for (std::size_t i = 0; i < parts_->size(); ++i)
+    (*parts_)[i].add_to_diagonal(diagonal_, coefficients[static_cast<Eigen::Index>(i)]);
   x = rhs.cwiseQuotient(diagonal_);
   return x.allFinite();
 }
@@ -86,8 +86,8 @@ bool ModeSystem::solve_diagonal(const Eigen::VectorXd& coefficients, const Eigen
 bool ModeSystem::solve_dense(const Eigen::VectorXd& coefficients, const Eigen::VectorXd& rhs,
                              Eigen::Ref<Eigen::VectorXd> x) {
   matrix_.setZero();
-  for (std::size_t i = 0; i < parts_.size(); ++i)
-    parts_[i].add_to_dense(matrix_, coefficients[static_cast<Eigen::Index>(i)]);
+  for (std::size_t i = 0; i < parts_->size(); ++i)
+    (*parts_)[i].add_to_dense(matrix_, coefficients[static_cast<Eigen::Index>(i)]);
   lu_.compute(matrix_);
   if (!is_regular(lu_)) return false;
   x = lu_.solve(rhs);
@@ -102,6 +102,12 @@ bool ModeSystem::solve_sparse(const Eigen::VectorXd& coefficients, const Eigen::
     values += coefficients[static_cast<Eigen::Index>(i)] * sparse_values_[i];
   }
   return sparse_->factorize(pattern_) && sparse_->solve(rhs, x);
+}
+
+std::vector<ModeSystem> make_mode_systems(const OperatorChain& chain, SparseSolverKind kind) {
+  std::vector<ModeSystem> systems;
+  for (int k = 0; k < chain.modes(); ++k) systems.emplace_back(chain.mode(k).parts, kind);
+  return systems;
 }
 
 }  // namespace samara::pgd

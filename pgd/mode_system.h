@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
+#include "samara/pgd/operator_chain.h"
 #include "samara/pgd/separated_operator.h"
 #include "samara/pgd/sparse_solver.h"
 
@@ -25,6 +26,9 @@ class ModeSystem {
   /// The parts must outlive it.
   ModeSystem(const std::vector<ModeOperator>& parts, SparseSolverKind kind);
 
+  ModeOperator::Structure structure() const { return structure_; }
+  const std::vector<ModeOperator>& parts() const { return *parts_; }
+
   /// @returns false if the matrix is singular to working precision or the solution is not finite.
   bool solve(const Eigen::VectorXd& coefficients, const Eigen::VectorXd& rhs, Eigen::Ref<Eigen::VectorXd> x);
 
@@ -36,7 +40,7 @@ class ModeSystem {
   bool solve_sparse(const Eigen::VectorXd& coefficients, const Eigen::VectorXd& rhs,
                     Eigen::Ref<Eigen::VectorXd> x);
 
-  const std::vector<ModeOperator>& parts_;
+  const std::vector<ModeOperator>* parts_;
   ModeOperator::Structure structure_;
   Eigen::VectorXd diagonal_;
   Eigen::MatrixXd matrix_;
@@ -45,5 +49,8 @@ class ModeSystem {
   std::vector<Eigen::VectorXd> sparse_values_;  ///< each part on that pattern
   std::unique_ptr<SparseSolver> sparse_;
 };
+
+/// One for every mode of the chain, which must outlive them.
+std::vector<ModeSystem> make_mode_systems(const OperatorChain& chain, SparseSolverKind kind);
 
 }  // namespace samara::pgd

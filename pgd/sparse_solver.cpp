@@ -1,7 +1,10 @@
 #include "samara/pgd/sparse_solver.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
+#include <vector>
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
@@ -20,10 +23,22 @@ namespace {
 
 constexpr std::array kNames = {"automatic", "eigen_ldlt", "eigen_lu", "cholmod", "umfpack"};
 
-bool is_symmetric(const SparseMatrix& matrix) {
-  const SparseMatrix difference = matrix - SparseMatrix(matrix.transpose());
-  const double size = matrix.coeffs().cwiseAbs().maxCoeff();
-  return difference.nonZeros() == 0 || difference.coeffs().cwiseAbs().maxCoeff() <= 1e-13 * size;
+/// For every stored value of a matrix of this pattern the place of the one mirrored at the diagonal; empty if
+/// one is not stored.
+std::vector<Eigen::Index> mirrored_places(const SparseMatrix& pattern) {
+  std::vector<Eigen::Index> places;
+  places.reserve(static_cast<std::size_t>(pattern.nonZeros()));
+  const int* outer = pattern.outerIndexPtr();
+  const int* inner = pattern.innerIndexPtr();
+  for (int col = 0; col < pattern.outerSize(); ++col) {
+    for (int at = outer[col]; at < outer[col + 1]; ++at) {
+      const int* end = inner + outer[inner[at] + 1];
+      const int* found = std::lower_bound(inner + outer[inner[at]], end, col);
+      if (found == end || *found != col) return {};
+      places.push_back(found - inner);
+    }
+  }
+  return places;
 }
 
 /// Any of the solvers with Eigen's interface.
@@ -52,23 +67,22 @@ using Lu = Direct<Eigen::SparseLU<SparseMatrix>>;
 /// LDL^T where it holds. It does not pivot, so its answers are checked.
 class Automatic final : public SparseSolver {
  public:
-  explicit Automatic(SparseMatrix pattern) : pattern_(std::move(pattern)) {}
+  explicit Automatic(SparseMatrix pattern)
+      : pattern_(std::move(pattern)), mirrored_(mirrored_places(pattern_)) {}
 
   bool factorize(const SparseMatrix& matrix) override {
-    use_ldlt_ = is_symmetric(matrix);
+    matrix_ = matrix;
+    use_ldlt_ = is_symmetric();
     if (use_ldlt_) {
       if (!ldlt_) ldlt_ = std::make_unique<Ldlt>(pattern_);
       use_ldlt_ = ldlt_->factorize(matrix);
-      if (use_ldlt_) matrix_ = matrix;
     }
     return use_ldlt_ || factorize_lu(matrix);
   }
 
   bool solve(const Eigen::MatrixXd& b, Eigen::Ref<Eigen::MatrixXd> x) override {
-    constexpr double kAcceptable = 1e-8;
     if (use_ldlt_) {
-      const bool solved = ldlt_->solve(b, x);
-      if (solved && (matrix_ * x - b).norm() <= kAcceptable * b.norm()) return true;
+      if (ldlt_->solve(b, x) && is_backward_stable(b, x)) return true;
       use_ldlt_ = false;
       if (!factorize_lu(matrix_)) return false;
     }
@@ -76,12 +90,32 @@ class Automatic final : public SparseSolver {
   }
 
  private:
+  bool is_symmetric() const {
+    if (mirrored_.empty() || matrix_.nonZeros() != pattern_.nonZeros()) return false;
+    const double* values = matrix_.valuePtr();
+    double size = 0.0;
+    double difference = 0.0;
+    for (std::size_t i = 0; i < mirrored_.size(); ++i) {
+      size = std::max(size, std::abs(values[i]));
+      difference = std::max(difference, std::abs(values[i] - values[mirrored_[i]]));
+    }
+    return difference <= 1e-13 * size;
+  }
+
+  /// Whether x solves a system close to the one asked for.
+  bool is_backward_stable(const Eigen::MatrixXd& b, const Eigen::MatrixXd& x) const {
+    constexpr double kAcceptable = 1e-11;
+    const double size = matrix_.coeffs().cwiseAbs().maxCoeff() * x.norm() + b.norm();
+    return (matrix_ * x - b).norm() <= kAcceptable * size;
+  }
+
   bool factorize_lu(const SparseMatrix& matrix) {
     if (!lu_) lu_ = std::make_unique<Lu>(pattern_);
     return lu_->factorize(matrix);
   }
 
   SparseMatrix pattern_;
+  std::vector<Eigen::Index> mirrored_;
   SparseMatrix matrix_;
   std::unique_ptr<Ldlt> ldlt_;
   std::unique_ptr<Lu> lu_;

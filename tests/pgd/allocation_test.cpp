@@ -162,7 +162,8 @@ TEST_CASE("the fixed point does not allocate once it has run on a right-hand sid
   for (const Projection projection : {Projection::galerkin, Projection::minimal_residual}) {
     // Least squares square the operator's four terms, and bring as many to the right-hand side.
     const ProjectedForm form = project(problem, projection);
-    FixedPoint fixed_point(form, SparseSolverKind::automatic);
+    std::vector<ModeSystem> systems = make_mode_systems(form.a, SparseSolverKind::automatic);
+    FixedPoint fixed_point(form, systems);
     fixed_point.deflate(random_tensor(sizes, 30, 6));
     const FixedPoint::Options options{20, 1e-2, Acceleration::aitken};
     Product warm_up = random_start(sizes, 4);
