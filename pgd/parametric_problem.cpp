@@ -1,0 +1,184 @@
+#include "samara/pgd/parametric_problem.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+
+namespace samara::pgd {
+
+namespace {
+
+/// Rows and columns `nodes` of an operator.
+ModeOperator restricted(const ModeOperator& part, const std::vector<int>& nodes) {
+  const int n = part.rows();
+  const int kept = static_cast<int>(nodes.size());
+  if (kept == n) return part;
+  if (part.structure() == ModeOperator::Structure::dense) {
+    const Eigen::MatrixXd whole = part.apply(Eigen::MatrixXd::Identity(n, n));
+    return ModeOperator::dense(whole(nodes, nodes));
+  }
+  if (part.structure() == ModeOperator::Structure::diagonal) {
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(n);
+    part.add_to_diagonal(values, 1.0);
+    return ModeOperator::diagonal(values(nodes));
+  }
+  std::vector<int> place(static_cast<std::size_t>(n), -1);
+  for (int i = 0; i < kept; ++i) place[static_cast<std::size_t>(nodes[static_cast<std::size_t>(i)])] = i;
+  std::vector<Eigen::Triplet<double>> all, inner;
+  part.add_to_triplets(all, 0, 0, 1.0);
+  for (const auto& entry : all) {
+    const int row = place[static_cast<std::size_t>(entry.row())];
+    const int col = place[static_cast<std::size_t>(entry.col())];
+    if (row >= 0 && col >= 0) inner.emplace_back(row, col, entry.value());
+  }
+  SparseMatrix matrix(kept, kept);
+  matrix.setFromTriplets(inner.begin(), inner.end());
+  return ModeOperator::sparse(std::move(matrix));
+}
+
+std::vector<std::string> names_of(const std::vector<Axis>& axes) {
+  std::vector<std::string> names;
+  for (const Axis& axis : axes) names.push_back(axis.name());
+  return names;
+}
+
+std::vector<int> sizes_of(const std::vector<Axis>& axes) {
+  std::vector<int> sizes;
+  for (const Axis& axis : axes) sizes.push_back(axis.size());
+  return sizes;
+}
+
+void check_size(const Axis& axis, Eigen::Index size, const char* what) {
+  if (size == axis.size()) return;
+  throw ArgumentError(
+      fmt::format("a {} on axis \"{}\" has size {}, expected {}", what, axis.name(), size, axis.size()));
+}
+
+}  // namespace
+
+ParametricProblem::ParametricProblem(std::vector<Axis> axes)
+    : axes_(std::move(axes)),
+      rhs_(SeparatedTensor::zero(sizes_of(axes_))),
+      lift_(rhs_),
+      known_(axes_.size()) {
+  if (axes_.empty()) throw ArgumentError("a parametric problem has no axes, expected at least one");
+  for (std::size_t k = 0; k < axes_.size(); ++k) {
+    if (position(axes_[k].name()) != k)
+      throw ArgumentError(fmt::format("two axes have the name \"{}\"", axes_[k].name()));
+  }
+}
+
+std::size_t ParametricProblem::position(const std::string& axis) const {
+  const std::vector<std::string> names = names_of(axes_);
+  const auto it = std::find(names.begin(), names.end(), axis);
+  if (it == names.end())
+    throw ArgumentError(fmt::format("there is no axis \"{}\"{}", axis, suggestion(axis, names)));
+  return static_cast<std::size_t>(it - names.begin());
+}
+
+void ParametricProblem::add_term(const std::map<std::string, ModeOperator>& parts, double scale) {
+  for (const auto& [name, part] : parts) {
+    const Axis& axis = axes_[position(name)];
+    check_size(axis, part.rows(), "term");
+    check_size(axis, part.cols(), "term");
+  }
+  std::vector<ModeOperator> term;
+  for (std::size_t k = 0; k < axes_.size(); ++k) {
+    const auto given = parts.find(axes_[k].name());
+    ModeOperator part = given != parts.end() ? given->second
+                        : is_weak(k)         ? ModeOperator::sparse(axes_[k].mass())
+                                             : ModeOperator::identity(axes_[k].size());
+    // The scale goes to one mode; on a nodal one it leaves the parts of weak axes equal from term to term.
+    if (k + 1 == axes_.size() && scale != 1.0)
+      part = part.row_scaled(Eigen::VectorXd::Constant(part.rows(), scale));
+    term.push_back(std::move(part));
+  }
+  op_.terms.push_back(std::move(term));
+}
+
+void ParametricProblem::add_source(const std::map<std::string, Eigen::VectorXd>& parts, double scale) {
+  for (const auto& [name, part] : parts) check_size(axes_[position(name)], part.size(), "source");
+  std::vector<Eigen::VectorXd> columns;
+  for (std::size_t k = 0; k < axes_.size(); ++k) {
+    const auto given = parts.find(axes_[k].name());
+    columns.push_back(given != parts.end() ? given->second
+                      : is_weak(k)         ? axes_[k].weights()
+                                           : Eigen::VectorXd::Ones(axes_[k].size()));
+  }
+  rhs_.append(SeparatedTensor::product(std::move(columns)), scale);
+}
+
+void ParametricProblem::know(const std::string& axis, std::vector<int> nodes) {
+  const std::size_t k = position(axis);
+  for (const int node : nodes) {
+    if (node < 0 || node >= axes_[k].size()) {
+      throw ArgumentError(
+          fmt::format("axis \"{}\" has no node {}, expected 0 to {}", axis, node, axes_[k].size() - 1));
+    }
+    known_[k].push_back(node);
+  }
+}
+
+void ParametricProblem::add_to_lift(const std::map<std::string, Eigen::VectorXd>& values, double scale) {
+  for (const auto& [name, part] : values) check_size(axes_[position(name)], part.size(), "lift");
+  std::vector<Eigen::VectorXd> columns;
+  for (const Axis& axis : axes_) {
+    const auto given = values.find(axis.name());
+    columns.push_back(given != values.end() ? given->second : Eigen::VectorXd::Ones(axis.size()));
+  }
+  lift_.append(SeparatedTensor::product(std::move(columns)), scale);
+}
+
+std::vector<int> ParametricProblem::unknown_nodes(std::size_t k) const {
+  std::vector<int> nodes;
+  for (int i = 0; i < axes_[k].size(); ++i) {
+    if (std::find(known_[k].begin(), known_[k].end(), i) == known_[k].end()) nodes.push_back(i);
+  }
+  if (nodes.empty())
+    throw ArgumentError(
+        fmt::format("all nodes of axis \"{}\" are known: nothing is left to solve for", axes_[k].name()));
+  return nodes;
+}
+
+LinearProblem ParametricProblem::assemble() const {
+  if (op_.terms.empty()) throw ArgumentError("a parametric problem has no term, expected at least one");
+  LinearProblem problem;
+  SeparatedTensor rhs = rhs_;
+  if (lift_.rank() > 0) rhs.append(op_.apply(lift_), -1.0);
+  problem.op.terms.resize(op_.terms.size());
+  problem.rhs.weights = rhs.weights;
+  for (std::size_t k = 0; k < axes_.size(); ++k) {
+    const std::vector<int> nodes = unknown_nodes(k);
+    for (std::size_t i = 0; i < op_.terms.size(); ++i)
+      problem.op.terms[i].push_back(restricted(op_.terms[i][k], nodes));
+    problem.rhs.factors.emplace_back(rhs.factors[k](nodes, Eigen::all));
+    problem.row_weights.emplace_back(is_weak(k) ? Eigen::VectorXd()
+                                                : Eigen::VectorXd(axes_[k].weights()(nodes)));
+  }
+  problem.rhs.normalise();
+  return problem;
+}
+
+SeparatedTensor ParametricProblem::complete(const SeparatedTensor& unknown) const {
+  SeparatedTensor whole;
+  whole.weights = unknown.weights;
+  for (std::size_t k = 0; k < axes_.size(); ++k) {
+    const std::vector<int> nodes = unknown_nodes(k);
+    if (k >= unknown.factors.size() || unknown.factors[k].rows() != static_cast<Eigen::Index>(nodes.size())) {
+      throw ArgumentError(fmt::format("the solution does not have {} unknown nodes on axis \"{}\"",
+                                      nodes.size(), axes_[k].name()));
+    }
+    Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(axes_[k].size(), unknown.rank());
+    factor(nodes, Eigen::all) = unknown.factors[k];
+    whole.factors.push_back(std::move(factor));
+  }
+  whole.append(lift_);
+  whole.normalise();
+  return whole;
+}
+
+}  // namespace samara::pgd
