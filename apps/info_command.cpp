@@ -62,6 +62,7 @@ Json to_json(const Codebook& book, const std::string& path) {
     for (const pgd::Axis& axis : piece.groups.front().axes()) {
       axes.push_back({{"name", axis.name()},
                       {"basis", to_string(axis.basis())},
+                      {"transform", to_string(axis.transform())},
                       {"nodes", axis.size()},
                       {"lower", axis.lower()},
                       {"upper", axis.upper()}});

@@ -48,8 +48,9 @@ pgd::AdaptiveProblem problem_of(const Plan& plan, const models::ParametricModel&
   for (std::size_t k = 0; k < plan.box.size(); ++k) {
     const models::FreeCoordinate& free = model.free()[k];
     const pgd::AxisRole role = free.is_initial ? pgd::AxisRole::initial : pgd::AxisRole::parameter;
+    const BoxEntry& entry = plan.box[k];
     problem.parameters.push_back(
-        {{free.name, free.unit, role}, plan.box[k].lower, plan.box[k].upper, plan.box[k].nodes});
+        {{free.name, free.unit, role, entry.transform}, entry.lower, entry.upper, entry.nodes, entry.basis});
     if (!free.is_initial) continue;
     const auto state = static_cast<std::size_t>(free.index);
     problem.initial[state].axis = static_cast<int>(k);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <vector>
 
 #include <fmt/format.h>
@@ -36,7 +37,9 @@ std::vector<double> certificate_times(const Codebook& book) {
     for (int e = 0; e < time.elements(); ++e) {
       for (int i = 0; i < per_element; ++i) {
         const double fraction = static_cast<double>(i) / per_element;
-        times.push_back(time.borders()[e] + fraction * (time.borders()[e + 1] - time.borders()[e]));
+        const double left = time.borders()[e];
+        const double width = transformed_distance(time.transform(), left, time.borders()[e + 1]);
+        times.push_back(transformed_advance(time.transform(), left, fraction * width));
       }
     }
     times.push_back(time.upper());
@@ -44,6 +47,32 @@ std::vector<double> certificate_times(const Codebook& book) {
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
   return times;
+}
+
+/// The values of a coordinate that is a list in some piece, ascending; empty for an interval.
+std::vector<double> listed_values(const Codebook& book, std::size_t coordinate) {
+  std::set<double> values;
+  for (const Piece& piece : book.pieces()) {
+    const pgd::Axis& axis = piece.groups.front().axes()[coordinate];
+    if (axis.basis() == pgd::Basis::discrete || axis.basis() == pgd::Basis::imported)
+      values.insert(axis.nodes().begin(), axis.nodes().end());
+  }
+  return {values.begin(), values.end()};
+}
+
+/// Points of the box: parameters x count. Of lists, each value as often as the others.
+Eigen::MatrixXd certificate_points(const Codebook& book, int count, std::uint64_t seed) {
+  Eigen::MatrixXd q = sobol_points(book.coordinate_count() - 1, count, seed);
+  for (Eigen::Index k = 0; k < q.rows(); ++k) {
+    const auto coordinate = static_cast<std::size_t>(k) + 1;
+    const Coordinate& c = book.coordinates()[coordinate];
+    const std::vector<double> values = listed_values(book, coordinate);
+    for (double& u : q.row(k)) {
+      u = values.empty() ? c.lower + u * (c.upper - c.lower)
+                         : values[static_cast<std::size_t>(u * static_cast<double>(values.size()))];
+    }
+  }
+  return q;
 }
 
 /// One thread's tools.
@@ -165,11 +194,7 @@ Certificate certify(const Codebook& book, const models::ParametricModel& model,
   }
   const std::vector<int> states = states_of_outputs(book, model);
   const std::vector<double> times = certificate_times(book);
-  Eigen::MatrixXd q = sobol_points(model.free_count(), options.points, options.seed);
-  for (Eigen::Index k = 0; k < q.rows(); ++k) {
-    const Coordinate& c = book.coordinates()[static_cast<std::size_t>(k) + 1];
-    q.row(k) = c.lower + q.row(k).array() * (c.upper - c.lower);
-  }
+  const Eigen::MatrixXd q = certificate_points(book, options.points, options.seed);
   std::vector<PointErrors> errors(static_cast<std::size_t>(options.points));
   // More threads than cores would only make TBB print a warning.
   const int cores = tbb::info::default_concurrency();

@@ -20,7 +20,8 @@ const std::vector<pgd::Axis>& axes_of(const Piece& piece) {
 
 bool same_axis(const pgd::Axis& a, const pgd::Axis& b) {
   return a.name() == b.name() && a.unit() == b.unit() && a.role() == b.role() && a.basis() == b.basis() &&
-         a.size() == b.size() && a.elements() == b.elements() && a.borders() == b.borders();
+         a.transform() == b.transform() && a.lower() == b.lower() && a.upper() == b.upper() &&
+         a.size() == b.size() && a.nodes() == b.nodes() && a.weights() == b.weights();
 }
 
 void check_groups(const Piece& piece) {
@@ -44,6 +45,10 @@ std::vector<Coordinate> common_coordinates(const std::vector<Piece>& pieces) {
   }
   for (const Piece& piece : pieces) {
     const std::vector<pgd::Axis>& axes = axes_of(piece);
+    if (!axes.front().has_elements()) {
+      throw ArgumentError(fmt::format("the time axis of a codebook is {}, expected one made of elements",
+                                      to_string(axes.front().basis())));
+    }
     const bool same = std::equal(coordinates.begin(), coordinates.end(), axes.begin(), axes.end(),
                                  [](const Coordinate& c, const pgd::Axis& a) {
                                    return c.name == a.name() && c.unit == a.unit() && c.role == a.role();

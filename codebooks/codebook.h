@@ -70,7 +70,7 @@ class Codebook {
  public:
   /// Keeps the pieces in the order of their lower corners.
   /// @throws ArgumentError if there is no piece, pieces differ in their coordinates or outputs, groups of a
-  /// piece in their axes, two outputs have one name, or time is not first.
+  /// piece in their axes, two outputs have one name, or time is not first or not made of elements.
   Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecord build = {},
            Provenance provenance = {}, std::optional<Certificate> certificate = {}, std::string title = {});
 

@@ -58,13 +58,45 @@ std::shared_ptr<const models::Model> read_model(const TomlTable& root) {
   }
 }
 
+std::string one_of(const TomlTable& table, const std::string& key, const std::vector<std::string>& known) {
+  const std::string value = table.optional_string(key).value_or(known.front());
+  if (std::find(known.begin(), known.end(), value) != known.end()) return value;
+  throw table.error(key, fmt::format("is \"{}\"{}", value, suggestion(value, known)));
+}
+
+/// Basis and transform of a free coordinate.
+void read_axis_kind(const TomlTable& table, BoxEntry& entry) {
+  entry.basis =
+      pgd::basis_from_string(one_of(table, "basis", {"chebyshev", "legendre", "fourier", "p1", "p2"}));
+  entry.transform =
+      pgd::transform_from_string(one_of(table, "transform", {"none", "log", "reciprocal", "square_root"}));
+  const bool finite_elements = entry.basis == pgd::Basis::p1 || entry.basis == pgd::Basis::p2;
+  if (finite_elements && !entry.nodes)
+    throw table.error("basis", fmt::format("is \"{}\", whose nodes the builder cannot choose: expected a key "
+                                           "nodes beside it",
+                                           to_string(entry.basis)));
+  const bool odd = entry.basis == pgd::Basis::p2 || entry.basis == pgd::Basis::fourier;
+  if (odd && entry.nodes && *entry.nodes % 2 == 0) {
+    throw table.error("nodes", fmt::format("is {}, expected an odd number of nodes on a {} axis",
+                                           *entry.nodes, to_string(entry.basis)));
+  }
+  if (entry.basis == pgd::Basis::fourier && entry.name.ends_with("(0)"))
+    throw table.error("basis", "is \"fourier\", but a solution is not periodic in an initial value");
+  if (entry.basis == pgd::Basis::fourier && entry.transform != pgd::Transform::none)
+    throw table.error("transform", "is not \"none\", which a fourier axis cannot have");
+  if (!in_domain(entry.transform, entry.lower)) {
+    throw table.error("transform", fmt::format("is \"{}\", which is not defined at the lower end {}",
+                                               to_string(entry.transform), entry.lower));
+  }
+}
+
 BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::string& unit) {
   BoxEntry entry;
   entry.name = key;
   std::vector<double> range;
   if (box.is_table(key)) {
     const TomlTable table = box.table(key);
-    table.expect_keys({"range", "nodes"});
+    table.expect_keys({"range", "nodes", "basis", "transform"});
     range = table.quantities("range", unit);
     if (const auto nodes = table.optional_integer("nodes")) {
       if (*nodes < 2 || *nodes > 2000)
@@ -81,6 +113,7 @@ BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::str
   }
   entry.lower = range[0];
   entry.upper = range[1];
+  if (box.is_table(key)) read_axis_kind(box.table(key), entry);
   return entry;
 }
 
@@ -101,12 +134,6 @@ void read_tolerance(const TomlTable& root, const models::ModelInfo& info, Plan& 
     if (!(value >= 0.0)) throw absolute->error(key, fmt::format("is {}, expected at least 0", value));
     plan.absolute[key] = value;
   }
-}
-
-std::string one_of(const TomlTable& table, const std::string& key, const std::vector<std::string>& known) {
-  const std::string value = table.optional_string(key).value_or(known.front());
-  if (std::find(known.begin(), known.end(), value) != known.end()) return value;
-  throw table.error(key, fmt::format("is \"{}\"{}", value, suggestion(value, known)));
 }
 
 std::int64_t integer_in(const TomlTable& table, const std::string& key, std::int64_t fallback,

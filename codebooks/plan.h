@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "samara/models/parametric_model.h"
+#include "samara/pgd/axis.h"
 
 namespace samara::codebooks {
 
@@ -17,6 +18,8 @@ struct BoxEntry {
   double lower = 0.0;  ///< SI
   double upper = 0.0;
   std::optional<int> nodes;  ///< of its axis; empty: chosen by the builder
+  pgd::Basis basis = pgd::Basis::chebyshev;
+  pgd::Transform transform = pgd::Transform::none;
 };
 
 /// A plan of a build (PLAN.toml): a model, what is fixed, the box, the time, the tolerance, the builder.

@@ -33,7 +33,8 @@ std::vector<Query::Group>& Query::groups_at(std::span<const double> x) {
   for (std::vector<Group>& groups : pieces_) {
     if (contains(groups.front().field->axes(), x)) return groups;
   }
-  throw OutsideBoxError("the point lies in a gap between the pieces of the codebook");
+  throw OutsideBoxError(
+      "the point lies in a gap between the pieces of the codebook or the values of a discrete axis");
 }
 
 void Query::values(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values) {

@@ -5,7 +5,7 @@ namespace samara::codebooks::format {
 
 inline constexpr const char* kFormat = "samara-codebook";
 inline constexpr int kMajor = 0;
-inline constexpr int kMinor = 1;
+inline constexpr int kMinor = 2;
 inline constexpr const char* kGroupKind = "sum_of_products";
 
 }  // namespace samara::codebooks::format

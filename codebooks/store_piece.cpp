@@ -22,15 +22,20 @@ std::span<const double> as_span(const Eigen::VectorXd& v) {
 }
 
 void write_axis(Hdf5Writer& file, const std::string& path, int index, const pgd::Axis& axis) {
+  if (axis.basis() == pgd::Basis::imported) {
+    throw ArgumentError(
+        fmt::format("axis \"{}\" is imported, which a codebook file cannot hold", axis.name()));
+  }
   file.write_vector(path, axis.nodes());
   file.make_scale(path, axis.name());
   file.write_integer_attribute(path, "index", index);
   file.write_text_attribute(path, "units", axis.unit());
   file.write_text_attribute(path, "role", to_string(axis.role()));
   file.write_text_attribute(path, "basis", to_string(axis.basis()));
-  file.write_text_attribute(path, "transform", "none");
+  file.write_text_attribute(path, "transform", to_string(axis.transform()));
   file.write_number_attribute(path, "lower", axis.lower());
   file.write_number_attribute(path, "upper", axis.upper());
+  if (!axis.has_elements()) return;
   file.write_integer_attribute(path, "degree", axis.degree());
   file.write_numbers_attribute(path, "borders", as_span(axis.borders()));
 }
@@ -92,18 +97,25 @@ void check_ends(const Hdf5Reader& file, const std::string& path, const std::vect
     throw file.error(path, "attribute upper is not where the axes end");
 }
 
-/// Axes are rebuilt from their borders; the nodes in the file must be the ones that follow.
-pgd::Axis read_axis(const Hdf5Reader& file, const std::string& path, const std::string& name) {
-  const Eigen::VectorXd nodes = file.vector(path);
-  const std::string transform = file.text_attribute(path, "transform");
-  if (transform != "none")
-    throw file.error(path, fmt::format("transform is \"{}\", expected \"none\"", transform));
+/// The tables of one element, or of a fourier axis, take degree^2 numbers of memory: no plan makes such.
+constexpr Eigen::Index kLargestDegree = 4096;
+
+pgd::Axis read_fourier_axis(const Hdf5Reader& file, const std::string& path, pgd::Axis::Label label,
+                            Eigen::Index size) {
+  if (size > kLargestDegree) {
+    throw file.error(
+        path, fmt::format("has {} nodes, expected at most {} on a fourier axis", size, kLargestDegree));
+  }
+  return pgd::Axis::fourier(std::move(label), file.number_attribute(path, "lower"),
+                            file.number_attribute(path, "upper"), static_cast<int>(size));
+}
+
+pgd::Axis read_axis_of_elements(const Hdf5Reader& file, const std::string& path, pgd::Axis::Label label,
+                                pgd::Basis basis, const Eigen::VectorXd& nodes) {
   const std::vector<double> border_list = file.numbers_attribute(path, "borders");
   const Eigen::VectorXd borders =
       Eigen::Map<const Eigen::VectorXd>(border_list.data(), static_cast<Eigen::Index>(border_list.size()));
   const auto degree = static_cast<Eigen::Index>(file.integer_attribute(path, "degree"));
-  // The element tables take degree^2 numbers of memory: no plan makes such an element.
-  constexpr Eigen::Index kLargestDegree = 4096;
   if (degree > kLargestDegree) {
     throw file.error(path, fmt::format("degree is {}, expected at most {}", degree, kLargestDegree));
   }
@@ -111,16 +123,28 @@ pgd::Axis read_axis(const Hdf5Reader& file, const std::string& path, const std::
     throw file.error(path, fmt::format("{} nodes do not fit {} borders and degree {}", nodes.size(),
                                        borders.size(), degree));
   }
+  const auto points = static_cast<int>(degree);
+  return basis == pgd::Basis::p1          ? pgd::Axis::p1(std::move(label), borders)
+         : basis == pgd::Basis::p2        ? pgd::Axis::p2(std::move(label), borders)
+         : basis == pgd::Basis::chebyshev ? pgd::Axis::chebyshev(std::move(label), borders, points)
+         : basis == pgd::Basis::legendre  ? pgd::Axis::legendre(std::move(label), borders, points)
+                                          : pgd::Axis::radau(std::move(label), borders, points);
+}
+
+/// Axes are rebuilt from their attributes; the nodes in the file must be the ones that follow.
+pgd::Axis read_axis(const Hdf5Reader& file, const std::string& path, const std::string& name) {
+  const Eigen::VectorXd nodes = file.vector(path);
   try {
     pgd::Axis::Label label{name, file.text_attribute(path, "units"),
-                           pgd::role_from_string(file.text_attribute(path, "role"))};
+                           pgd::role_from_string(file.text_attribute(path, "role")),
+                           pgd::transform_from_string(file.text_attribute(path, "transform"))};
     const pgd::Basis basis = pgd::basis_from_string(file.text_attribute(path, "basis"));
-    const auto count = static_cast<int>(nodes.size());
-    const pgd::Axis axis =
-        basis == pgd::Basis::p1 ? pgd::Axis::p1(std::move(label), borders)
-        : basis == pgd::Basis::chebyshev
-            ? pgd::Axis::chebyshev(std::move(label), borders[0], borders[borders.size() - 1], count)
-            : pgd::Axis::radau(std::move(label), borders, static_cast<int>(degree));
+    if (basis == pgd::Basis::imported)
+      throw file.error(path, "basis is \"imported\", which a codebook file cannot hold");
+    const pgd::Axis axis = basis == pgd::Basis::discrete ? pgd::Axis::discrete(std::move(label), nodes)
+                           : basis == pgd::Basis::fourier
+                               ? read_fourier_axis(file, path, std::move(label), nodes.size())
+                               : read_axis_of_elements(file, path, std::move(label), basis, nodes);
     const bool fits =
         axis.size() == nodes.size() && (axis.nodes() - nodes).cwiseAbs().maxCoeff() <=
                                            1e-12 * std::max(axis.length(), nodes.cwiseAbs().maxCoeff());

@@ -16,6 +16,32 @@ namespace {
 constexpr double kShare = 0.3;  ///< of the tolerance, for each kind of error
 constexpr int kSamples = 400;
 
+Axis make_axis(const AdaptiveAxis& axis, int nodes) {
+  switch (axis.basis) {
+    case Basis::p1:
+      return Axis::p1(axis.label, axis.lower, axis.upper, nodes);
+    case Basis::p2:
+      return Axis::p2(axis.label, axis.lower, axis.upper, nodes / 2);
+    case Basis::legendre:
+      return Axis::legendre(axis.label, axis.lower, axis.upper, nodes);
+    case Basis::fourier:
+      return Axis::fourier(axis.label, axis.lower, axis.upper, nodes / 2 * 2 + 1);
+    default:
+      return Axis::chebyshev(axis.label, axis.lower, axis.upper, nodes);
+  }
+}
+
+void check_axis(const AdaptiveAxis& axis) {
+  const bool elements = axis.basis == Basis::p1 || axis.basis == Basis::p2;
+  const bool refined =
+      axis.basis == Basis::chebyshev || axis.basis == Basis::legendre || axis.basis == Basis::fourier;
+  if (refined || (elements && axis.nodes)) return;
+  throw ArgumentError(
+      fmt::format("axis \"{}\" is {}, expected chebyshev, legendre, fourier, or p1 or p2 with "
+                  "a number of nodes",
+                  axis.label.name, to_string(axis.basis)));
+}
+
 class AdaptiveSolver {
  public:
   AdaptiveSolver(const AdaptiveProblem& problem, const AdaptiveOptions& options, SolverState start)
@@ -59,8 +85,7 @@ class AdaptiveSolver {
         state_.scales,
         problem_.initial};
     for (std::size_t k = 0; k < problem_.parameters.size(); ++k) {
-      const AdaptiveAxis& axis = problem_.parameters[k];
-      problem.parameters.push_back(Axis::chebyshev(axis.label, axis.lower, axis.upper, state_.nodes[k]));
+      problem.parameters.push_back(make_axis(problem_.parameters[k], state_.nodes[k]));
     }
     EvolutionOptions evolution = options_.evolution;
     evolution.tolerance = tolerance;
@@ -162,6 +187,7 @@ AdaptiveResult solve_adaptively(const AdaptiveProblem& problem, const AdaptiveOp
     throw ArgumentError(
         fmt::format("{} scale floors for {} states", problem.scale_floors.size(), problem.states.size()));
   }
+  for (const AdaptiveAxis& axis : problem.parameters) check_axis(axis);
   return AdaptiveSolver(problem, options, std::move(start)).run();
 }
 

@@ -14,12 +14,16 @@
 /// more. Early rounds are solved only as well as their axes deserve.
 namespace samara::pgd {
 
-/// Axis whose nodes the solver chooses (or that the caller fixes).
+/// Axis whose nodes the solver chooses (or that the caller fixes). The label may have a transform.
 struct AdaptiveAxis {
   Axis::Label label;
   double lower = 0.0;
   double upper = 1.0;
-  std::optional<int> nodes = {};  ///< fixed number of Chebyshev nodes; empty: refined as needed
+  /// Fixed number of nodes; empty: refined as needed. p2 and fourier axes take an odd number: the next one.
+  std::optional<int> nodes = {};
+  /// chebyshev, legendre or fourier; or p1 or p2, which have no measure of what they leave unresolved: their
+  /// nodes must be fixed.
+  Basis basis = Basis::chebyshev;
 };
 
 struct AdaptiveProblem {
@@ -81,7 +85,7 @@ struct AdaptiveResult {
 };
 
 /// @param start a state handed to `checkpoint` before, to go on from there; default: from the beginning
-/// @throws ArgumentError as solve_evolution() and Axis do.
+/// @throws ArgumentError as solve_evolution() and Axis do, and for a basis that AdaptiveAxis does not name.
 AdaptiveResult solve_adaptively(const AdaptiveProblem& problem, const AdaptiveOptions& options = {},
                                 SolverState start = {});
 

@@ -295,6 +295,11 @@ void EvolutionProblem::validate() const {
         fmt::format("the system has {} states; {} labels, {} scales and {} initial values were given", n,
                     states.size(), scales.size(), initial.size()));
   }
+  if (!time.has_elements() || time.transform() != Transform::none) {
+    throw ArgumentError(
+        fmt::format("the time axis \"{}\" is {} with the transform \"{}\", expected elements and \"none\"",
+                    time.name(), to_string(time.basis()), to_string(time.transform())));
+  }
   for (std::size_t s = 0; s < n; ++s) {
     if (!(scales[s] > 0.0) || !std::isfinite(scales[s])) {
       throw ArgumentError(

@@ -45,13 +45,14 @@ struct InitialValue {
 
 struct EvolutionProblem {
   const EvolutionSystem* system = nullptr;
-  Axis time;  ///< must start where the initial values hold
+  Axis time;  ///< must start where the initial values hold; made of elements, without a transform
   std::vector<Axis> parameters;
   std::vector<OutputLabel> states;
   std::vector<double> scales;  ///< characteristic size of each state; errors are measured in it
   std::vector<InitialValue> initial;
 
-  /// @throws ArgumentError if sizes do not match or a scale is not positive.
+  /// @throws ArgumentError if sizes do not match, a scale is not positive, or the time axis is of another
+  /// kind.
   void validate() const;
 };
 

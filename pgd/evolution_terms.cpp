@@ -42,7 +42,7 @@ EvolutionGrid::EvolutionGrid(const EvolutionProblem& problem) : problem_(problem
   for (const Axis& axis : problem.parameters) {
     sizes_.push_back(axis.size());
     // The rule of the radau kind gives its first node no weight, and errors there would not count.
-    weights_.emplace_back((axis.weights() / axis.length()).cwiseMax(1e-3 / axis.size()));
+    weights_.emplace_back((axis.weights() / axis.measure()).cwiseMax(1e-3 / axis.size()));
   }
   for (const Eigen::VectorXd& w : weights_) root_weights_.emplace_back(w.cwiseSqrt());
   scales_ = Eigen::Map<const Eigen::VectorXd>(problem.scales.data(),

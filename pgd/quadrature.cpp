@@ -66,4 +66,19 @@ Eigen::VectorXd chebyshev_lobatto_nodes(int n) {
   return nodes;
 }
 
+Eigen::VectorXd legendre_lobatto_nodes(int n) {
+  require_at_least(n, 2);
+  Eigen::VectorXd nodes(n);
+  nodes[0] = -1.0;
+  nodes[n - 1] = 1.0;
+  if (n == 2) return nodes;
+  // P'_{n-1} is the Jacobi polynomial P^(1,1)_{n-2} but for a factor; beta_k = k (k + 2) / ((2k + 1)(2k +
+  // 3)).
+  Eigen::VectorXd b(n - 3);
+  for (int k = 1; k + 2 < n; ++k) b[k - 1] = std::sqrt(k * (k + 2.0) / ((2.0 * k + 1.0) * (2.0 * k + 3.0)));
+  const Eigen::VectorXd zeros = from_jacobi_matrix(Eigen::VectorXd::Zero(n - 2), b).nodes;
+  nodes.segment(1, n - 2) = 0.5 * (zeros - zeros.reverse());  // antisymmetric, 0 exactly
+  return nodes;
+}
+
 }  // namespace samara::pgd

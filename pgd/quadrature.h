@@ -21,4 +21,7 @@ QuadratureRule gauss_radau_right(int n);
 /// Chebyshev-Lobatto nodes cos(pi j / (n - 1)), ascending, n >= 2.
 Eigen::VectorXd chebyshev_lobatto_nodes(int n);
 
+/// Gauss-Legendre-Lobatto nodes, ascending, n >= 2: -1, 1 and the zeros of P'_{n-1}.
+Eigen::VectorXd legendre_lobatto_nodes(int n);
+
 }  // namespace samara::pgd

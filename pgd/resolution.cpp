@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <Eigen/LU>
 
@@ -27,21 +28,43 @@ Eigen::MatrixXd to_legendre(const Eigen::VectorXd& nodes) {
   return values.inverse();
 }
 
+/// Cosine and sine coefficients of the two highest harmonics from values at n = 2m + 1 nodes.
+Eigen::MatrixXd highest_harmonics(int n) {
+  const int highest = (n - 1) / 2;
+  const int count = std::min(2, highest);
+  Eigen::MatrixXd rows(2 * count, n);
+  for (int i = 0; i < count; ++i) {
+    const Eigen::ArrayXd angle =
+        Eigen::ArrayXd::LinSpaced(n, 0.0, n - 1.0) * (2.0 * std::numbers::pi * (highest - i) / n);
+    rows.row(2 * i) = 2.0 / n * angle.cos().matrix().transpose();
+    rows.row(2 * i + 1) = 2.0 / n * angle.sin().matrix().transpose();
+  }
+  return rows;
+}
+
+/// The highest coefficients in every element (or the period) of the columns of a factor matrix.
+std::vector<Eigen::MatrixXd> highest_of_factor(const Axis& axis, const Eigen::MatrixXd& factor) {
+  if (axis.basis() == Basis::fourier) return {highest_harmonics(axis.size()) * factor};
+  std::vector<Eigen::MatrixXd> coefficients;
+  if (!axis.has_elements() || axis.basis() == Basis::p1 || axis.basis() == Basis::p2) return coefficients;
+  const Eigen::MatrixXd rows =
+      to_legendre(axis.element_basis().nodes()).bottomRows(std::min(2, axis.degree()));
+  for (int e = 0; e < axis.elements(); ++e) {
+    coefficients.emplace_back(rows * factor.middleRows(e * axis.degree(), axis.degree() + 1));
+  }
+  return coefficients;
+}
+
 }  // namespace
 
 double highest_coefficients(const SeparatedField& field, int axis, std::span<const double> scales,
                             int samples, std::uint64_t seed) {
-  const Axis& own = field.axes()[static_cast<std::size_t>(axis)];
-  if (own.basis() == Basis::p1) return 0.0;
-  const Eigen::MatrixXd transform =
-      to_legendre(own.element_basis().nodes()).bottomRows(std::min(2, own.degree()));
-  const Eigen::MatrixXd& factor = field.factors()[static_cast<std::size_t>(axis)];
+  const auto own = static_cast<std::size_t>(axis);
   // Sum of both coefficients' sizes per element and term would ignore cancellation between terms: terms are
   // summed first, at sampled nodes of the other axes.
-  std::vector<Eigen::MatrixXd> coefficients;
-  for (int e = 0; e < own.elements(); ++e) {
-    coefficients.emplace_back(transform * factor.middleRows(e * own.degree(), own.degree() + 1));
-  }
+  const std::vector<Eigen::MatrixXd> coefficients =
+      highest_of_factor(field.axes()[own], field.factors()[own]);
+  if (coefficients.empty()) return 0.0;
   const Eigen::MatrixXd weights =
       (Eigen::Map<const Eigen::VectorXd>(scales.data(), static_cast<Eigen::Index>(scales.size()))
            .cwiseInverse()

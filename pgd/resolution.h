@@ -10,7 +10,8 @@ namespace samara::pgd {
 
 /// How well an axis resolves a field: the two highest Legendre coefficients along it (sizes summed), in the
 /// worst element, output and point of `samples` seeded random nodes of the other axes; outputs divided by
-/// their scales. A measure of the largest error that the next finer axis would mend; zero on P1 axes, which
+/// their scales. On fourier axes the cosine and sine coefficients of the two highest harmonics. A measure of
+/// the largest error that the next finer axis would mend; zero on finite elements (p1, p2) and lists, which
 /// have no coefficients to spare. O(samples R elements).
 double highest_coefficients(const SeparatedField& field, int axis, std::span<const double> scales,
                             int samples, std::uint64_t seed);

@@ -34,7 +34,8 @@ SeparatedField::SeparatedField(std::vector<Axis> axes, std::vector<OutputLabel> 
       throw ArgumentError(fmt::format("a factor of axis \"{}\" is not finite", axes_[k].name()));
     }
     for (Eigen::Index r = 0; r < factor.cols(); ++r) {
-      const double length = std::sqrt(factor.col(r).dot(axes_[k].mass() * factor.col(r)) / axes_[k].length());
+      const double length =
+          std::sqrt(factor.col(r).dot(axes_[k].mass() * factor.col(r)) / axes_[k].measure());
       // Factors that are normalised already stay as they are, to the last bit: fields survive a file
       // unchanged.
       if (length == 0.0 || std::abs(length - 1.0) < 1e-12) continue;
@@ -62,6 +63,10 @@ void SeparatedField::check(std::span<const double> x) const {
     if (axes_[k].contains(x[k])) continue;
     if (!std::isfinite(x[k])) {
       throw ArgumentError(fmt::format("{} is {}, expected a finite number", axes_[k].name(), x[k]));
+    }
+    if (x[k] >= axes_[k].lower() && x[k] <= axes_[k].upper()) {
+      throw OutsideBoxError(fmt::format("{} = {} {} is none of the {} values of its axis", axes_[k].name(),
+                                        x[k], axes_[k].unit(), axes_[k].size()));
     }
     throw OutsideBoxError(fmt::format("{} = {} {} is outside the box [{}, {}]", axes_[k].name(), x[k],
                                       axes_[k].unit(), axes_[k].lower(), axes_[k].upper()));

@@ -21,7 +21,7 @@ struct OutputLabel {
 ///   u_m(x_1, .., x_d) = sum_r W(m, r) prod_k F_k^r(x_k),   (6.1) of the dissertation with shared factors,
 ///
 /// where F_k^r interpolates column r of the factor matrix of axis k. Factors have length one in the mass
-/// matrix of their axis divided by its length, so |W(m, r)| is the root mean square of term r in output m
+/// matrix of their axis divided by its measure, so |W(m, r)| is the root mean square of term r in output m
 /// over the box. Coordinates and outputs are in SI units. Immutable, safe to share between threads.
 ///
 /// Cost of a value: O(R (sum_k p_k + M)), p_k the nodes a point touches on axis k, M outputs; the gradient by
@@ -56,7 +56,7 @@ class SeparatedField {
   /// All outputs at one point. Does not allocate.
   /// @param x one coordinate per axis
   /// @throws ArgumentError if x has not axis_count() finite entries; OutsideBoxError if one is outside its
-  /// axis.
+  /// axis, or between the values of a discrete one.
   void evaluate(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values, Workspace& workspace) const;
 
   /// The same with the exact derivatives of the separated form: gradient(m, k) = du_m/dx_k.

@@ -9,6 +9,7 @@
 #include "samara/codebooks/query.h"
 #include "samara/codebooks/store.h"
 #include "samara/models/integrate.h"
+#include "samara/pgd/adaptive_evolution.h"
 #include "same_codebook.h"
 #include "sample_books.h"
 
@@ -114,6 +115,30 @@ TEST_CASE("the solution of (6.18), u(0) + (rate/k - 1) t, is one term beyond rou
     // u goes from -0.8... to 9: range 9.
     CHECK_THAT(u[0], WithinAbs((10.0 / points(1, j) - 1.0) * points(0, j), 1e-10 * 9.0));
   }
+}
+
+TEST_CASE("in the inverse of k, the first axis holds the solution of (6.18) over three decades") {
+  const BuildResult result = built(
+      "model = 'constant_rate'\n[box]\n"
+      "k = { range = [0.01, 10], basis = 'legendre', transform = 'reciprocal' }\n"
+      "[time]\nend = 1\n[tolerance]\nrelative = 1e-8\n");
+  INFO(result.message);
+  CHECK(result.met);
+  CHECK(result.book.pieces().front().groups.front().axes()[1].size() ==
+        samara::pgd::AdaptiveOptions{}.first_nodes);
+}
+
+TEST_CASE("a logarithmic axis resolves a drag coefficient over three decades with fewer nodes") {
+  const auto nodes = [](const std::string& transform) {
+    const BuildResult result = built(
+        "model = 'quadratic_drag_fall'\n[box]\nC_D = { range = [0.02, 20], basis = 'legendre', transform = "
+        "'" +
+        transform + "' }\n[time]\nend = 1\n[tolerance]\nrelative = 1e-4\n");
+    INFO(result.message);
+    CHECK(result.met);
+    return result.book.pieces().front().groups.front().axes()[1].size();
+  };
+  CHECK(nodes("log") < nodes("none"));
 }
 
 TEST_CASE("the fall of (6.20) follows the exact tanh to 1e-8") {

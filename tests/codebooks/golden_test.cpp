@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <catch2/catch.hpp>
 
 #include "../io/temporary_directory.h"
@@ -48,4 +50,25 @@ TEST_CASE("the golden file of format 0.1 holds all texts, numbers and the certif
   CHECK(book.provenance().plan == sample_provenance().plan);
   REQUIRE(book.certificate());
   check_same_certificate(*book.certificate(), sample_certificate(golden_book()));
+}
+
+TEST_CASE("the golden file of format 0.2 loads with axes of every kind and evaluates to its formula") {
+  const Codebook book = load(std::filesystem::path(GOLDEN_DIRECTORY) / "codebook_0.2.h5");
+  check_same_model(book.model(), sample_model());
+  Query query(book);
+  Eigen::VectorXd value(1);
+  Eigen::MatrixXd gradient(1, 8);
+  const Eigen::MatrixXd points = random_points(book, 200, 7);
+  for (Eigen::Index j = 0; j < points.cols(); ++j) {
+    const auto x = points.col(j);
+    const double t = x[0], C = x[1], angle = x[2], plies = x[3], v0 = x[4], m = x[5], k = x[6], h = x[7];
+    query.values(point(points, j), value, gradient);
+    // Sums of products of numbers up to 40; the derivative by C_D goes up to 2 * 4 / 0.01.
+    CHECK_THAT(
+        value[0],
+        WithinAbs(v0 * std::sqrt(m) + t * std::log(C) * std::cos(2.0 * angle) * plies + k * k / h, 1e-12));
+    CHECK_THAT(gradient(0, 1), WithinAbs(t / C * std::cos(2.0 * angle) * plies, 1e-10));
+    CHECK_THAT(gradient(0, 2), WithinAbs(-2.0 * t * std::log(C) * std::sin(2.0 * angle) * plies, 1e-11));
+    CHECK_THAT(gradient(0, 7), WithinAbs(-k * k / h / h, 1e-12));
+  }
 }

@@ -209,6 +209,34 @@ TEST_CASE("the nodes of an axis are 2 to 2000") {
   CHECK(parsed(changed("nodes = 9", "nodes = 2")).box[1].nodes == 2);
 }
 
+TEST_CASE("a plan may name the basis and the transform of an axis") {
+  using samara::pgd::Basis;
+  using samara::pgd::Transform;
+  CHECK(parsed(kPlan).box[1].basis == Basis::chebyshev);
+  CHECK(parsed(kPlan).box[1].transform == Transform::none);
+  const BoxEntry entry = parsed(changed("nodes = 9", "basis = 'legendre', transform = 'log'")).box[1];
+  CHECK(entry.basis == Basis::legendre);
+  CHECK(entry.transform == Transform::logarithm);
+  CHECK_FALSE(entry.nodes);
+  CHECK(parsed(changed("nodes = 9", "nodes = 9, basis = 'p2'")).box[1].basis == Basis::p2);
+  CHECK(parsed(changed("nodes = 9", "basis = 'fourier'")).box[1].basis == Basis::fourier);
+}
+
+TEST_CASE("a basis or transform that an axis cannot have is refused at its line") {
+  const auto with = [](const std::string& keys) { return refusal("nodes = 9", keys); };
+  CHECK_THAT(with("basis = 'radau'"), StartsWith("p.toml:12: [box.area] basis: is \"radau\""));
+  CHECK_THAT(with("basis = 'legender'"), EndsWith("did you mean \"legendre\"?"));
+  CHECK_THAT(with("basis = 'p1'"), EndsWith("expected a key nodes beside it"));
+  CHECK_THAT(with("nodes = 8, basis = 'fourier'"),
+             EndsWith("expected an odd number of nodes on a fourier axis"));
+  CHECK_THAT(with("basis = 'fourier', transform = 'log'"), EndsWith("which a fourier axis cannot have"));
+  CHECK_THAT(with("transform = 'logarithm'"),
+             StartsWith("p.toml:12: [box.area] transform: is \"logarithm\""));
+  const std::string model = "model = 'constant_rate'\ntime.end = 1\n[box]\n";
+  CHECK_THAT(refusal(model + "k = { range = [0, 5], transform = 'log' }\n"),
+             EndsWith("is \"log\", which is not defined at the lower end 0"));
+}
+
 TEST_CASE("numbers that are not finite are refused wherever they stand") {
   for (const std::string bad : {"nan", "inf", "-inf", "+nan"}) {
     CHECK_THAT(refusal("g = 9.81", "g = " + bad),

@@ -1,5 +1,6 @@
 #include "sample_books.h"
 
+#include <cmath>
 #include <numbers>
 #include <random>
 
@@ -152,6 +153,38 @@ Codebook golden_book() {
   return bare.with_certificate(sample_certificate(bare));
 }
 
+Codebook all_kinds() {
+  using samara::pgd::Transform;
+  const auto label = [](const char* name, Transform transform = Transform::none) {
+    return Axis::Label{name, "1", AxisRole::parameter, transform};
+  };
+  const std::vector<Axis> axes = {
+      Axis::legendre({"t", "s", AxisRole::time}, Eigen::Vector3d(0.0, 0.5, 2.0), 3),
+      Axis::chebyshev(label("C_D", Transform::logarithm), Eigen::Vector3d(0.01, 0.3, 10.0), 2),
+      Axis::fourier(label("angle"), 0.0, std::numbers::pi, 5),
+      Axis::discrete(label("plies"), Eigen::Vector3d(1.0, 2.0, 4.0)),
+      Axis::p1({"v(0)", "m/s", AxisRole::initial}, 0.0, 1.0, 3),
+      Axis::chebyshev(label("m", Transform::square_root), 0.0, 4.0, 3),
+      Axis::p2(label("k"), Eigen::Vector3d(-1.0, 0.2, 1.0)),
+      Axis::legendre(label("h", Transform::reciprocal), 0.5, 8.0, 4),
+  };
+  const auto one = [](double) { return 1.0; };
+  const auto same = [](double x) { return x; };
+  const auto logarithm = [](double x) { return std::log(x); };
+  const auto wave = [](double x) { return std::cos(2.0 * x); };
+  const auto root = [](double x) { return std::sqrt(x); };
+  const auto square = [](double x) { return x * x; };
+  const auto inverse = [](double x) { return 1.0 / x; };
+  const std::vector<Eigen::MatrixXd> factors = {
+      columns_of(axes[0], one, same, one),   columns_of(axes[1], one, logarithm, one),
+      columns_of(axes[2], one, wave, one),   columns_of(axes[3], one, same, one),
+      columns_of(axes[4], same, one, one),   columns_of(axes[5], root, one, one),
+      columns_of(axes[6], one, one, square), columns_of(axes[7], one, one, inverse)};
+  return Codebook(sample_model(),
+                  {{{SeparatedField(axes, {{"u", "m"}}, factors, Eigen::RowVector3d::Ones())}}},
+                  sample_build(), sample_provenance(), {}, "an axis of every kind");
+}
+
 Eigen::MatrixXd random_points(const Codebook& book, int count, unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
@@ -159,7 +192,11 @@ Eigen::MatrixXd random_points(const Codebook& book, int count, unsigned seed) {
   for (Eigen::Index j = 0; j < points.cols(); ++j) {
     for (Eigen::Index k = 0; k < points.rows(); ++k) {
       const Coordinate& c = book.coordinates()[static_cast<std::size_t>(k)];
-      points(k, j) = c.lower + uniform(random) * (c.upper - c.lower);
+      const Axis& axis = book.pieces().front().groups.front().axes()[static_cast<std::size_t>(k)];
+      const double u = uniform(random);
+      points(k, j) = axis.basis() == samara::pgd::Basis::discrete
+                         ? axis.nodes()[static_cast<Eigen::Index>(u * axis.size())]
+                         : c.lower + u * (c.upper - c.lower);
     }
   }
   return points;

@@ -38,11 +38,19 @@ samara::codebooks::BuildRecord sample_build();
 samara::codebooks::Provenance sample_provenance();
 samara::codebooks::Certificate sample_certificate(const samara::codebooks::Codebook& book);
 
-/// The codebook of the golden file: v = v(0) + C_D t and x = v(0) t + C_D t^2 / 2, exact to round-off, for
-/// t in [0, 2] and [2, 3], C_D in [-1, 2], v(0) in [0, 1], with the samples' texts and certificate.
+/// The codebook of the golden file of format 0.1: v = v(0) + C_D t and x = v(0) t + C_D t^2 / 2, exact to
+/// round-off, for t in [0, 2] and [2, 3], C_D in [-1, 2], v(0) in [0, 1], with the samples' texts and
+/// certificate.
 samara::codebooks::Codebook golden_book();
 
-/// Random points of the codebook's box: coordinates x count.
+/// The codebook of the golden file of format 0.2: an axis of every kind that a file can hold, and
+///   u = v(0) sqrt(m) + t log(C_D) cos(2 angle) plies + k^2 / h, exact to round-off, with t in [0, 2]
+///   (legendre
+/// elements), C_D in [0.01, 10] (log), angle in [0, pi] (fourier), plies of 1, 2, 4 (discrete), v(0) in [0,
+/// 1] (p1), m in [0, 4] (square root), k in [-1, 1] (p2), h in [0.5, 8] (reciprocal).
+samara::codebooks::Codebook all_kinds();
+
+/// Random points of the codebook's box: coordinates x count; of discrete axes, random values.
 Eigen::MatrixXd random_points(const samara::codebooks::Codebook& book, int count, unsigned seed);
 
 /// One column of the points.

@@ -226,11 +226,12 @@ TEST_CASE("older minor versions of the format are read, newer and other major on
   const auto version = [](const std::string& text) {
     return error_after([&](Patient& file) { file.set_text("/", "format_version", text); });
   };
+  CHECK(version("0.2") == "no exception");
   CHECK(version("0.1") == "no exception");
   CHECK(version("0.0") == "no exception");
-  for (const std::string other : {"0.2", "0.10", "1.0", "1.1", "10.0", "-1.0", "0.-1", "0", "0.", ".1",
+  for (const std::string other : {"0.3", "0.10", "1.0", "1.1", "10.0", "-1.0", "0.-1", "0", "0.", ".1",
                                   "0.1 ", "0.1x", "0.1.0", "0,1", "x", "", "0.99999999999999999999"}) {
-    CHECK(version(other) == "/: format_version is \"" + other + "\", this program reads 0.0 to 0.1");
+    CHECK(version(other) == "/: format_version is \"" + other + "\", this program reads 0.0 to 0.2");
   }
   CHECK_THAT(error_after([](Patient& file) { file.remove_attribute("/", "format_version"); }),
              Contains("format_version"));
@@ -393,10 +394,13 @@ TEST_CASE("a basis, role, transform or kind that this version does not know is r
   const auto with = [](const std::string& name, const std::string& value) {
     return error_after([&](Patient& file) { file.set_text("/pieces/0/axes/t", name, value); });
   };
-  CHECK_THAT(with("basis", "fourier"),
-             Contains("/pieces/0/axes/t: basis is \"fourier\"") && Contains("radau"));
+  CHECK_THAT(with("basis", "spline"), Contains("/pieces/0/axes/t: basis is \"spline\"") && Contains("radau"));
+  CHECK_THAT(with("basis", "imported"), Contains("\"imported\", which a codebook file cannot hold"));
   CHECK_THAT(with("role", "tine"), Contains("/pieces/0/axes/t: role is \"tine\"; did you mean \"time\"?"));
-  CHECK_THAT(with("transform", "log"), Contains("/pieces/0/axes/t: transform is \"log\", expected \"none\""));
+  CHECK_THAT(with("transform", "lock"),
+             Contains("/pieces/0/axes/t: transform is \"lock\"; did you mean \"log\"?"));
+  CHECK_THAT(with("transform", "log"),
+             Contains("/pieces/0/axes/t: axis \"t\" begins at 0 with the transform"));
   CHECK_THAT(error_after([](Patient& file) { file.set_text("/pieces/0/groups/0", "kind", "train"); }),
              Contains("/pieces/0/groups/0: kind is \"train\", expected \"sum_of_products\""));
 }

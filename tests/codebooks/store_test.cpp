@@ -41,6 +41,22 @@ TEST_CASE("pieces, groups, axes of every kind and all texts survive a file to th
   check_same_codebook(stored(certified), certified);
 }
 
+TEST_CASE("axes of every kind, with their transforms, survive a file to the last bit") {
+  check_same_codebook(stored(all_kinds()), all_kinds());
+}
+
+TEST_CASE("a codebook over an imported axis is refused by the file, in words") {
+  const Axis time = Axis::radau({"t", "s", AxisRole::time}, 0.0, 1.0, 3, 2);
+  const Axis mesh = Axis::imported({"mesh"}, Axis::p1({"x"}, 0.0, 1.0, 4).mass());
+  const Codebook book = one_piece(SeparatedField(
+      {time, mesh}, {{"x", "m"}}, {Eigen::MatrixXd::Random(7, 2), Eigen::MatrixXd::Random(4, 2)},
+      Eigen::MatrixXd::Random(1, 2)));
+  const TemporaryDirectory directory;
+  CHECK_THROWS_WITH(save(book, directory / "book.h5"),
+                    Catch::Contains("axis \"mesh\" is imported, which a codebook file cannot hold"));
+  CHECK(directory.file_count() == 0);
+}
+
 TEST_CASE("a codebook survives any number of files") {
   const Codebook& book = coin_build().book;
   check_same_codebook(stored(book), book);

@@ -154,6 +154,23 @@ TEST_CASE("evaluating a separated field does not allocate") {
   }
 }
 
+TEST_CASE("interpolation on an axis of any kind does not allocate") {
+  const Axis::Label logarithmic{"x", "1", AxisRole::parameter, Transform::logarithm};
+  const std::vector<Axis> axes = {
+      Axis::p2({"x"}, 1.0, 2.0, 9), Axis::legendre({"x"}, Eigen::Vector3d(1.0, 1.2, 2.0), 30),
+      Axis::chebyshev(logarithmic, 1.0, 2.0, 30), Axis::fourier({"x"}, 1.0, 2.0, 101),
+      Axis::discrete({"x"}, Eigen::Vector2d(1.0, 2.0))};
+  for (const Axis& axis : axes) {
+    InterpolationStencil stencil = axis.make_stencil();
+    CAPTURE(to_string(axis.basis()));
+    for (const double x : {1.0, 1.234, 2.0}) {
+      CHECK(allocator_calls([&] { axis.interpolate(x, stencil, false); }) == 0);
+      CHECK(allocator_calls([&] { axis.interpolate(x, stencil, true); }) == 0);
+      CHECK(allocator_calls([&] { (void)axis.contains(x); }) == 0);
+    }
+  }
+}
+
 TEST_CASE("the fixed point does not allocate once it has run on a right-hand side of the same size") {
   const std::vector<int> sizes = {2, 48, 10, 28};
   LinearProblem problem;

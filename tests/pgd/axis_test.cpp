@@ -22,11 +22,19 @@ Axis make(Basis basis, double lower, double upper, int resolution) {
       return Axis::chebyshev({"x", "m"}, lower, upper, resolution + 1);
     case Basis::radau:
       return Axis::radau({"x", "m"}, lower, upper, resolution, 3);
+    case Basis::p2:
+      return Axis::p2({"x", "m"}, lower, upper, resolution);
+    case Basis::legendre:
+      return Axis::legendre({"x", "m"}, lower, upper, resolution + 1);
+    case Basis::fourier:
+    case Basis::discrete:
+    case Basis::imported:
+      break;  // not made of elements: axis_kinds_test.cpp
   }
   throw samara::Error("no such basis");
 }
 
-const std::vector<Basis> kAll = {Basis::p1, Basis::chebyshev, Basis::radau};
+const std::vector<Basis> kAll = {Basis::p1, Basis::chebyshev, Basis::radau, Basis::p2, Basis::legendre};
 
 /// Largest interpolation error of exp over random points of [0, 2].
 double interpolation_error(const Axis& axis, bool derivative) {
@@ -83,14 +91,19 @@ TEST_CASE("interpolation converges with the order of the axis kind") {
   };
   CHECK(rate(Basis::p1, false) == Approx(2.0).margin(0.1));
   CHECK(rate(Basis::p1, true) == Approx(1.0).margin(0.1));
+  CHECK(rate(Basis::p2, false) == Approx(3.0).margin(0.1));
+  CHECK(rate(Basis::p2, true) == Approx(2.0).margin(0.1));
   CHECK(rate(Basis::radau, false) == Approx(4.0).margin(0.15));  // degree 3
   CHECK(rate(Basis::radau, true) == Approx(3.0).margin(0.15));
 }
 
-TEST_CASE("Chebyshev interpolation of an entire function converges faster than any power") {
-  CHECK(interpolation_error(make(Basis::chebyshev, 0.0, 2.0, 8), false) < 1e-7);
-  CHECK(interpolation_error(make(Basis::chebyshev, 0.0, 2.0, 16), false) < 1e-13);
-  CHECK(interpolation_error(make(Basis::chebyshev, 0.0, 2.0, 16), true) < 1e-12);
+TEST_CASE("Chebyshev and Legendre interpolation of an entire function converge faster than any power") {
+  for (const Basis basis : {Basis::chebyshev, Basis::legendre}) {
+    CAPTURE(to_string(basis));
+    CHECK(interpolation_error(make(basis, 0.0, 2.0, 8), false) < 1e-7);
+    CHECK(interpolation_error(make(basis, 0.0, 2.0, 16), false) < 1e-13);
+    CHECK(interpolation_error(make(basis, 0.0, 2.0, 16), true) < 1e-12);
+  }
 }
 
 TEST_CASE("Radau collocation solves u' = -u with order 2s - 1 at the ends of its elements") {
@@ -138,6 +151,9 @@ TEST_CASE("an axis that is empty, reversed or not finite is refused by name") {
 
 TEST_CASE("names of bases and roles survive the way to text and back") {
   for (const Basis basis : kAll) CHECK(basis_from_string(to_string(basis)) == basis);
+  for (const Basis basis : {Basis::fourier, Basis::discrete, Basis::imported}) {
+    CHECK(basis_from_string(to_string(basis)) == basis);
+  }
   for (const AxisRole role :
        {AxisRole::time, AxisRole::space, AxisRole::parameter, AxisRole::initial, AxisRole::boundary}) {
     CHECK(role_from_string(to_string(role)) == role);
