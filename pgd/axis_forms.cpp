@@ -28,13 +28,15 @@ void integrate(const Axis& axis, const AxisFunction& f, bool with_derivative, Vi
   constexpr int kMorePoints = 3;  // beyond what products of two basis functions and one coefficient need
   const QuadratureRule rule = gauss_legendre(3 * axis.degree() / 2 + kMorePoints);
   InterpolationStencil stencil = axis.make_stencil();
+  const Transform transform = axis.transform();
   for (Eigen::Index e = 0; e + 1 < axis.borders().size(); ++e) {
+    // Where the basis is polynomial in s = T(x), the rule is one in s: dx = ds / (dT/dx).
     const double left = axis.borders()[e];
-    const double right = axis.borders()[e + 1];
+    const double half = 0.5 * transformed_distance(transform, left, axis.borders()[e + 1]);
     for (Eigen::Index q = 0; q < rule.nodes.size(); ++q) {
-      const double x = 0.5 * (left + right) + 0.5 * (right - left) * rule.nodes[q];
+      const double x = transformed_advance(transform, left, half * (1.0 + rule.nodes[q]));
       axis.interpolate(x, stencil, with_derivative);
-      visit(0.5 * (right - left) * rule.weights[q] * checked_value(axis, f, x), stencil);
+      visit(half * rule.weights[q] / transform_slope(transform, x) * checked_value(axis, f, x), stencil);
     }
   }
 }

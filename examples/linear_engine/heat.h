@@ -6,8 +6,8 @@
 #include "samara/pgd/axis_forms.h"
 #include "samara/pgd/parametric_problem.h"
 
-/// du/dt = k d2u/dx2 on (0,1), u(t,0) = g, u(t,1) = 0, u(0,x) = g (1 - x)^2 + a sin(pi x), over conductivity k,
-/// boundary value g and initial amplitude a at once.
+/// du/dt = k d2u/dx2 on (0,1), u(t,0) = g, u(t,1) = 0, u(0,x) = g (1 - x)^2 + a sin(pi x), over conductivity
+/// k, boundary value g and initial amplitude a at once.
 struct Heat {
   samara::pgd::Axis x, t, k, g, a;
 
@@ -23,8 +23,7 @@ struct Heat {
     constexpr int kElements = 10;
     Eigen::VectorXd borders(kElements + 1);
     borders[0] = 0.0;
-    for (int e = 1; e <= kElements; ++e)
-      borders[e] = std::pow(10.0, -3.0 + 3.0 * (e - 1) / (kElements - 1));
+    for (int e = 1; e <= kElements; ++e) borders[e] = std::pow(10.0, -3.0 + 3.0 * (e - 1) / (kElements - 1));
     return borders;
   }
 
