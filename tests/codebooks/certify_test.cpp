@@ -7,6 +7,7 @@
 
 #include "../io/error_text.h"
 #include "../models/scalar_model.h"
+#include "samara/codebooks/query.h"
 #include "same_codebook.h"
 #include "sample_books.h"
 
@@ -295,4 +296,33 @@ TEST_CASE("the model of a codebook has its fixed values, and its coordinates fre
   const Codebook foreign(unknown, four_pieces().pieces());
   CHECK_THAT(error_text<ArgumentError>([&] { model_of(foreign); }),
              Contains("did you mean \"vertical_fall\"?"));
+}
+
+TEST_CASE("a codebook over listed values and a time that is polynomial in its root is certified") {
+  // u(t) = (10/k - 1) t of (6.18), for the rate of the model; k is 1, 2 or 4 only.
+  const ParametricModel model(samara::models::find_model("constant_rate"), {}, {"k"});
+  const Axis time =
+      Axis::legendre({"t", "s", AxisRole::time, samara::pgd::Transform::square_root}, 0.0, 1.0, 5);
+  const Axis k = Axis::discrete({"k"}, Eigen::Vector3d(1.0, 2.0, 4.0));
+  ParametricModel::Workspace workspace = model.make_workspace();
+  Eigen::VectorXd rates(3);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    std::vector<double> rate(1);
+    model.rhs(0.0, std::vector{0.0}, std::vector{k.nodes()[i]}, rate, workspace);
+    rates[i] = rate[0];
+  }
+  ModelDescription description = sample_model();
+  description.name = "constant_rate";
+  description.fixed = model.fixed();
+  const samara::models::StateInfo& state = model.model().info().states.front();
+  const Codebook book(description,
+                      {Piece{{SeparatedField({time, k}, {{state.name, state.unit}}, {time.nodes(), rates},
+                                             Eigen::MatrixXd::Ones(1, 1))}}});
+  const Certificate certificate = certify(book, model, {.points = 50});
+  CHECK(certificate.failed_points == 0);
+  CHECK(certificate.max_error < 1e-9);
+  CHECK(k.contains(certificate.outputs[0].worst[1]));
+  samara::codebooks::Query query(book);
+  Eigen::VectorXd value(1);
+  CHECK_THROWS_WITH(query.values(std::vector{0.5, 3.0}, value), Contains("the values of a discrete axis"));
 }

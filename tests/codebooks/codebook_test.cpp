@@ -97,6 +97,12 @@ TEST_CASE("time comes first") {
              Contains("the first axis of a codebook is \"p\" with role parameter, expected time"));
 }
 
+TEST_CASE("the time of a codebook is made of elements") {
+  const Axis listed = Axis::discrete({"t", "s", AxisRole::time}, Eigen::Vector2d(0.0, 1.0));
+  CHECK_THAT(refusal({Piece{{field({listed, kParameter})}}}),
+             Contains("the time axis of a codebook is discrete, expected one made of elements"));
+}
+
 TEST_CASE("pieces have the same coordinates: names, units, roles and order") {
   const Piece piece{{field({kTime, kParameter})}};
   const auto with = [&](const Axis::Label& label) {
@@ -126,7 +132,8 @@ TEST_CASE("the groups of a piece share their axes") {
   const Axis finer = Axis::chebyshev({"p", "m", AxisRole::parameter}, 0.0, 1.0, 4);
   const Axis wider = Axis::chebyshev({"p", "m", AxisRole::parameter}, 0.0, 2.0, 3);
   const Axis elements = Axis::p1({"p", "m", AxisRole::parameter}, 0.0, 1.0, 3);
-  for (const Axis& other : {finer, wider, elements}) {
+  const Axis::Label rooted{"p", "m", AxisRole::parameter, samara::pgd::Transform::square_root};
+  for (const Axis& other : {finer, wider, elements, Axis::chebyshev(rooted, 0.0, 1.0, 3)}) {
     CHECK_THAT(refusal({Piece{{field({kTime, kParameter}), field({kTime, other}, {{"v", "m/s"}})}}}),
                Contains("must have the same axes"));
   }
