@@ -69,9 +69,10 @@ SeparatedTensor merged(SeparatedTensor tensor) {
 }  // namespace
 
 CompressionResult compress(const SeparatedTensor& tensor, double tolerance) {
-  const TensorTrain train = to_train(tensor);
+  // Rounded once while its ranks are large; what follows sees small ones.
+  const TensorTrain train = rounded(to_train(tensor), 0.1 * tolerance);
   SeparatedTensor best = merged(tensor);
-  if (norm(train) <= tolerance) {
+  if (norm(train) <= 0.9 * tolerance) {
     best.keep({});
   } else {
     const Separation separation = separate(train, 0.9 * tolerance, best.rank() - 1);

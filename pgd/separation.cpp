@@ -116,7 +116,8 @@ void look_for_sum(const TensorTrain& train, double tolerance, int max_terms, Sep
   const TensorTrain cut = rounded(train, 0.2 * tolerance);
   result.chains = 1.0;
   for (const int rank : cut.ranks()) result.chains *= rank;
-  const int least = least_rank(train, tolerance);
+  // A sum within the tolerance of the train is within both of what was cut from it.
+  const int least = least_rank(cut, 1.2 * tolerance);
   std::optional<Expansion> expanded = expansion(cut, 0.8 * tolerance, max_terms);
   const int shorter = expanded ? expanded->sum.rank() - 1 : max_terms;
   if (!expanded || least <= shorter) {
