@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "samara/pgd/enrichment.h"
+#include "samara/pgd/separation.h"
 #include "samara/pgd/tensor_train.h"
 
 namespace samara::pgd {
@@ -66,41 +66,17 @@ SeparatedTensor merged(SeparatedTensor tensor) {
   return tensor;
 }
 
-/// Least squares with growing rank; gives up at `max_rank` terms.
-EnrichResult shorter_sum(const SeparatedTensor& target, double relative_tolerance, int max_rank) {
-  LinearProblem problem;
-  std::vector<ModeOperator> identity;
-  for (int k = 0; k < target.modes(); ++k) identity.push_back(ModeOperator::identity(target.size(k)));
-  problem.op.terms.push_back(std::move(identity));
-  problem.rhs = target;
-  // Galerkin with the identity is least squares, without squaring any condition number.
-  EnrichOptions options;
-  options.projection = Projection::galerkin;
-  options.residual_tolerance = relative_tolerance;
-  options.max_rank = max_rank;
-  options.update_sweeps = 4;
-  return enrich(problem, options);
-}
-
 }  // namespace
 
 CompressionResult compress(const SeparatedTensor& tensor, double tolerance) {
-  const TensorTrain train = rounded(to_train(tensor), 0.5 * tolerance);
-  int bound = 1;
-  double chains = 1.0;
-  for (const int rank : train.ranks()) {
-    bound = std::max(bound, rank);
-    chains *= rank;
-  }
+  // Rounded once while its ranks are large; what follows sees small ones.
+  const TensorTrain train = rounded(to_train(tensor), 0.1 * tolerance);
   SeparatedTensor best = merged(tensor);
-  const bool expand = chains < best.rank();
-  if (expand) best = to_separated(train, 0.1 * tolerance);
-  const double size = norm(best);
-  if (size <= tolerance) {
+  if (norm(train) <= 0.9 * tolerance) {
     best.keep({});
-  } else if (best.rank() > bound) {
-    EnrichResult shorter = shorter_sum(best, (expand ? 0.4 : 1.0) * tolerance / size, best.rank() - 1);
-    if (shorter.termination == Termination::residual) best = std::move(shorter.solution);
+  } else {
+    const Separation separation = separate(train, 0.9 * tolerance, best.rank() - 1);
+    if (separation.status == SeparationStatus::met) best = separation.tensor;
   }
   best.normalise();
   const double error = distance(best, tensor);

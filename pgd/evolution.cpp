@@ -253,9 +253,10 @@ class Newton {
     full_step_ = w_;
   }
 
-  /// Compression in the weighted norm.
+  /// Compression in the weighted norm. It spends what it is given and cross interpolation spends the same, so
+  /// that each gets a part of the tolerance.
   SeparatedTensor compressed(const SeparatedTensor& tensor, double tolerance) const {
-    CompressionResult result = compress(scaled_modes(tensor, grid_.root_weights()), tolerance);
+    CompressionResult result = compress(scaled_modes(tensor, grid_.root_weights()), 0.3 * tolerance);
     return scaled_modes(std::move(result.tensor), inverse(grid_.root_weights()));
   }
 

@@ -8,6 +8,9 @@
 
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
 
 namespace samara::pgd {
 
@@ -145,8 +148,14 @@ double norm(const SeparatedTensor& tensor) {
 SeparatedTensor to_separated(const TensorTrain& train, double tolerance) {
   SeparatedTensor result;
   std::vector<int> ranks = train.ranks();
-  Eigen::Index chains = 1;
-  for (const int r : ranks) chains *= r;
+  double products = 1.0;
+  for (const int r : ranks) products *= r;
+  if (products > kMaxChains) {
+    throw ArgumentError(
+        fmt::format("a train of ranks {} has {:.3g} products, expected at most {}; see separate()",
+                    fmt::join(ranks, ", "), products, kMaxChains));
+  }
+  const auto chains = static_cast<Eigen::Index>(products);
   result.weights = Eigen::VectorXd::Ones(chains);
   ranks.push_back(1);
   Eigen::Index stride = 1;  // of the rank on the left of the mode

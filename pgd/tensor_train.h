@@ -65,7 +65,13 @@ double norm(const TensorTrain& train);
 double norm(const SeparatedTensor& tensor);
 
 /// The same tensor as a sum of products, one for every chain of ranks, the smallest products left out as long
-/// as their norms sum to at most `tolerance` (absolute).
+/// as their norms sum to at most `tolerance` (absolute). The chains are formed before any is left out, which
+/// explodes with many modes: separate() in separation.h does the same with a bound on the terms.
+/// O(chains d n).
+/// @throws ArgumentError if there are more than kMaxChains chains.
 SeparatedTensor to_separated(const TensorTrain& train, double tolerance = 0.0);
+
+/// The most products that to_separated() forms.
+inline constexpr int kMaxChains = 200'000;
 
 }  // namespace samara::pgd
