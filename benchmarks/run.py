@@ -9,7 +9,7 @@ import platform
 import subprocess
 import sys
 
-NAMES = ["first_walk"]
+NAMES = ["first_walk", "linear_engine"]
 
 
 def run(program, arguments):

@@ -1,5 +1,6 @@
 #include "samara/pgd/linear_problem.h"
 
+#include <Eigen/SparseCholesky>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
@@ -38,6 +39,19 @@ void validate_mode(const LinearProblem& problem, std::size_t k) {
   }
 }
 
+void validate_norm(const LinearProblem& problem, std::size_t k) {
+  if (k >= problem.row_norms.size() || problem.row_norms[k].size() == 0) return;
+  const SparseMatrix& norm = problem.row_norms[k];
+  const Eigen::Index rows = problem.rhs.factors[k].rows();
+  if (norm.rows() != rows || norm.cols() != rows) {
+    throw ArgumentError(fmt::format("the norm of mode {} is {} x {}, expected {} x {}", k, norm.rows(),
+                                    norm.cols(), rows, rows));
+  }
+  const Eigen::SimplicialLDLT<SparseMatrix> factor(norm);
+  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0.0))
+    throw ArgumentError(fmt::format("the norm of mode {} is not symmetric and positive", k));
+}
+
 }  // namespace
 
 void LinearProblem::validate() const {
@@ -50,7 +64,10 @@ void LinearProblem::validate() const {
     }
   }
   if (!rhs.weights.allFinite()) throw ArgumentError("the right-hand side has a weight that is not finite");
-  for (std::size_t k = 0; k < rhs.factors.size(); ++k) validate_mode(*this, k);
+  for (std::size_t k = 0; k < rhs.factors.size(); ++k) {
+    validate_mode(*this, k);
+    validate_norm(*this, k);
+  }
 }
 
 }  // namespace samara::pgd

@@ -14,6 +14,11 @@ struct LinearProblem {
   /// Quadrature weights of the equations per mode, so that sums over nodes are integrals; a mode without
   /// entry (or an empty list) counts every equation once. Both projections and the residual norm use them.
   std::vector<Eigen::VectorXd> row_weights = {};
+  /// Symmetric positive matrices N per mode: the residual r of the equations is measured as r^T N^-1 r, the
+  /// dual norm of N, instead of by weights; a mode without entry, or an empty matrix, has none. Weak forms of
+  /// diffusion are measured well by their own stiffness: Euclid's norm sees little but the shortest waves.
+  /// Galerkin projections do not depend on it. Sizes of up to some thousand: N^-1 fills the operator.
+  std::vector<SparseMatrix> row_norms = {};
 
   /// @throws ArgumentError if the operator is empty, sizes do not match, an entry is not finite or a weight
   /// is not

@@ -12,7 +12,25 @@ namespace samara::pgd {
 
 namespace {
 
-/// Rows and columns `nodes` of an operator.
+/// Rows and columns `nodes` of triplets on a grid of n.
+SparseMatrix restricted(const std::vector<Eigen::Triplet<double>>& all, int n,
+                        const std::vector<int>& nodes) {
+  std::vector<int> place(static_cast<std::size_t>(n), -1);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    place[static_cast<std::size_t>(nodes[i])] = static_cast<int>(i);
+  std::vector<Eigen::Triplet<double>> inner;
+  for (const auto& entry : all) {
+    const int row = place[static_cast<std::size_t>(entry.row())];
+    const int col = place[static_cast<std::size_t>(entry.col())];
+    if (row >= 0 && col >= 0) inner.emplace_back(row, col, entry.value());
+  }
+  const auto kept = static_cast<Eigen::Index>(nodes.size());
+  SparseMatrix matrix(kept, kept);
+  matrix.setFromTriplets(inner.begin(), inner.end());
+  return matrix;
+}
+
+/// The same of an operator.
 ModeOperator restricted(const ModeOperator& part, const std::vector<int>& nodes) {
   const int n = part.rows();
   const int kept = static_cast<int>(nodes.size());
@@ -26,18 +44,9 @@ ModeOperator restricted(const ModeOperator& part, const std::vector<int>& nodes)
     part.add_to_diagonal(values, 1.0);
     return ModeOperator::diagonal(values(nodes));
   }
-  std::vector<int> place(static_cast<std::size_t>(n), -1);
-  for (int i = 0; i < kept; ++i) place[static_cast<std::size_t>(nodes[static_cast<std::size_t>(i)])] = i;
-  std::vector<Eigen::Triplet<double>> all, inner;
+  std::vector<Eigen::Triplet<double>> all;
   part.add_to_triplets(all, 0, 0, 1.0);
-  for (const auto& entry : all) {
-    const int row = place[static_cast<std::size_t>(entry.row())];
-    const int col = place[static_cast<std::size_t>(entry.col())];
-    if (row >= 0 && col >= 0) inner.emplace_back(row, col, entry.value());
-  }
-  SparseMatrix matrix(kept, kept);
-  matrix.setFromTriplets(inner.begin(), inner.end());
-  return ModeOperator::sparse(std::move(matrix));
+  return ModeOperator::sparse(restricted(all, n, nodes));
 }
 
 std::vector<std::string> names_of(const std::vector<Axis>& axes) {
@@ -64,7 +73,8 @@ ParametricProblem::ParametricProblem(std::vector<Axis> axes)
     : axes_(std::move(axes)),
       rhs_(SeparatedTensor::zero(sizes_of(axes_))),
       lift_(rhs_),
-      known_(axes_.size()) {
+      known_(axes_.size()),
+      norms_(axes_.size()) {
   if (axes_.empty()) throw ArgumentError("a parametric problem has no axes, expected at least one");
   for (std::size_t k = 0; k < axes_.size(); ++k) {
     if (position(axes_[k].name()) != k)
@@ -123,6 +133,13 @@ void ParametricProblem::know(const std::string& axis, std::vector<int> nodes) {
   }
 }
 
+void ParametricProblem::measure(const std::string& axis, const SparseMatrix& norm) {
+  const std::size_t k = position(axis);
+  check_size(axes_[k], norm.rows(), "norm");
+  check_size(axes_[k], norm.cols(), "norm");
+  norms_[k] = norm;
+}
+
 void ParametricProblem::add_to_lift(const std::map<std::string, Eigen::VectorXd>& values, double scale) {
   for (const auto& [name, part] : values) check_size(axes_[position(name)], part.size(), "lift");
   std::vector<Eigen::VectorXd> columns;
@@ -158,6 +175,12 @@ LinearProblem ParametricProblem::assemble() const {
     problem.rhs.factors.emplace_back(rhs.factors[k](nodes, Eigen::all));
     problem.row_weights.emplace_back(is_weak(k) ? Eigen::VectorXd()
                                                 : Eigen::VectorXd(axes_[k].weights()(nodes)));
+    problem.row_norms.emplace_back();
+    if (norms_[k].size() > 0) {
+      std::vector<Eigen::Triplet<double>> all;
+      ModeOperator::sparse(norms_[k]).add_to_triplets(all, 0, 0, 1.0);
+      problem.row_norms.back() = restricted(all, axes_[k].size(), nodes);
+    }
   }
   problem.rhs.normalise();
   return problem;

@@ -44,6 +44,9 @@ class ParametricProblem {
   void add_source(const std::map<std::string, Eigen::VectorXd>& parts, double scale = 1.0);
   /// The equations at these nodes are replaced by known values, those of the lift (zero without one).
   void know(const std::string& axis, std::vector<int> nodes);
+  /// Measures the residual on a weak axis in the dual norm of this symmetric positive matrix on all nodes
+  /// (LinearProblem::row_norms), such as the stiffness: known nodes leave it as they leave the equations.
+  void measure(const std::string& axis, const SparseMatrix& norm);
   /// Adds scale * a product of nodal values to the lift; axes that are not named: ones.
   void add_to_lift(const std::map<std::string, Eigen::VectorXd>& values, double scale = 1.0);
 
@@ -64,6 +67,7 @@ class ParametricProblem {
   SeparatedTensor rhs_;
   SeparatedTensor lift_;
   std::vector<std::vector<int>> known_;
+  std::vector<SparseMatrix> norms_;  ///< empty: none
 };
 
 }  // namespace samara::pgd

@@ -3,6 +3,8 @@
 #include <map>
 #include <utility>
 
+#include "samara/pgd/row_measure.h"
+
 namespace samara::pgd {
 
 namespace {
@@ -22,22 +24,24 @@ ProjectedForm project_galerkin(const LinearProblem& problem) {
   return {OperatorChain(std::move(parts), chain.terms()), scaled_modes(problem.rhs, problem.row_weights)};
 }
 
-/// D^T W G.
-SeparatedTensor adjoint_rhs(const LinearProblem& problem) {
+/// D^T S^T S G.
+SeparatedTensor adjoint_rhs(const LinearProblem& problem, const std::vector<RowMeasure>& measures) {
+  SeparatedTensor measured = problem.rhs;
   SeparatedOperator adjoint;
+  for (std::size_t k = 0; k < measures.size(); ++k)
+    measured.factors[k] = measures[k].squared(problem.rhs.factors[k]);
   for (const auto& term : problem.op.terms) {
     std::vector<ModeOperator> transposed;
-    for (std::size_t k = 0; k < term.size(); ++k) {
-      transposed.push_back(
-          term[k].transposed_times(weights_of(problem, k), ModeOperator::identity(term[k].rows())));
-    }
+    for (const ModeOperator& part : term)
+      transposed.push_back(part.transposed_times({}, ModeOperator::identity(part.rows())));
     adjoint.terms.push_back(std::move(transposed));
   }
-  return adjoint.apply(problem.rhs);
+  return adjoint.apply(measured);
 }
 
 ProjectedForm project_minimal_residual(const LinearProblem& problem) {
   const OperatorChain chain(problem.op);
+  const std::vector<RowMeasure> measures = row_measures(problem);
   const auto& terms = chain.terms();
   std::vector<std::vector<ModeOperator>> parts(static_cast<std::size_t>(chain.modes()));
   std::vector<std::vector<int>> pairs(terms.size() * terms.size(), std::vector<int>(parts.size()));
@@ -51,13 +55,13 @@ ProjectedForm project_minimal_residual(const LinearProblem& problem) {
         if (is_new) {
           const ModeOperator& left = distinct[static_cast<std::size_t>(terms[i][k])];
           const ModeOperator& right = distinct[static_cast<std::size_t>(terms[j][k])];
-          parts[k].push_back(left.transposed_times(weights_of(problem, k), right));
+          parts[k].push_back(measures[k].between(left, right));
         }
         pairs[i * terms.size() + j][k] = it->second;
       }
     }
   }
-  return {OperatorChain(std::move(parts), std::move(pairs)), adjoint_rhs(problem)};
+  return {OperatorChain(std::move(parts), std::move(pairs)), adjoint_rhs(problem, measures)};
 }
 
 }  // namespace

@@ -11,8 +11,9 @@ struct ProjectedForm {
   SeparatedTensor b;
 };
 
-/// Galerkin: A = W D, b = W G. Minimal residual: A = D^T W D (terms squared), b = D^T W G. Products of parts
-/// are formed once for every pair of distinct parts.
+/// Galerkin: A = W D, b = W G with the row weights W. Minimal residual: A = D^T S^T S D (terms squared),
+/// b = D^T S^T S G with the row measure S. Products of parts are formed once for every pair of distinct
+/// parts.
 ProjectedForm project(const LinearProblem& problem, Projection projection);
 
 }  // namespace samara::pgd

@@ -13,11 +13,9 @@ namespace samara::pgd {
 
 namespace {
 
-std::vector<Eigen::VectorXd> root_weights(const LinearProblem& problem) {
-  std::vector<Eigen::VectorXd> roots;
-  for (const Eigen::VectorXd& w : problem.row_weights) roots.emplace_back(w.cwiseSqrt());
-  roots.resize(problem.rhs.factors.size());
-  return roots;
+SeparatedTensor measured(SeparatedTensor tensor, const std::vector<RowMeasure>& measures) {
+  for (std::size_t k = 0; k < measures.size(); ++k) tensor.factors[k] = measures[k].apply(tensor.factors[k]);
+  return tensor;
 }
 
 using Link = OperatorChain::Link;
@@ -81,17 +79,15 @@ void add_operator_columns(const OperatorChain::Mode& mode, const std::vector<Eig
 
 Residual::Residual(const LinearProblem& problem)
     : chain_(problem.op),
-      roots_(root_weights(problem)),
-      rhs_(scaled_modes(problem.rhs, roots_)),
+      measures_(row_measures(problem)),
+      rhs_(measured(problem.rhs, measures_)),
       rhs_norm_(norm(rhs_)) {}
 
 std::vector<Eigen::MatrixXd> Residual::applied(int mode, const SeparatedTensor& u) const {
   const auto k = static_cast<std::size_t>(mode);
   std::vector<Eigen::MatrixXd> results;
-  for (const ModeOperator& part : chain_.mode(mode).parts) {
-    results.push_back(part.apply(u.factors[k]));
-    if (roots_[k].size() > 0) results.back().array().colwise() *= roots_[k].array();
-  }
+  for (const ModeOperator& part : chain_.mode(mode).parts)
+    results.push_back(measures_[k].apply(part.apply(u.factors[k])));
   return results;
 }
 

@@ -2,11 +2,13 @@
 
 #include "samara/pgd/linear_problem.h"
 #include "samara/pgd/operator_chain.h"
+#include "samara/pgd/row_measure.h"
 
 namespace samara::pgd {
 
-/// Relative residuals ||D U - G|| / ||G|| of one problem in its weighted norm, for many U. The problem must
-/// outlive it. Without a right-hand side the residual is 0 for U without terms, else infinite.
+/// Relative residuals ||D U - G|| / ||G|| of one problem, as its row weights or norms measure it, for many U.
+/// The problem must outlive it. Without a right-hand side the residual is 0 for U without terms, else
+/// infinite.
 class Residual {
  public:
   explicit Residual(const LinearProblem& problem);
@@ -21,12 +23,12 @@ class Residual {
   double resolved(const SeparatedTensor& u) const;
 
  private:
-  /// Parts of mode k times U's factor, rows times the roots of the weights.
+  /// Parts of mode k times U's factor, as measured.
   std::vector<Eigen::MatrixXd> applied(int mode, const SeparatedTensor& u) const;
 
   OperatorChain chain_;
-  std::vector<Eigen::VectorXd> roots_;  ///< of the weights; empty: ones
-  SeparatedTensor rhs_;                 ///< times the roots
+  std::vector<RowMeasure> measures_;
+  SeparatedTensor rhs_;  ///< as measured
   double rhs_norm_ = 0.0;
 };
 

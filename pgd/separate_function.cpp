@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/pgd/compression.h"
 #include "samara/pgd/cross_interpolation.h"
 #include "samara/pgd/random.h"
+#include "samara/pgd/separation.h"
 #include "samara/pgd/tensor_train.h"
 
 namespace samara::pgd {
@@ -95,9 +95,7 @@ SeparatedFunction separate(const std::function<double(std::span<const double>)>&
   result.grid_size = found.grid_size;
   // Root mean square per node against the largest value; the check below is on the largest difference.
   const double budget = 0.1 * options.tolerance * found.largest * std::sqrt(nodes);
-  const SeparatedTensor whole =
-      to_separated(without_first_mode(rounded(found.train, 0.5 * budget)), 0.1 * budget);
-  result.tensor = compress(whole, 0.4 * budget).tensor;
+  result.tensor = separate(without_first_mode(found.train), budget).tensor;
   result.error = found.largest > 0.0
                      ? largest_difference(result.tensor, function, options.seed + 1) / found.largest
                      : 0.0;

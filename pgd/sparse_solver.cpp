@@ -71,7 +71,7 @@ class Automatic final : public SparseSolver {
       : pattern_(std::move(pattern)), mirrored_(mirrored_places(pattern_)) {}
 
   bool factorize(const SparseMatrix& matrix) override {
-    matrix_ = matrix;
+    matrix_ = &matrix;
     use_ldlt_ = is_symmetric();
     if (use_ldlt_) {
       if (!ldlt_) ldlt_ = std::make_unique<Ldlt>(pattern_);
@@ -84,15 +84,15 @@ class Automatic final : public SparseSolver {
     if (use_ldlt_) {
       if (ldlt_->solve(b, x) && is_backward_stable(b, x)) return true;
       use_ldlt_ = false;
-      if (!factorize_lu(matrix_)) return false;
+      if (!factorize_lu(*matrix_)) return false;
     }
     return lu_->solve(b, x);
   }
 
  private:
   bool is_symmetric() const {
-    if (mirrored_.empty() || matrix_.nonZeros() != pattern_.nonZeros()) return false;
-    const double* values = matrix_.valuePtr();
+    if (mirrored_.empty() || matrix_->nonZeros() != pattern_.nonZeros()) return false;
+    const double* values = matrix_->valuePtr();
     double size = 0.0;
     double difference = 0.0;
     for (std::size_t i = 0; i < mirrored_.size(); ++i) {
@@ -105,8 +105,8 @@ class Automatic final : public SparseSolver {
   /// Whether x solves a system close to the one asked for.
   bool is_backward_stable(const Eigen::MatrixXd& b, const Eigen::MatrixXd& x) const {
     constexpr double kAcceptable = 1e-11;
-    const double size = matrix_.coeffs().cwiseAbs().maxCoeff() * x.norm() + b.norm();
-    return (matrix_ * x - b).norm() <= kAcceptable * size;
+    const double size = matrix_->coeffs().cwiseAbs().maxCoeff() * x.norm() + b.norm();
+    return (*matrix_ * x - b).norm() <= kAcceptable * size;
   }
 
   bool factorize_lu(const SparseMatrix& matrix) {
@@ -116,7 +116,7 @@ class Automatic final : public SparseSolver {
 
   SparseMatrix pattern_;
   std::vector<Eigen::Index> mirrored_;
-  SparseMatrix matrix_;
+  const SparseMatrix* matrix_ = nullptr;  ///< factorised last
   std::unique_ptr<Ldlt> ldlt_;
   std::unique_ptr<Lu> lu_;
   bool use_ldlt_ = false;

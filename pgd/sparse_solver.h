@@ -28,6 +28,7 @@ bool is_available(SparseSolverKind kind);
 class SparseSolver {
  public:
   virtual ~SparseSolver() = default;
+  /// The matrix must stay where it is until the last solve() with it.
   /// @returns false if the matrix is singular, or not of the kind that the solver takes.
   virtual bool factorize(const SparseMatrix& matrix) = 0;
   /// x = matrix^-1 b, columns at once. @returns false if x is not finite.

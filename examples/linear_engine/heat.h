@@ -37,6 +37,7 @@ struct Heat {
     // times, so that what is left starts from zero.
     heat.know("x", {0, x.size() - 1});
     heat.know("t", {0});
+    heat.measure("x", x.stiffness());
     const Eigen::VectorXd from_left = nodal_values(x, [](double s) { return (1.0 - s) * (1.0 - s); });
     const Eigen::VectorXd sine = nodal_values(x, [](double s) { return std::sin(std::numbers::pi * s); });
     heat.add_to_lift({{"x", from_left}, {"g", g.nodes()}});
