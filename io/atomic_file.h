@@ -27,6 +27,10 @@ class PendingFile {
   /// The path as the caller gave it.
   const std::filesystem::path& final_path() const { return given_; }
 
+  /// Replaces the content of the temporary file.
+  /// @throws ArgumentError with the system's reason, such as a full disk, or after commit().
+  void write(std::string_view content);
+
   /// Flushes the temporary file to the disk and renames it. Nothing may hold it open for writing any more.
   /// @throws ArgumentError if that fails (the temporary file is then removed on destruction), or after an
   /// earlier commit.
