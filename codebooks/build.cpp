@@ -4,12 +4,14 @@
 #include <array>
 #include <chrono>
 #include <ctime>
+#include <system_error>
 #include <utility>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "samara/base/errors.h"
 #include "samara/base/version.h"
 #include "samara/codebooks/certify.h"
 #include "samara/codebooks/checkpoint.h"
@@ -116,6 +118,24 @@ std::string sentence(const BuildRecord& record, const Certificate& certificate, 
 
 }  // namespace
 
+namespace {
+
+/// Stores the solver's state. A disk that is full must not end a build that needs no disk: it is told once.
+std::function<void(const pgd::SolverState&)> checkpoint_writer(const Plan& plan,
+                                                               const BuildOptions& options) {
+  if (options.checkpoint.empty()) return {};
+  return [&plan, &options, warned = false](const pgd::SolverState& state) mutable {
+    try {
+      save_checkpoint(options.checkpoint, plan.text, state);
+    } catch (const ArgumentError& error) {
+      if (!warned && options.warning) options.warning(fmt::format("no checkpoint: {}", error.what()));
+      warned = true;
+    }
+  };
+}
+
+}  // namespace
+
 BuildResult build(const Plan& plan, const BuildOptions& options) {
   const Clock::time_point begin = Clock::now();
   const models::ParametricModel model = plan.parametric_model();
@@ -132,11 +152,7 @@ BuildResult build(const Plan& plan, const BuildOptions& options) {
     progress = [&](const Progress& report) { return !(cancelled = cancelled || !options.progress(report)); };
   }
   adaptive.evolution.progress = progress;
-  if (!options.checkpoint.empty()) {
-    adaptive.checkpoint = [&](const pgd::SolverState& state) {
-      save_checkpoint(options.checkpoint, plan.text, state);
-    };
-  }
+  adaptive.checkpoint = checkpoint_writer(plan, options);
   pgd::SolverState start;
   if (options.resume && std::filesystem::exists(options.checkpoint))
     start = load_checkpoint(options.checkpoint, plan.text);
@@ -163,7 +179,10 @@ BuildResult build(const Plan& plan, const BuildOptions& options) {
   certificate.spent.nonlinearity = solution.evolution.nonlinearity_error;
   const bool met = certificate.met;
   std::string message = sentence(record, certificate, cancelled);
-  if (!options.checkpoint.empty() && !cancelled) std::filesystem::remove(options.checkpoint);
+  if (!options.checkpoint.empty() && !options.keep_checkpoint && !cancelled) {
+    std::error_code ignored;
+    std::filesystem::remove(options.checkpoint, ignored);
+  }
   return {book.with_certificate(std::move(certificate)), met, std::move(message)};
 }
 

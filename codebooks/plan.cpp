@@ -58,6 +58,17 @@ std::shared_ptr<const models::Model> read_model(const TomlTable& root) {
   }
 }
 
+/// A title is shown on terminals and stored in files, one line.
+std::string read_title(const TomlTable& root) {
+  std::string title = root.optional_string("title").value_or("");
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
+  const auto bad = std::find_if(title.begin(), title.end(), is_control);
+  if (bad == title.end()) return title;
+  throw root.error("title",
+                   fmt::format("has the control character \\x{:02x} in it, expected one line of text",
+                               static_cast<unsigned char>(*bad)));
+}
+
 BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::string& unit) {
   BoxEntry entry;
   entry.name = key;
@@ -144,7 +155,7 @@ Plan parse_plan(const std::string& text, const std::string& name) {
   const std::shared_ptr<const models::Model> model = read_model(root);
   const models::ModelInfo& info = model->info();
   plan.model = info.name;
-  plan.title = root.optional_string("title").value_or("");
+  plan.title = read_title(root);
   const std::map<std::string, std::string> units = settable_units(info);
   if (const auto fixed = root.optional_table("fixed")) {
     for (const std::string& key : fixed->keys()) {

@@ -8,6 +8,7 @@ import json
 import math
 import os
 import pathlib
+import resource
 import signal
 import subprocess
 import sys
@@ -187,6 +188,18 @@ class BadPlans(Case):
         self.check_error(run("build", plan, "-o", FOLDER / "nowhere" / "x.h5"), 2, "nowhere")
 
 
+    def test_every_output_that_cannot_be_written_is_refused_before_the_build(self):
+        plan = write("line.toml", LINE_PLAN)
+        folder = FOLDER / "folder.h5"
+        folder.mkdir(exist_ok=True)
+        for target, reason in [(folder, "directory"), ("", "names no file"), ("/dev/null", "not a regular file")]:
+            result = run("build", plan, "-o", target)
+            self.check_error(result, 2, "cannot write", reason)
+
+    def test_a_title_with_control_characters(self):
+        self.check_error(self.build('title = "a\\u0000b"\n' + LINE_PLAN), 3, "bad.toml:1", "title", "\\x00")
+
+
 class BadCaptures(Case):
     def fit(self, text, sidecar=None):
         path = write("capture.csv", text)
@@ -292,6 +305,36 @@ class Builds(Case):
         self.assertEqual(left, right)
         at = ["--set", "C_D=1.1", "--set", "v(0)=0.13", "--gradient"]
         self.assertEqual(run("query", whole, *at).stdout, run("query", killed, *at).stdout)
+
+
+    def build_with_files_of_at_most(self, size, plan, target):
+        def limit():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+        return subprocess.run([SAMARA, "build", plan, "-o", target], capture_output=True, text=True, timeout=120, preexec_fn=limit)
+
+    def test_a_full_disk_is_one_sentence_about_the_checkpoint_and_one_about_the_codebook(self):
+        target = FOLDER / "full.h5"
+        result = self.build_with_files_of_at_most(1000, write("full.toml", COIN_PLAN), target)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        warning, *_, error = result.stderr.strip().splitlines()
+        self.assertIn("samara: warning: no checkpoint: cannot write", warning)
+        self.assertIn(f'samara: cannot write "{target}": File too large', error)
+        self.assertEqual(len(result.stderr.strip().splitlines()), 2, result.stderr)
+        self.assertFalse(target.exists())
+
+    def test_a_build_whose_file_cannot_be_written_at_the_end_keeps_its_checkpoint(self):
+        target = FOLDER / "kept.h5"
+        plan = write("kept.toml", COIN_PLAN.replace("1e-3", "1e-4"))
+        checkpoint = pathlib.Path(f"{target}.checkpoint")
+        # The checkpoint of an early round is small; the codebook, with its certificate and plan, is larger.
+        for size in range(12000, 60000, 1000):
+            result = self.build_with_files_of_at_most(size, plan, target)
+            if result.returncode == 2 and checkpoint.exists():
+                break
+        self.assertTrue(checkpoint.exists())
+        self.assertEqual(run("build", plan, "-o", target, "--resume").returncode, 0)
+        self.assertFalse(checkpoint.exists())
 
 
 class Fits(Case):

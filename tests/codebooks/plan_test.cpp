@@ -70,6 +70,14 @@ std::string refusal(const std::string& from, const std::string& to) {
 
 }  // namespace
 
+TEST_CASE("a title with control characters is refused where it stands") {
+  for (const std::string bad : {"\\u0000", "\\u001b[31m", "\\n", "\\u007F"}) {
+    CHECK_THAT(refusal("a coin in water", "a coin" + bad),
+               StartsWith("p.toml:2: title: has the control character"));
+  }
+  CHECK(parsed(changed("a coin in water", "d\xC3\xA9j\xC3\xA0 vu")).title == "d\xC3\xA9j\xC3\xA0 vu");
+}
+
 TEST_CASE("a plan is read whole: SI numbers, strings with units, ranges with nodes") {
   const Plan plan = parsed(kPlan);
   CHECK(plan.model == "vertical_fall");
