@@ -318,3 +318,26 @@ TEST_CASE("a build that is cancelled says so, asks no more, and gives what it ha
     CHECK_NOTHROW(query.values(std::vector{0.1, 1.0, 0.1}, values));
   }
 }
+
+TEST_CASE("axes are refined round by round until they resolve the solution, to tight tolerances") {
+  // u = (10 / k - 1) t: the pole at k = 0 lies near the box, so the axis needs many nodes and many rounds. On
+  // new axes the field carried over has zero highest coefficients, which must not be taken for resolution.
+  const std::string plan =
+      "model = \"constant_rate\"\n[box]\nk = [1.0, 100.0]\n[time]\nend = 1.0\n[tolerance]\nrelative = 1e-6\n";
+  const BuildResult result = build(parse_plan(plan, "plan.toml"), {.certificate_points = 200});
+  INFO(result.message);
+  CHECK(result.met);
+  CHECK(result.book.certificate()->spent.discretisation > 1e-12);
+  CHECK(result.book.certificate()->spent.discretisation <= 0.3e-6);
+  CHECK(result.book.build().rounds <= 10);
+}
+
+TEST_CASE("an axis that cannot resolve the solution is named, with the nodes it has") {
+  const std::string plan =
+      "model = \"constant_rate\"\n[box]\nk = [0.01, 100.0]\n[time]\nend = 1.0\n[tolerance]\nrelative = "
+      "1e-6\n";
+  const BuildResult result = build(parse_plan(plan, "plan.toml"), {.certificate_points = 20});
+  CHECK_FALSE(result.met);
+  CHECK_THAT(result.book.build().message,
+             Catch::Matchers::Contains("the axis k does not resolve the solution: with 129 nodes"));
+}
