@@ -1,5 +1,6 @@
 #include "output.h"
 
+#include <cmath>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -60,11 +61,23 @@ Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {
   return object;
 }
 
+namespace {
+
+/// A number, or "-" where there is none.
+std::string shown(double value, const char* format, const std::string& suffix = "") {
+  return std::isnan(value) ? std::string("-") : fmt::format(fmt::runtime(format), value) + suffix;
+}
+
+}  // namespace
+
 std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook& book) {
   std::string text =
-      fmt::format("certificate: {}, largest error {:.3g} (asked for {:.3g}) at {} points x {} times\n",
-                  c.met ? "met" : "MISSED", c.max_error, c.tolerance, c.points, c.times);
-  if (c.failed_points > 0) text += fmt::format("  {} points could not be integrated\n", c.failed_points);
+      fmt::format("certificate: {}, largest error {} (asked for {:.3g}) at {} points x {} times\n",
+                  c.met ? "met" : "MISSED", shown(c.max_error, "{:.3g}"), c.tolerance, c.points, c.times);
+  if (c.failed_points > 0) {
+    text += fmt::format("  {} points could not be integrated{}{}\n", c.failed_points,
+                        c.failure.empty() ? "" : ", the first with: ", c.failure);
+  }
   text += fmt::format("  against {}, relative tolerance {:.0e}; seed {}\n", c.integrator,
                       c.integrator_tolerance, c.seed);
   text += fmt::format("  {:<10} {:>10} {:>10} {:>10} {:>10} {:>14}  {}\n", "output", "max", "95 %", "mean",
@@ -76,8 +89,9 @@ std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook&
       worst += fmt::format("{}{} = {:.4g}{}", k == 0 ? "" : ", ", coordinate.name, o.worst[k],
                            unit_suffix(coordinate.unit));
     }
-    text += fmt::format("  {:<10} {:>10.2e} {:>10.2e} {:>10.2e} {:>10.2e} {:>14}  {}\n", o.name, o.max, o.p95,
-                        o.mean, o.rms, fmt::format("{:.2e}{}", o.max_si, unit_suffix(o.unit)), worst);
+    text += fmt::format("  {:<10} {:>10} {:>10} {:>10} {:>10} {:>14}  {}\n", o.name, shown(o.max, "{:.2e}"),
+                        shown(o.p95, "{:.2e}"), shown(o.mean, "{:.2e}"), shown(o.rms, "{:.2e}"),
+                        shown(o.max_si, "{:.2e}", unit_suffix(o.unit)), worst.empty() ? "-" : worst);
   }
   text += fmt::format("  spent: discretisation {:.1e}, compression {:.1e}, nonlinearity {:.1e}\n",
                       c.spent.discretisation, c.spent.compression, c.spent.nonlinearity);

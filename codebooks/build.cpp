@@ -106,8 +106,9 @@ std::string sentence(const BuildRecord& record, const Certificate& certificate, 
                        certificate.tolerance, certificate.points);
   }
   if (certificate.failed_points > 0) {
-    return fmt::format("the certificate is incomplete: {} of {} integrations failed",
-                       certificate.failed_points, certificate.points);
+    return fmt::format("the certificate is incomplete: {} of {} integrations failed{}{}",
+                       certificate.failed_points, certificate.points,
+                       certificate.failure.empty() ? "" : ", the first with: ", certificate.failure);
   }
   const std::string error = fmt::format("largest error {:.3g} at {} points, tolerance {:.3g}",
                                         certificate.max_error, certificate.points, certificate.tolerance);

@@ -103,6 +103,12 @@ void read_tolerance(const TomlTable& root, const models::ModelInfo& info, Plan& 
   if (!(plan.relative > 0.0 && plan.relative < 1.0)) {
     throw table->error("relative", fmt::format("is {}, expected more than 0 and less than 1", plan.relative));
   }
+  if (plan.relative < kLeastTolerance) {
+    throw table->error("relative",
+                       fmt::format("is {}, expected at least {}, which is what the integrator can "
+                                   "certify",
+                                   plan.relative, kLeastTolerance));
+  }
   const auto absolute = table->optional_table("absolute");
   if (!absolute) return;
   std::map<std::string, std::string> units;

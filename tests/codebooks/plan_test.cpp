@@ -70,6 +70,13 @@ std::string refusal(const std::string& from, const std::string& to) {
 
 }  // namespace
 
+TEST_CASE("a tolerance that no integrator can certify is refused") {
+  CHECK_THAT(
+      refusal("relative = 1e-4", "relative = 9e-11"),
+      Contains("relative: is 9e-11, expected at least 1e-10, which is what the integrator can certify"));
+  CHECK(parsed(changed("relative = 1e-4", "relative = 1e-10")).relative == 1e-10);
+}
+
 TEST_CASE("a title with control characters is refused where it stands") {
   for (const std::string bad : {"\\u0000", "\\u001b[31m", "\\n", "\\u007F"}) {
     CHECK_THAT(refusal("a coin in water", "a coin" + bad),
