@@ -1,7 +1,10 @@
 #include "arguments.h"
 
+#include <sstream>
+
 #include <CLI/CLI.hpp>
 
+#include "output.h"
 #include "samara/base/version.h"
 #include "terminal.h"
 
@@ -124,7 +127,9 @@ Arguments parse(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
-    arguments.exit_code = app.exit(help);
+    std::ostringstream text;
+    arguments.exit_code = app.exit(help, text, text);
+    print(text.str());
   } catch (const CLI::ParseError& error) {
     complain(error.what());
     arguments.exit_code = kWrongCall;

@@ -13,6 +13,7 @@
 namespace samara::apps {
 
 int run(const BuildArguments& arguments) {
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.plan});
   const codebooks::Plan plan = codebooks::read_plan(arguments.plan);
   // A build may take long: that its result cannot be written should be known before.
   { const io::PendingFile probe(arguments.output); }

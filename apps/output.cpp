@@ -1,20 +1,38 @@
 #include "output.h"
 
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <filesystem>
 
 #include <fmt/format.h>
 
+#include "samara/base/errors.h"
 #include "samara/io/atomic_file.h"
 
 namespace samara::apps {
 
 void print(const std::string& text) {
-  fmt::print("{}", text);
+  const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (written && std::fflush(stdout) == 0) return;
+  throw ArgumentError(fmt::format("the answer cannot be written to stdout: {}", std::strerror(errno)));
 }
 
 void print(const Json& object) {
-  fmt::print("{}\n", object.dump());
+  print(object.dump() + "\n");
+}
+
+void check_output(const std::string& path, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code missing;
+    if (std::filesystem::is_regular_file(path, missing) &&
+        std::filesystem::equivalent(path, input, missing)) {
+      throw ArgumentError(
+          fmt::format("the output \"{}\" is the input \"{}\", which it would overwrite", path, input));
+    }
+  }
+  io::require_writable(path);
 }
 
 void write_answer(const std::string& path, const std::string& text) {

@@ -129,6 +129,15 @@ void PendingFile::commit() {
   temporary_.clear();
 }
 
+void require_writable(const fs::path& path) {
+  std::error_code error;
+  if (is_stream(fs::status(path, error))) {
+    if (::access(path.c_str(), W_OK) != 0) cannot_write(path, std::strerror(errno));
+    return;
+  }
+  const PendingFile probe(path);
+}
+
 void write_text_atomically(const fs::path& path, std::string_view text) {
   std::error_code error;
   if (is_stream(fs::status(path, error))) {

@@ -44,6 +44,11 @@ class PendingFile {
   std::filesystem::path temporary_;  // empty once committed or moved from
 };
 
+/// Whether write_text_atomically() could write there now, for callers with much to do before they have a
+/// text.
+/// @throws ArgumentError naming the path and the reason if not.
+void require_writable(const std::filesystem::path& path);
+
 /// Replaces or creates the file. Pipes and devices (/dev/stdout, /dev/null) are written directly.
 /// @throws ArgumentError naming the path and the reason if it cannot be written.
 void write_text_atomically(const std::filesystem::path& path, std::string_view text);
