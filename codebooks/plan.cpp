@@ -1,6 +1,7 @@
 #include "samara/codebooks/plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <memory>
 #include <sstream>
@@ -89,6 +90,11 @@ BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::str
     throw box.error(key, fmt::format("has {} numbers, expected an interval [lower, upper]", range.size()));
   if (!(range[0] < range[1])) {
     throw box.error(key, fmt::format("is the interval [{}, {}], expected lower < upper", range[0], range[1]));
+  }
+  constexpr double kLeastWidth = 1e-9;  // of the ends; narrower ones have no nodes that differ
+  if (range[1] - range[0] < kLeastWidth * std::max(std::abs(range[0]), std::abs(range[1]))) {
+    throw box.error(key, fmt::format("is the interval [{}, {}], expected a width of at least {} of its ends",
+                                     range[0], range[1], kLeastWidth));
   }
   entry.lower = range[0];
   entry.upper = range[1];

@@ -200,6 +200,14 @@ class BadPlans(Case):
         self.check_error(self.build('title = "a\\u0000b"\n' + LINE_PLAN), 3, "bad.toml:1", "title", "\\x00")
 
 
+    def test_control_characters_of_a_file_do_not_reach_the_terminal(self):
+        for code in ["\\u001b[31m", "\\u009b31m", "\\n"]:
+            result = self.build(LINE_PLAN.replace("constant_rate", "constant_rat" + code))
+            self.check_error(result, 3, "bad.toml:1", "\\x")
+            self.assertNotIn("\x1b", result.stderr)
+            self.assertNotIn("\x9b", result.stderr)
+
+
 class BadCaptures(Case):
     def fit(self, text, sidecar=None):
         path = write("capture.csv", text)
@@ -212,6 +220,27 @@ class BadCaptures(Case):
     def test_a_missing_column(self):
         sidecar = '[columns]\ntime = { quantity = "t", unit = "s" }\ndeep = { quantity = "x", unit = "m" }\n'
         self.check_error(self.fit("time,depth\n" + self.ROWS, sidecar), 3, "deep", "depth")
+
+    def test_a_canonical_table_without_the_column_of_an_output(self):
+        self.check_error(self.fit("t[s],deep[m]\n" + self.ROWS), 3, "capture.csv", "v, x")
+
+    def test_a_canonical_table_with_another_unit(self):
+        self.check_error(self.fit("t[s],x[s]\n" + self.ROWS), 3, "capture.csv", '"x" in s; m')
+
+    def test_pixels_without_a_scale(self):
+        self.check_error(self.fit("t[s],x[px]\n" + self.ROWS), 3, "capture.csv", "px", "[scale]")
+
+    def test_a_config_that_cannot_be(self):
+        capture = write("good.csv", "t[s],x[m]\n" + self.ROWS)
+        for text, word in [("[fixed]\nC_D = 9.0\n", "C_D"), ('shared = ["C_D"]\n[fixed]\nC_D = 1.0\n', "fixed"),
+                           ("[box]\nC_D = [2.0, 1.0]\n", "C_D"), ("[box]\nC_D = [0.1, 1.0]\n", "C_D"),
+                           ('cluster_by = ["drop"]\n', "drop"), ('shared = ["nothing"]\n', "nothing"),
+                           ("starts = 10001\n", "10000")]:
+            config = write("config.toml", text)
+            self.check_error(run("fit", book("coin", COIN_PLAN), capture, "--config", config), 3, "config.toml", word)
+        config = write("config.toml", "[fixed]\ndensity = -1.0\narea = 1e-4\nthickness = 1e-3\n[box]\nC_D = [1.0, 2.0]\n")
+        self.check_error(run("fit", "vertical_fall", capture, "--config", config), 3, "config.toml", "density")
+        self.check_error(run("fit", book("coin", COIN_PLAN), capture, "--window", "-1"), 2, "window")
 
     def test_a_header_without_units(self):
         self.check_error(self.fit("t,x\n" + self.ROWS), 3, "capture.csv", "unit")
@@ -270,6 +299,36 @@ class BadCalls(Case):
             result = run(command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("--help", result.stdout)
+
+
+    def test_an_answer_lost_to_a_full_or_closed_stdout_is_told(self):
+        path = book("line", LINE_PLAN)
+        for arguments in [["info", path], ["query", path, "--set", "k=4", "--json"], ["models"], ["--help"], ["--version"]]:
+            with open("/dev/full", "w") as full:
+                result = subprocess.run([SAMARA, *map(str, arguments)], stdout=full, stderr=subprocess.PIPE, text=True)
+            self.assertEqual(result.returncode, 2, arguments)
+            self.assertEqual(result.stderr, "samara: the answer cannot be written to stdout: No space left on device\n")
+        closed = subprocess.run(["sh", "-c", 'exec "$0" info "$1" >&-', SAMARA, path], stderr=subprocess.PIPE, text=True)
+        self.assertEqual(closed.returncode, 2)
+        self.assertIn("stdout", closed.stderr)
+
+    def test_an_output_of_a_fit_is_checked_before_the_fit(self):
+        # The capture does not exist: the output is complained about first.
+        result = run("fit", book("coin", COIN_PLAN), FOLDER / "none.csv", "-o", FOLDER / "nowhere" / "a.json")
+        self.check_error(result, 2, "nowhere")
+
+    def test_an_input_is_not_overwritten_by_the_output(self):
+        path, plan = book("line", LINE_PLAN), write("self.toml", LINE_PLAN)
+        before = path.read_bytes()
+        self.check_error(run("query", path, "--set", "k=4", "-o", path), 2, "overwrite")
+        (FOLDER / "link.h5").unlink(missing_ok=True)
+        (FOLDER / "link.h5").symlink_to(path)
+        self.check_error(run("query", path, "--set", "k=4", "-o", FOLDER / "link.h5"), 2, "overwrite")
+        self.check_error(run("build", plan, "-o", plan), 2, "overwrite")
+        self.assertEqual(plan.read_text(), LINE_PLAN)
+        capture = write("kept.csv", "t[s],x[m]\n")
+        self.check_error(run("fit", path, capture, "-o", capture), 2, "overwrite")
+        self.assertEqual(path.read_bytes(), before)
 
 
 class Builds(Case):

@@ -77,6 +77,12 @@ TEST_CASE("a tolerance that no integrator can certify is refused") {
   CHECK(parsed(changed("relative = 1e-4", "relative = 1e-10")).relative == 1e-10);
 }
 
+TEST_CASE("an interval too narrow for nodes is refused") {
+  CHECK_THAT(refusal("C_D = [0.8, 1.6]", "C_D = [1.0, 1.0000000000000004]"),
+             StartsWith("p.toml:11: [box] C_D: is the interval [1, 1.0000000000000004], expected a width"));
+  CHECK(parsed(changed("C_D = [0.8, 1.6]", "C_D = [1.0, 1.00000001]")).box[0].lower == 1.0);
+}
+
 TEST_CASE("a title with control characters is refused where it stands") {
   for (const std::string bad : {"\\u0000", "\\u001b[31m", "\\n", "\\u007F"}) {
     CHECK_THAT(refusal("a coin in water", "a coin" + bad),
