@@ -135,6 +135,25 @@ std::function<void(const pgd::SolverState&)> checkpoint_writer(const Plan& plan,
   };
 }
 
+/// A checkpoint of this plan's text that has other axes or states than the plan is no checkpoint of it.
+void check_fits(const pgd::AdaptiveProblem& problem, const pgd::SolverState& state,
+                const std::filesystem::path& checkpoint) {
+  if (state.round == 0) return;
+  bool fits = state.nodes.size() == problem.parameters.size() && state.scales.size() == problem.states.size();
+  for (std::size_t k = 0; fits && k < state.nodes.size(); ++k) {
+    const pgd::AdaptiveAxis& planned = problem.parameters[k];
+    const pgd::Axis& axis = state.field->axes()[k + 1];
+    fits = axis.name() == planned.label.name && axis.lower() == planned.lower &&
+           axis.upper() == planned.upper &&
+           state.nodes[k] <= planned.nodes.value_or(pgd::AdaptiveOptions().max_nodes);
+  }
+  if (fits && state.time_elements <= pgd::AdaptiveOptions().max_time_elements &&
+      state.round < pgd::AdaptiveOptions().max_rounds + 1)
+    return;
+  throw InputError(checkpoint.string(),
+                   "axes, nodes, states or rounds of the checkpoint do not fit the plan");
+}
+
 }  // namespace
 
 BuildResult build(const Plan& plan, const BuildOptions& options) {
@@ -157,6 +176,7 @@ BuildResult build(const Plan& plan, const BuildOptions& options) {
   pgd::SolverState start;
   if (options.resume && std::filesystem::exists(options.checkpoint))
     start = load_checkpoint(options.checkpoint, plan.text);
+  check_fits(problem, start, options.checkpoint);
   pgd::AdaptiveResult solution = solve_adaptively(problem, adaptive, std::move(start));
 
   const BuildRecord record = record_of(solution);
