@@ -24,6 +24,7 @@ std::string miss_of(const Codebook& book) {
     return fmt::format("{} of {} integrations of its certificate failed", c.failed_points, c.points);
   if (c.max_error > c.tolerance)
     return fmt::format("largest error {:.3g} > {:.3g} ({})", c.max_error, c.tolerance, book.build().message);
+  if (book.build().status == "converged") return "its certificate is marked so";
   return fmt::format("the builder ended with \"{}\": {}", book.build().status, book.build().message);
 }
 
