@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 #include <glog/logging.h>
@@ -52,6 +53,10 @@ Source open_source(const FitArguments& arguments) {
   Source source;
   if (is_model_name(arguments.source)) {
     const auto model = models::find_model(arguments.source);
+    if (arguments.reference) {
+      throw ArgumentError(fmt::format(
+          "--reference says how to fit a codebook; the model \"{}\" is integrated anyway", arguments.source));
+    }
     if (arguments.config.empty()) {
       throw ArgumentError(fmt::format(
           "the fit of the model \"{}\" needs --config with a [box] of what is free", arguments.source));
@@ -100,7 +105,10 @@ int run(const FitArguments& arguments) {
       of_file(arguments.config, [&] { return id::fit(*source.family, captures, source.options); });
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::fit_json(result));
   print(arguments.json ? id::fit_json(result) : id::fit_text(result));
-  for (const std::string& sentence : result.warnings) warn(sentence);
+  std::set<std::string> said;
+  for (const std::string& sentence : result.warnings) {
+    if (said.insert(sentence).second) warn(sentence);
+  }
   if (result.is_usable()) return kDone;
   complain(result.message);
   return kToleranceMissed;

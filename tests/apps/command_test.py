@@ -293,6 +293,14 @@ class BadCalls(Case):
         for arguments in [[], ["unknown"], ["query"], ["query", path, "--frobnicate"]]:
             self.assertEqual(run(*arguments).returncode, 2)
 
+    def test_a_word_that_is_no_command_is_named_with_the_nearest(self):
+        self.check_error(run("foo"), 2, '"foo" is not a command', "known: models, simulate, build")
+        self.check_error(run("biuld", "plan.toml"), 2, 'did you mean "build"?')
+
+    def test_what_has_no_effect_or_no_meaning_is_refused(self):
+        self.check_error(run("fit", "vertical_fall", "x.csv", "--reference"), 2, "--reference", "integrated anyway")
+        self.check_error(run("validate", book("line", LINE_PLAN), "--seed", "-1"), 2, "--seed", "-1")
+
     def test_help_names_every_option_and_exits_with_0(self):
         self.assertEqual(run("--help").returncode, 0)
         for command in ["models", "simulate", "build", "info", "query", "validate", "fit"]:
