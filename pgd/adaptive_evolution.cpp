@@ -1,7 +1,9 @@
 #include "samara/pgd/adaptive_evolution.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -18,6 +20,49 @@ constexpr int kSamples = 400;
 /// Of the residual that a field carried over to finer axes has: what one Newton step reaches.
 constexpr double kForcedReduction = 0.1;
 constexpr double kRounding = 1e-14;  ///< residual that no step can reduce
+
+/// A system that may be evaluated a number of times only. Beyond it every value is NaN, at which the solver
+/// ends with the field it has.
+class LimitedSystem : public EvolutionSystem {
+ public:
+  /// @param most evaluations of f and J together; 0: no limit
+  LimitedSystem(const EvolutionSystem& system, long most) : system_(system), most_(most) {}
+
+  int state_count() const override { return system_.state_count(); }
+  void rhs(const Eigen::VectorXd& t, const Eigen::MatrixXd& x, const Eigen::MatrixXd& q,
+           Eigen::MatrixXd& f) const override {
+    if (take(t.size(), rhs_used_)) return system_.rhs(t, x, q, f);
+    f.setConstant(state_count(), t.size(), kNan);
+  }
+  void jacobian(const Eigen::VectorXd& t, const Eigen::MatrixXd& x, const Eigen::MatrixXd& q,
+                Eigen::MatrixXd& jacobian) const override {
+    if (take(t.size(), jacobian_used_)) return system_.jacobian(t, x, q, jacobian);
+    jacobian.setConstant(Eigen::Index{state_count()} * state_count(), t.size(), kNan);
+  }
+
+  bool exhausted() const { return exhausted_; }
+  long rhs_used() const { return rhs_used_; }
+  long jacobian_used() const { return jacobian_used_; }
+
+ private:
+  static constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+  bool take(long count, std::atomic<long>& used) const {
+    if (exhausted_) return false;
+    if (most_ > 0 && rhs_used_ + jacobian_used_ + count > most_) {
+      exhausted_ = true;
+      return false;
+    }
+    used += count;
+    return true;
+  }
+
+  const EvolutionSystem& system_;
+  const long most_;
+  mutable std::atomic<long> rhs_used_ = 0;
+  mutable std::atomic<long> jacobian_used_ = 0;
+  mutable std::atomic<bool> exhausted_ = false;
+};
 
 class AdaptiveSolver {
  public:
@@ -56,13 +101,15 @@ class AdaptiveSolver {
   /// On finer axes than those of the field so far, a field that is only carried over says nothing: its
   /// highest coefficients are zero. Where its residual is below the tolerance already, it is made to take a
   /// Newton step.
-  EvolutionResult solve_with_a_step(double tolerance) const {
+  EvolutionResult solve_with_a_step(double tolerance) {
     EvolutionResult carried = solve(tolerance);
     if (carried.status != EvolutionStatus::converged || carried.history.size() > 1 || !refined() ||
         carried.residual <= kRounding) {
       return carried;
     }
+    evaluations_of_round_ = carried.rhs_evaluations + carried.jacobian_evaluations;
     EvolutionResult stepped = solve(kForcedReduction * carried.residual);
+    evaluations_of_round_ = 0;
     stepped.rhs_evaluations += carried.rhs_evaluations;
     stepped.jacobian_evaluations += carried.jacobian_evaluations;
     if (stepped.status == EvolutionStatus::converged || stepped.status == EvolutionStatus::cancelled)
@@ -89,9 +136,10 @@ class AdaptiveSolver {
     return false;
   }
 
-  EvolutionResult solve(double tolerance) const {
+  EvolutionResult solve(double tolerance) {
+    const LimitedSystem limited(*problem_.system, evaluations_left());
     EvolutionProblem problem{
-        problem_.system,
+        options_.max_evaluations > 0 ? &limited : problem_.system,
         Axis::radau(problem_.time, 0.0, problem_.end, state_.time_elements, options_.time_points),
         {},
         problem_.states,
@@ -103,7 +151,22 @@ class AdaptiveSolver {
     }
     EvolutionOptions evolution = options_.evolution;
     evolution.tolerance = tolerance;
-    return solve_evolution(problem, evolution, state_.field ? &*state_.field : nullptr);
+    EvolutionResult result = solve_evolution(problem, evolution, state_.field ? &*state_.field : nullptr);
+    if (!limited.exhausted()) return result;
+    // The solver shortened its last step because of the NaN: a field of the round before is better. What was
+    // asked for, but not evaluated, does not count.
+    exhausted_budget_ = true;
+    if (state_.field) result.field = *state_.field;
+    result.rhs_evaluations = limited.rhs_used();
+    result.jacobian_evaluations = limited.jacobian_used();
+    return result;
+  }
+
+  /// 0: no limit
+  long evaluations_left() const {
+    if (options_.max_evaluations == 0) return 0;
+    return std::max(1L, options_.max_evaluations - state_.rhs_evaluations - state_.jacobian_evaluations -
+                            evaluations_of_round_);
   }
 
   void advance(const EvolutionResult& evolution) {
@@ -163,6 +226,11 @@ class AdaptiveSolver {
       result.message = std::move(message);
       return true;
     };
+    const long evaluations = state_.rhs_evaluations + state_.jacobian_evaluations;
+    if (exhausted_budget_) {
+      return end(AdaptiveStatus::max_evaluations, fmt::format("{} evaluations used, no more than {} allowed",
+                                                              evaluations, options_.max_evaluations));
+    }
     if (result.evolution.status != EvolutionStatus::converged) {
       return end(AdaptiveStatus::evolution_failed, result.evolution.message);
     }
@@ -170,7 +238,6 @@ class AdaptiveSolver {
       return end(AdaptiveStatus::converged,
                  fmt::format("{} rounds of refinement; {}", state_.round, result.evolution.message));
     }
-    const long evaluations = state_.rhs_evaluations + state_.jacobian_evaluations;
     if (options_.max_evaluations > 0 && evaluations >= options_.max_evaluations) {
       return end(AdaptiveStatus::max_evaluations,
                  fmt::format("{} evaluations used, {} allowed", evaluations, options_.max_evaluations));
@@ -189,6 +256,8 @@ class AdaptiveSolver {
   const AdaptiveProblem& problem_;
   const AdaptiveOptions& options_;
   SolverState state_;
+  long evaluations_of_round_ = 0;  // by a solve of this round that is done
+  bool exhausted_budget_ = false;
   bool exhausted_ = false;  // an axis that needs more nodes has as many as are allowed
 };
 

@@ -257,14 +257,21 @@ TEST_CASE("a codebook that misses its tolerance is marked, says by how much, and
 }
 
 TEST_CASE("a build that may not evaluate more ends with the status max_calls") {
-  const BuildResult result = built(fall_plan(kCoin, "C_D = [0.8, 1.6]\n'v(0)' = [0, 0.3]\n", "0.5", "1e-6") +
-                                   "[builder]\nmax_calls = 100\n");
-  CHECK_FALSE(result.met);
-  CHECK(result.book.build().status == "max_calls");
-  CHECK_THAT(result.message, Contains("100 allowed") && Contains("largest error "));
-  // After one round the answer is coarse, but there.
-  CHECK(result.book.build().rounds == 1);
-  CHECK(result.book.certificate()->max_error < 0.1);
+  for (const int calls : {1, 100, 20000}) {
+    const BuildResult result =
+        built(fall_plan(kCoin, "C_D = [0.8, 1.6]\n'v(0)' = [0, 0.3]\n", "0.5", "1e-6") +
+              "[builder]\nmax_calls = " + std::to_string(calls) + "\n");
+    CHECK_FALSE(result.met);
+    CHECK(result.book.build().status == "max_calls");
+    CHECK_THAT(result.message, Contains(std::to_string(calls) + " allowed") && Contains("largest error "));
+    CHECK(result.book.build().evaluations <= calls);
+    // A marked codebook is there, however coarse, and can be stored and read.
+    const TemporaryDirectory directory;
+    save(result.book, directory / "book.h5");
+    check_same_certificate(*load(directory / "book.h5").certificate(), *result.book.certificate());
+    // After one round it is an answer.
+    if (calls == 20000) CHECK(result.book.certificate()->max_error < 0.1);
+  }
 }
 
 TEST_CASE("the number of threads changes no byte outside the provenance") {
