@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
+#include "samara/base/names.h"
 #include "samara/codebooks/store.h"
 #include "samara/identification/capture_file.h"
 #include "samara/identification/codebook_trajectories.h"
@@ -104,7 +105,7 @@ int run(const FitArguments& arguments) {
   const id::FitResult result =
       of_file(arguments.config, [&] { return id::fit(*source.family, captures, source.options); });
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::fit_json(result));
-  print(arguments.json ? id::fit_json(result) : id::fit_text(result));
+  print(arguments.json ? id::fit_json(result) : printable(id::fit_text(result), "\n"));
   std::set<std::string> said;
   for (const std::string& sentence : result.warnings) {
     if (said.insert(sentence).second) warn(sentence);

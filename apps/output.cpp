@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/names.h"
 #include "samara/io/atomic_file.h"
 
 namespace samara::apps {
@@ -113,7 +114,7 @@ std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook&
   }
   text += fmt::format("  spent: discretisation {:.1e}, compression {:.1e}, nonlinearity {:.1e}\n",
                       c.spent.discretisation, c.spent.compression, c.spent.nonlinearity);
-  return text;
+  return printable(text, "\n");
 }
 
 }  // namespace samara::apps

@@ -431,6 +431,17 @@ class Fits(Case):
                        '[box]\nC_D = [0.5, 2.0]\n"v(0)" = [0.0, 0.5]\n')
         self.assertAlmostEqual(self.fitted("vertical_fall", self.capture(), "--config", config), 1.2, delta=1e-6)
 
+    def test_control_characters_of_a_label_do_not_reach_the_terminal(self):
+        rows = self.capture().read_text().splitlines()
+        text = "\n".join([f"{rows[0]},drop"] + [f"{row},a\x1b[31m" for row in rows[1:]]) + "\n"
+        write("labelled.csv", text)
+        sidecar = write("labelled.toml", 'file = "labelled.csv"\ngroup_by = ["drop"]\n[columns]\n'
+                        '"t[s]" = { quantity = "t", unit = "s" }\n"x[m]" = { quantity = "x", unit = "m" }\n')
+        result = run("fit", book("coin", COIN_PLAN), sidecar)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("\\x1b", result.stdout)
+        self.assertNotIn("\x1b", result.stdout + result.stderr)
+
     def test_the_result_is_written_to_a_file_too(self):
         target = FOLDER / "fit.json"
         result = run("fit", book("coin", COIN_PLAN), self.capture(), "-o", target)
