@@ -13,10 +13,11 @@
 namespace samara::apps {
 
 int run(const BuildArguments& arguments) {
-  if (!arguments.output.empty()) check_output(arguments.output, {arguments.plan});
-  const codebooks::Plan plan = codebooks::read_plan(arguments.plan);
-  // A build may take long: that its result cannot be written should be known before.
+  // A build may take long: that its result cannot be written should be known before. No stream takes a
+  // codebook.
+  check_output(arguments.output, {arguments.plan});
   { const io::PendingFile probe(arguments.output); }
+  const codebooks::Plan plan = codebooks::read_plan(arguments.plan);
   codebooks::BuildOptions options;
   options.checkpoint = arguments.output + ".checkpoint";
   options.keep_checkpoint = true;
