@@ -103,8 +103,8 @@ class AdaptiveSolver {
   /// Newton step.
   EvolutionResult solve_with_a_step(double tolerance) {
     EvolutionResult carried = solve(tolerance);
-    if (carried.status != EvolutionStatus::converged || carried.history.size() > 1 || !refined() ||
-        carried.residual <= kRounding) {
+    if (carried.status != EvolutionStatus::converged || carried.history.size() > 1 ||
+        !refined(carried.field) || carried.residual <= kRounding) {
       return carried;
     }
     evaluations_of_round_ = carried.rhs_evaluations + carried.jacobian_evaluations;
@@ -125,15 +125,12 @@ class AdaptiveSolver {
     return std::move(kept);
   }
 
-  /// Whether the axes of this round differ from those of the field of the round before.
-  bool refined() const {
+  /// Whether the field lies over other axes than that of the round before.
+  bool refined(const SeparatedField& field) const {
     if (!state_.field) return false;
-    const std::vector<Axis>& axes = state_.field->axes();
-    if (axes[0].elements() != state_.time_elements) return true;
-    for (std::size_t k = 0; k < state_.nodes.size(); ++k) {
-      if (axes[k + 1].size() != state_.nodes[k]) return true;
-    }
-    return false;
+    const std::vector<Axis>& before = state_.field->axes();
+    return !std::equal(before.begin(), before.end(), field.axes().begin(), field.axes().end(),
+                       [](const Axis& a, const Axis& b) { return a.size() == b.size(); });
   }
 
   EvolutionResult solve(double tolerance) {
