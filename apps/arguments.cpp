@@ -1,7 +1,15 @@
 #include "arguments.h"
 
-#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <sstream>
+#include <string_view>
 
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "output.h"
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
 #include "samara/base/version.h"
 #include "terminal.h"
 
@@ -66,7 +74,8 @@ void add_query(CLI::App& app, Arguments& arguments) {
   command->add_flag("--gradient", values->gradient, "add the derivative of every output by every axis");
   command->add_flag("--clamp", values->clamp,
                     "take the nearest point of the box instead of refusing (exit code 5)");
-  command->add_option("-o,--output", values->output, "CSV file; stdout if not given");
+  command->add_option("-o,--output", values->output,
+                      "file for the answer, CSV or with --json JSON; stdout if not given");
   command->add_flag("--json", values->json, "print one JSON object");
   on_call(command, arguments.query, values);
 }
@@ -78,7 +87,13 @@ void add_validate(CLI::App& app, Arguments& arguments) {
   command->add_option("--points", values->points, "scrambled Sobol' points in the box")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000000));
-  command->add_option("--seed", values->seed, "of the scrambling")->capture_default_str();
+  command->add_option("--seed", values->seed, "of the scrambling, from 0")
+      ->capture_default_str()
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            return text.starts_with('-') ? fmt::format("is {}, expected at least 0", text) : std::string();
+          },
+          ""));
   command->add_flag("--json", values->json, "print one JSON object");
   on_call(command, arguments.validate, values);
 }
@@ -96,10 +111,24 @@ void add_fit(CLI::App& app, Arguments& arguments) {
   command->add_option("--window", values->window,
                       "only this much of each capture from its first frame, s or with a unit");
   command->add_flag("--reference", values->reference,
-                    "integrate (CVODES with sensitivities) instead of querying the codebook");
+                    "integrate (CVODES with sensitivities) instead of querying the codebook; only with one");
   command->add_option("-o,--output", values->output, "also write the result as JSON to this file");
   command->add_flag("--json", values->json, "print one JSON object instead of the table");
   on_call(command, arguments.fit, values);
+}
+
+}  // namespace
+
+namespace {
+
+/// The option parser would only say that some command is needed.
+void check_command(const CLI::App& app, int argc, const char* const* argv) {
+  if (argc < 2 || std::string_view(argv[1]).starts_with('-')) return;
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  const std::string name = argv[1];
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  throw ArgumentError(fmt::format("\"{}\" is not a command{}", name, suggestion(name, known)));
 }
 
 }  // namespace
@@ -121,10 +150,13 @@ Arguments parse(int argc, const char* const* argv) {
   add_query(app, arguments);
   add_validate(app, arguments);
   add_fit(app, arguments);
+  check_command(app, argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
-    arguments.exit_code = app.exit(help);
+    std::ostringstream text;
+    arguments.exit_code = app.exit(help, text, text);
+    print(text.str());
   } catch (const CLI::ParseError& error) {
     complain(error.what());
     arguments.exit_code = kWrongCall;

@@ -1,30 +1,33 @@
 #include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
 
 #include "commands.h"
 #include "output.h"
-#include "samara/base/errors.h"
 #include "samara/codebooks/build.h"
 #include "samara/codebooks/store.h"
+#include "samara/io/atomic_file.h"
 #include "terminal.h"
 
 namespace samara::apps {
 
 int run(const BuildArguments& arguments) {
+  // A build may take long: that its result cannot be written should be known before. No stream takes a
+  // codebook.
+  check_output(arguments.output, {arguments.plan});
+  { const io::PendingFile probe(arguments.output); }
   const codebooks::Plan plan = codebooks::read_plan(arguments.plan);
-  // A build may take long: that its result cannot be written should be known before.
-  const std::filesystem::path folder = std::filesystem::path(arguments.output).parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
-    throw ArgumentError(
-        fmt::format("{}: cannot be written: \"{}\" is not a directory", arguments.output, folder.string()));
-  }
   codebooks::BuildOptions options;
   options.checkpoint = arguments.output + ".checkpoint";
+  options.keep_checkpoint = true;
   options.resume = arguments.resume;
   options.progress = progress_line();
+  options.warning = [](const std::string& sentence) { warn(sentence); };
   const codebooks::BuildResult result = codebooks::build(plan, options);
   codebooks::save(result.book, arguments.output);
+  std::error_code ignored;
+  std::filesystem::remove(options.checkpoint, ignored);
   const codebooks::BuildRecord& record = result.book.build();
   narrate(fmt::format(
       "built {} in {:.1f} s: {} rounds, {} Newton iterations, {:.3g} evaluations, grid of {:.3g} nodes",

@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 #include <glog/logging.h>
@@ -9,6 +10,7 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
+#include "samara/base/names.h"
 #include "samara/codebooks/store.h"
 #include "samara/identification/capture_file.h"
 #include "samara/identification/codebook_trajectories.h"
@@ -37,16 +39,33 @@ bool is_model_name(const std::string& text) {
   return !std::filesystem::exists(text) && text.find_first_of("./") == std::string::npos;
 }
 
+/// What is wrong with values that came from a file is wrong with the file.
+template <class Call>
+auto of_file(const std::string& file, const Call& call) {
+  try {
+    return call();
+  } catch (const ArgumentError& error) {
+    if (file.empty()) throw;
+    throw InputError(file, error.what());
+  }
+}
+
 Source open_source(const FitArguments& arguments) {
   Source source;
   if (is_model_name(arguments.source)) {
     const auto model = models::find_model(arguments.source);
+    if (arguments.reference) {
+      throw ArgumentError(fmt::format(
+          "--reference says how to fit a codebook; the model \"{}\" is integrated anyway", arguments.source));
+    }
     if (arguments.config.empty()) {
       throw ArgumentError(fmt::format(
           "the fit of the model \"{}\" needs --config with a [box] of what is free", arguments.source));
     }
     source.options = id::read_fit_config(arguments.config, id::config_names(model->info()));
-    source.family = id::reference_trajectories(model, source.options.fixed, source.options.box);
+    source.family = of_file(arguments.config, [&] {
+      return id::reference_trajectories(model, source.options.fixed, source.options.box);
+    });
     return source;
   }
   source.book = codebooks::load(arguments.source);
@@ -55,8 +74,10 @@ Source open_source(const FitArguments& arguments) {
   if (!source.book->certificate() || !source.book->certificate()->met) {
     warn(fmt::format("{} has no certificate that meets its tolerance", arguments.source));
   }
-  source.family = arguments.reference ? id::reference_trajectories(*source.book)
-                                      : id::codebook_trajectories(*source.book);
+  source.family = of_file(arguments.source, [&] {
+    return arguments.reference ? id::reference_trajectories(*source.book)
+                               : id::codebook_trajectories(*source.book);
+  });
   return source;
 }
 
@@ -65,17 +86,30 @@ Source open_source(const FitArguments& arguments) {
 int run(const FitArguments& arguments) {
   // Ceres reports through glog, which would print its own lines; the result carries the same in a sentence.
   FLAGS_minloglevel = google::GLOG_FATAL;
+  if (!arguments.output.empty()) {
+    std::vector<std::string> inputs = arguments.captures;
+    inputs.push_back(arguments.source);
+    inputs.push_back(arguments.config);
+    check_output(arguments.output, inputs);
+  }
   Source source = open_source(arguments);
-  if (!arguments.window.empty())
-    source.options.window = number_or_quantity("--window", arguments.window, "s");
   std::vector<id::Capture> captures;
   for (const std::string& path : arguments.captures) {
     for (id::Capture& capture : id::read_captures(path)) captures.push_back(std::move(capture));
   }
-  const id::FitResult result = id::fit(*source.family, captures, source.options);
+  if (!arguments.window.empty()) {
+    const double window = number_or_quantity("--window", arguments.window, "s");
+    for (id::Capture& capture : captures) capture = id::first(capture, window);
+    source.options.window.reset();
+  }
+  const id::FitResult result =
+      of_file(arguments.config, [&] { return id::fit(*source.family, captures, source.options); });
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::fit_json(result));
-  print(arguments.json ? id::fit_json(result) : id::fit_text(result));
-  for (const std::string& sentence : result.warnings) warn(sentence);
+  print(arguments.json ? id::fit_json(result) : printable(id::fit_text(result), "\n"));
+  std::set<std::string> said;
+  for (const std::string& sentence : result.warnings) {
+    if (said.insert(sentence).second) warn(sentence);
+  }
   if (result.is_usable()) return kDone;
   complain(result.message);
   return kToleranceMissed;

@@ -4,6 +4,7 @@
 
 #include "commands.h"
 #include "output.h"
+#include "samara/base/names.h"
 #include "samara/codebooks/store.h"
 #include "terminal.h"
 
@@ -123,7 +124,7 @@ std::string describe(const Codebook& book, const std::string& path) {
   text += book.certificate() ? to_table(*book.certificate(), book) : std::string("no certificate\n");
   text += fmt::format("made by {} on {} in {:.1f} s\n", book.provenance().generator,
                       book.provenance().created, book.provenance().build_seconds);
-  return text;
+  return printable(text, "\n");
 }
 
 }  // namespace

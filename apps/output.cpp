@@ -1,19 +1,39 @@
 #include "output.h"
 
+#include <cerrno>
+#include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <filesystem>
 
 #include <fmt/format.h>
 
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
 #include "samara/io/atomic_file.h"
 
 namespace samara::apps {
 
 void print(const std::string& text) {
-  fmt::print("{}", text);
+  const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (written && std::fflush(stdout) == 0) return;
+  throw ArgumentError(fmt::format("the answer cannot be written to stdout: {}", std::strerror(errno)));
 }
 
 void print(const Json& object) {
-  fmt::print("{}\n", object.dump());
+  print(object.dump() + "\n");
+}
+
+void check_output(const std::string& path, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code missing;
+    if (std::filesystem::is_regular_file(path, missing) &&
+        std::filesystem::equivalent(path, input, missing)) {
+      throw ArgumentError(
+          fmt::format("the output \"{}\" is the input \"{}\", which it would overwrite", path, input));
+    }
+  }
+  io::require_writable(path);
 }
 
 void write_answer(const std::string& path, const std::string& text) {
@@ -60,11 +80,23 @@ Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {
   return object;
 }
 
+namespace {
+
+/// A number, or "-" where there is none.
+std::string shown(double value, const char* format, const std::string& suffix = "") {
+  return std::isnan(value) ? std::string("-") : fmt::format(fmt::runtime(format), value) + suffix;
+}
+
+}  // namespace
+
 std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook& book) {
   std::string text =
-      fmt::format("certificate: {}, largest error {:.3g} (asked for {:.3g}) at {} points x {} times\n",
-                  c.met ? "met" : "MISSED", c.max_error, c.tolerance, c.points, c.times);
-  if (c.failed_points > 0) text += fmt::format("  {} points could not be integrated\n", c.failed_points);
+      fmt::format("certificate: {}, largest error {} (asked for {:.3g}) at {} points x {} times\n",
+                  c.met ? "met" : "MISSED", shown(c.max_error, "{:.3g}"), c.tolerance, c.points, c.times);
+  if (c.failed_points > 0) {
+    text += fmt::format("  {} points could not be integrated{}{}\n", c.failed_points,
+                        c.failure.empty() ? "" : ", the first with: ", c.failure);
+  }
   text += fmt::format("  against {}, relative tolerance {:.0e}; seed {}\n", c.integrator,
                       c.integrator_tolerance, c.seed);
   text += fmt::format("  {:<10} {:>10} {:>10} {:>10} {:>10} {:>14}  {}\n", "output", "max", "95 %", "mean",
@@ -76,12 +108,13 @@ std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook&
       worst += fmt::format("{}{} = {:.4g}{}", k == 0 ? "" : ", ", coordinate.name, o.worst[k],
                            unit_suffix(coordinate.unit));
     }
-    text += fmt::format("  {:<10} {:>10.2e} {:>10.2e} {:>10.2e} {:>10.2e} {:>14}  {}\n", o.name, o.max, o.p95,
-                        o.mean, o.rms, fmt::format("{:.2e}{}", o.max_si, unit_suffix(o.unit)), worst);
+    text += fmt::format("  {:<10} {:>10} {:>10} {:>10} {:>10} {:>14}  {}\n", o.name, shown(o.max, "{:.2e}"),
+                        shown(o.p95, "{:.2e}"), shown(o.mean, "{:.2e}"), shown(o.rms, "{:.2e}"),
+                        shown(o.max_si, "{:.2e}", unit_suffix(o.unit)), worst.empty() ? "-" : worst);
   }
   text += fmt::format("  spent: discretisation {:.1e}, compression {:.1e}, nonlinearity {:.1e}\n",
                       c.spent.discretisation, c.spent.compression, c.spent.nonlinearity);
-  return text;
+  return printable(text, "\n");
 }
 
 }  // namespace samara::apps

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -12,9 +13,13 @@ namespace samara::apps {
 
 using Json = nlohmann::ordered_json;
 
+/// @throws ArgumentError if stdout is closed or full.
 void print(const std::string& text);
 /// One object on one line.
 void print(const Json& object);
+/// Before the work is done: whether an answer can be written to the file.
+/// @throws ArgumentError if not, or if it is one of the inputs.
+void check_output(const std::string& path, const std::vector<std::string>& inputs);
 /// To a file, or to stdout if the path is empty.
 void write_answer(const std::string& path, const std::string& text);
 

@@ -17,6 +17,17 @@ namespace {
 
 using codebooks::Codebook;
 
+/// Why the certificate of a codebook is not met.
+std::string miss_of(const Codebook& book) {
+  const codebooks::Certificate& c = *book.certificate();
+  if (c.failed_points > 0)
+    return fmt::format("{} of {} integrations of its certificate failed", c.failed_points, c.points);
+  if (c.max_error > c.tolerance)
+    return fmt::format("largest error {:.3g} > {:.3g} ({})", c.max_error, c.tolerance, book.build().message);
+  if (book.build().status == "converged") return "its certificate is marked so";
+  return fmt::format("the builder ended with \"{}\": {}", book.build().status, book.build().message);
+}
+
 /// Points to ask for, one row each, and what was moved to get them into the box.
 struct Points {
   Eigen::MatrixXd x;  ///< times x coordinates
@@ -130,12 +141,12 @@ Json to_json(const Codebook& book, const Points& points, const Eigen::MatrixXd& 
 }  // namespace
 
 int run(const QueryArguments& arguments) {
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.book});
   const Codebook book = codebooks::load(arguments.book);
   if (!book.certificate()) {
     warn(fmt::format("{} has no certificate", arguments.book));
   } else if (!book.certificate()->met) {
-    warn(fmt::format("{} missed its tolerance: largest error {:.3g} > {:.3g} ({})", arguments.book,
-                     book.certificate()->max_error, book.certificate()->tolerance, book.build().message));
+    warn(fmt::format("{} missed its tolerance: {}", arguments.book, miss_of(book)));
   }
   const Points points = points_of(book, arguments);
   for (const std::string& name : points.clamped)

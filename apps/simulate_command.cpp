@@ -11,6 +11,7 @@
 namespace samara::apps {
 
 int run(const SimulateArguments& arguments) {
+  if (!arguments.output.empty()) check_output(arguments.output, {});
   const auto model = models::find_model(arguments.model);
   const models::ModelInfo& info = model->info();
   std::map<std::string, std::string> units;

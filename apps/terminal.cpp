@@ -5,21 +5,23 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "samara/base/names.h"
+
 namespace samara::apps {
 
 void complain(const std::string& sentence) {
   clear_progress();
-  fmt::print(stderr, "samara: {}\n", sentence);
+  fmt::print(stderr, "samara: {}\n", printable(sentence));
 }
 
 void warn(const std::string& sentence) {
   clear_progress();
-  fmt::print(stderr, "samara: warning: {}\n", sentence);
+  fmt::print(stderr, "samara: warning: {}\n", printable(sentence));
 }
 
 void narrate(const std::string& line) {
   clear_progress();
-  fmt::print(stderr, "{}\n", line);
+  fmt::print(stderr, "{}\n", printable(line));
 }
 
 ProgressCallback progress_line() {

@@ -2,6 +2,7 @@
 
 #include "commands.h"
 #include "output.h"
+#include "samara/base/errors.h"
 #include "samara/codebooks/certify.h"
 #include "samara/codebooks/store.h"
 #include "terminal.h"
@@ -22,7 +23,14 @@ int run(const ValidateArguments& arguments) {
   } else {
     warn(fmt::format("{} has no certificate: errors are compared with zero", arguments.book));
   }
-  codebooks::Certificate certificate = codebooks::certify(book, codebooks::model_of(book), options);
+  const models::ParametricModel model = [&] {
+    try {
+      return codebooks::model_of(book);
+    } catch (const ArgumentError& error) {
+      throw InputError(arguments.book, error.what());
+    }
+  }();
+  codebooks::Certificate certificate = codebooks::certify(book, model, options);
   if (book.certificate()) {
     certificate.residual = book.certificate()->residual;
     certificate.spent = book.certificate()->spent;

@@ -44,6 +44,30 @@ std::string suggestion(std::string_view name, std::span<const std::string> candi
   return "; known: " + join(candidates);
 }
 
+std::string printable(std::string_view text, std::string_view kept) {
+  std::string shown;
+  const auto escape = [&](char c) {
+    constexpr std::string_view kDigits = "0123456789abcdef";
+    const auto code = static_cast<unsigned char>(c);
+    shown += "\\x";
+    shown += kDigits[code / 16];
+    shown += kDigits[code % 16];
+  };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto code = static_cast<unsigned char>(text[i]);
+    const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0U;
+    if ((code < 0x20 || code == 0x7F) && kept.find(text[i]) == std::string_view::npos) {
+      escape(text[i]);
+    } else if (code == 0xC2 && next >= 0x80 && next < 0xA0) {  // U+0080 to U+009F in UTF-8
+      escape(text[i]);
+      escape(text[++i]);
+    } else {
+      shown += text[i];
+    }
+  }
+  return shown;
+}
+
 std::string join(std::span<const std::string> names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;

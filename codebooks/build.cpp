@@ -4,12 +4,14 @@
 #include <array>
 #include <chrono>
 #include <ctime>
+#include <system_error>
 #include <utility>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "samara/base/errors.h"
 #include "samara/base/version.h"
 #include "samara/codebooks/certify.h"
 #include "samara/codebooks/checkpoint.h"
@@ -105,14 +107,52 @@ std::string sentence(const BuildRecord& record, const Certificate& certificate, 
                        certificate.tolerance, certificate.points);
   }
   if (certificate.failed_points > 0) {
-    return fmt::format("the certificate is incomplete: {} of {} integrations failed",
-                       certificate.failed_points, certificate.points);
+    return fmt::format("the certificate is incomplete: {} of {} integrations failed{}{}",
+                       certificate.failed_points, certificate.points,
+                       certificate.failure.empty() ? "" : ", the first with: ", certificate.failure);
   }
   const std::string error = fmt::format("largest error {:.3g} at {} points, tolerance {:.3g}",
                                         certificate.max_error, certificate.points, certificate.tolerance);
   if (record.status != "converged")
     return fmt::format("the build missed its tolerance: {}; {}", record.message, error);
   return fmt::format("the build missed its tolerance: {}", error);
+}
+
+}  // namespace
+
+namespace {
+
+/// Stores the solver's state. A disk that is full must not end a build that needs no disk: it is told once.
+std::function<void(const pgd::SolverState&)> checkpoint_writer(const Plan& plan,
+                                                               const BuildOptions& options) {
+  if (options.checkpoint.empty()) return {};
+  return [&plan, &options, warned = false](const pgd::SolverState& state) mutable {
+    try {
+      save_checkpoint(options.checkpoint, plan.text, state);
+    } catch (const ArgumentError& error) {
+      if (!warned && options.warning) options.warning(fmt::format("no checkpoint: {}", error.what()));
+      warned = true;
+    }
+  };
+}
+
+/// A checkpoint of this plan's text that has other axes or states than the plan is no checkpoint of it.
+void check_fits(const pgd::AdaptiveProblem& problem, const pgd::SolverState& state,
+                const std::filesystem::path& checkpoint) {
+  if (state.round == 0) return;
+  bool fits = state.nodes.size() == problem.parameters.size() && state.scales.size() == problem.states.size();
+  for (std::size_t k = 0; fits && k < state.nodes.size(); ++k) {
+    const pgd::AdaptiveAxis& planned = problem.parameters[k];
+    const pgd::Axis& axis = state.field->axes()[k + 1];
+    fits = axis.name() == planned.label.name && axis.lower() == planned.lower &&
+           axis.upper() == planned.upper &&
+           state.nodes[k] <= planned.nodes.value_or(pgd::AdaptiveOptions().max_nodes);
+  }
+  if (fits && state.time_elements <= pgd::AdaptiveOptions().max_time_elements &&
+      state.round < pgd::AdaptiveOptions().max_rounds + 1)
+    return;
+  throw InputError(checkpoint.string(),
+                   "axes, nodes, states or rounds of the checkpoint do not fit the plan");
 }
 
 }  // namespace
@@ -133,14 +173,11 @@ BuildResult build(const Plan& plan, const BuildOptions& options) {
     progress = [&](const Progress& report) { return !(cancelled = cancelled || !options.progress(report)); };
   }
   adaptive.evolution.progress = progress;
-  if (!options.checkpoint.empty()) {
-    adaptive.checkpoint = [&](const pgd::SolverState& state) {
-      save_checkpoint(options.checkpoint, plan.text, state);
-    };
-  }
+  adaptive.checkpoint = checkpoint_writer(plan, options);
   pgd::SolverState start;
   if (options.resume && std::filesystem::exists(options.checkpoint))
     start = load_checkpoint(options.checkpoint, plan.text);
+  check_fits(problem, start, options.checkpoint);
   pgd::AdaptiveResult solution = solve_adaptively(problem, adaptive, std::move(start));
 
   const BuildRecord record = record_of(solution);
@@ -164,7 +201,10 @@ BuildResult build(const Plan& plan, const BuildOptions& options) {
   certificate.spent.nonlinearity = solution.evolution.nonlinearity_error;
   const bool met = certificate.met;
   std::string message = sentence(record, certificate, cancelled);
-  if (!options.checkpoint.empty() && !cancelled) std::filesystem::remove(options.checkpoint);
+  if (!options.checkpoint.empty() && !options.keep_checkpoint && !cancelled) {
+    std::error_code ignored;
+    std::filesystem::remove(options.checkpoint, ignored);
+  }
   return {book.with_certificate(std::move(certificate)), met, std::move(message)};
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -24,10 +25,15 @@ struct BuildOptions {
   /// Where to keep the solver's state between rounds; empty: nowhere. The file is removed when the build is
   /// done; a build that was cancelled leaves it.
   std::filesystem::path checkpoint = {};
+  /// Leave the checkpoint of a build that is done, too: for a caller that removes it when the codebook is
+  /// saved.
+  bool keep_checkpoint = false;
   /// Go on from the checkpoint if there is one. The result equals that of an undisturbed build except its
   /// provenance.
   bool resume = false;
   ProgressCallback progress = {};
+  /// Told in one sentence, once, what went wrong beside the build: a checkpoint that cannot be written.
+  std::function<void(const std::string&)> warning = {};
 };
 
 struct BuildResult {

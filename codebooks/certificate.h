@@ -7,7 +7,8 @@
 namespace samara::codebooks {
 
 /// How far one output of a codebook is from the independent integrator. Errors are divided by
-/// max(range of the output over box and time, the plan's absolute tolerance for it), unless they say SI.
+/// max(range of the output over box and time, the plan's absolute tolerance for it), unless they say SI. All
+/// numbers are NaN, and `worst` is empty, where no integration succeeded.
 struct OutputError {
   std::string name;
   std::string unit;
@@ -32,10 +33,11 @@ struct ErrorBudget {
 struct Certificate {
   double tolerance = 0.0;  ///< what the plan asked for
   bool met = false;        ///< builder converged, no integration failed, and every output's max <= tolerance
-  double max_error = 0.0;  ///< largest OutputError::max
+  double max_error = 0.0;  ///< largest OutputError::max; NaN where no integration succeeded
   int points = 0;
   int times = 0;
-  int failed_points = 0;  ///< where the integrator gave no trajectory
+  int failed_points = 0;  ///< where the integrator gave no trajectory, or was not asked
+  std::string failure;    ///< what the integrator said where it failed first; not stored in files
   std::uint64_t seed = 0;
   std::string integrator;
   double integrator_tolerance = 0.0;

@@ -24,6 +24,7 @@ namespace {
 /// Per output, what one parameter point contributes.
 struct PointErrors {
   bool usable = false;
+  std::string failure;  ///< of the integrator
   Eigen::VectorXd max_error, sum_error2, sum_value2, smallest, largest;
   std::vector<int> worst_time;
 };
@@ -47,6 +48,13 @@ std::vector<double> certificate_times(const Codebook& book) {
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
   return times;
+}
+
+double integrator_tolerance(const CertifyOptions& options) {
+  constexpr double kLoosest = 1e-10;
+  constexpr double kTightest = 1e-13;  // CVODES cannot hold less in doubles
+  if (options.integrator_tolerance) return *options.integrator_tolerance;
+  return options.tolerance > 0.0 ? std::clamp(0.01 * options.tolerance, kTightest, kLoosest) : kLoosest;
 }
 
 /// The values of a coordinate that is a list in some piece, ascending; empty for an interval.
@@ -80,7 +88,7 @@ struct Worker {
   Worker(const Codebook& book, const models::ParametricModel& model, const std::vector<double>& times,
          const CertifyOptions& options)
       : query(book, times),
-        integrator(model, {.relative_tolerance = options.integrator_tolerance}, false),
+        integrator(model, {.relative_tolerance = integrator_tolerance(options)}, false),
         values(static_cast<Eigen::Index>(times.size()), book.output_count()) {}
 
   TrajectoryQuery query;
@@ -92,7 +100,10 @@ PointErrors compare(Worker& worker, std::span<const double> q, const std::vector
                     const std::vector<int>& state_of_output) {
   PointErrors errors;
   const models::Trajectory exact = worker.integrator(q, times);
-  if (!exact.is_usable()) return errors;
+  if (!exact.is_usable()) {
+    errors.failure = exact.message;
+    return errors;
+  }
   worker.query.values(q, worker.values);
   const auto outputs = static_cast<Eigen::Index>(state_of_output.size());
   errors.usable = true;
@@ -144,7 +155,11 @@ OutputError summarise(const std::vector<PointErrors>& all, int output, const Cod
       for (Eigen::Index k = 0; k < q.rows(); ++k) result.worst.push_back(q(k, static_cast<Eigen::Index>(i)));
     }
   }
-  if (errors.empty()) return result;
+  if (errors.empty()) {
+    result.range = result.max = result.p95 = result.mean = result.rms = result.max_si =
+        std::numeric_limits<double>::quiet_NaN();
+    return result;
+  }
   result.range = std::max(largest - smallest, floor);
   const double scale = result.range > 0.0 ? result.range : 1.0;
   result.max = result.max_si / scale;
@@ -212,6 +227,12 @@ Certificate certify(const Codebook& book, const models::ParametricModel& model,
             compare(workers.local(), {q.col(i).data(), static_cast<std::size_t>(q.rows())}, times, states);
       });
     });
+    // Where that many integrations fail and none succeeds, the others would only take their time.
+    constexpr int kHopeless = 20;
+    if (end >= kHopeless &&
+        std::none_of(errors.begin(), errors.begin() + end, [](const PointErrors& e) { return e.usable; })) {
+      break;
+    }
   }
 
   Certificate certificate;
@@ -220,16 +241,21 @@ Certificate certify(const Codebook& book, const models::ParametricModel& model,
   certificate.times = static_cast<int>(times.size());
   certificate.seed = options.seed;
   certificate.integrator = "CVODES, Adams, analytic derivatives";
-  certificate.integrator_tolerance = options.integrator_tolerance;
+  certificate.integrator_tolerance = integrator_tolerance(options);
   certificate.failed_points = static_cast<int>(
       std::count_if(errors.begin(), errors.end(), [](const PointErrors& e) { return !e.usable; }));
+  const auto first_failure =
+      std::find_if(errors.begin(), errors.end(), [](const PointErrors& e) { return !e.failure.empty(); });
+  if (first_failure != errors.end()) certificate.failure = first_failure->failure;
   certificate.met = certificate.failed_points == 0;
+  if (certificate.failed_points == options.points)
+    certificate.max_error = std::numeric_limits<double>::quiet_NaN();
   for (int o = 0; o < book.output_count(); ++o) {
     const auto floor = options.absolute.find(book.outputs()[static_cast<std::size_t>(o)].name);
     certificate.outputs.push_back(
         summarise(errors, o, book, floor == options.absolute.end() ? 0.0 : floor->second, q, times));
     const double error = certificate.outputs.back().max;
-    certificate.max_error = std::max(certificate.max_error, error);
+    if (error > certificate.max_error) certificate.max_error = error;
     certificate.met = certificate.met && error <= options.tolerance;
   }
   return certificate;

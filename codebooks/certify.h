@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "samara/base/progress.h"
@@ -15,7 +16,9 @@ struct CertifyOptions {
   std::uint64_t seed = 2026;                    ///< of the scrambling
   double tolerance = 0.0;                       ///< wanted largest error, recorded and compared with
   std::map<std::string, double> absolute = {};  ///< floor of an output's range, SI
-  double integrator_tolerance = 1e-10;
+  /// Relative, per step. Empty: a hundredth of `tolerance`, between 1e-13 and 1e-10, so that the certificate
+  /// measures the codebook and not the integrator.
+  std::optional<double> integrator_tolerance = {};
   int threads = 0;  ///< 0: all cores
   ProgressCallback progress = {};
 };

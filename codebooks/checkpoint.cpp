@@ -1,20 +1,92 @@
 #include "samara/codebooks/checkpoint.h"
 
+#include <cmath>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "samara/base/version.h"
 #include "samara/codebooks/store_piece.h"
 
 namespace samara::codebooks {
 
 namespace {
 constexpr const char* kFormat = "samara-checkpoint";
+constexpr std::int64_t kVersion = 1;
+
+/// Checkpoints go on to the last bit, which only the program that wrote them does.
+std::string generator() {
+  return fmt::format("samara {}", version());
 }
+
+std::int64_t count(const io::Hdf5Reader& file, const std::string& name, std::int64_t least,
+                   std::int64_t most) {
+  const std::int64_t value = file.integer_attribute("/", name);
+  if (value < least || value > most)
+    throw file.error("/", fmt::format("{} is {}, expected {} to {}", name, value, least, most));
+  return value;
+}
+
+void check_format(const io::Hdf5Reader& file) {
+  if (!file.has_attribute("/", "format") || file.text_attribute("/", "format") != kFormat) {
+    throw file.error("/", "attribute format is not \"samara-checkpoint\": this is no checkpoint");
+  }
+  if (!file.has_attribute("/", "format_version") ||
+      file.integer_attribute("/", "format_version") != kVersion ||
+      file.text_attribute("/", "generator") != generator()) {
+    throw file.error("/", fmt::format("the checkpoint was not written by {}, format {}; remove it or build "
+                                      "without --resume",
+                                      generator(), kVersion));
+  }
+}
+
+/// The field must lie over the axes of the state: time first, then one per number of nodes.
+void check_field(const io::Hdf5Reader& file, const pgd::SolverState& state) {
+  if (!state.field) {
+    if (state.round > 0) throw file.error("/piece", "is missing, expected the field of the last round");
+    return;
+  }
+  if (static_cast<std::size_t>(state.field->axis_count()) == state.nodes.size() + 1 &&
+      static_cast<std::size_t>(state.field->output_count()) == state.scales.size()) {
+    return;
+  }
+  throw file.error("/piece",
+                   fmt::format("has {} axes and {} outputs, expected {} and {}", state.field->axis_count(),
+                               state.field->output_count(), state.nodes.size() + 1, state.scales.size()));
+}
+
+std::vector<int> read_nodes(const io::Hdf5Reader& file) {
+  constexpr double kMostNodes = 2000;  // of a plan; the solver chooses fewer
+  std::vector<int> nodes;
+  for (const double n : file.numbers_attribute("/", "nodes")) {
+    if (!(n >= 2.0 && n <= kMostNodes) || n != std::floor(n)) {
+      throw file.error(
+          "/", fmt::format("nodes has the number {}, expected whole numbers from 2 to {}", n, kMostNodes));
+    }
+    nodes.push_back(static_cast<int>(n));
+  }
+  return nodes;
+}
+
+std::vector<double> read_scales(const io::Hdf5Reader& file) {
+  std::vector<double> scales = file.numbers_attribute("/", "scales");
+  for (const double scale : scales) {
+    if (!(scale > 0.0) || !std::isfinite(scale))
+      throw file.error("/", fmt::format("scales has the number {}, expected positive numbers", scale));
+  }
+  return scales;
+}
+
+}  // namespace
 
 void save_checkpoint(const std::filesystem::path& path, const std::string& plan,
                      const pgd::SolverState& state) {
   io::Hdf5Writer file(path);
   file.write_text_attribute("/", "format", kFormat);
+  file.write_integer_attribute("/", "format_version", kVersion);
+  file.write_text_attribute("/", "generator", generator());
   file.write_texts("/plan", {plan});
   file.write_integer_attribute("/", "round", state.round);
   file.write_integer_attribute("/", "time_elements", state.time_elements);
@@ -31,22 +103,25 @@ void save_checkpoint(const std::filesystem::path& path, const std::string& plan,
 
 pgd::SolverState load_checkpoint(const std::filesystem::path& path, const std::string& plan) {
   const io::Hdf5Reader file(path);
-  if (!file.has_attribute("/", "format") || file.text_attribute("/", "format") != kFormat) {
-    throw file.error("/", "attribute format is not \"samara-checkpoint\": this is no checkpoint");
-  }
+  check_format(file);
   if (file.texts("/plan") != std::vector<std::string>{plan}) {
     throw file.error("/plan", "the checkpoint belongs to another plan; remove it or build without --resume");
   }
   pgd::SolverState state;
-  state.round = static_cast<int>(file.integer_attribute("/", "round"));
-  state.time_elements = static_cast<int>(file.integer_attribute("/", "time_elements"));
-  for (const double n : file.numbers_attribute("/", "nodes")) state.nodes.push_back(static_cast<int>(n));
-  state.scales = file.numbers_attribute("/", "scales");
+  constexpr std::int64_t kMost = 1'000'000;  // rounds, elements, iterations: more than any build does
+  constexpr std::int64_t kMostEvaluations = 1'000'000'000'000'000;
+  state.round = static_cast<int>(count(file, "round", 0, kMost));
+  state.time_elements = static_cast<int>(count(file, "time_elements", 1, kMost));
+  state.nodes = read_nodes(file);
+  state.scales = read_scales(file);
   state.coarseness = file.number_attribute("/", "coarseness");
-  state.rhs_evaluations = static_cast<long>(file.integer_attribute("/", "rhs_evaluations"));
-  state.jacobian_evaluations = static_cast<long>(file.integer_attribute("/", "jacobian_evaluations"));
-  state.iterations = static_cast<int>(file.integer_attribute("/", "iterations"));
+  if (!(state.coarseness >= 0.0) || !std::isfinite(state.coarseness))
+    throw file.error("/", fmt::format("coarseness is {}, expected a number of at least 0", state.coarseness));
+  state.rhs_evaluations = static_cast<long>(count(file, "rhs_evaluations", 0, kMostEvaluations));
+  state.jacobian_evaluations = static_cast<long>(count(file, "jacobian_evaluations", 0, kMostEvaluations));
+  state.iterations = static_cast<int>(count(file, "iterations", 0, kMost));
   if (file.has("/piece")) state.field = read_piece(file, "/piece").groups.front();
+  check_field(file, state);
   return state;
 }
 

@@ -1,5 +1,8 @@
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +13,7 @@
 #include "samara/codebooks/store_format.h"
 #include "samara/codebooks/store_piece.h"
 #include "samara/io/hdf5_reader.h"
+#include "samara/models/model.h"
 
 namespace samara::codebooks {
 
@@ -37,34 +41,78 @@ void check_version(const Hdf5Reader& file) {
   }
 }
 
+/// Numbers of a certificate. Those of one that is met are finite; else, errors may be infinite, and NaN where
+/// nothing was measured.
+struct CertificateNumbers {
+  const Hdf5Reader& file;
+  bool met = false;
+  bool measured = true;
+
+  double operator()(const std::string& path, const std::string& name) const {
+    const double value = file.number_attribute(path, name);
+    if (met && !std::isfinite(value))
+      throw file.error(path, fmt::format("{} is {}, expected a finite number where met is 1", name, value));
+    if (measured && std::isnan(value))
+      throw file.error(path, fmt::format("{} is nan, expected a number where integrations succeeded", name));
+    return value;
+  }
+};
+
+double finite_attribute(const Hdf5Reader& file, const std::string& path, const std::string& name) {
+  const double value = file.number_attribute(path, name);
+  if (!std::isfinite(value))
+    throw file.error(path, fmt::format("{} is {}, expected a finite number", name, value));
+  return value;
+}
+
+int count_attribute(const Hdf5Reader& file, const std::string& path, const std::string& name) {
+  const std::int64_t value = file.integer_attribute(path, name);
+  if (value < 0 || value > std::numeric_limits<int>::max())
+    throw file.error(path, fmt::format("{} is {}, expected a count", name, value));
+  return static_cast<int>(value);
+}
+
+bool read_met(const Hdf5Reader& file, const std::string& path) {
+  const std::int64_t met = file.integer_attribute(path, "met");
+  if (met != 0 && met != 1) throw file.error(path, fmt::format("met is {}, expected 0 or 1", met));
+  return met == 1;
+}
+
 Certificate read_certificate(const Hdf5Reader& file) {
   const std::string path = "/certificate";
   Certificate c;
-  c.tolerance = file.number_attribute(path, "tolerance");
-  c.met = file.integer_attribute(path, "met") != 0;
-  c.max_error = file.number_attribute(path, "max_error");
-  c.points = static_cast<int>(file.integer_attribute(path, "points"));
-  c.times = static_cast<int>(file.integer_attribute(path, "times"));
-  c.failed_points = static_cast<int>(file.integer_attribute(path, "failed_points"));
+  c.tolerance = finite_attribute(file, path, "tolerance");
+  c.met = read_met(file, path);
+  c.points = count_attribute(file, path, "points");
+  c.times = count_attribute(file, path, "times");
+  c.failed_points = count_attribute(file, path, "failed_points");
+  const CertificateNumbers number{file, c.met, c.failed_points < c.points};
+  c.max_error = number(path, "max_error");
+  if (c.met && !(c.max_error <= c.tolerance)) {
+    throw file.error(path, fmt::format("met is 1, but max_error {} is more than the tolerance {}",
+                                       c.max_error, c.tolerance));
+  }
   const std::string seed = file.text_attribute(path, "seed");
-  std::from_chars(seed.data(), seed.data() + seed.size(), c.seed);
+  const auto [rest, problem] = std::from_chars(seed.data(), seed.data() + seed.size(), c.seed);
+  if (problem != std::errc() || rest != seed.data() + seed.size())
+    throw file.error(path, fmt::format("seed is \"{}\", expected a whole number", seed));
   c.integrator = file.text_attribute(path, "integrator");
-  c.integrator_tolerance = file.number_attribute(path, "integrator_tolerance");
-  c.residual = file.number_attribute(path, "residual");
-  c.spent.discretisation = file.number_attribute(path, "spent_discretisation");
-  c.spent.compression = file.number_attribute(path, "spent_compression");
-  c.spent.nonlinearity = file.number_attribute(path, "spent_nonlinearity");
+  c.integrator_tolerance = finite_attribute(file, path, "integrator_tolerance");
+  c.residual = number(path, "residual");
+  c.spent.discretisation = number(path, "spent_discretisation");
+  c.spent.compression = number(path, "spent_compression");
+  c.spent.nonlinearity = number(path, "spent_nonlinearity");
   for (const std::string& name : file.children(path)) {
     const std::string output = path + "/" + name;
     OutputError o;
     o.name = name;
     o.unit = file.text_attribute(output, "units");
-    o.range = file.number_attribute(output, "range");
-    o.max = file.number_attribute(output, "max");
-    o.p95 = file.number_attribute(output, "p95");
-    o.mean = file.number_attribute(output, "mean");
-    o.rms = file.number_attribute(output, "rms");
-    o.max_si = file.number_attribute(output, "max_si");
+    o.range = number(output, "range");
+    o.max = number(output, "max");
+    o.p95 = number(output, "p95");
+    o.mean = number(output, "mean");
+    o.rms = CertificateNumbers{file, false, number.measured}(output, "rms");  // its squares may overflow
+    o.max_si = number(output, "max_si");
     o.worst = file.numbers_attribute(output, "worst");
     c.outputs.push_back(std::move(o));
   }
@@ -119,17 +167,78 @@ Provenance read_provenance(const Hdf5Reader& file) {
           file.number_attribute(path, "build_seconds")};
 }
 
+/// A unit in the file against that of the model.
+void check_unit(const Hdf5Reader& file, const std::string& object, const std::string& unit,
+                const std::string& expected) {
+  if (unit == expected) return;
+  throw file.error(object, fmt::format("units are \"{}\", those of the model \"{}\"", unit, expected));
+}
+
+/// Units of axes, outputs and fixed values, where this library knows the model.
+void check_units(const Hdf5Reader& file, const Codebook& book) {
+  const std::vector<std::string> known = models::model_names();
+  if (std::find(known.begin(), known.end(), book.model().name) == known.end()) return;
+  const auto model = models::find_model(book.model().name);
+  const models::ModelInfo& info = model->info();
+  std::map<std::string, std::string> units = {{book.coordinates().front().name, models::time_unit(info)}};
+  std::map<std::string, std::string> output_units;
+  for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;
+  for (const auto& state : info.states) {
+    units[state.name + "(0)"] = state.unit;
+    output_units[state.name] = state.unit;
+  }
+  for (const Coordinate& c : book.coordinates()) {
+    if (units.contains(c.name)) check_unit(file, "/pieces/0/axes/" + c.name, c.unit, units.at(c.name));
+  }
+  for (const pgd::OutputLabel& output : book.outputs()) {
+    if (output_units.contains(output.name))
+      check_unit(file, "/pieces/0/groups: " + output.name, output.unit, output_units.at(output.name));
+  }
+  for (const auto& [name, unit] : book.model().fixed_units) {
+    if (units.contains(name)) check_unit(file, "/model/fixed/" + name, unit, units.at(name));
+  }
+}
+
+/// Whether two pieces stand for the same slab of the same cell.
+bool same_box(const Piece& a, const Piece& b) {
+  const std::vector<pgd::Axis>& left = a.groups.front().axes();
+  const std::vector<pgd::Axis>& right = b.groups.front().axes();
+  return std::equal(left.begin(), left.end(), right.begin(), right.end(),
+                    [](const pgd::Axis& x, const pgd::Axis& y) {
+                      return x.lower() == y.lower() && x.upper() == y.upper();
+                    });
+}
+
+std::vector<Piece> read_pieces(const Hdf5Reader& file) {
+  std::vector<Piece> pieces;
+  const int count = numbered_children(file, "/pieces");
+  for (int k = 0; k < count; ++k) {
+    const std::string path = fmt::format("/pieces/{}", k);
+    pieces.push_back(read_piece(file, path));
+    for (int other = 0; other < k; ++other) {
+      if (same_box(pieces[static_cast<std::size_t>(other)], pieces.back()))
+        throw file.error(path, fmt::format("has the same box as /pieces/{}", other));
+    }
+  }
+  return pieces;
+}
+
+ModelDescription read_checked_model(const Hdf5Reader& file) {
+  ModelDescription model = read_model(file);
+  const std::string name = file.text_attribute("/", "model");
+  if (name == model.name) return model;
+  throw file.error("/", fmt::format("model is \"{}\", but /model has the name \"{}\"", name, model.name));
+}
+
 }  // namespace
 
 Codebook load(const std::filesystem::path& path) {
   const Hdf5Reader file(path);
   check_version(file);
   try {
-    std::vector<Piece> pieces;
-    const int count = numbered_children(file, "/pieces");
-    for (int k = 0; k < count; ++k) pieces.push_back(read_piece(file, fmt::format("/pieces/{}", k)));
-    Codebook book(read_model(file), std::move(pieces), read_build(file), read_provenance(file), {},
+    Codebook book(read_checked_model(file), read_pieces(file), read_build(file), read_provenance(file), {},
                   file.text_attribute("/", "title"));
+    check_units(file, book);
     if (!file.has("/certificate")) return book;
     Certificate certificate = read_certificate(file);
     order_outputs(certificate, book);

@@ -1,6 +1,7 @@
 #include "samara/codebooks/plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <memory>
 #include <sstream>
@@ -58,6 +59,17 @@ std::shared_ptr<const models::Model> read_model(const TomlTable& root) {
   }
 }
 
+/// A title is shown on terminals and stored in files, one line.
+std::string read_title(const TomlTable& root) {
+  std::string title = root.optional_string("title").value_or("");
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
+  const auto bad = std::find_if(title.begin(), title.end(), is_control);
+  if (bad == title.end()) return title;
+  throw root.error("title",
+                   fmt::format("has the control character \\x{:02x} in it, expected one line of text",
+                               static_cast<unsigned char>(*bad)));
+}
+
 std::string one_of(const TomlTable& table, const std::string& key, const std::vector<std::string>& known) {
   const std::string value = table.optional_string(key).value_or(known.front());
   if (std::find(known.begin(), known.end(), value) != known.end()) return value;
@@ -111,6 +123,11 @@ BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::str
   if (!(range[0] < range[1])) {
     throw box.error(key, fmt::format("is the interval [{}, {}], expected lower < upper", range[0], range[1]));
   }
+  constexpr double kLeastWidth = 1e-9;  // of the ends; narrower ones have no nodes that differ
+  if (range[1] - range[0] < kLeastWidth * std::max(std::abs(range[0]), std::abs(range[1]))) {
+    throw box.error(key, fmt::format("is the interval [{}, {}], expected a width of at least {} of its ends",
+                                     range[0], range[1], kLeastWidth));
+  }
   entry.lower = range[0];
   entry.upper = range[1];
   if (box.is_table(key)) read_axis_kind(box.table(key), entry);
@@ -124,6 +141,12 @@ void read_tolerance(const TomlTable& root, const models::ModelInfo& info, Plan& 
   plan.relative = table->optional_number("relative").value_or(plan.relative);
   if (!(plan.relative > 0.0 && plan.relative < 1.0)) {
     throw table->error("relative", fmt::format("is {}, expected more than 0 and less than 1", plan.relative));
+  }
+  if (plan.relative < kLeastTolerance) {
+    throw table->error("relative",
+                       fmt::format("is {}, expected at least {}, which is what the integrator can "
+                                   "certify",
+                                   plan.relative, kLeastTolerance));
   }
   const auto absolute = table->optional_table("absolute");
   if (!absolute) return;
@@ -171,7 +194,7 @@ Plan parse_plan(const std::string& text, const std::string& name) {
   const std::shared_ptr<const models::Model> model = read_model(root);
   const models::ModelInfo& info = model->info();
   plan.model = info.name;
-  plan.title = root.optional_string("title").value_or("");
+  plan.title = read_title(root);
   const std::map<std::string, std::string> units = settable_units(info);
   if (const auto fixed = root.optional_table("fixed")) {
     for (const std::string& key : fixed->keys()) {

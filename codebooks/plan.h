@@ -12,6 +12,9 @@
 
 namespace samara::codebooks {
 
+/// The least relative tolerance a plan may ask for: the integrator at its tightest is not surely better.
+inline constexpr double kLeastTolerance = 1e-10;
+
 /// One free coordinate of a plan: a parameter or an initial value "s(0)".
 struct BoxEntry {
   std::string name;

@@ -96,6 +96,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     add_coefficients(problem, point, uncertainty, result);
     add_captures(problem, residuals, point, uncertainty, result);
     conclude(runs[*best], uncertainty, result);
+    add_misfit_warnings(problem, result);
     add_warnings(uncertainty, result);
   } else {
     result.message =

@@ -103,6 +103,14 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
   if (root.has("starts")) options.starts = positive_integer(root, "starts");
   if (root.has("max_iterations")) options.max_iterations = positive_integer(root, "max_iterations");
   if (root.has("fixed")) options.fixed = read_fixed(root.table("fixed"), names.coordinates);
+  for (const auto& [list, chosen] :
+       {std::pair{"shared", &options.shared}, std::pair{"per_capture", &options.per_capture}}) {
+    for (const std::string& name : *chosen) {
+      if (!options.fixed.contains(name)) continue;
+      throw root.error(list,
+                       fmt::format("\"{}\" is fixed in [fixed] as well; one of the two was expected", name));
+    }
+  }
   if (root.has("box")) options.box = read_box(root.table("box"), names.coordinates);
   return options;
 }

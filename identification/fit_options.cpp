@@ -38,6 +38,10 @@ void validate(const FitOptions& options) {
                     interval.lower, interval.upper));
   }
   require_at_least_one("starts", options.starts);
+  constexpr int kMostStarts = 10000;
+  if (options.starts > kMostStarts) {
+    throw ArgumentError(fmt::format("starts is {}; at most {} was expected", options.starts, kMostStarts));
+  }
   require_at_least_one("max_iterations", options.max_iterations);
 }
 

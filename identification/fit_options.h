@@ -46,7 +46,7 @@ struct FitOptions {
   /// Columns of the captures' labels: captures with the same labels there count as one observation of the
   /// coefficients. Empty: each capture is one.
   std::vector<std::string> cluster_by = {};
-  /// From the centre of the box and from quasi-random points inside it.
+  /// From the centre of the box and from quasi-random points inside it; 1 to 10000.
   int starts = 3;
   /// Of each start.
   int max_iterations = 500;

@@ -127,6 +127,15 @@ std::vector<FitOutput> choose_outputs(const FamilyInfo& family, std::span<const 
       chosen.push_back(output);
   }
   if (chosen.empty()) {
+    // The fault of a file that measures none of them, if there is one.
+    for (const Capture& capture : captures) {
+      const auto measured = [&](const std::string& name) { return capture.has(name); };
+      if (capture.file.empty() || std::ranges::any_of(known, measured)) continue;
+      throw InputError(capture.file,
+                       fmt::format("capture \"{}\" measures none of the outputs of \"{}\" ({}): a column of "
+                                   "one of them, with its unit, was expected",
+                                   capture.id, family.model, join(known)));
+    }
     throw ArgumentError(fmt::format("the captures have no quantity in common with the outputs of \"{}\" ({})",
                                     family.model, join(known)));
   }

@@ -17,6 +17,9 @@ void add_coefficients(const FitProblem& problem, const FitPoint& point, const Un
 void add_captures(const FitProblem& problem, const std::vector<SegmentResidual>& residuals,
                   const FitPoint& point, const Uncertainty& uncertainty, FitResult& result);
 
+/// Outputs whose residuals are many times their loss scale. Needs the residuals over all captures.
+void add_misfit_warnings(const FitProblem& problem, FitResult& result);
+
 /// What the reader must know: coefficients at bounds or not determined, errors that cannot be trusted, other
 /// optima. Needs coefficients, captures and starts.
 void add_warnings(const Uncertainty& uncertainty, FitResult& result);

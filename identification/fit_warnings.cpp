@@ -122,6 +122,21 @@ void warn_about_starts(const Uncertainty& uncertainty, FitResult& result) {
 
 }  // namespace
 
+void add_misfit_warnings(const FitProblem& problem, FitResult& result) {
+  constexpr double kMany = 5.0;
+  if (problem.loss == LossKind::none) return;  // the scale may be no more than a unit
+  for (std::size_t o = 0; o < problem.outputs.size() && o < result.residuals.size(); ++o) {
+    const double scale = problem.outputs[o].scale;
+    const OutputRms& residual = result.residuals[o];
+    if (!(residual.rms > kMany * scale)) continue;
+    const std::string unit = residual.unit == "1" ? "" : " " + residual.unit;
+    result.warnings.push_back(fmt::format(
+        "the model misses {} by {:.3g}{} in the root mean square, {:.2g} times the loss scale of {:.3g}{}: "
+        "perhaps the model, what is fixed, a unit or the window is not that of the captures",
+        residual.output, residual.rms, unit, residual.rms / scale, scale, unit));
+  }
+}
+
 void add_warnings(const Uncertainty& uncertainty, FitResult& result) {
   warn_about_bounds(result);
   warn_about_undetermined(uncertainty, result);

@@ -13,26 +13,38 @@ namespace samara::identification {
 
 namespace {
 
+/// What is wrong with a capture is wrong with the file it came from, if it came from one.
+[[noreturn]] void refuse(const std::string& file, const std::string& sentence) {
+  if (file.empty()) throw ArgumentError(sentence);
+  throw InputError(file, sentence);
+}
+
 /// The channels of the compared outputs, in their order and units.
 std::vector<const Channel*> compared_channels(const FitProblem& problem, const Capture& capture) {
   std::vector<const Channel*> channels;
   for (const ComparedOutput& output : problem.outputs) {
+    if (!capture.has(output.name)) {
+      std::vector<std::string> known;
+      for (const Channel& candidate : capture.channels) known.push_back(candidate.quantity);
+      refuse(capture.file, fmt::format("capture \"{}\" does not measure \"{}\"{}", capture.id, output.name,
+                                       suggestion(output.name, known)));
+    }
     const Channel& channel = capture.channel(output.name);
     if (!io::same_dimension(channel.unit, output.unit)) {
-      throw ArgumentError(fmt::format("capture \"{}\" measures \"{}\" in {}; {} was expected{}", capture.id,
-                                      output.name, channel.unit, output.unit,
-                                      channel.unit == "px" ? ", from a [scale] in its sidecar" : ""));
+      refuse(capture.file, fmt::format("capture \"{}\" measures \"{}\" in {}; {} was expected{}", capture.id,
+                                       output.name, channel.unit, output.unit,
+                                       channel.unit == "px" ? ", from a [scale] in its sidecar" : ""));
     }
     if (channel.values.size() != capture.times.size()) {
-      throw ArgumentError(
-          fmt::format("capture \"{}\" has {} values of \"{}\"; one for each of its {} frames was expected",
-                      capture.id, channel.values.size(), output.name, capture.times.size()));
+      refuse(capture.file,
+             fmt::format("capture \"{}\" has {} values of \"{}\"; one for each of its {} frames was expected",
+                         capture.id, channel.values.size(), output.name, capture.times.size()));
     }
     if (channel.values.array().isInf().any()) {
-      throw ArgumentError(
-          fmt::format("capture \"{}\" has an infinite value of \"{}\"; finite numbers, or NaN for a "
-                      "missing one, were expected",
-                      capture.id, output.name));
+      refuse(capture.file,
+             fmt::format("capture \"{}\" has an infinite value of \"{}\"; finite numbers, or NaN for a "
+                         "missing one, were expected",
+                         capture.id, output.name));
     }
     channels.push_back(&channel);
   }
@@ -58,10 +70,10 @@ void check_times(const FamilyInfo& family, Segment& segment) {
   double previous = 0.0;
   for (const double time : segment.times) {
     if (!(time >= previous)) {
-      throw ArgumentError(
-          fmt::format("capture \"{}\" has a frame at {} s; times that begin at 0 or later and do not "
-                      "decrease were expected",
-                      segment.id, time));
+      refuse(segment.file,
+             fmt::format("capture \"{}\" has a frame at {} s; times that begin at 0 or later and do not "
+                         "decrease were expected",
+                         segment.id, time));
     }
     previous = time;
   }
@@ -69,19 +81,19 @@ void check_times(const FamilyInfo& family, Segment& segment) {
   // Rounding may put a frame on the border just behind it, as in first().
   const double interval = previous / static_cast<double>(segment.times.size());
   if (previous > family.end_time + 1e-3 * interval) {
-    throw ArgumentError(
-        fmt::format("capture \"{}\" lasts {} s, but the {} ends at {} s; a `window` of at most that was "
-                    "expected",
-                    segment.id, previous, family.source, family.end_time));
+    refuse(segment.file,
+           fmt::format("capture \"{}\" lasts {} s, but the {} ends at {} s; a `window` of at most that was "
+                       "expected",
+                       segment.id, previous, family.source, family.end_time));
   }
   segment.times.back() = family.end_time;
 }
 
 void check_size(const FitProblem& problem, const Segment& segment) {
   if (segment.observations.size() > static_cast<std::size_t>(problem.own_count())) return;
-  throw ArgumentError(
-      fmt::format("capture \"{}\" has {} values to compare for {} unknowns of its own; more were expected",
-                  segment.id, segment.observations.size(), problem.own_count()));
+  refuse(segment.file,
+         fmt::format("capture \"{}\" has {} values to compare for {} unknowns of its own; more were expected",
+                     segment.id, segment.observations.size(), problem.own_count()));
 }
 
 /// Numbers the clusters in the order in which they appear.

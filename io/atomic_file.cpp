@@ -106,6 +106,13 @@ void PendingFile::discard() noexcept {
   temporary_.clear();
 }
 
+void PendingFile::write(std::string_view content) {
+  if (temporary_.empty()) cannot_write(given_, "it was committed before");
+  const Descriptor file(::open(temporary_.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC));
+  if (!file.valid()) cannot_write(given_, std::strerror(errno));
+  write_all(file.get(), content, given_);
+}
+
 void PendingFile::commit() {
   if (temporary_.empty()) cannot_write(given_, "it was committed before");
   {
@@ -122,6 +129,15 @@ void PendingFile::commit() {
   temporary_.clear();
 }
 
+void require_writable(const fs::path& path) {
+  std::error_code error;
+  if (is_stream(fs::status(path, error))) {
+    if (::access(path.c_str(), W_OK) != 0) cannot_write(path, std::strerror(errno));
+    return;
+  }
+  const PendingFile probe(path);
+}
+
 void write_text_atomically(const fs::path& path, std::string_view text) {
   std::error_code error;
   if (is_stream(fs::status(path, error))) {
@@ -131,11 +147,7 @@ void write_text_atomically(const fs::path& path, std::string_view text) {
     return;
   }
   PendingFile pending(path);
-  {
-    const Descriptor file(::open(pending.path().c_str(), O_WRONLY | O_CLOEXEC));
-    if (!file.valid()) cannot_write(path, std::strerror(errno));
-    write_all(file.get(), text, path);
-  }
+  pending.write(text);
   pending.commit();
 }
 

@@ -27,6 +27,10 @@ class PendingFile {
   /// The path as the caller gave it.
   const std::filesystem::path& final_path() const { return given_; }
 
+  /// Replaces the content of the temporary file.
+  /// @throws ArgumentError with the system's reason, such as a full disk, or after commit().
+  void write(std::string_view content);
+
   /// Flushes the temporary file to the disk and renames it. Nothing may hold it open for writing any more.
   /// @throws ArgumentError if that fails (the temporary file is then removed on destruction), or after an
   /// earlier commit.
@@ -39,6 +43,11 @@ class PendingFile {
   std::filesystem::path target_;     // given_ without symbolic links
   std::filesystem::path temporary_;  // empty once committed or moved from
 };
+
+/// Whether write_text_atomically() could write there now, for callers with much to do before they have a
+/// text.
+/// @throws ArgumentError naming the path and the reason if not.
+void require_writable(const std::filesystem::path& path);
 
 /// Replaces or creates the file. Pipes and devices (/dev/stdout, /dev/null) are written directly.
 /// @throws ArgumentError naming the path and the reason if it cannot be written.

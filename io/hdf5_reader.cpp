@@ -41,7 +41,8 @@ std::uint64_t check_beginning(const std::filesystem::path& path) {
   }
   const int version = static_cast<unsigned char>(head[kSignature.size()]);
   if (version < 2) {
-    throw InputError(name, "has an HDF5 superblock of version " + std::to_string(version) +
+    throw InputError(name, "is not a file that Samara can read: it has an HDF5 superblock of version " +
+                               std::to_string(version) +
                                ", expected 2 or later, which carry checksums (h5py: libver=\"latest\")");
   }
   return bytes;

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
+#include <cstring>
+#include <string_view>
 #include <utility>
 
 #include <hdf5_hl.h>
@@ -28,12 +31,66 @@ Handle untimed(hid_t kind) {
   return list;
 }
 
-Handle create_file(const std::filesystem::path& path) {
+/// The bytes of a file that the library builds in memory: it does not survive a disk that is full (a file
+/// whose flush failed cannot be closed, and crashes the process when it ends), so no disk is shown to it.
+class Image {
+ public:
+  /// Makes files that are opened with this list be built here.
+  void attach(const Handle& access) {
+    constexpr std::size_t kIncrement = 1 << 20;
+    H5Pset_fapl_core(access.get(), kIncrement, false);
+    H5FD_file_image_callbacks_t callbacks{allocate, copy_bytes, resize, release, copy_self, free_self, this};
+    H5Pset_file_image_callbacks(access.get(), &callbacks);
+  }
+
+  /// The file, once it is closed. (H5Fget_file_image() of an open file has a wrong checksum in its
+  /// superblock.)
+  std::string_view file() const {
+    // The memory ends somewhere behind the file. Where the file ends stands in its superblock (version 2, 3).
+    constexpr std::size_t kEndOfFile = 28;
+    std::uint64_t end = 0;
+    const std::string_view bytes(closed_.get(), closed_ ? size_ : 0);
+    if (bytes.size() < kEndOfFile + sizeof end) return {};
+    for (std::size_t i = sizeof end; i-- > 0;)
+      end = 256 * end + static_cast<unsigned char>(bytes[kEndOfFile + i]);
+    return bytes.substr(0, static_cast<std::size_t>(end));
+  }
+
+ private:
+  struct Free {
+    void operator()(char* memory) const { std::free(memory); }
+  };
+  using Memory = std::unique_ptr<char, Free>;
+
+  static void* allocate(std::size_t size, H5FD_file_image_op_t, void*) { return std::malloc(size); }
+  static void* copy_bytes(void* to, const void* from, std::size_t size, H5FD_file_image_op_t, void*) {
+    return std::memcpy(to, from, size);
+  }
+  static void* resize(void* memory, std::size_t size, H5FD_file_image_op_t, void* self) {
+    void* const moved = std::realloc(memory, size);
+    if (moved != nullptr) static_cast<Image*>(self)->size_ = size;
+    return moved;
+  }
+  static herr_t release(void* memory, H5FD_file_image_op_t operation, void* self) {
+    Memory owned(static_cast<char*>(memory));
+    if (operation == H5FD_FILE_IMAGE_OP_FILE_CLOSE) static_cast<Image*>(self)->closed_ = std::move(owned);
+    return 0;
+  }
+  static void* copy_self(void* self) { return self; }
+  static herr_t free_self(void*) { return 0; }
+
+  Memory closed_;
+  std::size_t size_ = 0;
+};
+
+/// @param name tells the library's open files apart; nothing is created there
+Handle create_file(const std::filesystem::path& name, Image& image) {
   const Handle access = property_list(H5P_FILE_ACCESS);
+  image.attach(access);
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
   H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
   const Handle creation = untimed(H5P_FILE_CREATE);
-  return Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose);
+  return Handle(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose);
 }
 
 /// The extent of an array; none stands for a scalar.
@@ -81,11 +138,12 @@ std::string parent(const std::string& path) {
 
 struct Hdf5Writer::Impl {
   PendingFile pending;
-  Handle file;
+  Image image;
+  Handle file;  // closed before the image goes
 
   explicit Impl(const std::filesystem::path& path) : pending(path) {
     const Session session;
-    file = create_file(pending.path());
+    file = create_file(pending.path(), image);
     if (!file.valid()) fail("/", hdf5::last_reason());
   }
   ~Impl() {
@@ -274,6 +332,7 @@ void Hdf5Writer::commit() {
     impl.check(H5Fflush(impl.file.get(), H5F_SCOPE_GLOBAL) >= 0, "/");
     impl.check(impl.file.close(), "/");
   }
+  impl.pending.write(impl.image.file());
   impl.pending.commit();
   impl_.reset();
 }

@@ -25,7 +25,8 @@
 ///     file.commit();
 namespace samara::io {
 
-/// One new file. It appears under its name, replacing an older one, on commit(); without, nothing is left.
+/// One new file. It is put together in memory and appears under its name, replacing an older one, on
+/// commit(); without, nothing is left.
 ///
 /// Paths begin at the root, with or without a slash. Groups on the way to a dataset are made as needed.
 /// Every function throws ArgumentError, naming file and object, if the name is taken, the object does not
@@ -60,7 +61,7 @@ class Hdf5Writer {
   /// Says that the scale holds the coordinates along `dimension` (from 0) of the dataset.
   void attach_scale(const std::string& dataset, unsigned dimension, const std::string& scale);
 
-  /// Flushes, closes and renames.
+  /// Closes, writes and renames.
   void commit();
 
  private:

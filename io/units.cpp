@@ -318,6 +318,7 @@ double quantity_to_si(std::string_view text, std::string_view expected_unit) {
                     std::string_view(".,+-0123456789").find(rest.front()) != std::string_view::npos &&
                     rest.data() == body.data() + number.length;
   if (number.problem == NumberProblem::malformed || torn) {
+    if (expected.is_dimensionless()) throw ArgumentError(what + ": expected a number, as in 1.5");
     throw ArgumentError(what + ": expected a number with a unit, as in \"1.5 " + std::string(expected_unit) +
                         "\"");
   }

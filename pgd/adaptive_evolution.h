@@ -11,7 +11,9 @@
 ///
 /// Every round solves on the present axes, starting from the field of the round before, and then looks at the
 /// highest Legendre coefficients along every axis; axes that do not resolve the field get half as many nodes
-/// more. Early rounds are solved only as well as their axes deserve.
+/// more. Early rounds are solved only as well as their axes deserve, but every round on new axes takes at
+/// least one Newton step: before it, the field is that of the old axes, and its highest coefficients are
+/// zero.
 namespace samara::pgd {
 
 /// Axis whose nodes the solver chooses (or that the caller fixes). The label may have a transform.
@@ -44,7 +46,7 @@ struct SolverState {
   int time_elements = 4;
   std::vector<int> nodes;  ///< of the parameter axes
   std::vector<double> scales;
-  double coarseness = 0.0;  ///< largest highest_coefficients() of the last round
+  double coarseness = 0.0;  ///< largest highest_coefficients() that the last round refined for; 0 if none
   std::optional<SeparatedField> field;
   long rhs_evaluations = 0;
   long jacobian_evaluations = 0;
@@ -63,7 +65,8 @@ struct AdaptiveOptions {
   int max_time_elements = 256;
   int max_nodes = 129;
   int max_rounds = 12;
-  long max_evaluations = 0;                                 ///< of f and J in all rounds; 0: no limit
+  /// Of f and J in all rounds, never exceeded; 0: no limit. What the last whole round found is then the answer.
+  long max_evaluations = 0;
   EvolutionOptions evolution = {};                          ///< its tolerance is set by this solver
   std::function<void(const SolverState&)> checkpoint = {};  ///< called after every round that is not the last
 };

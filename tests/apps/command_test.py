@@ -8,6 +8,7 @@ import json
 import math
 import os
 import pathlib
+import resource
 import signal
 import subprocess
 import sys
@@ -187,6 +188,25 @@ class BadPlans(Case):
         self.check_error(run("build", plan, "-o", FOLDER / "nowhere" / "x.h5"), 2, "nowhere")
 
 
+    def test_every_output_that_cannot_be_written_is_refused_before_the_build(self):
+        folder = FOLDER / "folder.h5"
+        folder.mkdir(exist_ok=True)
+        for target, reason in [(folder, "directory"), ("", "names no file"), ("/dev/null", "not a regular file")]:
+            # There is not even a plan: the output is complained about first.
+            self.check_error(run("build", FOLDER / "none.toml", "-o", target), 2, "cannot write", reason)
+
+    def test_a_title_with_control_characters(self):
+        self.check_error(self.build('title = "a\\u0000b"\n' + LINE_PLAN), 3, "bad.toml:1", "title", "\\x00")
+
+
+    def test_control_characters_of_a_file_do_not_reach_the_terminal(self):
+        for code in ["\\u001b[31m", "\\u009b31m", "\\n"]:
+            result = self.build(LINE_PLAN.replace("constant_rate", "constant_rat" + code))
+            self.check_error(result, 3, "bad.toml:1", "\\x")
+            self.assertNotIn("\x1b", result.stderr)
+            self.assertNotIn("\x9b", result.stderr)
+
+
 class BadCaptures(Case):
     def fit(self, text, sidecar=None):
         path = write("capture.csv", text)
@@ -199,6 +219,27 @@ class BadCaptures(Case):
     def test_a_missing_column(self):
         sidecar = '[columns]\ntime = { quantity = "t", unit = "s" }\ndeep = { quantity = "x", unit = "m" }\n'
         self.check_error(self.fit("time,depth\n" + self.ROWS, sidecar), 3, "deep", "depth")
+
+    def test_a_canonical_table_without_the_column_of_an_output(self):
+        self.check_error(self.fit("t[s],deep[m]\n" + self.ROWS), 3, "capture.csv", "v, x")
+
+    def test_a_canonical_table_with_another_unit(self):
+        self.check_error(self.fit("t[s],x[s]\n" + self.ROWS), 3, "capture.csv", '"x" in s; m')
+
+    def test_pixels_without_a_scale(self):
+        self.check_error(self.fit("t[s],x[px]\n" + self.ROWS), 3, "capture.csv", "px", "[scale]")
+
+    def test_a_config_that_cannot_be(self):
+        capture = write("good.csv", "t[s],x[m]\n" + self.ROWS)
+        for text, word in [("[fixed]\nC_D = 9.0\n", "C_D"), ('shared = ["C_D"]\n[fixed]\nC_D = 1.0\n', "fixed"),
+                           ("[box]\nC_D = [2.0, 1.0]\n", "C_D"), ("[box]\nC_D = [0.1, 1.0]\n", "C_D"),
+                           ('cluster_by = ["drop"]\n', "drop"), ('shared = ["nothing"]\n', "nothing"),
+                           ("starts = 10001\n", "10000")]:
+            config = write("config.toml", text)
+            self.check_error(run("fit", book("coin", COIN_PLAN), capture, "--config", config), 3, "config.toml", word)
+        config = write("config.toml", "[fixed]\ndensity = -1.0\narea = 1e-4\nthickness = 1e-3\n[box]\nC_D = [1.0, 2.0]\n")
+        self.check_error(run("fit", "vertical_fall", capture, "--config", config), 3, "config.toml", "density")
+        self.check_error(run("fit", book("coin", COIN_PLAN), capture, "--window", "-1"), 2, "window")
 
     def test_a_header_without_units(self):
         self.check_error(self.fit("t,x\n" + self.ROWS), 3, "capture.csv", "unit")
@@ -251,12 +292,50 @@ class BadCalls(Case):
         for arguments in [[], ["unknown"], ["query"], ["query", path, "--frobnicate"]]:
             self.assertEqual(run(*arguments).returncode, 2)
 
+    def test_a_word_that_is_no_command_is_named_with_the_nearest(self):
+        self.check_error(run("foo"), 2, '"foo" is not a command', "known: models, simulate, build")
+        self.check_error(run("biuld", "plan.toml"), 2, 'did you mean "build"?')
+
+    def test_what_has_no_effect_or_no_meaning_is_refused(self):
+        self.check_error(run("fit", "vertical_fall", "x.csv", "--reference"), 2, "--reference", "integrated anyway")
+        self.check_error(run("validate", book("line", LINE_PLAN), "--seed", "-1"), 2, "--seed", "-1")
+
     def test_help_names_every_option_and_exits_with_0(self):
         self.assertEqual(run("--help").returncode, 0)
         for command in ["models", "simulate", "build", "info", "query", "validate", "fit"]:
             result = run(command, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("--help", result.stdout)
+
+
+    def test_an_answer_lost_to_a_full_or_closed_stdout_is_told(self):
+        path = book("line", LINE_PLAN)
+        for arguments in [["info", path], ["query", path, "--set", "k=4", "--json"], ["models"], ["--help"], ["--version"]]:
+            with open("/dev/full", "w") as full:
+                result = subprocess.run([SAMARA, *map(str, arguments)], stdout=full, stderr=subprocess.PIPE, text=True)
+            self.assertEqual(result.returncode, 2, arguments)
+            self.assertEqual(result.stderr, "samara: the answer cannot be written to stdout: No space left on device\n")
+        closed = subprocess.run(["sh", "-c", 'exec "$0" info "$1" >&-', SAMARA, path], stderr=subprocess.PIPE, text=True)
+        self.assertEqual(closed.returncode, 2)
+        self.assertIn("stdout", closed.stderr)
+
+    def test_an_output_of_a_fit_is_checked_before_the_fit(self):
+        # The capture does not exist: the output is complained about first.
+        result = run("fit", book("coin", COIN_PLAN), FOLDER / "none.csv", "-o", FOLDER / "nowhere" / "a.json")
+        self.check_error(result, 2, "nowhere")
+
+    def test_an_input_is_not_overwritten_by_the_output(self):
+        path, plan = book("line", LINE_PLAN), write("self.toml", LINE_PLAN)
+        before = path.read_bytes()
+        self.check_error(run("query", path, "--set", "k=4", "-o", path), 2, "overwrite")
+        (FOLDER / "link.h5").unlink(missing_ok=True)
+        (FOLDER / "link.h5").symlink_to(path)
+        self.check_error(run("query", path, "--set", "k=4", "-o", FOLDER / "link.h5"), 2, "overwrite")
+        self.check_error(run("build", plan, "-o", plan), 2, "overwrite")
+        self.assertEqual(plan.read_text(), LINE_PLAN)
+        capture = write("kept.csv", "t[s],x[m]\n")
+        self.check_error(run("fit", path, capture, "-o", capture), 2, "overwrite")
+        self.assertEqual(path.read_bytes(), before)
 
 
 class Builds(Case):
@@ -294,6 +373,36 @@ class Builds(Case):
         self.assertEqual(run("query", whole, *at).stdout, run("query", killed, *at).stdout)
 
 
+    def build_with_files_of_at_most(self, size, plan, target):
+        def limit():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+        return subprocess.run([SAMARA, "build", plan, "-o", target], capture_output=True, text=True, timeout=120, preexec_fn=limit)
+
+    def test_a_full_disk_is_one_sentence_about_the_checkpoint_and_one_about_the_codebook(self):
+        target = FOLDER / "full.h5"
+        result = self.build_with_files_of_at_most(1000, write("full.toml", COIN_PLAN), target)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        warning, *_, error = result.stderr.strip().splitlines()
+        self.assertIn("samara: warning: no checkpoint: cannot write", warning)
+        self.assertIn(f'samara: cannot write "{target}": File too large', error)
+        self.assertEqual(len(result.stderr.strip().splitlines()), 2, result.stderr)
+        self.assertFalse(target.exists())
+
+    def test_a_build_whose_file_cannot_be_written_at_the_end_keeps_its_checkpoint(self):
+        target = FOLDER / "kept.h5"
+        plan = write("kept.toml", COIN_PLAN.replace("1e-3", "1e-4"))
+        checkpoint = pathlib.Path(f"{target}.checkpoint")
+        self.assertEqual(run("build", plan, "-o", target).returncode, 0)
+        # The checkpoints, without certificate, fit where the codebook does not.
+        result = self.build_with_files_of_at_most(target.stat().st_size - 100, plan, target)
+        self.assertEqual(result.returncode, 2)
+        self.assertNotIn("no checkpoint", result.stderr)
+        self.assertTrue(checkpoint.exists())
+        self.assertEqual(run("build", plan, "-o", target, "--resume").returncode, 0)
+        self.assertFalse(checkpoint.exists())
+
+
 class Fits(Case):
     def capture(self):
         result = run("simulate", "vertical_fall", "--set", "C_D=1.2", "--set", "area=4.7144e-4", "--set", "thickness=2.55e-3",
@@ -320,6 +429,17 @@ class Fits(Case):
         config = write("fit.toml", '[fixed]\narea = "4.7144e-4 m^2"\nthickness = "2.55 mm"\ndensity = 6338.5\n'
                        '[box]\nC_D = [0.5, 2.0]\n"v(0)" = [0.0, 0.5]\n')
         self.assertAlmostEqual(self.fitted("vertical_fall", self.capture(), "--config", config), 1.2, delta=1e-6)
+
+    def test_control_characters_of_a_label_do_not_reach_the_terminal(self):
+        rows = self.capture().read_text().splitlines()
+        text = "\n".join([f"{rows[0]},drop"] + [f"{row},a\x1b[31m" for row in rows[1:]]) + "\n"
+        write("labelled.csv", text)
+        sidecar = write("labelled.toml", 'file = "labelled.csv"\ngroup_by = ["drop"]\n[columns]\n'
+                        '"t[s]" = { quantity = "t", unit = "s" }\n"x[m]" = { quantity = "x", unit = "m" }\n')
+        result = run("fit", book("coin", COIN_PLAN), sidecar)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("\\x1b", result.stdout)
+        self.assertNotIn("\x1b", result.stdout + result.stderr)
 
     def test_the_result_is_written_to_a_file_too(self):
         target = FOLDER / "fit.json"

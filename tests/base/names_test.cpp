@@ -24,3 +24,12 @@ TEST_CASE("a suggestion is a half sentence") {
   CHECK(suggestion("C_d", kNames) == "; did you mean \"C_D\"?");
   CHECK(suggestion("x", {}).empty());
 }
+
+TEST_CASE("control characters of one and of two bytes are shown as what they are") {
+  CHECK(samara::printable("a\x1b[31m\n\x7f") == "a\\x1b[31m\\x0a\\x7f");
+  CHECK(samara::printable("\xC2\x9B"
+                          "2J") == "\\xc2\\x9b2J");
+  CHECK(samara::printable("caf\xC3\xA9 \xC2\xB5m\nb", "\n") == "caf\xC3\xA9 \xC2\xB5m\nb");
+  CHECK(samara::printable(std::string_view("\0", 1)) == "\\x00");
+  CHECK(samara::printable("\xC2") == "\xC2");
+}

@@ -100,6 +100,17 @@ TEST_CASE("an exact codebook has no error but the integrator's") {
   CHECK(certificate.outputs[1].name == "x");
 }
 
+TEST_CASE("the integrator is tighter than the tolerance it certifies") {
+  for (const auto& [tolerance, expected] :
+       {std::pair{0.0, 1e-10}, {1e-3, 1e-10}, {1e-9, 1e-11}, {1e-10, 1e-12}, {1e-12, 1e-13}}) {
+    const Certificate certificate = certificate_of(exact(), {.points = 20, .tolerance = tolerance});
+    CHECK_THAT(certificate.integrator_tolerance, WithinRel(expected, 1e-12));
+    if (tolerance >= 1e-10) CHECK(certificate.met);
+  }
+  const Certificate asked = certificate_of(exact(), {.points = 1, .integrator_tolerance = 1e-7});
+  CHECK(asked.integrator_tolerance == 1e-7);
+}
+
 TEST_CASE("a known perturbation is found in size and place") {
   // 0.02 sin-like in time with its maximum 1 at t = end/2, growing with v0: largest at v0 = 2.
   const double size = 0.02;
@@ -217,6 +228,16 @@ TEST_CASE("points where the integrator fails are counted, and the certificate is
   CHECK(none.failed_points == 10);
   CHECK_FALSE(none.met);
   CHECK(none.outputs[0].worst.empty());
+  // Nothing was measured: there are no numbers that look as if something had been.
+  CHECK(std::isnan(none.max_error));
+  CHECK(std::isnan(none.outputs[0].max));
+  CHECK(std::isnan(none.outputs[0].range));
+  CHECK(none.failure != "");
+  // And it is given up soon.
+  int reports = 0;
+  certify(short_lived, model,
+          {.points = 1000, .progress = [&](const samara::Progress&) { return ++reports > 0; }});
+  CHECK(reports == 1);
 }
 
 TEST_CASE("a codebook whose values overflow does not pass") {

@@ -1,5 +1,6 @@
 #include "samara/codebooks/checkpoint.h"
 
+#include <cmath>
 #include <stdexcept>
 
 #include <catch2/catch.hpp>
@@ -201,13 +202,41 @@ TEST_CASE("a checkpoint that is broken, cut or something else is refused") {
   CHECK_THAT(error_text<InputError>([&] { load(checkpoint); }), Contains("this is not a codebook"));
 }
 
+TEST_CASE("a checkpoint with numbers that cannot be is refused, each by its name") {
+  const TemporaryDirectory directory;
+  const fs::path path = directory / "checkpoint";
+  leave_checkpoint(path);
+  const samara::pgd::SolverState good = load_checkpoint(path, coin().text);
+  const auto refusal = [&](const auto& damage) {
+    samara::pgd::SolverState state = good;
+    damage(state);
+    save_checkpoint(path, coin().text, state);
+    return error_text<InputError>([&] { resumed(path); });
+  };
+  using State = samara::pgd::SolverState;
+  const double nan = std::nan("");
+  CHECK_THAT(refusal([](State& s) { s.nodes[0] = -3; }), Contains("/: nodes has the number -3"));
+  CHECK_THAT(refusal([](State& s) { s.nodes[0] = 1999999999; }), Contains("/: nodes has the number"));
+  CHECK_THAT(refusal([](State& s) { s.nodes[0] = 131; }), Contains("do not fit the plan"));
+  CHECK_THAT(refusal([](State& s) { s.nodes.pop_back(); }),
+             Contains("/piece: has 3 axes and 2 outputs, expected 2"));
+  CHECK_THAT(refusal([](State& s) { s.scales.push_back(1.0); }),
+             Contains("/piece: has 3 axes and 2 outputs"));
+  CHECK_THAT(refusal([&](State& s) { s.scales[0] = nan; }), Contains("/: scales has the number nan"));
+  CHECK_THAT(refusal([&](State& s) { s.coarseness = nan; }), Contains("/: coarseness is nan"));
+  CHECK_THAT(refusal([](State& s) { s.round = -1; }), Contains("/: round is -1"));
+  CHECK_THAT(refusal([](State& s) { s.round = 500; }), Contains("do not fit the plan"));
+  CHECK_THAT(refusal([](State& s) { s.time_elements = 0; }), Contains("/: time_elements is 0"));
+  CHECK_THAT(refusal([](State& s) { s.rhs_evaluations = -1; }), Contains("/: rhs_evaluations is -1"));
+  CHECK_THAT(refusal([](State& s) { s.field.reset(); }), Contains("/piece: is missing"));
+}
+
 TEST_CASE("the solver's state survives a checkpoint to the last bit") {
   const TemporaryDirectory directory;
   const fs::path path = directory / "checkpoint";
   samara::pgd::SolverState state;
-  state.round = 3;
+  state.round = 0;
   state.time_elements = 11;
-  state.nodes = {7, 129};
   state.scales = {1.0 / 3.0, 5e-324};
   state.coarseness = 1.0 / 7.0;
   state.rhs_evaluations = 12'345'678'901;
@@ -225,10 +254,15 @@ TEST_CASE("the solver's state survives a checkpoint to the last bit") {
     REQUIRE(back.field.has_value() == state.field.has_value());
     if (back.field) check_same_field(*back.field, *state.field);
   };
+  const samara::pgd::SeparatedField field = four_pieces().pieces()[1].groups[0];
+  state.nodes = {7, 129};
+  state.nodes.resize(static_cast<std::size_t>(field.axis_count()) - 1, 9);
+  state.scales.resize(static_cast<std::size_t>(field.output_count()), 0.25);
   const std::string plan = "# " + std::string(100000, 'x') + "\nmodel = \"caf\xC3\xA9\"\n";
   save_checkpoint(path, plan, state);
   same(load_checkpoint(path, plan));
-  state.field = four_pieces().pieces()[1].groups[0];
+  state.round = 3;
+  state.field = field;
   save_checkpoint(path, plan, state);
   same(load_checkpoint(path, plan));
   CHECK(directory.file_count() == 1);

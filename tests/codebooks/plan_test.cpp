@@ -70,6 +70,27 @@ std::string refusal(const std::string& from, const std::string& to) {
 
 }  // namespace
 
+TEST_CASE("a tolerance that no integrator can certify is refused") {
+  CHECK_THAT(
+      refusal("relative = 1e-4", "relative = 9e-11"),
+      Contains("relative: is 9e-11, expected at least 1e-10, which is what the integrator can certify"));
+  CHECK(parsed(changed("relative = 1e-4", "relative = 1e-10")).relative == 1e-10);
+}
+
+TEST_CASE("an interval too narrow for nodes is refused") {
+  CHECK_THAT(refusal("C_D = [0.8, 1.6]", "C_D = [1.0, 1.0000000000000004]"),
+             StartsWith("p.toml:11: [box] C_D: is the interval [1, 1.0000000000000004], expected a width"));
+  CHECK(parsed(changed("C_D = [0.8, 1.6]", "C_D = [1.0, 1.00000001]")).box[0].lower == 1.0);
+}
+
+TEST_CASE("a title with control characters is refused where it stands") {
+  for (const std::string bad : {"\\u0000", "\\u001b[31m", "\\n", "\\u007F"}) {
+    CHECK_THAT(refusal("a coin in water", "a coin" + bad),
+               StartsWith("p.toml:2: title: has the control character"));
+  }
+  CHECK(parsed(changed("a coin in water", "d\xC3\xA9j\xC3\xA0 vu")).title == "d\xC3\xA9j\xC3\xA0 vu");
+}
+
 TEST_CASE("a plan is read whole: SI numbers, strings with units, ranges with nodes") {
   const Plan plan = parsed(kPlan);
   CHECK(plan.model == "vertical_fall");

@@ -66,6 +66,12 @@ class Patient {
   void set_integer(const std::string& object, const std::string& name, long long value) {
     set_attribute(object, name, H5T_NATIVE_LLONG, {}, &value);
   }
+  void set_number(const std::string& object, const std::string& name, double value) {
+    set_attribute(object, name, H5T_NATIVE_DOUBLE, {}, &value);
+  }
+  void copy(const std::string& from, const std::string& to) {
+    REQUIRE(H5Ocopy(file_, from.c_str(), file_, to.c_str(), H5P_DEFAULT, H5P_DEFAULT) >= 0);
+  }
   void set_numbers(const std::string& object, const std::string& name, const std::vector<double>& values) {
     const double none = 0.0;  // the library wants a pointer also where there is nothing
     set_attribute(object, name, H5T_NATIVE_DOUBLE, {values.size()}, values.empty() ? &none : values.data());
@@ -185,6 +191,42 @@ TEST_CASE("an HDF5 file of something else is no codebook") {
   CHECK_THAT(error_after([](Patient& file) { file.set_text("/", "format", "samara-checkpoint"); }),
              Contains("this is not a codebook"));
   CHECK_THAT(error_after([](Patient& file) { file.set_integer("/", "format", 3); }), Contains("format"));
+}
+
+TEST_CASE("a certificate that contradicts itself, or has no numbers, is refused") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto with = [](const std::string& object, const std::string& name, double value) {
+    return error_after([&](Patient& file) { file.set_number(object, name, value); });
+  };
+  CHECK_THAT(with("/certificate", "tolerance", nan), StartsWith("/certificate: tolerance is nan"));
+  CHECK_THAT(with("/certificate", "tolerance", infinity), StartsWith("/certificate: tolerance is inf"));
+  CHECK_THAT(with("/certificate", "max_error", nan), StartsWith("/certificate: max_error is nan"));
+  CHECK_THAT(with("/certificate", "residual", infinity), StartsWith("/certificate: residual is inf"));
+  CHECK_THAT(with("/certificate/x", "p95", nan), StartsWith("/certificate/x: p95 is nan"));
+  CHECK_THAT(with("/certificate", "max_error", 0.5),
+             StartsWith("/certificate: met is 1, but max_error 0.5 is more than the tolerance"));
+  CHECK_THAT(error_after([](Patient& file) { file.set_integer("/certificate", "met", 7); }),
+             StartsWith("/certificate: met is 7, expected 0 or 1"));
+  CHECK_THAT(error_after([](Patient& file) { file.set_text("/certificate", "seed", "x"); }),
+             StartsWith("/certificate: seed is \"x\""));
+  // What was missed may be missed by infinity.
+  CHECK(error_after([&](Patient& file) {
+          file.set_integer("/certificate", "met", 0);
+          file.set_number("/certificate", "max_error", infinity);
+        }) == "no exception");
+}
+
+TEST_CASE("a file whose parts say different things is refused") {
+  CHECK_THAT(error_after([](Patient& file) { file.set_text("/", "model", "other"); }),
+             StartsWith("/: model is \"other\", but /model has the name \"vertical_fall\""));
+  CHECK_THAT(error_after([](Patient& file) {
+               for (const char* piece : {"0", "1", "2", "3"})
+                 file.set_text(std::string("/pieces/") + piece + "/axes/v(0)", "units", "kg");
+             }),
+             StartsWith("/pieces/0/axes/v(0): units are \"kg\", those of the model \"m/s\""));
+  CHECK_THAT(error_after([](Patient& file) { file.copy("/pieces/0", "/pieces/4"); }),
+             StartsWith("/pieces/4: has the same box as /pieces/0"));
 }
 
 TEST_CASE("a file cut at any length is refused") {

@@ -34,6 +34,14 @@ TEST_CASE("a good fit warns of nothing") {
   CHECK(all(result.warnings).empty());
 }
 
+TEST_CASE("a fit that misses its captures by many loss scales says so") {
+  std::vector<Capture> captures = coins(1.15);
+  for (Capture& capture : captures) capture.channels[0].values *= 3.0;
+  const FitResult result = fit(*coin_family(), captures);
+  CHECK_THAT(all(result.warnings),
+             Contains("the model misses x by") && Contains("times the loss scale of 0.002 m"));
+}
+
 TEST_CASE("a coefficient at a bound of its box is warned of, and has no error") {
   const auto family = coin_family();
   FitOptions options;

@@ -1,8 +1,10 @@
+#include <csignal>
 #include <limits>
 #include <random>
 #include <thread>
 
 #include <catch2/catch.hpp>
+#include <sys/resource.h>
 
 #include "error_text.h"
 #include "samara/io/hdf5_reader.h"
@@ -203,6 +205,29 @@ TEST_CASE("a file may be replaced while its older version is read") {
       written(directory, [](Hdf5Writer& w) { w.write_vector("/v", Eigen::Vector2d(3, 4)); });
   CHECK(older.vector("/v") == Eigen::Vector2d(1, 2));
   CHECK(newer.vector("/v") == Eigen::Vector2d(3, 4));
+}
+
+TEST_CASE("a disk that is full gives one sentence with the system's reason, and leaves nothing") {
+  const TemporaryDirectory directory;
+  const auto write = [&] {
+    Hdf5Writer writer(directory / "f.h5");
+    writer.write_matrix("/m", random_matrix(500, 100));
+    writer.commit();
+  };
+  // Files of more than 64 KiB cannot be written for a while.
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
+  rlimit small = before;
+  small.rlim_cur = 65536;
+  REQUIRE(setrlimit(RLIMIT_FSIZE, &small) == 0);
+  const std::string refusal = error_text<ArgumentError>(write);
+  REQUIRE(setrlimit(RLIMIT_FSIZE, &before) == 0);
+  std::signal(SIGXFSZ, handler);
+  CHECK_THAT(refusal, Contains("cannot write \"" + (directory / "f.h5").string() + "\": File too large"));
+  CHECK(directory.file_count() == 0);
+  write();
+  CHECK(Hdf5Reader(directory / "f.h5").matrix("/m") == random_matrix(500, 100));
 }
 
 TEST_CASE("one reader may be used from several threads") {

@@ -150,6 +150,7 @@ TEST_CASE("a malformed quantity is refused") {
   CHECK_THAT(quantity_error("mm", "m"), Contains("\"mm\": expected a number with a unit"));
   CHECK_THAT(quantity_error("", "m"), Contains("expected a number with a unit"));
   CHECK_THAT(quantity_error("1,5 mm", "m"), Contains("expected a number with a unit"));
+  CHECK(quantity_error("soon", "1") == "\"soon\": expected a number, as in 1.5");
   CHECK_THAT(quantity_error("1.5.2 mm", "m"), Contains("expected a number with a unit"));
   CHECK_THAT(quantity_error("+-1 mm", "m"), Contains("expected a number with a unit"));
   CHECK_THAT(quantity_error("1.5", "m"), Contains("\"1.5\": the unit is missing, expected one like m"));

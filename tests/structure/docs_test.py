@@ -1,0 +1,26 @@
+"""Usage: docs_test.py ROOT
+
+What the documentation shows of the examples is what stands there.
+"""
+
+import pathlib
+import sys
+import unittest
+
+ROOT = pathlib.Path(sys.argv[1])
+
+
+def text(path):
+    return (ROOT / path).read_text()
+
+
+class Excerpts(unittest.TestCase):
+    def test_plan_of_the_coin(self):
+        self.assertIn(f"```toml\n{text('examples/coin/plan.toml')}```", text("README.md"))
+
+    def test_sidecar_of_the_coin(self):
+        self.assertIn(f"```toml\n{text('examples/coin/coin.toml')}```", text("docs/captures.md"))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
