@@ -45,7 +45,10 @@ std::vector<Eigen::Index> mirrored_places(const SparseMatrix& pattern) {
 template <class Solver>
 class Direct final : public SparseSolver {
  public:
-  explicit Direct(const SparseMatrix& pattern) { solver_.analyzePattern(pattern); }
+  explicit Direct(const SparseMatrix& pattern) {
+    if constexpr (requires { solver_.cholmod(); }) solver_.cholmod().print = 0;  // its status says it too
+    solver_.analyzePattern(pattern);
+  }
 
   bool factorize(const SparseMatrix& matrix) override {
     solver_.factorize(matrix);
