@@ -65,7 +65,8 @@ struct AdaptiveOptions {
   int max_time_elements = 256;
   int max_nodes = 129;
   int max_rounds = 12;
-  /// Of f and J in all rounds, never exceeded; 0: no limit. What the last whole round found is then the answer.
+  /// Of f and J in all rounds, never exceeded; 0: no limit. What the last whole round found is then the
+  /// answer.
   long max_evaluations = 0;
   EvolutionOptions evolution = {};                          ///< its tolerance is set by this solver
   std::function<void(const SolverState&)> checkpoint = {};  ///< called after every round that is not the last

@@ -25,8 +25,10 @@ double checked_value(const Axis& axis, const AxisFunction& f, double x) {
 /// Calls visit(weight * f(x), stencil) at all quadrature points.
 template <class Visit>
 void integrate(const Axis& axis, const AxisFunction& f, bool with_derivative, Visit visit) {
-  constexpr int kMorePoints = 3;  // beyond what products of two basis functions and one coefficient need
-  const QuadratureRule rule = gauss_legendre(3 * axis.degree() / 2 + kMorePoints);
+  // Exact for two basis functions and a coefficient of their degree; the slope of a transform is no
+  // polynomial.
+  const int more = axis.transform() == Transform::none ? 3 : 15;
+  const QuadratureRule rule = gauss_legendre(3 * axis.degree() / 2 + more);
   InterpolationStencil stencil = axis.make_stencil();
   const Transform transform = axis.transform();
   for (Eigen::Index e = 0; e + 1 < axis.borders().size(); ++e) {
@@ -44,6 +46,8 @@ void integrate(const Axis& axis, const AxisFunction& f, bool with_derivative, Vi
 using Rows = Eigen::VectorXd InterpolationStencil::*;
 
 SparseMatrix bilinear_form(const Axis& axis, const AxisFunction& f, Rows test, Rows trial) {
+  if (test == trial && test == &InterpolationStencil::derivative)
+    static_cast<void>(axis.stiffness());  // throws if it diverges
   std::vector<Eigen::Triplet<double>> triplets;
   const bool with_derivative =
       test == &InterpolationStencil::derivative || trial == &InterpolationStencil::derivative;
@@ -116,7 +120,8 @@ AxisFunction interpolated(const Axis& axis, const Eigen::VectorXd& values) {
     throw ArgumentError(
         fmt::format("{} nodal values on axis \"{}\" of {} nodes", values.size(), axis.name(), axis.size()));
   }
-  return [axis, values, stencil = axis.make_stencil()](double x) mutable {
+  return [axis, values](double x) {
+    InterpolationStencil stencil = axis.make_stencil();
     axis.interpolate(x, stencil, false);
     return stencil.value.dot(values.segment(stencil.first, stencil.value.size()));
   };

@@ -11,7 +11,7 @@
 /// or, in the second form, given by its values at the nodes. Exact for polynomial coefficients of up to the
 /// axis's degree. O(nodes degree^2).
 /// @throws ArgumentError if the axis has no elements (periodic, discrete or imported ones), nodal values do
-/// not match it, or f is not finite somewhere.
+/// not match it, f is not finite somewhere, or the axis has no stiffness (a square root from 0).
 namespace samara::pgd {
 
 using AxisFunction = std::function<double(double)>;

@@ -23,6 +23,8 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+constexpr int kMostGuesses = 1000;
+
 void validate(const EnrichOptions& o) {
   const auto require = [](bool holds, const char* field, double value, const char* expected) {
     if (!holds)
@@ -37,7 +39,8 @@ void validate(const EnrichOptions& o) {
   require(o.fixed_point_tolerance > 0.0, "fixed_point_tolerance", o.fixed_point_tolerance, "more than 0");
   require(o.update_sweeps >= 0, "update_sweeps", o.update_sweeps, "at least 0");
   require(o.update_tolerance >= 0.0, "update_tolerance", o.update_tolerance, "at least 0");
-  require(o.first_guesses >= 1, "first_guesses", o.first_guesses, "at least 1");
+  require(o.first_guesses >= 1 && o.first_guesses <= kMostGuesses, "first_guesses", o.first_guesses,
+          "1 to 1000");
   require(o.max_seconds >= 0.0, "max_seconds", o.max_seconds, "at least 0");
 }
 
@@ -54,7 +57,10 @@ class Enrichment {
         random_(options.seed) {
     state_.solution = SeparatedTensor::zero(problem.rhs.sizes());
     state_.residual = measure(state_.solution);
+    state_.random_state = options.seed;
   }
+
+  bool has_no_source() const { return residual_.is_zero(); }
 
   void start_from(const SeparatedTensor& tensor) {
     state_.solution = tensor;
@@ -62,7 +68,13 @@ class Enrichment {
     improve();
   }
 
+  /// @throws ArgumentError if the state's residual is not that of its solution in this problem
   void start_from(const EnrichState& state) {
+    if (measure(state.solution) != state.residual) {
+      throw ArgumentError(
+          fmt::format("the state has the residual {}, its solution {} in this problem: it belongs to another",
+                      state.residual, measure(state.solution)));
+    }
     state_ = state;
     random_ = Random(state.random_state);
   }
@@ -74,8 +86,14 @@ class Enrichment {
       if (product.amplitude == 0.0) break;
       TermRecord record{product.amplitude, product.iterations, product.converged, 0.0, 0.0};
       state_.largest_amplitude = std::max(state_.largest_amplitude, product.amplitude);
+      const SeparatedTensor before = state_.solution;
+      const double residual_before = state_.residual;
       state_.solution.append(SeparatedTensor::product(std::move(product.factors)), record.amplitude);
       improve();
+      if (is_worse(residual_before)) {
+        state_.solution = before;
+        state_.residual = residual_before;
+      }
       record.residual = state_.residual;
       record.seconds = seconds_since(term_start);
       state_.history.push_back(record);
@@ -126,8 +144,19 @@ class Enrichment {
     return product;
   }
 
+  /// Least squares that raise the residual have lost their digits to the squared condition number; no
+  /// projection may lead to numbers that are not finite.
+  bool is_worse(double residual_before) const {
+    if (!std::isfinite(state_.residual)) return true;
+    return options_.projection == Projection::minimal_residual && state_.residual > residual_before;
+  }
+
   /// Projects the weights of the present terms, updates their factors if that pays, measures the residual.
   void improve() {
+    if (state_.solution.rank() == 0) {
+      state_.residual = measure(state_.solution);
+      return;
+    }
     project_weights(form_, state_.solution);
     state_.residual = measure(state_.solution);
     if (options_.update_sweeps == 0) return;
@@ -228,7 +257,13 @@ class Enrichment {
   std::string message_;
 };
 
-void check_sizes(const char* what, const SeparatedTensor& tensor, const LinearProblem& problem) {
+void check_tensor(const char* what, const SeparatedTensor& tensor, const LinearProblem& problem,
+                  const EnrichOptions& options) {
+  tensor.validate(what);
+  if (tensor.rank() > options.max_rank) {
+    throw ArgumentError(fmt::format("the {} has {} terms, more than the {} of max_rank", what, tensor.rank(),
+                                    options.max_rank));
+  }
   if (tensor.sizes() == problem.rhs.sizes()) return;
   throw ArgumentError(fmt::format("the {} has sizes {}, the right-hand side {}", what,
                                   fmt::join(tensor.sizes(), " x "), fmt::join(problem.rhs.sizes(), " x ")));
@@ -240,17 +275,16 @@ EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options,
                     const SeparatedTensor* start) {
   validate(options);
   problem.validate();
-  const bool warm = start != nullptr && start->rank() > 0;
-  if (warm) check_sizes("start", *start, problem);
+  if (start != nullptr) check_tensor("start", *start, problem, options);
   Enrichment enrichment(problem, options);
-  if (warm) enrichment.start_from(*start);
+  if (start != nullptr && !enrichment.has_no_source()) enrichment.start_from(*start);
   return enrichment.run();
 }
 
 EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options, const EnrichState& state) {
   validate(options);
   problem.validate();
-  check_sizes("state", state.solution, problem);
+  check_tensor("state", state.solution, problem, options);
   Enrichment enrichment(problem, options);
   enrichment.start_from(state);
   return enrichment.run();

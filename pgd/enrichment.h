@@ -63,7 +63,8 @@ struct EnrichOptions {
   Projection projection = Projection::minimal_residual;
 
   // When to stop.
-  /// ||D U - G|| <= residual_tolerance * ||G||.
+  /// ||D U - G|| <= residual_tolerance * ||G||. A residual is never taken for smaller than the rounding of D
+  /// U.
   double residual_tolerance = 1e-8;
   ResidualKind residual = ResidualKind::resolved;
   /// |newest weight| < amplitude_tolerance * largest weight. Zero: not used.
@@ -79,7 +80,7 @@ struct EnrichOptions {
   /// Change of the product between two iterations, relative to its size.
   double fixed_point_tolerance = 1e-2;
   Acceleration acceleration = Acceleration::none;
-  /// Random first guesses per term; the product that gains most is taken.
+  /// Random first guesses per term, at most 1000; the product that gains most is taken.
   int first_guesses = 1;
 
   // After each term.
@@ -103,15 +104,15 @@ struct EnrichResult {
   double seconds = 0.0;
 };
 
-/// Solves D(U) = G. An empty or zero right-hand side gives the solution without terms and
-/// Termination::residual.
+/// Solves D(U) = G. A right-hand side without terms, or whose terms cancel to rounding, gives the solution
+/// without terms and Termination::residual.
 /// @param start a first approximation (warm start), whose terms are projected and updated first
 /// @throws ArgumentError if the problem does not validate, or an option is out of range.
 EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options = {},
                     const SeparatedTensor* start = nullptr);
 
 /// Goes on from a checkpoint of the same problem and options.
-/// @throws ArgumentError as above, or if the state does not belong to the problem.
+/// @throws ArgumentError as above, or if the state's residual is not that of its solution in this problem.
 EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options, const EnrichState& state);
 
 std::string to_string(Termination termination);

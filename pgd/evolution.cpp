@@ -237,6 +237,9 @@ class Newton {
     EnrichOptions linear;
     linear.projection = options_.projection;
     linear.residual_tolerance = wanted / norm(scaled_modes(problem.rhs, grid_.root_weights()));
+    // Newton measures its own residual: the linear one need not be resolved beyond its tolerance.
+    constexpr double kInnerProductsResolve = 1e-6;
+    if (linear.residual_tolerance > kInnerProductsResolve) linear.residual = ResidualKind::fast;
     linear.max_rank = options_.max_rank;
     linear.seed = options_.seed + history_.size();
     EnrichResult result = enrich(problem, linear, &w_);

@@ -1,6 +1,5 @@
 #include "samara/pgd/factor_system.h"
 
-#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -16,12 +15,6 @@ namespace {
 using Parts = std::vector<ModeOperator>;
 using Coefficients = std::vector<Eigen::MatrixXd>;
 
-/// LU by rows breaks down silently: its smallest pivot against the largest tells.
-bool is_regular(const Eigen::PartialPivLU<Eigen::MatrixXd>& lu) {
-  const auto pivots = lu.matrixLU().diagonal().cwiseAbs();
-  return pivots.minCoeff() > std::numeric_limits<double>::epsilon() * 1e-3 * pivots.maxCoeff();
-}
-
 bool solve_nodes(const Parts& parts, const Coefficients& c, const Eigen::MatrixXd& b, Eigen::MatrixXd& x) {
   const Eigen::Index terms = b.cols();
   Eigen::MatrixXd diagonals = Eigen::MatrixXd::Zero(b.rows(), static_cast<Eigen::Index>(c.size()));
@@ -35,8 +28,8 @@ bool solve_nodes(const Parts& parts, const Coefficients& c, const Eigen::MatrixX
     system.setZero();
     for (std::size_t i = 0; i < c.size(); ++i) system += diagonals(p, static_cast<Eigen::Index>(i)) * c[i];
     lu.compute(system);
-    if (!is_regular(lu)) return false;
     result.row(p) = lu.solve(b.row(p).transpose()).transpose();
+    if (!is_plausible(system.cwiseAbs().maxCoeff(), b.row(p), result.row(p))) return false;
   }
   if (!result.allFinite()) return false;
   x = std::move(result);
@@ -83,8 +76,8 @@ bool solve_dense(const Parts& parts, const Coefficients& c, const Eigen::MatrixX
       }
     }
     const Eigen::PartialPivLU<Eigen::MatrixXd> lu(system);
-    if (!is_regular(lu)) return false;
     const Eigen::VectorXd solution = lu.solve(Eigen::Map<const Eigen::VectorXd>(rhs.data(), rhs.size()));
+    if (!is_plausible(system.cwiseAbs().maxCoeff(), rhs, solution)) return false;
     result.middleRows(first, n) = Eigen::Map<const Eigen::MatrixXd>(solution.data(), n, terms);
   }
   if (!result.allFinite()) return false;
@@ -119,6 +112,7 @@ bool solve_sparse(const Parts& parts, const Coefficients& c, const Eigen::Matrix
   if (!solver->factorize(system)) return false;
   if (!solver->solve(Eigen::Map<const Eigen::VectorXd>(by_node.data(), by_node.size()), solution))
     return false;
+  if (!is_plausible(system.coeffs().cwiseAbs().maxCoeff(), b, solution)) return false;
   x = Eigen::Map<const Eigen::MatrixXd>(solution.data(), terms, n).transpose();
   return true;
 }

@@ -1,5 +1,7 @@
 #include "samara/pgd/linear_problem.h"
 
+#include <algorithm>
+
 #include <Eigen/SparseCholesky>
 #include <fmt/format.h>
 
@@ -47,9 +49,37 @@ void validate_norm(const LinearProblem& problem, std::size_t k) {
     throw ArgumentError(fmt::format("the norm of mode {} is {} x {}, expected {} x {}", k, norm.rows(),
                                     norm.cols(), rows, rows));
   }
+  // The factorisation below reads one half only.
+  const SparseMatrix difference = norm - SparseMatrix(norm.transpose());
+  const ModeOperator whole = ModeOperator::sparse(norm);
+  const bool symmetric =
+      whole.all_finite() && ModeOperator::sparse(difference).largest() <= 1e-12 * whole.largest();
   const Eigen::SimplicialLDLT<SparseMatrix> factor(norm);
-  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0.0))
+  if (!symmetric || factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0.0))
     throw ArgumentError(fmt::format("the norm of mode {} is not symmetric and positive", k));
+}
+
+void validate_shape(const LinearProblem& problem) {
+  const std::size_t modes = problem.rhs.factors.size();
+  for (const auto& term : problem.op.terms) {
+    if (term.size() != modes) {
+      throw ArgumentError(
+          fmt::format("the operator has a term of {} modes, the right-hand side has {}", term.size(), modes));
+    }
+  }
+  problem.rhs.validate("right-hand side");
+  if (problem.row_weights.size() > modes || problem.row_norms.size() > modes) {
+    throw ArgumentError(fmt::format("there are {} row weights and {} row norms for {} modes",
+                                    problem.row_weights.size(), problem.row_norms.size(), modes));
+  }
+}
+
+/// Squares of numbers beyond these limits leave the range of doubles.
+void validate_scale(const char* what, std::size_t k, double largest) {
+  constexpr double kLargest = 1e100;
+  if (largest == 0.0 || (largest >= 1.0 / kLargest && largest <= kLargest)) return;
+  throw ArgumentError(fmt::format(
+      "the {} is of size {:.3g} on mode {}, expected 1e-100 to 1e100: choose other units", what, largest, k));
 }
 
 }  // namespace
@@ -57,16 +87,14 @@ void validate_norm(const LinearProblem& problem, std::size_t k) {
 void LinearProblem::validate() const {
   if (op.terms.empty() || rhs.factors.empty())
     throw ArgumentError("the linear problem has no operator or no right-hand side");
-  for (const auto& term : op.terms) {
-    if (static_cast<int>(term.size()) != rhs.modes()) {
-      throw ArgumentError(fmt::format("the operator has a term of {} modes, the right-hand side has {}",
-                                      term.size(), rhs.modes()));
-    }
-  }
-  if (!rhs.weights.allFinite()) throw ArgumentError("the right-hand side has a weight that is not finite");
+  validate_shape(*this);
   for (std::size_t k = 0; k < rhs.factors.size(); ++k) {
     validate_mode(*this, k);
     validate_norm(*this, k);
+    double largest = 0.0;
+    for (const auto& term : op.terms) largest = std::max(largest, term[k].largest());
+    validate_scale("operator", k, largest);
+    if (rhs.rank() > 0) validate_scale("right-hand side", k, rhs.factors[k].cwiseAbs().maxCoeff());
   }
 }
 

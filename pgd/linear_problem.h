@@ -30,7 +30,8 @@ struct LinearProblem {
 enum class Projection {
   /// <D U - G, V> = 0 for variations V of U: right for symmetric positive operators, may stagnate for others.
   galerkin,
-  /// min ||D U - G||: any operator; the residual never increases.
+  /// min ||D U - G||: any operator; the residual never increases (a term whose normal equations are too badly
+  /// conditioned to lower it is dropped).
   minimal_residual,
 };
 

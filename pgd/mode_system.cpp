@@ -1,19 +1,12 @@
 #include "samara/pgd/mode_system.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace samara::pgd {
 
 namespace {
 using Structure = ModeOperator::Structure;
-
-/// LU by rows breaks down silently: its smallest pivot against the largest tells.
-bool is_regular(const Eigen::PartialPivLU<Eigen::MatrixXd>& lu) {
-  const auto pivots = lu.matrixLU().diagonal().cwiseAbs();
-  return pivots.minCoeff() > std::numeric_limits<double>::epsilon() * 1e-3 * pivots.maxCoeff();
-}
 
 /// Index of an entry of a compressed matrix among its stored values.
 Eigen::Index place_of(const SparseMatrix& matrix, int row, int col) {
@@ -27,6 +20,11 @@ Structure sum_structure(const std::vector<ModeOperator>& parts) {
   Structure least = Structure::diagonal;
   for (const ModeOperator& part : parts) least = std::max(least, part.structure());
   return least;
+}
+
+bool is_plausible(double largest_entry, const Eigen::MatrixXd& rhs, const Eigen::MatrixXd& x) {
+  constexpr double kLargestGrowth = 1e14;
+  return x.allFinite() && largest_entry * x.norm() <= kLargestGrowth * rhs.norm();
 }
 
 SparseMatrix sparse_sum(const std::vector<ModeOperator>& parts, const Eigen::VectorXd& coefficients) {
@@ -89,9 +87,8 @@ bool ModeSystem::solve_dense(const Eigen::VectorXd& coefficients, const Eigen::V
   for (std::size_t i = 0; i < parts_->size(); ++i)
     (*parts_)[i].add_to_dense(matrix_, coefficients[static_cast<Eigen::Index>(i)]);
   lu_.compute(matrix_);
-  if (!is_regular(lu_)) return false;
   x = lu_.solve(rhs);
-  return x.allFinite();
+  return is_plausible(matrix_.cwiseAbs().maxCoeff(), rhs, x);
 }
 
 bool ModeSystem::solve_sparse(const Eigen::VectorXd& coefficients, const Eigen::VectorXd& rhs,
@@ -101,7 +98,8 @@ bool ModeSystem::solve_sparse(const Eigen::VectorXd& coefficients, const Eigen::
   for (std::size_t i = 0; i < sparse_values_.size(); ++i) {
     values += coefficients[static_cast<Eigen::Index>(i)] * sparse_values_[i];
   }
-  return sparse_->factorize(pattern_) && sparse_->solve(rhs, x);
+  return sparse_->factorize(pattern_) && sparse_->solve(rhs, x) &&
+         is_plausible(values.cwiseAbs().maxCoeff(), rhs, x);
 }
 
 std::vector<ModeSystem> make_mode_systems(const OperatorChain& chain, SparseSolverKind kind) {

@@ -63,12 +63,6 @@ OperatorChain OperatorChain::identity(std::span<const int> sizes) {
   return {std::move(parts), {std::vector<int>(sizes.size(), 0)}};
 }
 
-ModeOperator::Structure OperatorChain::structure(int k) const {
-  ModeOperator::Structure least = ModeOperator::Structure::diagonal;
-  for (const ModeOperator& part : mode(k).parts) least = std::max(least, part.structure());
-  return least;
-}
-
 void OperatorChain::link() {
   const std::size_t d = modes_.size();
   const std::vector<int> usual = usual_parts(terms_);

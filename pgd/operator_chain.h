@@ -42,8 +42,6 @@ class OperatorChain {
   int states(int k) const { return states_[static_cast<std::size_t>(k)]; }
   /// Per term the part of every mode.
   const std::vector<std::vector<int>>& terms() const { return terms_; }
-  /// The least structure that holds a sum of the mode's parts.
-  ModeOperator::Structure structure(int k) const;
 
  private:
   void link();

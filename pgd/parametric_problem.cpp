@@ -1,6 +1,7 @@
 #include "samara/pgd/parametric_problem.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -95,6 +96,9 @@ void ParametricProblem::add_term(const std::map<std::string, ModeOperator>& part
     const Axis& axis = axes_[position(name)];
     check_size(axis, part.rows(), "term");
     check_size(axis, part.cols(), "term");
+    if (!part.all_finite() || !std::isfinite(scale))
+      throw ArgumentError(
+          fmt::format("a term has an entry or scale on axis \"{}\" that is not finite", name));
   }
   std::vector<ModeOperator> term;
   for (std::size_t k = 0; k < axes_.size(); ++k) {
@@ -187,6 +191,10 @@ LinearProblem ParametricProblem::assemble() const {
 }
 
 SeparatedTensor ParametricProblem::complete(const SeparatedTensor& unknown) const {
+  if (unknown.factors.size() != axes_.size()) {
+    throw ArgumentError(
+        fmt::format("the solution has {} modes, the problem {} axes", unknown.factors.size(), axes_.size()));
+  }
   SeparatedTensor whole;
   whole.weights = unknown.weights;
   for (std::size_t k = 0; k < axes_.size(); ++k) {

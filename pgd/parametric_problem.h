@@ -51,7 +51,7 @@ class ParametricProblem {
   void add_to_lift(const std::map<std::string, Eigen::VectorXd>& values, double scale = 1.0);
 
   /// The equations of what is left of the solution, without the known nodes: D (U - lift) = G - D lift.
-  /// @throws ArgumentError if there is no term or source, or all nodes of an axis are known.
+  /// @throws ArgumentError if there is no term, or all nodes of an axis are known.
   LinearProblem assemble() const;
   /// The solution on the whole grid: that of assemble(), zero at the known nodes, and the lift.
   SeparatedTensor complete(const SeparatedTensor& unknown) const;

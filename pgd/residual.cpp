@@ -7,6 +7,7 @@
 
 #include <Eigen/QR>
 
+#include "samara/pgd/random.h"
 #include "samara/pgd/tensor_train.h"
 
 namespace samara::pgd {
@@ -19,6 +20,8 @@ SeparatedTensor measured(SeparatedTensor tensor, const std::vector<RowMeasure>& 
 }
 
 using Link = OperatorChain::Link;
+
+constexpr double kRounding = std::numeric_limits<double>::epsilon();
 
 /// R of the thin QR.
 Eigen::MatrixXd triangular_factor(const Eigen::MatrixXd& matrix) {
@@ -81,7 +84,12 @@ Residual::Residual(const LinearProblem& problem)
     : chain_(problem.op),
       measures_(row_measures(problem)),
       rhs_(measured(problem.rhs, measures_)),
-      rhs_norm_(norm(rhs_)) {}
+      rhs_norm_(norm(rhs_)) {
+  Eigen::ArrayXd sizes = rhs_.weights.cwiseAbs();
+  for (const Eigen::MatrixXd& factor : rhs_.factors) sizes *= factor.colwise().norm().transpose().array();
+  rhs_squares_ = sizes.square().sum();
+  if (rhs_norm_ <= 10.0 * kRounding * sizes.sum()) rhs_norm_ = 0.0;
+}
 
 std::vector<Eigen::MatrixXd> Residual::applied(int mode, const SeparatedTensor& u) const {
   const auto k = static_cast<std::size_t>(mode);
@@ -91,27 +99,59 @@ std::vector<Eigen::MatrixXd> Residual::applied(int mode, const SeparatedTensor& 
   return results;
 }
 
-double Residual::fast(const SeparatedTensor& u) const {
-  if (rhs_norm_ == 0.0) return u.rank() == 0 ? 0.0 : std::numeric_limits<double>::infinity();
-  if (u.rank() == 0) return 1.0;
+Residual::Squared Residual::squared(const SeparatedTensor& u) const {
   SquaredNorm square(chain_, u.weights);
   ChainProducts mixed(chain_, rhs_.rank(), u.rank());
+  ChainProducts sizes(chain_, 1, u.rank());
   for (int k = 0; k < chain_.modes(); ++k) {
     const std::vector<Eigen::MatrixXd> y = applied(k, u);
     square.visit(k, y);
     for (std::size_t p = 0; p < y.size(); ++p) {
-      mixed.gram(k, static_cast<int>(p)).noalias() =
-          rhs_.factors[static_cast<std::size_t>(k)].transpose() * y[p];
+      const int part = static_cast<int>(p);
+      mixed.gram(k, part).noalias() = rhs_.factors[static_cast<std::size_t>(k)].transpose() * y[p];
+      sizes.gram(k, part) = y[p].colwise().squaredNorm();
     }
   }
   mixed.start(rhs_.weights * u.weights.transpose());
-  for (int k = 0; k < chain_.modes(); ++k) mixed.advance(k);
-  const double squared = square.value() - 2.0 * mixed.total().sum() + rhs_norm_ * rhs_norm_;
-  return std::sqrt(std::max(0.0, squared)) / rhs_norm_;
+  sizes.start(u.weights.cwiseAbs2().transpose());
+  for (int k = 0; k < chain_.modes(); ++k) {
+    mixed.advance(k);
+    sizes.advance(k);
+  }
+  // The inner products of all pairs of terms are added up; their rounding errors are independent.
+  const double scale = sizes.total().sum() + rhs_squares_;
+  return {square.value() - 2.0 * mixed.total().sum() + rhs_norm_ * rhs_norm_, kRounding * scale};
+}
+
+double Residual::rounding(const SeparatedTensor& u) const {
+  ChainProducts sizes(chain_, 1, u.rank());
+  for (int k = 0; k < chain_.modes(); ++k) {
+    const auto mode = static_cast<std::size_t>(k);
+    // Rounding has no preferred sign: a measure that smooths must not see it add up.
+    Random random(mode + 1);
+    const Eigen::VectorXd signs = Eigen::VectorXd::NullaryExpr(
+        rhs_.factors[mode].rows(), [&](Eigen::Index) { return random.uniform() < 0.5 ? -1.0 : 1.0; });
+    const std::vector<ModeOperator>& parts = chain_.mode(k).parts;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      const Eigen::MatrixXd sums = signs.asDiagonal() * parts[p].apply_magnitudes(u.factors[mode]);
+      sizes.gram(k, static_cast<int>(p)) = measures_[mode].apply(sums).colwise().norm();
+    }
+  }
+  sizes.start(u.weights.cwiseAbs().transpose());
+  for (int k = 0; k < chain_.modes(); ++k) sizes.advance(k);
+  return kRounding * sizes.total().sum() / rhs_norm_;
+}
+
+double Residual::fast(const SeparatedTensor& u) const {
+  if (is_zero()) return u.rank() == 0 ? 0.0 : std::numeric_limits<double>::infinity();
+  if (u.rank() == 0) return 1.0;
+  const Squared square = squared(u);
+  if (!std::isfinite(square.value)) return std::numeric_limits<double>::quiet_NaN();
+  return std::max(std::sqrt(std::max(square.value, square.noise)) / rhs_norm_, rounding(u));
 }
 
 double Residual::exact(const SeparatedTensor& u) const {
-  if (rhs_norm_ == 0.0) return u.rank() == 0 ? 0.0 : std::numeric_limits<double>::infinity();
+  if (is_zero()) return u.rank() == 0 ? 0.0 : std::numeric_limits<double>::infinity();
   const Eigen::Index terms = u.rank();
   const Eigen::Index sources = rhs_.rank();
   // Cores of D U - G block by block, as in to_train(): columns of `carry` are states x terms, then sources.
@@ -127,16 +167,22 @@ double Residual::exact(const SeparatedTensor& u) const {
       Eigen::Map<Eigen::MatrixXd>(unfolding.col(operator_columns + m).data(), carry.rows(), g.rows()) =
           carry.col(carry.cols() - sources + m) * g.col(m).transpose();
     }
-    if (k + 1 == chain_.modes()) return unfolding.rowwise().sum().norm() / rhs_norm_;
+    if (k + 1 == chain_.modes()) {
+      const double residual = unfolding.rowwise().sum().norm() / rhs_norm_;
+      return terms == 0 || !std::isfinite(residual) ? residual : std::max(residual, rounding(u));
+    }
     carry = triangular_factor(unfolding);
   }
   return 0.0;
 }
 
 double Residual::resolved(const SeparatedTensor& u) const {
-  constexpr double kResolved = 1e-6;
-  const double residual = fast(u);
-  return residual < kResolved ? exact(u) : residual;
+  constexpr double kTwoDigits = 1e2;
+  if (is_zero() || u.rank() == 0) return fast(u);
+  const Squared square = squared(u);
+  if (square.value > kTwoDigits * square.noise)
+    return std::max(std::sqrt(square.value) / rhs_norm_, rounding(u));
+  return exact(u);
 }
 
 double fast_relative_residual(const LinearProblem& problem, const SeparatedTensor& u) {

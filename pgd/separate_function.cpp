@@ -48,6 +48,10 @@ TensorTrain without_first_mode(TensorTrain train) {
   return train;
 }
 
+ArgumentError not_finite(const NodalFunction& function, const std::vector<int>& index) {
+  return ArgumentError(fmt::format("the function to separate is not finite at {}", function.point(index)));
+}
+
 double largest_difference(const SeparatedTensor& tensor, NodalFunction& function, std::uint64_t seed) {
   constexpr int kPoints = 500;
   Random random(seed);
@@ -56,7 +60,9 @@ double largest_difference(const SeparatedTensor& tensor, NodalFunction& function
     Eigen::VectorXi index(tensor.modes());
     for (int k = 0; k < tensor.modes(); ++k) index[k] = random.below(tensor.size(k));
     const std::vector<int> entry(index.begin(), index.end());
-    largest = std::max(largest, std::abs(tensor.entry(entry) - function(index)));
+    const double value = function(index);
+    if (!std::isfinite(value)) throw not_finite(function, entry);
+    largest = std::max(largest, std::abs(tensor.entry(entry) - value));
   }
   return largest;
 }
@@ -86,10 +92,7 @@ SeparatedFunction separate(const std::function<double(std::span<const double>)>&
   cross.tolerance = 0.3 * options.tolerance * std::max(size, 1e-300);
   cross.max_rank = options.max_rank;
   const CrossResult found = interpolate(entries, 1, sizes, cross);
-  if (found.status == CrossStatus::not_finite) {
-    throw ArgumentError(
-        fmt::format("the function to separate is not finite at {}", function.point(found.bad_entry)));
-  }
+  if (found.status == CrossStatus::not_finite) throw not_finite(function, found.bad_entry);
   SeparatedFunction result;
   result.evaluations = found.evaluations;
   result.grid_size = found.grid_size;

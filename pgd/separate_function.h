@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
@@ -18,10 +19,10 @@ struct SeparateOptions {
 };
 
 struct SeparatedFunction {
-  SeparatedTensor tensor;  ///< nodal values over the axes
-  double error = 0.0;      ///< largest difference at random nodes, relative to the largest value
-  bool tolerance_met = false;
-  long evaluations = 0;  ///< distinct nodes asked for
+  SeparatedTensor tensor;      ///< nodal values over the axes
+  double error = 0.0;          ///< largest difference at random nodes, relative to the largest value
+  bool tolerance_met = false;  ///< at 500 random nodes; a peak that none of them sees stays unseen
+  long evaluations = 0;        ///< distinct nodes asked for
   double grid_size = 0.0;
   std::string message = {};  ///< why the tolerance is missed
 };

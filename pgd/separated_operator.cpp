@@ -51,6 +51,25 @@ Eigen::MatrixXd ModeOperator::apply(const Eigen::MatrixXd& x) const {
       storage_);
 }
 
+Eigen::MatrixXd ModeOperator::apply_magnitudes(const Eigen::MatrixXd& x) const {
+  const Eigen::MatrixXd sizes = x.cwiseAbs();
+  return std::visit(Overloaded{[&](int) -> Eigen::MatrixXd { return sizes; },
+                               [&](const Eigen::VectorXd& d) -> Eigen::MatrixXd {
+                                 return d.cwiseAbs().asDiagonal() * sizes;
+                               },
+                               [&](const auto& m) -> Eigen::MatrixXd { return m.cwiseAbs() * sizes; }},
+                    storage_);
+}
+
+double ModeOperator::largest() const {
+  return std::visit(Overloaded{[](int) { return 1.0; },
+                               [](const SparseMatrix& m) {
+                                 return m.nonZeros() == 0 ? 0.0 : m.coeffs().cwiseAbs().maxCoeff();
+                               },
+                               [](const auto& m) { return m.size() == 0 ? 0.0 : m.cwiseAbs().maxCoeff(); }},
+                    storage_);
+}
+
 void ModeOperator::apply_to(Eigen::Ref<const Eigen::VectorXd> x, Eigen::Ref<Eigen::VectorXd> y) const {
   std::visit(Overloaded{[&](int) { y = x; }, [&](const Eigen::VectorXd& d) { y = d.cwiseProduct(x); },
                         [&](const auto& m) { y.noalias() = m * x; }},
@@ -175,12 +194,6 @@ SeparatedTensor SeparatedOperator::apply(const SeparatedTensor& u) const {
   }
   for (Eigen::Index i = 0; i < rank(); ++i) result.weights.segment(i * r, r) = u.weights;
   return result;
-}
-
-ModeOperator::Structure SeparatedOperator::structure(int mode) const {
-  ModeOperator::Structure least = ModeOperator::Structure::diagonal;
-  for (const auto& term : terms) least = std::max(least, term[static_cast<std::size_t>(mode)].structure());
-  return least;
 }
 
 }  // namespace samara::pgd

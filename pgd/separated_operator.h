@@ -40,6 +40,10 @@ class ModeOperator {
   void add_to_dense(Eigen::Ref<Eigen::MatrixXd> target, double scale) const;
   void add_to_triplets(std::vector<Eigen::Triplet<double>>& target, int row, int col, double scale) const;
 
+  /// |this| |x|, entry by entry: what rounding in apply(x) is relative to.
+  Eigen::MatrixXd apply_magnitudes(const Eigen::MatrixXd& x) const;
+  /// Largest |entry|.
+  double largest() const;
   bool all_finite() const;
   /// Same storage, same numbers. O(entries).
   bool operator==(const ModeOperator& other) const;
@@ -70,8 +74,6 @@ struct SeparatedOperator {
 
   /// D u: rank() * u.rank() terms.
   SeparatedTensor apply(const SeparatedTensor& u) const;
-  /// The least structure that holds a sum of the mode's parts.
-  ModeOperator::Structure structure(int mode) const;
 };
 
 }  // namespace samara::pgd

@@ -4,6 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+
 namespace samara::pgd {
 
 SeparatedTensor SeparatedTensor::zero(std::span<const int> sizes) {
@@ -23,6 +27,18 @@ std::vector<int> SeparatedTensor::sizes() const {
   std::vector<int> n;
   for (int k = 0; k < modes(); ++k) n.push_back(size(k));
   return n;
+}
+
+void SeparatedTensor::validate(const std::string& what) const {
+  if (!weights.allFinite()) throw ArgumentError(fmt::format("the {} has a weight that is not finite", what));
+  for (std::size_t k = 0; k < factors.size(); ++k) {
+    if (factors[k].cols() != weights.size()) {
+      throw ArgumentError(fmt::format("the {} has {} weights and a factor of {} columns on mode {}", what,
+                                      weights.size(), factors[k].cols(), k));
+    }
+    if (!factors[k].allFinite())
+      throw ArgumentError(fmt::format("the {} has an entry on mode {} that is not finite", what, k));
+  }
 }
 
 double SeparatedTensor::entry(std::span<const int> index) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,6 +26,10 @@ struct SeparatedTensor {
   int modes() const { return static_cast<int>(factors.size()); }
   int size(int mode) const { return static_cast<int>(factors[static_cast<std::size_t>(mode)].rows()); }
   std::vector<int> sizes() const;
+
+  /// @throws ArgumentError, naming `what`, if a factor has not rank() columns or an entry or weight is not
+  /// finite.
+  void validate(const std::string& what) const;
 
   /// Value at one grid point. O(R d), does not allocate.
   double entry(std::span<const int> index) const;

@@ -41,16 +41,38 @@ std::vector<Eigen::Index> mirrored_places(const SparseMatrix& pattern) {
   return places;
 }
 
+/// Whether a matrix of a known pattern is symmetric.
+class SymmetryTest {
+ public:
+  explicit SymmetryTest(const SparseMatrix& pattern) : mirrored_(mirrored_places(pattern)) {}
+
+  bool operator()(const SparseMatrix& matrix) const {
+    if (mirrored_.size() != static_cast<std::size_t>(matrix.nonZeros())) return false;
+    const double* values = matrix.valuePtr();
+    double size = 0.0;
+    double difference = 0.0;
+    for (std::size_t i = 0; i < mirrored_.size(); ++i) {
+      size = std::max(size, std::abs(values[i]));
+      difference = std::max(difference, std::abs(values[i] - values[mirrored_[i]]));
+    }
+    return difference <= 1e-13 * size;
+  }
+
+ private:
+  std::vector<Eigen::Index> mirrored_;
+};
+
 /// Any of the solvers with Eigen's interface.
-template <class Solver>
+template <class Solver, bool kSymmetricOnly>
 class Direct final : public SparseSolver {
  public:
-  explicit Direct(const SparseMatrix& pattern) {
+  explicit Direct(const SparseMatrix& pattern) : is_symmetric_(pattern) {
     if constexpr (requires { solver_.cholmod(); }) solver_.cholmod().print = 0;  // its status says it too
     solver_.analyzePattern(pattern);
   }
 
   bool factorize(const SparseMatrix& matrix) override {
+    if (kSymmetricOnly && !is_symmetric_(matrix)) return false;
     solver_.factorize(matrix);
     return solver_.info() == Eigen::Success;
   }
@@ -62,20 +84,20 @@ class Direct final : public SparseSolver {
 
  private:
   Solver solver_;
+  SymmetryTest is_symmetric_;
 };
 
-using Ldlt = Direct<Eigen::SimplicialLDLT<SparseMatrix>>;
-using Lu = Direct<Eigen::SparseLU<SparseMatrix>>;
+using Ldlt = Direct<Eigen::SimplicialLDLT<SparseMatrix>, true>;
+using Lu = Direct<Eigen::SparseLU<SparseMatrix>, false>;
 
 /// LDL^T where it holds. It does not pivot, so its answers are checked.
 class Automatic final : public SparseSolver {
  public:
-  explicit Automatic(SparseMatrix pattern)
-      : pattern_(std::move(pattern)), mirrored_(mirrored_places(pattern_)) {}
+  explicit Automatic(SparseMatrix pattern) : pattern_(std::move(pattern)), is_symmetric_(pattern_) {}
 
   bool factorize(const SparseMatrix& matrix) override {
     matrix_ = &matrix;
-    use_ldlt_ = is_symmetric();
+    use_ldlt_ = is_symmetric_(matrix);
     if (use_ldlt_) {
       if (!ldlt_) ldlt_ = std::make_unique<Ldlt>(pattern_);
       use_ldlt_ = ldlt_->factorize(matrix);
@@ -93,18 +115,6 @@ class Automatic final : public SparseSolver {
   }
 
  private:
-  bool is_symmetric() const {
-    if (mirrored_.empty() || matrix_->nonZeros() != pattern_.nonZeros()) return false;
-    const double* values = matrix_->valuePtr();
-    double size = 0.0;
-    double difference = 0.0;
-    for (std::size_t i = 0; i < mirrored_.size(); ++i) {
-      size = std::max(size, std::abs(values[i]));
-      difference = std::max(difference, std::abs(values[i] - values[mirrored_[i]]));
-    }
-    return difference <= 1e-13 * size;
-  }
-
   /// Whether x solves a system close to the one asked for.
   bool is_backward_stable(const Eigen::MatrixXd& b, const Eigen::MatrixXd& x) const {
     constexpr double kAcceptable = 1e-11;
@@ -118,7 +128,7 @@ class Automatic final : public SparseSolver {
   }
 
   SparseMatrix pattern_;
-  std::vector<Eigen::Index> mirrored_;
+  SymmetryTest is_symmetric_;
   const SparseMatrix* matrix_ = nullptr;  ///< factorised last
   std::unique_ptr<Ldlt> ldlt_;
   std::unique_ptr<Lu> lu_;
@@ -150,9 +160,9 @@ std::unique_ptr<SparseSolver> make_sparse_solver(SparseSolverKind kind, const Sp
       return std::make_unique<Lu>(pattern);
 #ifdef SAMARA_HAS_SUITESPARSE
     case SparseSolverKind::cholmod:
-      return std::make_unique<Direct<Eigen::CholmodDecomposition<SparseMatrix>>>(pattern);
+      return std::make_unique<Direct<Eigen::CholmodDecomposition<SparseMatrix>, true>>(pattern);
     case SparseSolverKind::umfpack:
-      return std::make_unique<Direct<Eigen::UmfPackLU<SparseMatrix>>>(pattern);
+      return std::make_unique<Direct<Eigen::UmfPackLU<SparseMatrix>, false>>(pattern);
 #endif
     default:
       break;

@@ -15,7 +15,7 @@ enum class SparseSolverKind {
   automatic,  ///< symmetric matrices: Eigen's LDL^T, checked and replaced by LU if it breaks down; others: LU
   eigen_ldlt,  ///< Eigen's simplicial LDL^T; symmetric matrices only
   eigen_lu,    ///< Eigen's supernodal LU
-  cholmod,     ///< CHOLMOD, simplicial or supernodal; symmetric positive matrices only
+  cholmod,     ///< CHOLMOD, simplicial or supernodal; symmetric matrices only
   umfpack,     ///< UMFPACK's multifrontal LU
 };
 

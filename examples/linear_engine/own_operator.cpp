@@ -1,7 +1,9 @@
 // An operator of one's own: u(x) - m * integral of exp(-|x - y|) u(y) dy = 1 on (0,1) (Fredholm's equation of
 // the second kind) for all strengths m in [0, 0.9]. Any matrix can stand on an axis; this one is dense.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <vector>
 
 #include <Eigen/LU>
 

@@ -6,6 +6,7 @@
 #include "random_tensor.h"
 #include "samara/base/errors.h"
 #include "samara/pgd/enrichment.h"
+#include "samara/pgd/parametric_problem.h"
 #include "samara/pgd/residual.h"
 
 using namespace samara::pgd;
@@ -148,4 +149,120 @@ TEST_CASE("a problem that cannot converge ends with a status, not with a claim")
     CHECK(result.termination == Termination::singular);
     CHECK(result.residual > 0.1);
   }
+}
+
+TEST_CASE("a singular operator is never solved to a claimed residual") {
+  // Insulated on both sides: constants are free, and the source has nowhere to go.
+  for (const int elements : {10, 20, 40, 63, 100}) {
+    const Axis x = Axis::p1({"x", "m", AxisRole::space}, 0.0, 1.0, elements + 1);
+    const Axis k = Axis::chebyshev({"k"}, 1.0, 2.0, 5);
+    ParametricProblem problem({x, k});
+    problem.add_term({{"x", ModeOperator::sparse(x.stiffness())}, {"k", ModeOperator::diagonal(k.nodes())}});
+    problem.add_source({});
+    for (const SparseSolverKind kind :
+         {SparseSolverKind::automatic, SparseSolverKind::eigen_lu, SparseSolverKind::umfpack}) {
+      if (!is_available(kind)) continue;
+      EnrichOptions options = galerkin(10, 1e-8);
+      options.solver = kind;
+      const EnrichResult result = enrich(problem.assemble(), options);
+      CAPTURE(elements, to_string(kind), result.message);
+      CHECK(result.termination != Termination::residual);
+      CHECK(result.residual > 1e-2);
+    }
+  }
+}
+
+TEST_CASE("terms that cancel do not hide a residual from the cheap measure") {
+  LinearProblem problem = poisson(2, 8);
+  SeparatedTensor large = random_tensor({8, 8}, 2, 3);
+  problem.rhs.append(large, 1e7);
+  problem.rhs.append(large, -1e7);
+  const EnrichResult result = enrich(problem, galerkin(20, 1e-7));
+  CHECK(result.termination == Termination::residual);
+  EnrichOptions fast = galerkin(20, 1e-12);
+  fast.residual = ResidualKind::fast;
+  CHECK(enrich(problem, fast).residual > 0.0);
+  CHECK(enrich(problem, fast).termination != Termination::residual);
+}
+
+TEST_CASE("the minimal residual never increases, not even for operators far from normal") {
+  for (const double a : {4.0, 10.0, 20.0}) {
+    Eigen::MatrixXd upper = Eigen::MatrixXd::Identity(6, 6);
+    for (int i = 0; i + 1 < 6; ++i) upper(i, i + 1) = a;
+    LinearProblem problem;
+    problem.op.terms = {{ModeOperator::dense(upper), ModeOperator::identity(6)},
+                        {ModeOperator::identity(6), ModeOperator::dense(upper)}};
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      problem.rhs = random_tensor({6, 6}, 2, seed);
+      EnrichOptions options;
+      options.max_rank = 12;
+      options.stagnation_terms = 12;
+      options.residual_tolerance = 1e-13;
+      options.update_sweeps = static_cast<int>(seed % 3) * 2;
+      const EnrichResult result = enrich(problem, options);
+      for (std::size_t r = 1; r < result.history.size(); ++r)
+        CHECK(result.history[r].residual <= result.history[r - 1].residual);
+      CHECK(result.residual == Approx(relative_residual(problem, result.solution)).epsilon(0.05));
+    }
+  }
+}
+
+TEST_CASE("starts that are broken, too long or empty are refused or harmless") {
+  const LinearProblem problem = poisson(2, 6);
+  SeparatedTensor start = random_tensor({6, 6}, 2, 1);
+  start.factors[1](2, 0) = std::nan("");
+  CHECK_THROWS_WITH(enrich(problem, galerkin(5), &start), Contains("start") && Contains("mode 1"));
+  start = random_tensor({6, 6}, 3, 1);
+  CHECK_THROWS_WITH(enrich(problem, galerkin(2), &start), Contains("3 terms") && Contains("max_rank"));
+  start.factors[1].conservativeResize(Eigen::NoChange, 1);
+  CHECK_THROWS_WITH(enrich(problem, galerkin(5), &start), Contains("3 weights") && Contains("1 columns"));
+  start = random_tensor({6, 6}, 1, 1);
+  start.weights[0] = 0.0;
+  CHECK(enrich(problem, galerkin(12, 1e-6), &start).termination == Termination::residual);
+  start = SeparatedTensor::zero(std::vector<int>{6, 7});
+  CHECK_THROWS_WITH(enrich(problem, galerkin(5), &start), Contains("6 x 7"));
+}
+
+TEST_CASE("a state whose residual is not its solution's in this problem is refused") {
+  EnrichState state;
+  EnrichOptions options = galerkin(3);
+  options.checkpoint = [&](const EnrichState& s) { state = s; };
+  enrich(poisson(2, 6), options);
+  LinearProblem other = poisson(2, 6);
+  other.rhs.weights *= 2.0;
+  CHECK_THROWS_WITH(enrich(other, galerkin(5), state), Contains("belongs to another"));
+  state.residual = 1e-9;
+  CHECK_THROWS_WITH(enrich(poisson(2, 6), galerkin(5), state), Contains("belongs to another"));
+}
+
+TEST_CASE("a right-hand side that vanishes has the solution without terms, also from a warm start") {
+  LinearProblem problem = poisson(2, 6);
+  problem.rhs.append(problem.rhs, -1.0);
+  const SeparatedTensor start = random_tensor({6, 6}, 2, 1);
+  for (const SeparatedTensor* from : {static_cast<const SeparatedTensor*>(nullptr), &start}) {
+    const EnrichResult result = enrich(problem, galerkin(5), from);
+    CHECK(result.termination == Termination::residual);
+    CHECK(result.solution.rank() == 0);
+    CHECK(result.residual == 0.0);
+  }
+}
+
+TEST_CASE("problems that do not fit together, or leave the range of doubles, are refused") {
+  LinearProblem problem = poisson(2, 6);
+  problem.row_weights = std::vector<Eigen::VectorXd>(3, Eigen::VectorXd::Ones(6));
+  CHECK_THROWS_WITH(enrich(problem, galerkin(3)), Contains("3 row weights") && Contains("2 modes"));
+  problem = poisson(2, 6);
+  problem.rhs.weights = Eigen::VectorXd::Ones(5);
+  CHECK_THROWS_WITH(enrich(problem, galerkin(3)), Contains("5 weights"));
+  problem = poisson(2, 6);
+  problem.rhs.factors[0] *= 1e-170;
+  CHECK_THROWS_WITH(enrich(problem, galerkin(3)), Contains("1e-170") && Contains("1e-100 to 1e100"));
+}
+
+TEST_CASE("dense and diagonal operators of many magnitudes are regular") {
+  const Eigen::VectorXd values = Eigen::Vector3d(1.0, 1e-10, 1e-20);
+  LinearProblem problem;
+  problem.op.terms = {{ModeOperator::dense(values.asDiagonal()), ModeOperator::identity(2)}};
+  problem.rhs = SeparatedTensor::product({values, Eigen::Vector2d(1.0, 1.0)});
+  CHECK(enrich(problem, galerkin(3)).termination == Termination::residual);
 }

@@ -140,6 +140,8 @@ TEST_CASE("forms with a coefficient agree with the axis's own, and integrate pro
     }
     CHECK(point_load(x, 1.1).sum() == Approx(1.0));
   }
+  const Axis root = Axis::chebyshev({"r", "1", AxisRole::parameter, Transform::square_root}, 0.0, 1.0, 6);
+  CHECK_THROWS_AS(weighted_stiffness(root, [](double) { return 1.0; }), samara::ArgumentError);
   const Axis x = Axis::p1({"x"}, 0.0, 1.0, 3);
   CHECK_THROWS_WITH(weighted_mass(x, [](double s) { return std::log(s - 1.0); }),
                     Contains("coefficient is") && Contains("x ="));

@@ -1,5 +1,7 @@
 #include "samara/pgd/residual.h"
 
+#include <limits>
+
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 
@@ -109,6 +111,15 @@ TEST_CASE("a norm that is no norm is refused") {
   negative.coeffRef(2, 2) = -1.0;
   small.problem.row_norms = {negative};
   CHECK_THROWS_WITH(enrich(small.problem), Contains("norm of mode 0") && Contains("positive"));
+  SparseMatrix lopsided(4, 4);
+  lopsided.setIdentity();
+  lopsided.coeffRef(0, 3) = 0.5;
+  small.problem.row_norms = {lopsided};
+  CHECK_THROWS_WITH(enrich(small.problem), Contains("norm of mode 0") && Contains("symmetric"));
+  lopsided.coeffRef(0, 3) = 0.0;
+  lopsided.coeffRef(0, 0) = std::numeric_limits<double>::infinity();
+  small.problem.row_norms = {lopsided};
+  CHECK_THROWS_WITH(enrich(small.problem), Contains("norm of mode 0"));
   small.problem.row_norms = {SparseMatrix(3, 3)};
   CHECK_THROWS_WITH(enrich(small.problem), Contains("3 x 3, expected 4 x 4"));
 }

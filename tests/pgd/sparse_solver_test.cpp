@@ -54,6 +54,14 @@ TEST_CASE("solvers by LU take systems that are not symmetric") {
   }
 }
 
+TEST_CASE("solvers for symmetric systems refuse others") {
+  for (const SparseSolverKind kind : {SparseSolverKind::eigen_ldlt, SparseSolverKind::cholmod}) {
+    if (!is_available(kind)) continue;
+    const SparseMatrix matrix = two_by_two(2.0, 1.0, 0.0, 3.0);
+    CHECK_FALSE(make_sparse_solver(kind, matrix)->factorize(matrix));
+  }
+}
+
 TEST_CASE("the automatic choice survives pivots that break the factorisation without pivoting") {
   CHECK(error_of(SparseSolverKind::automatic, two_by_two(0.0, 1.0, 1.0, 0.0)) < 1e-14);
   CHECK(error_of(SparseSolverKind::automatic, two_by_two(1e-18, 1.0, 1.0, 1.0)) < 1e-14);
