@@ -29,7 +29,7 @@ bool solve_nodes(const Parts& parts, const Coefficients& c, const Eigen::MatrixX
     for (std::size_t i = 0; i < c.size(); ++i) system += diagonals(p, static_cast<Eigen::Index>(i)) * c[i];
     lu.compute(system);
     result.row(p) = lu.solve(b.row(p).transpose()).transpose();
-    if (!is_plausible(system.cwiseAbs().maxCoeff(), b.row(p), result.row(p))) return false;
+    if (!is_plausible(system.cwiseAbs().maxCoeff(), b.row(p).norm(), result.row(p).norm())) return false;
   }
   if (!result.allFinite()) return false;
   x = std::move(result);
@@ -77,7 +77,7 @@ bool solve_dense(const Parts& parts, const Coefficients& c, const Eigen::MatrixX
     }
     const Eigen::PartialPivLU<Eigen::MatrixXd> lu(system);
     const Eigen::VectorXd solution = lu.solve(Eigen::Map<const Eigen::VectorXd>(rhs.data(), rhs.size()));
-    if (!is_plausible(system.cwiseAbs().maxCoeff(), rhs, solution)) return false;
+    if (!is_plausible(system.cwiseAbs().maxCoeff(), rhs.norm(), solution.norm())) return false;
     result.middleRows(first, n) = Eigen::Map<const Eigen::MatrixXd>(solution.data(), n, terms);
   }
   if (!result.allFinite()) return false;
@@ -112,7 +112,7 @@ bool solve_sparse(const Parts& parts, const Coefficients& c, const Eigen::Matrix
   if (!solver->factorize(system)) return false;
   if (!solver->solve(Eigen::Map<const Eigen::VectorXd>(by_node.data(), by_node.size()), solution))
     return false;
-  if (!is_plausible(system.coeffs().cwiseAbs().maxCoeff(), b, solution)) return false;
+  if (!is_plausible(system.coeffs().cwiseAbs().maxCoeff(), b.norm(), solution.norm())) return false;
   x = Eigen::Map<const Eigen::MatrixXd>(solution.data(), terms, n).transpose();
   return true;
 }

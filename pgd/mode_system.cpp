@@ -1,6 +1,7 @@
 #include "samara/pgd/mode_system.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace samara::pgd {
@@ -22,9 +23,9 @@ Structure sum_structure(const std::vector<ModeOperator>& parts) {
   return least;
 }
 
-bool is_plausible(double largest_entry, const Eigen::MatrixXd& rhs, const Eigen::MatrixXd& x) {
+bool is_plausible(double largest_entry, double rhs_norm, double solution_norm) {
   constexpr double kLargestGrowth = 1e14;
-  return x.allFinite() && largest_entry * x.norm() <= kLargestGrowth * rhs.norm();
+  return std::isfinite(solution_norm) && largest_entry * solution_norm <= kLargestGrowth * rhs_norm;
 }
 
 SparseMatrix sparse_sum(const std::vector<ModeOperator>& parts, const Eigen::VectorXd& coefficients) {
@@ -88,7 +89,7 @@ bool ModeSystem::solve_dense(const Eigen::VectorXd& coefficients, const Eigen::V
     (*parts_)[i].add_to_dense(matrix_, coefficients[static_cast<Eigen::Index>(i)]);
   lu_.compute(matrix_);
   x = lu_.solve(rhs);
-  return is_plausible(matrix_.cwiseAbs().maxCoeff(), rhs, x);
+  return is_plausible(matrix_.cwiseAbs().maxCoeff(), rhs.norm(), x.norm());
 }
 
 bool ModeSystem::solve_sparse(const Eigen::VectorXd& coefficients, const Eigen::VectorXd& rhs,
@@ -99,7 +100,7 @@ bool ModeSystem::solve_sparse(const Eigen::VectorXd& coefficients, const Eigen::
     values += coefficients[static_cast<Eigen::Index>(i)] * sparse_values_[i];
   }
   return sparse_->factorize(pattern_) && sparse_->solve(rhs, x) &&
-         is_plausible(values.cwiseAbs().maxCoeff(), rhs, x);
+         is_plausible(values.cwiseAbs().maxCoeff(), rhs.norm(), x.norm());
 }
 
 std::vector<ModeSystem> make_mode_systems(const OperatorChain& chain, SparseSolverKind kind) {

@@ -18,9 +18,9 @@ ModeOperator::Structure sum_structure(const std::vector<ModeOperator>& parts);
 /// sum_p coefficients[p] parts[p]; the pattern is that of all parts, whatever the coefficients.
 SparseMatrix sparse_sum(const std::vector<ModeOperator>& parts, const Eigen::VectorXd& coefficients);
 
-/// Whether x may be the solution of a regular system: |x| of a singular one, solved to working precision,
-/// is beyond 1e14 times what right-hand side and matrix (its largest entry) suggest.
-bool is_plausible(double largest_entry, const Eigen::MatrixXd& rhs, const Eigen::MatrixXd& x);
+/// Whether a solution of this norm may be that of a regular system: of a singular one, solved to working
+/// precision, it is beyond 1e14 times what right-hand side and matrix (its largest entry) suggest.
+bool is_plausible(double largest_entry, double rhs_norm, double solution_norm);
 
 /// The 1-D problems of one mode: solves (sum_p c_p A^p) x = b, where A^p are the operator's distinct parts on
 /// that mode. Storage is allocated once; diagonal and dense modes then solve without allocation (for sizes at
