@@ -13,7 +13,7 @@ void run_moving_load(const Options& options);
 void run_heat(const Options& options);
 void run_mesh(const Options& options);
 void run_costs(const Options& options);
-/// What the process of --memory does.
+/// What the process of --memory does: solves, and prints its peak memory in kilobytes.
 void solve_for_memory(int nodes);
 void run_solvers(const Options& options);
 void run_sobol(const Options& options);

@@ -1,13 +1,13 @@
 // What a term costs as dimensions and nodes grow, and which sparse solver is fastest.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "cases.h"
 #include "examples/linear_engine/disc.h"
@@ -54,26 +54,26 @@ double seconds_per_term(const LinearProblem& problem) {
   return best / kTerms;
 }
 
-/// Peak memory in bytes of a process that solves on so many nodes: a new one (--memory N), because a fork
-/// inherits what its parent has touched.
+/// Peak memory in bytes of a process that solves on so many nodes: a new one (--memory N), because this one
+/// keeps what it has touched.
 double peak_memory(int nodes) {
-  const std::string argument = std::to_string(nodes);
-  const pid_t child = fork();
-  if (child < 0) throw Error("cannot fork to measure memory");
-  if (child == 0) {
-    execl("/proc/self/exe", "linear_engine", "--memory", argument.c_str(), static_cast<char*>(nullptr));
-    _exit(126);
-  }
-  int status = 0;
-  rusage usage{};
-  if (wait4(child, &status, 0, &usage) != child || status != 0) throw Error("the process of --memory failed");
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+  const std::string self = std::filesystem::canonical("/proc/self/exe").string();
+  const std::string command = fmt::format("'{}' --memory {}", self, nodes);
+  FILE* pipe = popen(command.c_str(), "r");
+  double kilobytes = 0.0;
+  if (pipe == nullptr || std::fscanf(pipe, "%lf", &kilobytes) != 1 || pclose(pipe) != 0)
+    throw Error("cannot run " + command);
+  return 1024.0 * kilobytes;
 }
 
 }  // namespace
 
 void solve_for_memory(int nodes) {
   enrich(poisson(3, nodes), equal_work());
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmHWM:")) std::printf("%ld\n", std::stol(line.substr(6)));
+  }
 }
 
 void run_costs(const Options& options) {
