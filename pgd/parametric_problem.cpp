@@ -8,27 +8,29 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/pgd/mode_system.h"
+#include "samara/pgd/nodal_approximation.h"
 
 namespace samara::pgd {
 
 namespace {
 
-/// Rows and columns `nodes` of triplets on a grid of n.
-SparseMatrix restricted(const std::vector<Eigen::Triplet<double>>& all, int n,
-                        const std::vector<int>& nodes) {
-  std::vector<int> place(static_cast<std::size_t>(n), -1);
+/// Rows and columns `nodes` of a square matrix.
+SparseMatrix restricted(const SparseMatrix& matrix, const std::vector<int>& nodes) {
+  std::vector<int> place(static_cast<std::size_t>(matrix.rows()), -1);
   for (std::size_t i = 0; i < nodes.size(); ++i)
     place[static_cast<std::size_t>(nodes[i])] = static_cast<int>(i);
   std::vector<Eigen::Triplet<double>> inner;
-  for (const auto& entry : all) {
-    const int row = place[static_cast<std::size_t>(entry.row())];
-    const int col = place[static_cast<std::size_t>(entry.col())];
-    if (row >= 0 && col >= 0) inner.emplace_back(row, col, entry.value());
+  for (const int node : nodes) {
+    for (SparseMatrix::InnerIterator it(matrix, node); it; ++it) {
+      const int row = place[static_cast<std::size_t>(it.row())];
+      if (row >= 0) inner.emplace_back(row, place[static_cast<std::size_t>(node)], it.value());
+    }
   }
   const auto kept = static_cast<Eigen::Index>(nodes.size());
-  SparseMatrix matrix(kept, kept);
-  matrix.setFromTriplets(inner.begin(), inner.end());
-  return matrix;
+  SparseMatrix result(kept, kept);
+  result.setFromTriplets(inner.begin(), inner.end());
+  return result;
 }
 
 /// The same of an operator.
@@ -45,9 +47,7 @@ ModeOperator restricted(const ModeOperator& part, const std::vector<int>& nodes)
     part.add_to_diagonal(values, 1.0);
     return ModeOperator::diagonal(values(nodes));
   }
-  std::vector<Eigen::Triplet<double>> all;
-  part.add_to_triplets(all, 0, 0, 1.0);
-  return ModeOperator::sparse(restricted(all, n, nodes));
+  return ModeOperator::sparse(restricted(sparse_sum({part}, Eigen::VectorXd::Ones(1)), nodes));
 }
 
 std::vector<std::string> names_of(const std::vector<Axis>& axes) {
@@ -56,16 +56,31 @@ std::vector<std::string> names_of(const std::vector<Axis>& axes) {
   return names;
 }
 
-std::vector<int> sizes_of(const std::vector<Axis>& axes) {
-  std::vector<int> sizes;
-  for (const Axis& axis : axes) sizes.push_back(axis.size());
-  return sizes;
-}
-
 void check_size(const Axis& axis, Eigen::Index size, const char* what) {
   if (size == axis.size()) return;
   throw ArgumentError(
       fmt::format("a {} on axis \"{}\" has size {}, expected {}", what, axis.name(), size, axis.size()));
+}
+
+void check_finite(const Axis& axis, bool is_finite, const char* what) {
+  if (is_finite) return;
+  throw ArgumentError(fmt::format("a {} on axis \"{}\" has an entry that is not finite", what, axis.name()));
+}
+
+void check_part(const Axis& axis, const ModeOperator& part, const char* what) {
+  check_size(axis, part.rows(), what);
+  check_size(axis, part.cols(), what);
+  check_finite(axis, part.all_finite(), what);
+}
+
+void check_part(const Axis& axis, const Eigen::VectorXd& part, const char* what) {
+  check_size(axis, part.size(), what);
+  check_finite(axis, part.allFinite(), what);
+}
+
+void check_scale(double scale, const char* what) {
+  if (!std::isfinite(scale))
+    throw ArgumentError(fmt::format("the scale of a {} is {}, expected a finite number", what, scale));
 }
 
 }  // namespace
@@ -92,14 +107,8 @@ std::size_t ParametricProblem::position(const std::string& axis) const {
 }
 
 void ParametricProblem::add_term(const std::map<std::string, ModeOperator>& parts, double scale) {
-  for (const auto& [name, part] : parts) {
-    const Axis& axis = axes_[position(name)];
-    check_size(axis, part.rows(), "term");
-    check_size(axis, part.cols(), "term");
-    if (!part.all_finite() || !std::isfinite(scale))
-      throw ArgumentError(
-          fmt::format("a term has an entry or scale on axis \"{}\" that is not finite", name));
-  }
+  check_scale(scale, "term");
+  for (const auto& [name, part] : parts) check_part(axes_[position(name)], part, "term");
   std::vector<ModeOperator> term;
   for (std::size_t k = 0; k < axes_.size(); ++k) {
     const auto given = parts.find(axes_[k].name());
@@ -115,7 +124,8 @@ void ParametricProblem::add_term(const std::map<std::string, ModeOperator>& part
 }
 
 void ParametricProblem::add_source(const std::map<std::string, Eigen::VectorXd>& parts, double scale) {
-  for (const auto& [name, part] : parts) check_size(axes_[position(name)], part.size(), "source");
+  check_scale(scale, "source");
+  for (const auto& [name, part] : parts) check_part(axes_[position(name)], part, "source");
   std::vector<Eigen::VectorXd> columns;
   for (std::size_t k = 0; k < axes_.size(); ++k) {
     const auto given = parts.find(axes_[k].name());
@@ -139,13 +149,13 @@ void ParametricProblem::know(const std::string& axis, std::vector<int> nodes) {
 
 void ParametricProblem::measure(const std::string& axis, const SparseMatrix& norm) {
   const std::size_t k = position(axis);
-  check_size(axes_[k], norm.rows(), "norm");
-  check_size(axes_[k], norm.cols(), "norm");
+  check_part(axes_[k], ModeOperator::sparse(norm), "norm");
   norms_[k] = norm;
 }
 
 void ParametricProblem::add_to_lift(const std::map<std::string, Eigen::VectorXd>& values, double scale) {
-  for (const auto& [name, part] : values) check_size(axes_[position(name)], part.size(), "lift");
+  check_scale(scale, "lift");
+  for (const auto& [name, part] : values) check_part(axes_[position(name)], part, "lift");
   std::vector<Eigen::VectorXd> columns;
   for (const Axis& axis : axes_) {
     const auto given = values.find(axis.name());
@@ -155,9 +165,11 @@ void ParametricProblem::add_to_lift(const std::map<std::string, Eigen::VectorXd>
 }
 
 std::vector<int> ParametricProblem::unknown_nodes(std::size_t k) const {
+  std::vector<bool> is_known(static_cast<std::size_t>(axes_[k].size()), false);
+  for (const int node : known_[k]) is_known[static_cast<std::size_t>(node)] = true;
   std::vector<int> nodes;
   for (int i = 0; i < axes_[k].size(); ++i) {
-    if (std::find(known_[k].begin(), known_[k].end(), i) == known_[k].end()) nodes.push_back(i);
+    if (!is_known[static_cast<std::size_t>(i)]) nodes.push_back(i);
   }
   if (nodes.empty())
     throw ArgumentError(
@@ -179,12 +191,7 @@ LinearProblem ParametricProblem::assemble() const {
     problem.rhs.factors.emplace_back(rhs.factors[k](nodes, Eigen::all));
     problem.row_weights.emplace_back(is_weak(k) ? Eigen::VectorXd()
                                                 : Eigen::VectorXd(axes_[k].weights()(nodes)));
-    problem.row_norms.emplace_back();
-    if (norms_[k].size() > 0) {
-      std::vector<Eigen::Triplet<double>> all;
-      ModeOperator::sparse(norms_[k]).add_to_triplets(all, 0, 0, 1.0);
-      problem.row_norms.back() = restricted(all, axes_[k].size(), nodes);
-    }
+    problem.row_norms.push_back(norms_[k].size() > 0 ? restricted(norms_[k], nodes) : SparseMatrix());
   }
   problem.rhs.normalise();
   return problem;
@@ -199,7 +206,7 @@ SeparatedTensor ParametricProblem::complete(const SeparatedTensor& unknown) cons
   whole.weights = unknown.weights;
   for (std::size_t k = 0; k < axes_.size(); ++k) {
     const std::vector<int> nodes = unknown_nodes(k);
-    if (k >= unknown.factors.size() || unknown.factors[k].rows() != static_cast<Eigen::Index>(nodes.size())) {
+    if (unknown.factors[k].rows() != static_cast<Eigen::Index>(nodes.size())) {
       throw ArgumentError(fmt::format("the solution does not have {} unknown nodes on axis \"{}\"",
                                       nodes.size(), axes_[k].name()));
     }

@@ -37,7 +37,8 @@ class ParametricProblem {
   const std::vector<Axis>& axes() const { return axes_; }
 
   /// Adds scale * the product of the given parts to the operator.
-  /// @throws ArgumentError for an unknown axis, or a part of another size.
+  /// @throws ArgumentError for an unknown axis, a part of another size, or an entry that is not finite. The
+  /// same for all that follow.
   void add_term(const std::map<std::string, ModeOperator>& parts, double scale = 1.0);
   /// Adds scale * the product of the given vectors to the right-hand side: load vectors on weak axes, nodal
   /// values on nodal ones.

@@ -5,10 +5,9 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/QR>
-
 #include "samara/pgd/random.h"
 #include "samara/pgd/tensor_train.h"
+#include "samara/pgd/thin_qr.h"
 
 namespace samara::pgd {
 
@@ -22,12 +21,6 @@ SeparatedTensor measured(SeparatedTensor tensor, const std::vector<RowMeasure>& 
 using Link = OperatorChain::Link;
 
 constexpr double kRounding = std::numeric_limits<double>::epsilon();
-
-/// R of the thin QR.
-Eigen::MatrixXd triangular_factor(const Eigen::MatrixXd& matrix) {
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix);
-  return qr.matrixQR().topRows(std::min(matrix.rows(), matrix.cols())).triangularView<Eigen::Upper>();
-}
 
 /// <D U, D U>, carried from mode to mode for every pair of states.
 class SquaredNorm {
@@ -157,6 +150,7 @@ double Residual::exact(const SeparatedTensor& u) const {
   // Cores of D U - G block by block, as in to_train(): columns of `carry` are states x terms, then sources.
   Eigen::MatrixXd carry(1, terms + sources);
   carry << u.weights.transpose(), -rhs_.weights.transpose();
+  double residual = 0.0;
   for (int k = 0; k < chain_.modes(); ++k) {
     const std::vector<Eigen::MatrixXd> y = applied(k, u);
     const Eigen::MatrixXd& g = rhs_.factors[static_cast<std::size_t>(k)];
@@ -168,20 +162,19 @@ double Residual::exact(const SeparatedTensor& u) const {
           carry.col(carry.cols() - sources + m) * g.col(m).transpose();
     }
     if (k + 1 == chain_.modes()) {
-      const double residual = unfolding.rowwise().sum().norm() / rhs_norm_;
-      return terms == 0 || !std::isfinite(residual) ? residual : std::max(residual, rounding(u));
+      residual = unfolding.rowwise().sum().norm() / rhs_norm_;
+    } else {
+      carry = qr_factor(unfolding);
     }
-    carry = triangular_factor(unfolding);
   }
-  return 0.0;
+  return terms == 0 || !std::isfinite(residual) ? residual : std::max(residual, rounding(u));
 }
 
 double Residual::resolved(const SeparatedTensor& u) const {
-  constexpr double kTwoDigits = 1e2;
+  constexpr double kClear = 1e2;  // of the square: the residual itself is then known to half a per cent
   if (is_zero() || u.rank() == 0) return fast(u);
   const Squared square = squared(u);
-  if (square.value > kTwoDigits * square.noise)
-    return std::max(std::sqrt(square.value) / rhs_norm_, rounding(u));
+  if (square.value > kClear * square.noise) return std::max(std::sqrt(square.value) / rhs_norm_, rounding(u));
   return exact(u);
 }
 

@@ -19,7 +19,8 @@ class Residual {
   /// By orthogonalisation: O(n (S R + R_G)^3) per mode, S the states of the operator's chain. Resolves down
   /// to the rounding of D U itself, 1e-16 of the sizes of what D adds up, and returns that if it is larger.
   double exact(const SeparatedTensor& u) const;
-  /// The fast one where it resolves two digits, else the exact one.
+  /// The fast one where it is clear of its noise (a relative error below half a per cent), else the exact
+  /// one.
   double resolved(const SeparatedTensor& u) const;
   /// Whether G vanishes to working precision.
   bool is_zero() const { return rhs_norm_ == 0.0; }

@@ -6,29 +6,15 @@
 #include <numeric>
 #include <utility>
 
-#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/pgd/thin_qr.h"
 
 namespace samara::pgd {
 
 namespace {
-
-/// Thin QR in place of `matrix`: returns Q, sets R.
-Eigen::MatrixXd thin_qr(const Eigen::MatrixXd& matrix, Eigen::MatrixXd& r) {
-  const Eigen::Index k = std::min(matrix.rows(), matrix.cols());
-  Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix);
-  r = qr.matrixQR().topRows(k).triangularView<Eigen::Upper>();
-  return qr.householderQ() * Eigen::MatrixXd::Identity(matrix.rows(), k);
-}
-
-/// R of the thin QR alone, at a third of the cost.
-Eigen::MatrixXd qr_factor(const Eigen::MatrixXd& matrix) {
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix);
-  return qr.matrixQR().topRows(std::min(matrix.rows(), matrix.cols())).triangularView<Eigen::Upper>();
-}
 
 /// Unfolding (rank so far * size of the mode) x terms of `carry` (rank so far x terms) times the diagonal
 /// core of one mode: the diagonal cores of size terms^2 n are never formed.

@@ -4,10 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/QR>
-
 #include "samara/base/errors.h"
 #include "samara/pgd/grid_check.h"
+#include "samara/pgd/thin_qr.h"
 
 namespace samara::pgd {
 
@@ -151,12 +150,7 @@ TensorTrain rounded_hadamard(const TensorTrain& a, const TensorTrain& b, double 
   for (std::size_t k = 0; k < a.cores.size(); ++k) {
     const Eigen::Index left = carry.rows();
     Eigen::MatrixXd unfolding = carried_product(carry, a.cores[k], b.cores[k]);
-    if (k + 1 < a.cores.size()) {
-      const Eigen::Index rank = std::min(unfolding.rows(), unfolding.cols());
-      const Eigen::HouseholderQR<Eigen::MatrixXd> qr(unfolding);
-      carry = qr.matrixQR().topRows(rank).triangularView<Eigen::Upper>();
-      unfolding = qr.householderQ() * Eigen::MatrixXd::Identity(unfolding.rows(), rank);
-    }
+    if (k + 1 < a.cores.size()) unfolding = thin_qr(unfolding, carry);
     result.cores.push_back(core_from_unfolding(unfolding, left, a.cores[k].size));
   }
   return rounded(std::move(result), tolerance);

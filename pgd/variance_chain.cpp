@@ -5,10 +5,10 @@
 #include <limits>
 #include <utility>
 
-#include <Eigen/QR>
 #include <Eigen/SparseCholesky>
 
 #include "samara/pgd/tensor_train.h"
+#include "samara/pgd/thin_qr.h"
 
 namespace samara::pgd {
 
@@ -89,9 +89,7 @@ class CoreMaps {
  private:
   /// The same form with at most as many rows as columns.
   static Eigen::MatrixXd shortened(const Eigen::MatrixXd& rows) {
-    if (rows.rows() <= rows.cols()) return rows;
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rows);
-    return qr.matrixQR().topRows(rows.cols()).triangularView<Eigen::Upper>();
+    return rows.rows() <= rows.cols() ? rows : qr_factor(rows);
   }
 
   Eigen::MatrixXd mean_;
