@@ -19,7 +19,7 @@ namespace {
 
 double volume(const SeparatedField& f) {
   double product = 1.0;
-  for (const Axis& axis : f.axes()) product *= axis.length();
+  for (const Axis& axis : f.axes()) product *= axis.measure();
   return product;
 }
 
@@ -142,7 +142,7 @@ SeparatedField mean(const SeparatedField& f, const std::string& axis) {
   const int k = axis_index(f, axis);
   const Axis& gone = f.axes()[static_cast<std::size_t>(k)];
   return without_axis(f, k,
-                      f.factors()[static_cast<std::size_t>(k)].transpose() * gone.weights() / gone.length(),
+                      f.factors()[static_cast<std::size_t>(k)].transpose() * gone.weights() / gone.measure(),
                       f.outputs());
 }
 

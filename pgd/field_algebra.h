@@ -47,7 +47,7 @@ SeparatedField restricted(const SeparatedField& f, const std::string& axis, doub
 /// Integral over an axis, which goes; units are multiplied by the axis'. O(R n).
 /// @throws ArgumentError also if it is the only axis.
 SeparatedField integral(const SeparatedField& f, const std::string& axis);
-/// Mean over an axis (its integral divided by its length), which goes. O(R n).
+/// Mean over an axis (its integral divided by its measure), which goes. O(R n).
 SeparatedField mean(const SeparatedField& f, const std::string& axis);
 /// Derivative by the coordinate of an axis: interpolates the exact derivative at the nodes, at the border of
 /// two elements that of the left one. Exact for Chebyshev axes; of one order less than the field for

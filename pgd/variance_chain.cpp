@@ -16,10 +16,10 @@ namespace {
 
 constexpr double kRoundOff = 1e-14;
 
-/// L^T of M / length = L L^T: squares of Euclidean lengths after it are means of squares.
+/// L^T of M / measure = L L^T: squares of Euclidean lengths after it are means of squares.
 class RootDensity {
  public:
-  explicit RootDensity(const Axis& axis) : cholesky_(axis.mass()), scale_(1.0 / std::sqrt(axis.length())) {}
+  explicit RootDensity(const Axis& axis) : cholesky_(axis.mass()), scale_(1.0 / std::sqrt(axis.measure())) {}
   Eigen::MatrixXd apply(const Eigen::MatrixXd& values) const {
     return scale_ * (cholesky_.matrixU() * values);
   }

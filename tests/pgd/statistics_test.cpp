@@ -155,6 +155,24 @@ TEST_CASE("mean and variance agree with Monte Carlo within its own standard erro
   }
 }
 
+TEST_CASE("on a list every value counts the same, whatever lies between them") {
+  // f = v + x with v in {1, 2, 7}: mean 10/3 + 1/2, variances 62/9 and 1/12.
+  const std::vector<Axis> axes = {Axis::discrete({"v"}, Eigen::Vector3d(1.0, 2.0, 7.0)),
+                                  Axis::chebyshev({"x"}, 0.0, 1.0, 3)};
+  const SeparatedField f(axes, {{"f"}},
+                         {columns({axes[0].nodes(), Eigen::VectorXd::Ones(3)}),
+                          columns({Eigen::VectorXd::Ones(3), axes[1].nodes()})},
+                         Eigen::RowVector2d(1.0, 1.0));
+  const double of_list = 62.0 / 9.0;
+  const double whole = of_list + 1.0 / 12.0;
+  const Statistics s = statistics(f);
+  CHECK(s.mean(0, 0) == Approx(10.0 / 3.0 + 0.5).epsilon(1e-13));
+  CHECK(s.variance(0, 0) == Approx(whole).epsilon(1e-13));
+  CHECK(s.first_order[0](0, 0) == Approx(of_list / whole).epsilon(1e-13));
+  CHECK(mean(f, "v")(std::vector<double>{0.25})[0] == Approx(10.0 / 3.0 + 0.25).epsilon(1e-13));
+  CHECK(root_mean_square(f)[0] == Approx(std::sqrt(whole + std::pow(10.0 / 3.0 + 0.5, 2))).epsilon(1e-13));
+}
+
 TEST_CASE("indices lie between zero and one, and first orders and totals enclose the whole") {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const SeparatedField field = random_field(4, 2, 6, 10 + seed);
