@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <memory>
 #include <stdexcept>
 
@@ -21,11 +22,34 @@
 ///     template <class S> static void complete(const char* given, S* p);
 ///     /// Characteristic sizes, finite and positive for every p within its meaning.
 ///     static Scales scales(const double* p);
+///
+///     // Where the law has forces to name (ModelInfo::force_terms lists them in this order):
+///     template <class S> static void forces(const S& t, const S* x, const S* p, LawWrench<S>* terms);
+///     // Where it has an energy:
+///     template <class S> static S kinetic_energy(const S& t, const S* x, const S* p);
 ///   };
 ///
 /// Derivatives come from forward automatic differentiation by all states and parameters at once.
 /// Include this only in source files: no installed header shows ceres::Jet.
 namespace samara::models {
+
+/// A force term as laws write it: body axes, see Wrench.
+template <class S>
+struct LawWrench {
+  S force[3] = {S(0.0), S(0.0), S(0.0)};
+  S torque[3] = {S(0.0), S(0.0), S(0.0)};
+  S power = S(0.0);
+};
+
+template <class Law>
+concept HasForces = requires(double t, const double* x, LawWrench<double>* terms) {
+  Law::template forces<double>(t, x, x, terms);
+};
+
+template <class Law>
+concept HasKineticEnergy = requires(double t, const double* x) {
+  { Law::template kinetic_energy<double>(t, x, x) } -> std::same_as<double>;
+};
 
 template <class Law>
 class LawModel final : public Model {
@@ -33,6 +57,9 @@ class LawModel final : public Model {
   LawModel() : info_(Law::info()) {
     if (info_.states.size() != kStates || info_.parameters.size() != kParameters) {
       throw std::logic_error("law \"" + info_.name + "\" lists other states or parameters than it has");
+    }
+    if (HasForces<Law> != !info_.force_terms.empty()) {
+      throw std::logic_error("law \"" + info_.name + "\" has force terms and no forces, or the reverse");
     }
     for (std::size_t j = 0; j < kParameters; ++j) {
       defaults_[j] = info_.parameters[j].default_value.value_or(0.0);
@@ -67,6 +94,25 @@ class LawModel final : public Model {
       df_dx.row(row) = f[i].v.template head<kStates>().transpose();
       df_dp.row(row) = f[i].v.template tail<kParameters>().transpose();
     }
+  }
+
+  void forces(double t, std::span<const double> x, const ParameterValues& p,
+              std::span<Wrench> terms) const override {
+    if constexpr (HasForces<Law>) {
+      std::vector<LawWrench<double>> list(terms.size());
+      Law::template forces<double>(t, x.data(), complete(p).data(), list.data());
+      for (std::size_t k = 0; k < list.size(); ++k) {
+        terms[k] = {Eigen::Vector3d(list[k].force), Eigen::Vector3d(list[k].torque), list[k].power};
+      }
+    }
+  }
+
+  std::optional<double> kinetic_energy(double t, std::span<const double> x,
+                                       const ParameterValues& p) const override {
+    if constexpr (HasKineticEnergy<Law>) {
+      return Law::template kinetic_energy<double>(t, x.data(), complete(p).data());
+    }
+    return std::nullopt;
   }
 
   std::vector<double> completed(const ParameterValues& p) const override {

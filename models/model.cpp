@@ -2,7 +2,41 @@
 
 #include <algorithm>
 
+#include "samara/base/errors.h"
+
 namespace samara::models {
+
+void Model::forces(double, std::span<const double>, const ParameterValues&, std::span<Wrench>) const {}
+
+std::optional<double> Model::kinetic_energy(double, std::span<const double>, const ParameterValues&) const {
+  return std::nullopt;
+}
+
+AffineSplit affine_split(const Model& model, double t, std::span<const double> x, const ParameterValues& p) {
+  const ModelInfo& info = model.info();
+  const auto states = static_cast<Eigen::Index>(info.states.size());
+  AffineSplit split;
+  split.names = info.affine_in;
+  split.constant.resize(states);
+  split.slopes.resize(states, static_cast<Eigen::Index>(split.names.size()));
+  ParameterValues zero = {model.completed(p), std::vector<char>(info.parameters.size(), 1)};
+  std::vector<Eigen::Index> places;
+  for (const std::string& name : split.names) {
+    const auto place = std::ranges::find(info.parameters, name, &ParameterInfo::name);
+    if (place == info.parameters.end()) {
+      throw ArgumentError("model \"" + info.name + "\" is said to be affine in \"" + name +
+                          "\", which is none of its parameters");
+    }
+    places.push_back(place - info.parameters.begin());
+    zero.value[static_cast<std::size_t>(places.back())] = 0.0;
+  }
+  Eigen::MatrixXd df_dx(states, states);
+  Eigen::MatrixXd df_dp(states, static_cast<Eigen::Index>(info.parameters.size()));
+  model.rhs_with_derivatives(t, x, zero, {split.constant.data(), static_cast<std::size_t>(states)}, df_dx,
+                             df_dp);
+  split.slopes = df_dp(Eigen::all, places);
+  return split;
+}
 
 double state_scale(const StateInfo& state, const Scales& scales) {
   if (state.unit == "m") return scales.length;

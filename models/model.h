@@ -39,16 +39,49 @@ struct StateInfo {
   std::string description = {};
 };
 
+/// One term of the forces on a body: "drag", "gravity and buoyancy".
+struct ForceTermInfo {
+  std::string name;
+  std::string description = {};
+};
+
+/// What one term does at an instant. Force and torque are in body axes, the torque about the body's origin; a
+/// planar model has its chord along the first axis, its normal along the second, its torque along the third,
+/// and everything per unit span. Units N, N m, W (per m of span), or 1 for a dimensionless model.
+struct Wrench {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();
+  double power = 0.0;  ///< on the motion relative to the fluid: force . u_r + torque . w
+};
+
+/// How consecutive states turn when the world is turned about the vertical.
+enum class StateGroupKind {
+  position,    ///< three world coordinates of a point
+  vector,      ///< a vector in world axes
+  quaternion,  ///< attitude (w, x, y, z), body to world; f keeps its norm only to first order in time
+};
+
+struct StateGroup {
+  StateGroupKind kind = StateGroupKind::position;
+  int first = 0;  ///< index of the first of its states
+};
+
 struct ModelInfo {
   std::string name;
   std::string title;
-  std::string equations;                     ///< as text, in the names below
-  std::string frames;                        ///< what the axes mean, in words
-  std::string source;                        ///< paper or book, with equation numbers
-  std::string validity;                      ///< where it stops being true
-  std::vector<std::string> symmetries = {};  ///< "translation of x": f does not depend on the state x
+  std::string equations;  ///< as text, in the names below
+  std::string frames;     ///< what the axes mean, in words
+  std::string source;     ///< paper or book, with equation numbers
+  std::string validity;   ///< where it stops being true
+  /// What leaves the motion as it is. "translation of x": f does not depend on the state x. "rotation about
+  /// z": f turns with the states of `groups`. Other words are for readers.
+  std::vector<std::string> symmetries = {};
   std::vector<StateInfo> states;
   std::vector<ParameterInfo> parameters;
+  /// Names of parameters in which f is affine, in all of them together: f = f_0 + sum_j p_j f_j.
+  std::vector<std::string> affine_in = {};
+  std::vector<ForceTermInfo> force_terms = {};  ///< empty: the model does not break its force down
+  std::vector<StateGroup> groups = {};          ///< states that belong together; others turn as scalars
 };
 
 /// Characteristic sizes of a motion, in SI units, from which every state takes its scale by its unit.
@@ -82,12 +115,35 @@ class Model {
                                     std::span<double> dxdt, Eigen::Ref<Eigen::MatrixXd> df_dx,
                                     Eigen::Ref<Eigen::MatrixXd> df_dp) const = 0;
 
+  /// The force by term, in the order of ModelInfo::force_terms. Inertial forces (of the body and of the fluid
+  /// it sets in motion) are a term like others, so that the sum is what changes the momentum in body axes.
+  virtual void forces(double t, std::span<const double> x, const ParameterValues& p,
+                      std::span<Wrench> terms) const;
+
+  /// Kinetic energy of body and fluid in their motion relative to the undisturbed fluid [J, or J/m of span]:
+  /// the powers of all terms sum to its rate where the undisturbed fluid is steady and uniform. Empty: the
+  /// model has none.
+  virtual std::optional<double> kinetic_energy(double t, std::span<const double> x,
+                                               const ParameterValues& p) const;
+
   /// Parameters with defaults and derived defaults filled in.
   virtual std::vector<double> completed(const ParameterValues& p) const = 0;
 
   /// Characteristic sizes at a parameter point.
   virtual Scales scales(const ParameterValues& p) const = 0;
 };
+
+/// f = constant + slopes * coefficients, at one point: the split by the parameters a model is affine in.
+struct AffineSplit {
+  std::vector<std::string> names;  ///< of the coefficients: ModelInfo::affine_in
+  Eigen::VectorXd constant;        ///< f with all of them zero
+  Eigen::MatrixXd slopes;          ///< states x coefficients
+};
+
+/// The affine split at a point; empty names if the model has none. The derived defaults of other parameters
+/// are taken as constants.
+/// @throws ArgumentError if ModelInfo::affine_in names something that is no parameter.
+AffineSplit affine_split(const Model& model, double t, std::span<const double> x, const ParameterValues& p);
 
 /// The scale of a state: length, velocity, 1/time by its unit ("m", "m/s", "rad/s" or "1/s"), else 1.
 double state_scale(const StateInfo& state, const Scales& scales);
