@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "allocation_counter.h"
+#include "../allocation_counter.h"
 #include "samara/codebooks/query.h"
 #include "sample_books.h"
 

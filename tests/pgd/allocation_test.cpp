@@ -1,14 +1,9 @@
-// Counts calls of the allocator: malloc and its relatives are defined here, for the whole program with its
-// shared libraries, on top of the ones of the GNU C library.
-
-#include <atomic>
-#include <cerrno>
-#include <cstddef>
 #include <cstdlib>
 #include <vector>
 
 #include <catch2/catch.hpp>
 
+#include "../allocation_counter.h"
 #include "random_tensor.h"
 #include "samara/pgd/fixed_point.h"
 #include "samara/pgd/separated_field.h"
@@ -16,63 +11,6 @@
 using namespace samara::pgd;
 
 namespace {
-std::atomic<bool> counting{false};
-std::atomic<long> calls{0};
-
-void count() noexcept {
-  if (counting.load(std::memory_order_relaxed)) calls.fetch_add(1, std::memory_order_relaxed);
-}
-}  // namespace
-
-extern "C" {
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t number, std::size_t size);
-void* __libc_realloc(void* memory, std::size_t size);
-void* __libc_memalign(std::size_t alignment, std::size_t size);
-void __libc_free(void* memory);
-
-void* malloc(std::size_t size) noexcept {
-  count();
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t number, std::size_t size) noexcept {
-  count();
-  return __libc_calloc(number, size);
-}
-void* realloc(void* memory, std::size_t size) noexcept {
-  count();
-  return __libc_realloc(memory, size);
-}
-void* memalign(std::size_t alignment, std::size_t size) noexcept {
-  count();
-  return __libc_memalign(alignment, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
-  count();
-  return __libc_memalign(alignment, size);
-}
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
-  count();
-  *memory = __libc_memalign(alignment, size);
-  return *memory == nullptr ? ENOMEM : 0;
-}
-void free(void* memory) noexcept {
-  if (memory != nullptr) count();
-  __libc_free(memory);
-}
-}
-
-namespace {
-
-/// Calls of malloc, free and their relatives while `work` runs.
-template <class Work>
-long allocator_calls(Work&& work) {
-  calls = 0;
-  counting = true;
-  work();
-  counting = false;
-  return calls;
-}
 
 SeparatedField typical_field(int outputs, int rank) {
   const std::vector<Axis> axes = {Axis::radau({"t", "s", AxisRole::time}, 0.0, 1.0, 8, 6),
@@ -123,11 +61,11 @@ Product random_start(const std::vector<int>& sizes, std::uint64_t seed) {
 }  // namespace
 
 TEST_CASE("the count sees allocations in this program and inside the library") {
-  CHECK(allocator_calls([] {}) == 0);
-  CHECK(allocator_calls([] { std::vector<double>(10).front() = 1.0; }) == 2);
+  CHECK(allocation_counter::during([] {}) == 0);
+  CHECK(allocation_counter::during([] { std::vector<double>(10).front() = 1.0; }) == 2);
   const SeparatedField field = typical_field(1, 5);
-  CHECK(allocator_calls([&] { field.make_workspace(); }) > 0);
-  CHECK(allocator_calls([&] { field(std::vector<double>{0.5, 1.0, 1.5, 0.0}); }) > 0);
+  CHECK(allocation_counter::during([&] { field.make_workspace(); }) > 0);
+  CHECK(allocation_counter::during([&] { field(std::vector<double>{0.5, 1.0, 1.5, 0.0}); }) > 0);
 }
 
 TEST_CASE("evaluating a separated field does not allocate") {
@@ -145,10 +83,10 @@ TEST_CASE("evaluating a separated field does not allocate") {
           {0.31, 1.1, 1.234, 0.4}, {0.0, 0.5, 1.0, -1.0}, {0.125, 2.0, 2.0, 1.0}};
       CAPTURE(outputs, rank);
       for (const std::vector<double>& x : points) {
-        CHECK(allocator_calls([&] { field.evaluate(x, values, workspace); }) == 0);
-        CHECK(allocator_calls([&] { field.evaluate(x, values, gradient, workspace); }) == 0);
-        CHECK(allocator_calls([&] { field.factor_values(0, x[0], stencil, terms); }) == 0);
-        CHECK(allocator_calls([&] { field.factor_values(0, x[0], stencil, terms, slopes); }) == 0);
+        CHECK(allocation_counter::during([&] { field.evaluate(x, values, workspace); }) == 0);
+        CHECK(allocation_counter::during([&] { field.evaluate(x, values, gradient, workspace); }) == 0);
+        CHECK(allocation_counter::during([&] { field.factor_values(0, x[0], stencil, terms); }) == 0);
+        CHECK(allocation_counter::during([&] { field.factor_values(0, x[0], stencil, terms, slopes); }) == 0);
       }
     }
   }
@@ -164,9 +102,9 @@ TEST_CASE("interpolation on an axis of any kind does not allocate") {
     InterpolationStencil stencil = axis.make_stencil();
     CAPTURE(to_string(axis.basis()));
     for (const double x : {1.0, 1.234, 2.0}) {
-      CHECK(allocator_calls([&] { axis.interpolate(x, stencil, false); }) == 0);
-      CHECK(allocator_calls([&] { axis.interpolate(x, stencil, true); }) == 0);
-      CHECK(allocator_calls([&] { (void)axis.contains(x); }) == 0);
+      CHECK(allocation_counter::during([&] { axis.interpolate(x, stencil, false); }) == 0);
+      CHECK(allocation_counter::during([&] { axis.interpolate(x, stencil, true); }) == 0);
+      CHECK(allocation_counter::during([&] { (void)axis.contains(x); }) == 0);
     }
   }
 }
@@ -187,7 +125,7 @@ TEST_CASE("the fixed point does not allocate once it has run on a right-hand sid
     fixed_point.run(options, warm_up);
     REQUIRE_FALSE(warm_up.singular);
     Product product = random_start(sizes, 5);
-    CHECK(allocator_calls([&] { fixed_point.run(options, product); }) == 0);
+    CHECK(allocation_counter::during([&] { fixed_point.run(options, product); }) == 0);
     CHECK(product.iterations > 1);
     CHECK(product.amplitude > 0.0);
   }
