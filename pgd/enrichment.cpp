@@ -93,6 +93,9 @@ class Enrichment {
       if (is_worse(residual_before)) {
         state_.solution = before;
         state_.residual = residual_before;
+      } else if (state_.residual > residual_before && residual_before < state_.best_residual) {
+        state_.best = before;
+        state_.best_residual = residual_before;
       }
       record.residual = state_.residual;
       record.seconds = seconds_since(term_start);
@@ -100,6 +103,7 @@ class Enrichment {
       state_.random_state = random_.state();
       if (options_.checkpoint) options_.checkpoint(state_);
     }
+    take_best();
     return {std::move(state_.solution), why_, std::move(message_), state_.residual, std::move(state_.history),
             seconds_since(start_)};
   }
@@ -149,6 +153,14 @@ class Enrichment {
   bool is_worse(double residual_before) const {
     if (!std::isfinite(state_.residual)) return true;
     return options_.projection == Projection::minimal_residual && state_.residual > residual_before;
+  }
+
+  void take_best() {
+    if (!(state_.best_residual < state_.residual)) return;
+    message_ +=
+        fmt::format("; the best residual was {:.3g} with {} terms", state_.best_residual, state_.best.rank());
+    state_.solution = std::move(state_.best);
+    state_.residual = state_.best_residual;
   }
 
   /// Projects the weights of the present terms, updates their factors if that pays, measures the residual.

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,9 @@ struct EnrichState {
   std::uint64_t random_state = 0;  ///< of the first guesses
   double largest_amplitude = 0.0;
   std::vector<TermRecord> history;  ///< one record for each term that was added
+  /// An earlier solution with a lower residual than `solution`, if there is one: Galerkin's may rise.
+  SeparatedTensor best;
+  double best_residual = std::numeric_limits<double>::infinity();
 };
 
 struct EnrichOptions {
@@ -105,7 +109,8 @@ struct EnrichResult {
 };
 
 /// Solves D(U) = G. A right-hand side without terms, or whose terms cancel to rounding, gives the solution
-/// without terms and Termination::residual.
+/// without terms and Termination::residual. The solution returned is the one with the lowest residual of all
+/// that were met after a term.
 /// @param start a first approximation (warm start), whose terms are projected and updated first
 /// @throws ArgumentError if the problem does not validate, or an option is out of range.
 EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options = {},

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <catch2/catch.hpp>
@@ -185,15 +186,49 @@ TEST_CASE("terms that cancel do not hide a residual from the cheap measure") {
   CHECK(enrich(problem, fast).termination != Termination::residual);
 }
 
+namespace {
+
+/// U -> A U + U A^T with A = 1 + a N, N a shift: the further from normal, the larger a.
+LinearProblem far_from_normal(double a, std::uint64_t seed) {
+  Eigen::MatrixXd upper = Eigen::MatrixXd::Identity(6, 6);
+  for (int i = 0; i + 1 < 6; ++i) upper(i, i + 1) = a;
+  LinearProblem problem;
+  problem.op.terms = {{ModeOperator::dense(upper), ModeOperator::identity(6)},
+                      {ModeOperator::identity(6), ModeOperator::dense(upper)}};
+  problem.rhs = random_tensor({6, 6}, 2, seed);
+  return problem;
+}
+
+}  // namespace
+
+TEST_CASE("where Galerkin's residual rises the best state met is returned, also after a resumption") {
+  int rose = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const LinearProblem problem = far_from_normal(4.0, seed);
+    EnrichOptions options = galerkin(8, 1e-13);
+    options.stagnation_terms = 8;
+    std::vector<EnrichState> states;
+    options.checkpoint = [&](const EnrichState& state) { states.push_back(state); };
+    const EnrichResult result = enrich(problem, options);
+    double lowest = 1.0;  // of the solution without terms
+    for (const TermRecord& record : result.history) lowest = std::min(lowest, record.residual);
+    CHECK(result.residual == lowest);
+    CHECK(relative_residual(problem, result.solution) == Approx(lowest).epsilon(1e-6));
+    if (result.history.back().residual == lowest) continue;
+    ++rose;
+    CHECK_THAT(result.message, Contains("best residual"));
+    options.checkpoint = {};
+    const EnrichResult resumed = enrich(problem, options, states[states.size() - 2]);
+    CHECK(resumed.residual == result.residual);
+    CHECK(resumed.solution.weights == result.solution.weights);
+  }
+  CHECK(rose > 0);
+}
+
 TEST_CASE("the minimal residual never increases, not even for operators far from normal") {
   for (const double a : {4.0, 10.0, 20.0}) {
-    Eigen::MatrixXd upper = Eigen::MatrixXd::Identity(6, 6);
-    for (int i = 0; i + 1 < 6; ++i) upper(i, i + 1) = a;
-    LinearProblem problem;
-    problem.op.terms = {{ModeOperator::dense(upper), ModeOperator::identity(6)},
-                        {ModeOperator::identity(6), ModeOperator::dense(upper)}};
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-      problem.rhs = random_tensor({6, 6}, 2, seed);
+      const LinearProblem problem = far_from_normal(a, seed);
       EnrichOptions options;
       options.max_rank = 12;
       options.stagnation_terms = 12;
