@@ -1,5 +1,7 @@
 #include "samara/pgd/field_check.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
@@ -59,6 +61,24 @@ void require_same_outputs(const char* what, const SeparatedField& f, const Separ
           fmt::format("{} of the outputs \"{}\" in {} and \"{}\" in {}, expected the same unit", what, a.name,
                       a.unit, b.name, b.unit));
     }
+  }
+}
+
+void require_inside(const std::vector<Axis>& axes, std::span<const double> x) {
+  if (x.size() != axes.size()) {
+    throw ArgumentError(fmt::format("the point has {} coordinates, expected {}", x.size(), axes.size()));
+  }
+  for (std::size_t k = 0; k < axes.size(); ++k) {
+    if (axes[k].contains(x[k])) continue;
+    if (!std::isfinite(x[k])) {
+      throw ArgumentError(fmt::format("{} is {}, expected a finite number", axes[k].name(), x[k]));
+    }
+    if (x[k] >= axes[k].lower() && x[k] <= axes[k].upper()) {
+      throw OutsideBoxError(fmt::format("{} = {} {} is none of the {} values of its axis", axes[k].name(),
+                                        x[k], axes[k].unit(), axes[k].size()));
+    }
+    throw OutsideBoxError(fmt::format("{} = {} {} is outside the box [{}, {}]", axes[k].name(), x[k],
+                                      axes[k].unit(), axes[k].lower(), axes[k].upper()));
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,5 +15,8 @@ int axis_index(const std::vector<Axis>& axes, const std::string& name);
 void require_same_axes(const char* what, const std::vector<Axis>& a, const std::vector<Axis>& b);
 /// @throws ArgumentError if outputs differ in number or unit.
 void require_same_outputs(const char* what, const SeparatedField& f, const SeparatedField& g);
+/// @throws ArgumentError if x has not one finite number per axis; OutsideBoxError if one is outside its axis,
+/// or between the values of a discrete one.
+void require_inside(const std::vector<Axis>& axes, std::span<const double> x);
 
 }  // namespace samara::pgd

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/pgd/field_check.h"
 
 namespace samara::pgd {
 
@@ -55,24 +56,6 @@ SeparatedField::Workspace SeparatedField::make_workspace() const {
   return workspace;
 }
 
-void SeparatedField::check(std::span<const double> x) const {
-  if (x.size() != axes_.size()) {
-    throw ArgumentError(fmt::format("the point has {} coordinates, expected {}", x.size(), axes_.size()));
-  }
-  for (std::size_t k = 0; k < axes_.size(); ++k) {
-    if (axes_[k].contains(x[k])) continue;
-    if (!std::isfinite(x[k])) {
-      throw ArgumentError(fmt::format("{} is {}, expected a finite number", axes_[k].name(), x[k]));
-    }
-    if (x[k] >= axes_[k].lower() && x[k] <= axes_[k].upper()) {
-      throw OutsideBoxError(fmt::format("{} = {} {} is none of the {} values of its axis", axes_[k].name(),
-                                        x[k], axes_[k].unit(), axes_[k].size()));
-    }
-    throw OutsideBoxError(fmt::format("{} = {} {} is outside the box [{}, {}]", axes_[k].name(), x[k],
-                                      axes_[k].unit(), axes_[k].lower(), axes_[k].upper()));
-  }
-}
-
 void SeparatedField::factor_values(int axis, double x, InterpolationStencil& stencil,
                                    Eigen::Ref<Eigen::VectorXd> values) const {
   const auto k = static_cast<std::size_t>(axis);
@@ -92,7 +75,7 @@ void SeparatedField::factor_values(int axis, double x, InterpolationStencil& ste
 
 void SeparatedField::evaluate(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values,
                               Workspace& workspace) const {
-  check(x);
+  require_inside(axes_, x);
   workspace.product.setOnes();
   for (int k = 0; k < axis_count(); ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -104,7 +87,7 @@ void SeparatedField::evaluate(std::span<const double> x, Eigen::Ref<Eigen::Vecto
 
 void SeparatedField::evaluate(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values,
                               Eigen::Ref<Eigen::MatrixXd> gradient, Workspace& workspace) const {
-  check(x);
+  require_inside(axes_, x);
   for (int k = 0; k < axis_count(); ++k) {
     const auto i = static_cast<std::size_t>(k);
     factor_values(k, x[i], workspace.stencils[i], workspace.values.col(k), workspace.derivatives.col(k));

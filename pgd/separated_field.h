@@ -74,8 +74,6 @@ class SeparatedField {
                      Eigen::Ref<Eigen::VectorXd> derivatives) const;
 
  private:
-  void check(std::span<const double> x) const;
-
   std::vector<Axis> axes_;
   std::vector<OutputLabel> outputs_;
   std::vector<Eigen::MatrixXd> factors_;
