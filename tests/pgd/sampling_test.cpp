@@ -1,0 +1,271 @@
+#include "samara/pgd/sampling.h"
+
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include <catch2/catch.hpp>
+
+#include "samara/base/errors.h"
+#include "samara/pgd/random.h"
+
+using namespace samara::pgd;
+using Catch::Contains;
+
+namespace {
+
+using Scalar = std::function<double(std::span<const double>)>;
+
+PointsFunction one_output(const Scalar& f) {
+  return [f](const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
+    for (Eigen::Index j = 0; j < points.cols(); ++j) {
+      values(0, j) = f({points.col(j).data(), static_cast<std::size_t>(points.rows())});
+    }
+  };
+}
+
+std::vector<SampledCoordinate> unit_box(int dimensions) {
+  std::vector<SampledCoordinate> box;
+  for (int k = 0; k < dimensions; ++k)
+    box.push_back({{std::string(1, static_cast<char>('a' + k))}, 0.0, 1.0});
+  return box;
+}
+
+/// Largest error at random points that are not the builder's, over the largest difference of values.
+double independent_error(const SamplingResult& result, const Scalar& f, int points = 3000) {
+  Random random(987654321);
+  std::vector<double> x(static_cast<std::size_t>(result.field->axis_count()));
+  double error = 0.0;
+  for (int j = 0; j < points; ++j) {
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      const Axis& axis = result.field->axes()[k];
+      x[k] = axis.lower() + axis.length() * random.uniform();
+    }
+    error = std::max(error, std::abs((*result.field)(x)[0] - f(x)));
+  }
+  return error / result.range[0];
+}
+
+double sum_of(std::span<const double> x) {
+  double sum = 0.0;
+  for (const double value : x) sum += value;
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("a smooth function of five coordinates is met, and independent points agree") {
+  const Scalar f = [](std::span<const double> x) {
+    return std::cos(x[0] + 2.0 * x[1] * x[2]) / (1.5 + x[3] + 0.5 * x[4] * x[0]);
+  };
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const SamplingResult result =
+        sample(unit_box(5), {{"f"}}, one_output(f), {.tolerance = 1e-6, .seed = seed});
+    INFO(result.message);
+    REQUIRE(result.tolerance_met());
+    // The check saw 200 points, this one 3000.
+    CHECK(independent_error(result, f) < 3e-6);
+    CHECK(result.error <= 1e-6);
+    CHECK(result.root_mean_square_error <= result.error);
+    CHECK(result.points_checked == 200);
+    CHECK(static_cast<double>(result.calls) < 0.2 * result.grid_size);
+  }
+}
+
+TEST_CASE("the build does not believe a tolerance that it has not reached") {
+  const Scalar kink = [](std::span<const double> x) { return std::abs(sum_of(x) - 0.5 * 4.0); };
+  const Scalar pole = [](std::span<const double> x) { return 1.0 / (sum_of(x) - 0.37 * 4.0); };
+  const Scalar noise = [](std::span<const double> x) {
+    return std::exp(-sum_of(x)) + 1e-6 * std::sin(1.3e6 * sum_of(x) + 78233.0 * x[0]);
+  };
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    for (const Scalar& f : {kink, pole, noise}) {
+      const SamplingResult result =
+          sample(unit_box(4), {{"f"}}, one_output(f), {.tolerance = 1e-7, .max_calls = 8000, .seed = seed});
+      CHECK_FALSE(result.tolerance_met());
+      REQUIRE(result.field);
+      CHECK(result.error > 1e-7);
+      CHECK_THAT(result.message, Contains("errs by"));
+    }
+  }
+}
+
+TEST_CASE("two narrow peaks are found") {
+  const Scalar f = [](std::span<const double> x) {
+    double a = 0.0, b = 0.0;
+    for (const double value : x) {
+      a += std::pow(value - 0.3, 2);
+      b += std::pow(value - 0.7, 2);
+    }
+    return std::exp(-a / 0.04) + std::exp(-b / 0.04);
+  };
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const SamplingResult result =
+        sample(unit_box(6), {{"f"}}, one_output(f), {.tolerance = 1e-3, .max_calls = 20000, .seed = seed});
+    CHECK(result.tolerance_met());
+    const std::vector<double> first(6, 0.3), second(6, 0.7);
+    CHECK((*result.field)(first)[0] == Approx(f(first)).margin(3e-3));
+    CHECK((*result.field)(second)[0] == Approx(f(second)).margin(3e-3));
+  }
+}
+
+TEST_CASE("a constant, a zero and a function of one coordinate take few calls and rank one") {
+  const SamplingResult constant =
+      sample(unit_box(6), {{"f"}}, one_output([](std::span<const double>) { return 3.25; }));
+  CHECK(constant.tolerance_met());
+  CHECK(constant.calls < 400);
+  CHECK((*constant.field)(std::vector<double>(6, 0.4))[0] == Approx(3.25).epsilon(1e-13));
+  const SamplingResult zero =
+      sample(unit_box(3), {{"f"}}, one_output([](std::span<const double>) { return 0.0; }));
+  CHECK(zero.tolerance_met());
+  CHECK((*zero.field)(std::vector<double>(3, 0.4))[0] == 0.0);
+  const Scalar sine = [](std::span<const double> x) { return std::sin(7.0 * x[2]); };
+  const SamplingResult one = sample(unit_box(6), {{"f"}}, one_output(sine), {.tolerance = 1e-7});
+  CHECK(one.tolerance_met());
+  CHECK(independent_error(one, sine) < 2e-7);
+  for (const TrainCore& core : one.field->train().cores) CHECK(core.right == 1);
+  // Only the coordinate that matters got nodes.
+  for (int k = 0; k < 6; ++k) CHECK((one.field->axes()[static_cast<std::size_t>(k)].size() > 3) == (k == 2));
+}
+
+TEST_CASE("all outputs come from the same calls, each to the tolerance of its own range") {
+  long calls = 0;
+  const PointsFunction f = [&](const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
+    calls += points.cols();
+    for (Eigen::Index j = 0; j < points.cols(); ++j) {
+      for (Eigen::Index m = 0; m < 40; ++m) {
+        const double t = 0.05 * static_cast<double>(m);
+        // Sizes over six decades.
+        values(m, j) = std::pow(10.0, static_cast<double>(m % 7) - 3.0) * std::exp(-points(0, j) * t) *
+                       std::cos(t + points(1, j));
+      }
+    }
+  };
+  const std::vector<OutputLabel> outputs(40, OutputLabel{"u"});
+  const SamplingResult result = sample(unit_box(2), outputs, f, {.tolerance = 1e-8});
+  REQUIRE(result.tolerance_met());
+  CHECK(calls == result.calls);
+  CHECK(result.calls < 800);
+  Eigen::MatrixXd point(2, 1), exact(40, 1);
+  Random random(3);
+  for (int i = 0; i < 100; ++i) {
+    point << random.uniform(), random.uniform();
+    f(point, exact);
+    const Eigen::VectorXd value = (*result.field)(std::vector<double>{point(0, 0), point(1, 0)});
+    CHECK(((value - exact.col(0)).array() / result.range.array()).abs().maxCoeff() < 3e-8);
+  }
+}
+
+TEST_CASE("no point is asked for twice, and the same seed asks for the same points") {
+  std::set<std::vector<double>> first, second;
+  for (std::set<std::vector<double>>* seen : {&first, &second}) {
+    long calls = 0;
+    const SamplingResult result = sample(unit_box(3), {{"f"}}, one_output([&](std::span<const double> x) {
+                                           ++calls;
+                                           seen->insert({x.begin(), x.end()});
+                                           return std::exp(x[0] * x[1]) + x[2];
+                                         }));
+    CHECK(static_cast<long>(seen->size()) == calls);
+    CHECK(result.calls == calls);
+  }
+  CHECK(first == second);
+}
+
+TEST_CASE("a coordinate over decades gets the transform under which it is smooth") {
+  const Scalar f = [](std::span<const double> x) { return std::log(x[0]) * std::log(x[0]) + x[1] / x[2]; };
+  const SamplingResult result = sample({{{"a"}, 1e-3, 1e3}, {{"b"}, -1.0, 1.0}, {{"c"}, 1.0, 100.0}}, {{"f"}},
+                                       one_output(f), {.tolerance = 1e-9});
+  REQUIRE(result.tolerance_met());
+  CHECK(result.field->axes()[0].transform() == Transform::logarithm);
+  CHECK(result.field->axes()[1].transform() == Transform::none);
+  CHECK(result.field->axes()[2].transform() == Transform::reciprocal);
+  CHECK(result.calls < 700);
+  SampledCoordinate fixed = {{"a"}, 0.1, 10.0};
+  fixed.try_transforms = false;
+  const SamplingResult plain =
+      sample({fixed}, {{"f"}}, one_output([](std::span<const double> x) { return std::log(x[0]); }),
+             {.tolerance = 1e-4});
+  CHECK(plain.field->axes()[0].transform() == Transform::none);
+}
+
+TEST_CASE("what goes wrong in the function is reported with its point, and the work so far is kept") {
+  const Scalar good = [](std::span<const double> x) { return std::exp(x[0] + x[1]) / (1.0 + x[2]); };
+  // Enough good calls for a first interpolant.
+  long calls = 0;
+  const SamplingResult broken =
+      sample(unit_box(3), {{"f"}},
+             one_output([&](std::span<const double> x) { return ++calls > 150 ? std::nan("") : good(x); }),
+             {.tolerance = 1e-12});
+  CHECK(broken.status == SamplingStatus::not_finite);
+  CHECK_THAT(broken.message, Contains("f is nan at a = "));
+  CHECK(broken.bad_point.size() == 3);
+  CHECK(broken.field);
+  calls = 0;
+  const SamplingResult thrown = sample(unit_box(3), {{"f"}}, one_output([&](std::span<const double> x) {
+                                         if (++calls > 150) throw std::runtime_error("the pump broke");
+                                         return good(x);
+                                       }),
+                                       {.tolerance = 1e-12});
+  CHECK(thrown.status == SamplingStatus::failed);
+  CHECK_THAT(thrown.message, Contains("the pump broke") && Contains("a = "));
+  CHECK(thrown.bad_point.size() == 3);
+  const SamplingResult none =
+      sample(unit_box(2), {{"f"}}, one_output([](std::span<const double>) -> double { throw 42; }));
+  CHECK(none.status == SamplingStatus::failed);
+  CHECK_FALSE(none.field);
+  CHECK(std::isinf(none.error));
+  const SamplingResult table = sample(
+      unit_box(2), {{"f"}}, [](const Eigen::MatrixXd&, Eigen::MatrixXd& values) { values.resize(2, 2); });
+  CHECK_THAT(table.message, Contains("2 x 2"));
+}
+
+TEST_CASE("limits of calls and time, and cancellation, end with the best so far") {
+  const Scalar f = [](std::span<const double> x) { return std::cos(9.0 * sum_of(x)) / (1.1 - x[0] * x[1]); };
+  const SamplingResult calls =
+      sample(unit_box(4), {{"f"}}, one_output(f), {.tolerance = 1e-9, .max_calls = 500});
+  CHECK(calls.status == SamplingStatus::max_calls);
+  CHECK(calls.calls <= 500);
+  CHECK(calls.field);
+  CHECK_THAT(calls.message, Contains("of the 500 allowed"));
+  const SamplingResult time =
+      sample(unit_box(4), {{"f"}}, one_output(f), {.tolerance = 1e-9, .max_seconds = 1e-9});
+  CHECK(time.status == SamplingStatus::max_seconds);
+  int reports = 0;
+  const SamplingResult cancelled =
+      sample(unit_box(4), {{"f"}}, one_output(f),
+             {.tolerance = 1e-9, .progress = [&](const samara::Progress&) { return ++reports < 10; }});
+  CHECK(cancelled.status == SamplingStatus::cancelled);
+  const SamplingResult narrow =
+      sample(unit_box(4), {{"f"}}, one_output(f), {.tolerance = 1e-9, .max_rank = 2, .max_nodes = 4});
+  CHECK(narrow.status == SamplingStatus::exhausted);
+}
+
+TEST_CASE("pivots of a similar function save calls") {
+  const auto f = [](double shift) {
+    return one_output([shift](std::span<const double> x) {
+      return std::exp(-4.0 * std::abs(1.0 + shift + x[0] * x[1] - x[2] * x[3])) + std::sin(3.0 * sum_of(x));
+    });
+  };
+  const SamplingResult cold = sample(unit_box(4), {{"f"}}, f(0.01), {.tolerance = 1e-6});
+  const SamplingResult other = sample(unit_box(4), {{"f"}}, f(0.0), {.tolerance = 1e-6});
+  const SamplingResult warm =
+      sample(unit_box(4), {{"f"}}, f(0.01), {.tolerance = 1e-6, .start = other.pivots});
+  REQUIRE(cold.tolerance_met());
+  REQUIRE(warm.tolerance_met());
+  CHECK(warm.calls < cold.calls);
+}
+
+TEST_CASE("calls that make no sense are refused by name") {
+  const PointsFunction f = one_output([](std::span<const double>) { return 0.0; });
+  CHECK_THROWS_WITH(sample({}, {{"f"}}, f), Contains("0 coordinates"));
+  CHECK_THROWS_WITH(sample({{{"a"}, 1.0, 1.0}}, {{"f"}}, f), Contains("a goes from 1 to 1"));
+  CHECK_THROWS_WITH(sample({{{"a"}, 0.0, std::nan("")}}, {{"f"}}, f), Contains("expected an interval"));
+  CHECK_THROWS_WITH(sample({{{"a"}, 0.0, 1.0}, {{"a"}, 0.0, 1.0}}, {{"f"}}, f), Contains("two coordinates"));
+  CHECK_THROWS_WITH(sample(unit_box(1), {{"f"}}, f, {.tolerance = 0.0}), Contains("tolerance is 0"));
+  CHECK_THROWS_WITH(sample(unit_box(1), {{"f"}}, f, {.max_calls = 0}), Contains("max_calls is 0"));
+  CHECK_THROWS_WITH(sample(unit_box(1), {{"f"}}, f, {.max_nodes = 2}), Contains("max_nodes is 2"));
+  CHECK_THROWS_WITH(sample(unit_box(2), {{"f"}}, f, {.start = Eigen::MatrixXd::Zero(3, 1)}),
+                    Contains("start has 3 coordinates"));
+  SampledCoordinate wrong = {{"a", "1", AxisRole::parameter, Transform::logarithm}, -1.0, 1.0};
+  CHECK_THROWS_WITH(sample({wrong}, {{"f"}}, f), Contains("log") && Contains("does not allow"));
+}
