@@ -89,8 +89,13 @@ Eigen::MatrixXd OffGridCheck::suspicious_points(int count, const TrainField& lat
 
 void OffGridCheck::call(const Eigen::MatrixXd& points) {
   const Eigen::MatrixXd values = function_(points);
+  for (Eigen::Index j = points.cols() / 2; j < points.cols(); ++j) uniform_.push_back(points_.cols() + j);
   append_columns(points_, points);
   append_columns(values_, values);
+}
+
+Eigen::MatrixXd OffGridCheck::uniform_values() const {
+  return values_(Eigen::all, uniform_);
 }
 
 PointErrors OffGridCheck::errors(const TrainField& field, int count) const {

@@ -42,6 +42,9 @@ class OffGridCheck {
   int count() const { return static_cast<int>(points_.cols()); }
   /// All points called so far.
   const Eigen::MatrixXd& points() const { return points_; }
+  /// Values (outputs x points) at those of the points that were uniform in the box, of each call the later
+  /// half.
+  Eigen::MatrixXd uniform_values() const;
   /// Errors at the last `count` points called.
   PointErrors errors(const TrainField& field, int count) const;
 
@@ -52,6 +55,7 @@ class OffGridCheck {
   SampledFunction& function_;
   Random random_;
   Eigen::MatrixXd points_, values_;
+  std::vector<Eigen::Index> uniform_;  ///< columns of points that were uniform
 };
 
 }  // namespace samara::pgd

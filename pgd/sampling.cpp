@@ -14,6 +14,7 @@
 #include "samara/pgd/growing_cross.h"
 #include "samara/pgd/leja.h"
 #include "samara/pgd/off_grid_check.h"
+#include "samara/pgd/peak_search.h"
 #include "samara/pgd/random.h"
 #include "samara/pgd/sample_table.h"
 #include "samara/pgd/transform_trial.h"
@@ -125,7 +126,7 @@ class Sampling {
     keep_if_best(field, errors);
     const std::vector<int> rough = rough_coordinates(field);
     int pivots = 0;
-    if (errors.worst() <= options_.tolerance && rough.empty()) {
+    if (errors.worst() <= kMargin * options_.tolerance && rough.empty()) {
       if (holds_at_fresh_points(field, other)) return true;
       pivots = add_worst(check_.errors(field, check_.count()));
     } else {
@@ -160,9 +161,22 @@ class Sampling {
     check_.call(check_.suspicious_points(options_.check_points, field, other, cross_->pivots()));
     const PointErrors errors = check_.errors(field, options_.check_points);
     keep(field, errors);
-    if (!(errors.worst() <= options_.tolerance)) return false;
+    if (!(errors.worst() <= kMargin * options_.tolerance) || !holds_at_peaks(field)) return false;
     return stop(SamplingStatus::met, fmt::format("largest error {:.3g} <= {:.3g} at {} points of the check",
                                                  errors.worst(), options_.tolerance, options_.check_points));
+  }
+
+  /// Where the fresh points see next to nothing, climbs look for peaks, once.
+  bool holds_at_peaks(const TrainField& field) {
+    constexpr int kClimbs = 10;
+    const Eigen::MatrixXd values = check_.uniform_values();
+    if (has_climbed_ || !looks_like_peaks(values, function_.scale())) return true;
+    has_climbed_ = true;
+    check_.call(climb_peaks(coordinates_, function_, values, kClimbs, random_));
+    const PointErrors errors = check_.errors(field, kClimbs);
+    if (errors.worst() <= kMargin * options_.tolerance) return true;
+    keep(field, errors);
+    return false;
   }
 
   /// Makes the points with the largest errors pivots. @returns how many bonds took one
@@ -266,6 +280,8 @@ class Sampling {
 
   /// The search works to this share of the tolerance, the rest is for what it does not see.
   static constexpr double kShare = 0.5;
+  /// What the points called must show: a few hundred points do not see the largest error of all.
+  static constexpr double kMargin = 0.6;
 
   const std::vector<SampledCoordinate>& coordinates_;
   const std::vector<OutputLabel>& outputs_;
@@ -277,6 +293,7 @@ class Sampling {
   std::optional<SampleTable> table_;
   std::optional<GrowingCross> cross_;
   std::optional<TrainField> latest_;
+  bool has_climbed_ = false;
   std::vector<double> tails_;  ///< per coordinate, see rough_coordinates()
   long calls_of_best_ = 0;
   SamplingResult result_;

@@ -26,7 +26,10 @@
 ///     is orthogonal to all of them;
 ///  3. coordinates along which the coefficients of the interpolant have not decayed get more nodes.
 ///
-/// The build is met when all three are silent and `check_points` fresh random points agree. References: S.
+/// The build is met when all three are silent and `check_points` fresh points agree within 0.6 of the
+/// tolerance, half of them uniform, half where the latest two interpolants differ most; where uniform points
+/// see next to nothing, climbs look for peaks. No number of calls can exclude a feature that none of them
+/// touches. References: S.
 /// Dolgov and D. Savostyanov, Parallel cross interpolation for high-precision calculation of high-dimensional
 /// integrals, Comput. Phys. Commun. 246 (2020); Y. Nunez Fernandez et al., Learning tensor networks with
 /// tensor cross interpolation, SciPost Phys. 18, 104 (2025); L. Reichel, BIT 30 (1990) for the nodes.
