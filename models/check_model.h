@@ -13,7 +13,9 @@
 /// It looks at what a model says of itself (names, units, defaults, texts, groups of states), and at random
 /// points within the meaning of the parameters, quaternions of norm one,
 ///  - compares its derivatives with central differences of its right-hand side;
-///  - changes the units of length, mass and time: rates and derived defaults must follow as their units say,
+///  - changes the units of length, mass and time: rates, derived defaults, forces and energy must follow as
+///  their
+///    units say,
 ///    which finds a dimensionally wrong law and a constant that hides a unit;
 ///  - tries its symmetries "translation of <state>" and "rotation about z";
 ///  - takes two coefficient vectors and their mean: f must be affine in the parameters of `affine_in`;

@@ -38,7 +38,8 @@ constexpr double kEqualRates = 1e-9;
 
 /// Units that are no SI units: nothing else on units can be checked then.
 void check_known_units(const ModelInfo& info, Findings& findings);
-/// With the unit of length, mass or time changed, rates and derived defaults follow as their units say.
+/// With the unit of length, mass or time changed, rates, derived defaults, forces and energy follow as their
+/// units say.
 void check_dimensions(const Model& model, const Point& point, std::mt19937& random, Findings& findings);
 
 /// ModelInfo::affine_in holds names of parameters, and f is affine in them together.

@@ -61,6 +61,7 @@ struct FallingPlate {
         .parameters = parameters(),
         .affine_in = {"C_T", "C_R", "A", "B", "mu1", "mu2"},
         .force_terms = planar_force_terms(),
+        .per_span = true,
     };
   }
 

@@ -43,6 +43,7 @@ struct FallingPlateLinearDrag {
         .parameters = parameters(),
         .affine_in = {"A_perp", "A_par", "g"},
         .force_terms = force_terms(),
+        .per_span = true,
     };
   }
 

@@ -45,6 +45,7 @@ struct FallingPlateNd {
         .parameters = parameters(),
         .affine_in = {"C_T", "C_R", "A", "B", "mu1", "mu2"},
         .force_terms = planar_force_terms(),
+        .per_span = true,
     };
   }
 

@@ -64,6 +64,7 @@ struct FallingRectangle {
         .parameters = parameters(),
         .affine_in = {"C_T", "C_R", "C_0", "C_90", "C_tau"},
         .force_terms = planar_force_terms(),
+        .per_span = true,
     };
   }
 

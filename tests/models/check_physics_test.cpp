@@ -116,6 +116,15 @@ TEST_CASE("a derived default that does not follow its unit is found") {
   CHECK_THAT(findings(model), Contains("the derived default of \"weight\" does not follow its unit, \"N\""));
 }
 
+TEST_CASE("forces of a body that are said to be per metre of span are found") {
+  FunctionModel model = falling(falling_rates);
+  model.info_.per_span = true;
+  const std::string text = findings(model);
+  CHECK_THAT(text, Contains("the force of the term \"drag\" does not follow its unit, \"N/m\""));
+  CHECK_THAT(text, Contains("the kinetic energy does not follow its unit, \"J/m\""));
+  CHECK_THAT(text, !Contains("the unit of time"));
+}
+
 TEST_CASE("a unit outside SI is found") {
   FunctionModel model = falling(falling_rates);
   model.info_.parameters[0].unit = "lb";
