@@ -271,7 +271,7 @@ ModelCheck check_model(const Model& model, const CheckModelOptions& options) {
     check_derivatives(model, point, options.tolerance, check.findings);
     check_symmetries(model, point, check.findings);
     check_rotation(model, point, random, check.findings);
-    check_dimensions(model, point, random, check.findings);
+    if (options.units) check_dimensions(model, point, random, check.findings);
     check_affinity(model, point, random, check.findings);
     check_forces(model, point, options.tolerance, check.findings);
   }

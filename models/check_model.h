@@ -29,6 +29,9 @@ struct CheckModelOptions {
   /// Largest |derivative - central difference| over |derivative| + |f| / (size of the variable). Differences
   /// over a step of 6e-6 of the variable are good to about 1e-9 in this measure where f is smooth.
   double tolerance = 1e-6;
+  /// Off for a model that holds numbers with units besides its parameters, such as a field of wind: these do
+  /// not follow a change of units.
+  bool units = true;
 };
 
 struct ModelCheck {

@@ -99,6 +99,17 @@ TEST_CASE("a constant that hides a unit is found with the unit it hides") {
   CHECK_THAT(text, !Contains("the rate of \"x\""));
 }
 
+TEST_CASE("a model with numbers of its own may be checked for all but its units") {
+  const FunctionModel model = falling([](const Values& x, const Values& p) {
+    return Values{x[1], (-p[2] - p[1] * x[1]) / p[0] + std::sin(x[0])};
+  });
+  CHECK_THAT(findings(model), Contains("does not follow its unit"));
+  FunctionModel without_forces = model;
+  without_forces.info_.symmetries.clear();
+  without_forces.energy_ = nullptr;
+  CHECK(check_model(without_forces, {.units = false}).passed());
+}
+
 TEST_CASE("a parameter with a wrong unit is found by the dimension that is wrong") {
   FunctionModel model = falling(falling_rates);
   model.info_.parameters[1].unit = "N s^2/m";
