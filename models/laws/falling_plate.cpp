@@ -1,4 +1,3 @@
-#include <cmath>
 #include <numbers>
 
 #include "samara/models/laws/planar_plate.h"
@@ -37,24 +36,20 @@ struct FallingPlate {
             "G = -2 C_T a vx vy/v + 2 C_R a^2 w,  "
             "(Fx, Fy) = fluid_density a (A - B (vx^2 - vy^2)/v^2) v (vx, vy),  "
             "v = sqrt(vx^2 + vy^2 + speed_floor^2),  U = sqrt(|density/fluid_density - 1| g b),  "
-            "m = pi density a b,  m_f = pi fluid_density a b,  I = m (a^2 + b^2)/4,  m11 = pi fluid_density "
-            "b^2,  "
-            "m22 = pi fluid_density a^2,  I_a = pi/8 fluid_density (a^2 - b^2)^2,  a = semi_chord,  "
-            "b = semi_thickness",
+            "m = pi density a b,  m_f = pi fluid_density a b,  I = m (a^2 + b^2)/4,  "
+            "m11 = pi fluid_density b^2,  m22 = pi fluid_density a^2,  "
+            "I_a = pi/8 fluid_density (a^2 - b^2)^2,  a = semi_chord,  b = semi_thickness",
         .frames =
             "vx, vy in body axes: x' along the chord, y' along the normal, theta the angle of x' above the "
             "horizontal; x, y in the world, y upward; forces and masses per metre of span",
         .source =
-            "A. Andersen, U. Pesavento, Z. J. Wang, Unsteady aerodynamics of fluttering and tumbling plates, "
-            "J. Fluid Mech. 541 (2005) 65-90, and Analysis of transitions .., ibid. 91-104; dissertation, "
-            "eqs. "
-            "(2.14)-(2.20), corrected (L of (2.20) is the semi-chord)",
+            "A. Andersen, U. Pesavento, Z. J. Wang, Unsteady aerodynamics of fluttering and tumbling "
+            "plates, J. Fluid Mech. 541 (2005) 65-90, and Analysis of transitions .., ibid. 91-104; "
+            "dissertation, eqs. (2.14)-(2.20), corrected (L of (2.20) is the semi-chord)",
         .validity =
             "motion in a plane, thin plates, Reynolds numbers of about 1e2 to 1e4 (the coefficients are "
-            "fitted "
-            "there); quasi-steady: no wake memory; still, unbounded fluid. A body as dense as the fluid has "
-            "no "
-            "U, and no derivative of it",
+            "fitted there); quasi-steady: no wake memory; still, unbounded fluid. In U, |q| is taken as "
+            "sqrt(q^2 + 1e-24)",
         .symmetries = {"translation of x", "translation of y", "turn of the body by pi",
                        "reflection: vx, w, theta and x change sign"},
         .states = planar_states(),
@@ -107,12 +102,9 @@ struct FallingPlate {
     };
   }
 
-  /// U = sqrt(|density/fluid_density - 1| g b) [m/s].
   template <class S>
   static S characteristic_speed(const S* p) {
-    using std::abs;
-    using std::sqrt;
-    return sqrt(abs(p[kDensity] - p[kFluidDensity]) / p[kFluidDensity] * p[kG] * p[kSemiThickness]);
+    return buoyant_speed(p[kDensity], p[kFluidDensity], p[kG], p[kSemiThickness]);
   }
 
   template <class S>
@@ -162,7 +154,10 @@ struct FallingPlate {
     if (!given[kSpeedFloor]) p[kSpeedFloor] = S(1e-6) * characteristic_speed(p);
   }
 
-  static Scales scales(const double* p) { return plate_scales(p[kSemiChord], characteristic_speed(p)); }
+  static Scales scales(const double* p) {
+    const double speed = characteristic_speed(p);
+    return {.length = p[kSemiChord], .time = p[kSemiChord] / speed, .velocity = speed};
+  }
 };
 
 }  // namespace

@@ -28,16 +28,15 @@ struct FallingPlateLinearDrag {
         .frames =
             "u, v and x, y in the world, x horizontal, y upward; theta the angle of the chord above the "
             "horizontal; vt, vn the velocity along chord and normal. With alpha = atan2(u, v) and beta = "
-            "alpha + "
-            "theta of the source, vn = V cos(beta) and vt = V sin(beta)",
+            "alpha + theta of the source, vn = V cos(beta) and vt = V sin(beta)",
         .source =
             "Y. Tanabe, K. Kaneko, Behavior of a falling paper, Phys. Rev. Lett. 73 (1994) 1372-1375; "
             "dissertation, eqs. (3.4)-(3.5), with gravity in v' and 1/mass in w', which (3.4) omits",
         .validity =
             "a rule for pictures of falling paper: neither added mass nor buoyancy nor quadratic drag. The "
-            "source's k is +1 or -1 and jumps where v or vt changes sign; here it does so within sign_floor, "
-            "and "
-            "the lift has its right sign for falling bodies only (v < 0)",
+            "source's k is +1 or -1 and jumps where v or vt changes sign; here it does so within "
+            "sign_floor. Much smaller than its default the motion may slide along the jump, where "
+            "integrators stop. The lift has its right sign for falling bodies only (v < 0)",
         .symmetries = {"translation of x", "translation of y"},
         .states = states(),
         .parameters = parameters(),

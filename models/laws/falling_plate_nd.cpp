@@ -24,21 +24,17 @@ struct FallingPlateNd {
             "v = sqrt(vx^2 + vy^2 + speed_floor^2),  I = inertia_ratio",
         .frames =
             "vx, vy in body axes: x' along the chord, y' along the normal, theta the angle of x' above the "
-            "horizontal; x, y in the world, y upward. Units: length the semi-chord a, velocity "
-            "U = sqrt((density/fluid_density - 1) g b) with the semi-thickness b, mass pi fluid_density a^2 "
-            "per "
-            "unit span",
+            "horizontal; x, y in the world, y upward. Units: length the semi-chord a, velocity U = "
+            "sqrt((density/fluid_density - 1) g b) with the semi-thickness b, mass pi fluid_density a^2 "
+            "per unit span",
         .source =
-            "A. Andersen, U. Pesavento, Z. J. Wang, Analysis of transitions between fluttering, tumbling and "
-            "steady descent of falling cards, J. Fluid Mech. 541 (2005) 91-104, with the added mass and "
-            "inertia "
-            "of an ellipse of finite thickness; dissertation, eqs. (2.14)-(2.20), corrected",
+            "A. Andersen, U. Pesavento, Z. J. Wang, Analysis of transitions between fluttering, tumbling "
+            "and steady descent of falling cards, J. Fluid Mech. 541 (2005) 91-104, with the added mass "
+            "and inertia of an ellipse of finite thickness; dissertation, eqs. (2.14)-(2.20), corrected",
         .validity =
             "motion in a plane, thin plates heavier than the fluid, Reynolds numbers of about 1e2 to 1e4 "
-            "(the "
-            "coefficients are fitted there); quasi-steady: no wake memory; still, unbounded fluid. beta = 0 "
-            "is "
-            "the thin limit",
+            "(the coefficients are fitted there); quasi-steady: no wake memory; still, unbounded fluid. "
+            "beta = 0 is the thin limit",
         .symmetries = {"translation of x", "translation of y", "turn of the body by pi",
                        "reflection: vx, w, theta and x change sign"},
         .states = states(),

@@ -1,4 +1,3 @@
-#include <cmath>
 #include <numbers>
 
 #include "samara/models/laws/planar_plate.h"
@@ -33,8 +32,8 @@ struct FallingRectangle {
         .equations =
             "dPx/dt = w Py - fluid_density G v_p - (m - m_f) g sin(theta) - Fx,  "
             "dPy/dt = -w Px + fluid_density G vx - (m - m_f) g cos(theta) - Fy,  "
-            "dL/dt = m11 vx vy - m22 vx v_p - offset (fluid_density G vx - Fy + m_f g cos(theta)) - "
-            "C_tau fluid_density a^4 |w| w/64,  Px = (m + m11) vx,  Py = m vy + m22 v_p,  "
+            "dL/dt = m11 vx vy - m22 vx v_p - offset (fluid_density G vx - Fy + m_f g cos(theta)) - C_tau "
+            "fluid_density a^4 |w| w/64,  Px = (m + m11) vx,  Py = m vy + m22 v_p,  "
             "L = (moment_of_inertia + I_a) w - offset m22 v_p,  v_p = vy - offset w,  theta' = w,  "
             "x' = vx cos(theta) - vy sin(theta),  y' = vx sin(theta) + vy cos(theta),  "
             "G = -C_T a vx v_p/v + C_R a^2 w/2,  "
@@ -44,21 +43,18 @@ struct FallingRectangle {
             "I_a = 5 pi/256 fluid_density (a^2 - b^2)^2,  a = chord,  b = thickness",
         .frames =
             "vx, vy are the velocity of the centre of mass in body axes: x' along the chord, y' along the "
-            "normal, theta the angle of x' above the horizontal; the centre of mass lies at x' = offset from "
-            "the "
-            "plate's centre; x, y are its place in the world, y upward; forces and masses per metre of span",
+            "normal, theta the angle of x' above the horizontal; the centre of mass lies at x' = offset "
+            "from the plate's centre; x, y are its place in the world, y upward; forces and masses per "
+            "metre of span",
         .source =
             "W. Huang, H. Liu, F. Wang, J. Wu, H. P. Zhang, Experimental study of a freely falling plate "
-            "with an "
-            "inhomogeneous mass distribution, Phys. Rev. E 88 (2013) 053008, for the coefficients; A. "
-            "Andersen, U. "
-            "Pesavento, Z. J. Wang, J. Fluid Mech. 541 (2005) 65-90, for the form. Lift, drag, added mass "
-            "and "
-            "buoyancy act at the plate's centre, so that no force makes energy",
+            "with an inhomogeneous mass distribution, Phys. Rev. E 88 (2013) 053008, for the coefficients; "
+            "A. Andersen, U. Pesavento, Z. J. Wang, J. Fluid Mech. 541 (2005) 65-90, for the form. Lift, "
+            "drag, added mass and buoyancy act at the plate's centre, so that no force makes energy",
         .validity =
-            "motion in a plane, Reynolds numbers of about 1e3 (coefficients fitted at 1.5e3); quasi-steady: "
-            "no "
-            "wake memory; still, unbounded fluid. C_0 and C_90 are taken on 1/2 fluid_density chord v^2",
+            "motion in a plane, Reynolds numbers of about 1e3 (coefficients fitted at 1.5e3); "
+            "quasi-steady: no wake memory; still, unbounded fluid. C_0 and C_90 are taken on 1/2 "
+            "fluid_density chord v^2",
         .symmetries = {"translation of x", "translation of y"},
         .states = planar_states(),
         .parameters = parameters(),
@@ -215,9 +211,7 @@ struct FallingRectangle {
 
   template <class S>
   static S characteristic_speed(const S* p) {
-    using std::abs;
-    using std::sqrt;
-    return sqrt(abs(p[kDensity] - p[kFluidDensity]) / p[kFluidDensity] * p[kG] * p[kThickness]);
+    return buoyant_speed(p[kDensity], p[kFluidDensity], p[kG], p[kThickness]);
   }
 
   template <class S>
@@ -230,7 +224,10 @@ struct FallingRectangle {
     if (!given[kSpeedFloor]) p[kSpeedFloor] = S(1e-6) * characteristic_speed(p);
   }
 
-  static Scales scales(const double* p) { return plate_scales(p[kChord], characteristic_speed(p)); }
+  static Scales scales(const double* p) {
+    const double speed = characteristic_speed(p);
+    return {.length = p[kChord], .time = p[kChord] / speed, .velocity = speed};
+  }
 };
 
 }  // namespace

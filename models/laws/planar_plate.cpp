@@ -1,7 +1,5 @@
 #include "samara/models/laws/planar_plate.h"
 
-#include <algorithm>
-
 namespace samara::models::laws {
 
 std::vector<ForceTermInfo> planar_force_terms() {
@@ -28,12 +26,6 @@ std::vector<StateInfo> planar_states() {
       {.name = "x", .unit = "m", .description = "horizontal position"},
       {.name = "y", .unit = "m", .description = "height, positive upward"},
   };
-}
-
-Scales plate_scales(double length, double speed) {
-  constexpr double kLeastSpeed = 1e-6;  // m/s: slower bodies move by what is not in the models
-  const double velocity = std::max(speed, kLeastSpeed);
-  return {.length = length, .time = length / velocity, .velocity = velocity};
 }
 
 }  // namespace samara::models::laws

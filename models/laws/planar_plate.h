@@ -137,11 +137,20 @@ struct EllipticPlate {
   }
 };
 
+/// U = sqrt(|density/fluid_density - 1| g b) [m/s], b half the thickness or all of it, as the law says.
+///
+/// |q| is sqrt(q^2 + 1e-24): the same to twelve digits down to differences of density of one in a million,
+/// and at equal densities still a speed, with derivatives.
+template <class S>
+S buoyant_speed(const S& density, const S& fluid_density, const S& g, const S& b) {
+  using std::sqrt;
+  const S contrast = (density - fluid_density) / fluid_density;
+  return sqrt(sqrt(contrast * contrast + S(1e-24)) * g * b);
+}
+
 /// The words of planar laws: terms in the order of PlanarTerm, states in that of PlanarState.
 std::vector<ForceTermInfo> planar_force_terms();
 /// In SI units, at rest with theta = 0.4 rad.
 std::vector<StateInfo> planar_states();
-/// Length, time length/speed and speed of a plate, for speeds that may be zero.
-Scales plate_scales(double length, double speed);
 
 }  // namespace samara::models::laws

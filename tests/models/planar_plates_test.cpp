@@ -189,6 +189,21 @@ TEST_CASE("the plate in SI units is the dimensionless one, scaled") {
   }
 }
 
+TEST_CASE("a plate as dense as the fluid stays where it is, and has derivatives") {
+  const std::map<std::string, double> ellipse = {{"semi_chord", 7e-3}, {"semi_thickness", 5e-4}};
+  const std::map<std::string, double> rectangle = {{"chord", 14e-3}, {"thickness", 1e-3}};
+  for (const auto& [name, size] :
+       {std::pair("falling_plate", ellipse), std::pair("falling_rectangle", rectangle)}) {
+    INFO(name);
+    const ParametricModel model(find_model(name), size, {"density", "C_T"});
+    const Trajectory trajectory = integrate(model, std::array{998.2, 1.2}, std::array{1.0}, {}, true);
+    REQUIRE(trajectory.is_usable());
+    for (Eigen::Index i = 0; i < 6; ++i) CHECK(trajectory.states(0, i) == (i == kTheta ? 0.4 : 0.0));
+    for (const Eigen::MatrixXd& s : trajectory.sensitivities) CHECK(s.allFinite());
+    CHECK(trajectory.sensitivities[0](0, kY) < 0.0);  // a little denser, it sinks
+  }
+}
+
 TEST_CASE("rates tend to those of the thin plate with the square of the thickness") {
   const auto model = find_model("falling_plate_nd");
   std::mt19937 random(3);
