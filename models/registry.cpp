@@ -5,9 +5,14 @@
 #include "samara/models/model.h"
 
 // The models that ship with Samara, one line each: laws/<name>.cpp defines the function <name>().
-#define SAMARA_LAWS(LAW)   \
-  LAW(constant_rate)       \
-  LAW(quadratic_drag_fall) \
+#define SAMARA_LAWS(LAW)         \
+  LAW(constant_rate)             \
+  LAW(coupled_triple)            \
+  LAW(falling_plate)             \
+  LAW(falling_plate_linear_drag) \
+  LAW(falling_plate_nd)          \
+  LAW(falling_rectangle)         \
+  LAW(quadratic_drag_fall)       \
   LAW(vertical_fall)
 
 namespace samara::models {
