@@ -5,9 +5,11 @@
 #include "samara/models/model.h"
 
 // The models that ship with Samara, one line each: laws/<name>.cpp defines the function <name>().
-#define SAMARA_LAWS(LAW)   \
-  LAW(constant_rate)       \
-  LAW(quadratic_drag_fall) \
+#define SAMARA_LAWS(LAW)     \
+  LAW(constant_rate)         \
+  LAW(immersed_body)         \
+  LAW(immersed_body_in_wind) \
+  LAW(quadratic_drag_fall)   \
   LAW(vertical_fall)
 
 namespace samara::models {
