@@ -66,11 +66,28 @@ struct EllipsoidBody {
  private:
   template <class S>
   static void complete_added_mass(const char* given, const S& fluid_mass, S* p) {
-    S mass[3], inertia[3];
-    added_mass::ellipsoid_added_mass(p[kA], p[kB], p[kC], mass, inertia);
-    for (int i = 0; i < 3; ++i) {
-      if (!given[kAddedMass + i]) p[kAddedMass + i] = fluid_mass * mass[i];
-      if (!given[kAddedInertia + i]) p[kAddedInertia + i] = fluid_mass * inertia[i];
+    S over_mf[6];
+    added_mass_over_mf(p, over_mf);
+    for (int i = 0; i < 6; ++i) {
+      if (!given[kAddedMass + i]) p[kAddedMass + i] = fluid_mass * over_mf[i];
+    }
+  }
+
+  static void added_mass_over_mf(const double* p, double* over_mf) {
+    added_mass::ellipsoid_added_mass(p[kA], p[kB], p[kC], over_mf, over_mf + 3);
+  }
+
+  /// The integrals depend on three numbers: differentiated by these alone, and by the chain rule by all
+  /// others.
+  template <class Jet>
+  static void added_mass_over_mf(const Jet* p, Jet* over_mf) {
+    using AxisJet = ceres::Jet<double, 3>;
+    AxisJet axes[3], by_axes[6];
+    for (int k = 0; k < 3; ++k) axes[k] = AxisJet(p[kA + k].a, k);
+    added_mass::ellipsoid_added_mass(axes[0], axes[1], axes[2], by_axes, by_axes + 3);
+    for (int i = 0; i < 6; ++i) {
+      over_mf[i].a = by_axes[i].a;
+      over_mf[i].v = by_axes[i].v[0] * p[kA].v + by_axes[i].v[1] * p[kB].v + by_axes[i].v[2] * p[kC].v;
     }
   }
 };
