@@ -21,17 +21,17 @@ TEST_CASE("drag and lift on a section are those of the planar law") {
   const Eigen::Vector3d force =
       terms[kDrag].force + terms[kTranslationalLift].force + terms[kRotationalLift].force;
   const double span = std::numbers::pi * 0.035 * 0.02 / 0.07;
-  CHECK_THAT(force.x() / span, WithinAbs(0.0123998254911338, 1e-15));
+  CHECK_THAT(force.x() / span, WithinAbs(0.0123998254911338, 1e-16));
   CHECK_THAT(force.y() / span, WithinAbs(0.0, 1e-16));
-  CHECK_THAT(force.z() / span, WithinAbs(0.0320359121556903, 1e-15));
+  CHECK_THAT(force.z() / span, WithinAbs(0.0320359121556903, 1e-16));
 
   // The same from the planar law, with the circulation G and v_perp = (-vy, vx).
   const double a = 0.035, vx = 0.7, vy = -0.4, w = -3.0, v = std::hypot(vx, vy), rho = 1.2;
   const double G = -2.0 * 1.81 * a * vx * vy / v + 2.0 * 1.21 * a * a * w;
   const double A = (0.05 + 0.61) / 2.0, B = (0.61 - 0.05) / 2.0;
   const double D = rho * a * (A - B * (vx * vx - vy * vy) / (v * v)) * v;
-  CHECK_THAT(force.x() / span, WithinAbs(-rho * G * vy - D * vx, 1e-15));
-  CHECK_THAT(force.z() / span, WithinAbs(rho * G * vx - D * vy, 1e-15));
+  CHECK_THAT(force.x() / span, WithinAbs(-rho * G * vy - D * vx, 1e-16));
+  CHECK_THAT(force.z() / span, WithinAbs(rho * G * vx - D * vy, 1e-16));
 }
 
 TEST_CASE("the damping torque of rotation about one axis is the planar one with mu2 = C_w / (4 pi)") {
