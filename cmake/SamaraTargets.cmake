@@ -28,7 +28,10 @@ function(samara_room name)
   file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${samara_BINARY_DIR}/include/samara/${name} SYMBOLIC)
   set_property(GLOBAL APPEND PROPERTY SAMARA_ROOMS ${target})
   if(SAMARA_INSTALL)
-    install(FILES ${ROOM_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/samara/${name})
+    foreach(header ${ROOM_HEADERS})  # keeps the folders below the room
+      cmake_path(GET header PARENT_PATH folder)
+      install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/samara/${name}/${folder})
+    endforeach()
   endif()
 endfunction()
 

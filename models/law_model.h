@@ -4,6 +4,7 @@
 #include <concepts>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include <ceres/jet.h>
 
@@ -29,6 +30,8 @@
 ///     template <class S> static S kinetic_energy(const S& t, const S* x, const S* p);
 ///   };
 ///
+/// The functions may also be members of an object that the law carries (a flow field), info() included.
+///
 /// Derivatives come from forward automatic differentiation by all states and parameters at once.
 /// Include this only in source files: no installed header shows ceres::Jet.
 namespace samara::models {
@@ -42,19 +45,19 @@ struct LawWrench {
 };
 
 template <class Law>
-concept HasForces = requires(double t, const double* x, LawWrench<double>* terms) {
-  Law::template forces<double>(t, x, x, terms);
+concept HasForces = requires(const Law& law, double t, const double* x, LawWrench<double>* terms) {
+  law.template forces<double>(t, x, x, terms);
 };
 
 template <class Law>
-concept HasKineticEnergy = requires(double t, const double* x) {
-  { Law::template kinetic_energy<double>(t, x, x) } -> std::same_as<double>;
+concept HasKineticEnergy = requires(const Law& law, double t, const double* x) {
+  { law.template kinetic_energy<double>(t, x, x) } -> std::same_as<double>;
 };
 
 template <class Law>
 class LawModel final : public Model {
  public:
-  LawModel() : info_(Law::info()) {
+  explicit LawModel(Law law = {}) : law_(std::move(law)), info_(law_.info()) {
     if (info_.states.size() != kStates || info_.parameters.size() != kParameters) {
       throw std::logic_error("law \"" + info_.name + "\" lists other states or parameters than it has");
     }
@@ -71,7 +74,7 @@ class LawModel final : public Model {
   void rhs(double t, std::span<const double> x, const ParameterValues& p,
            std::span<double> dxdt) const override {
     const std::array<double, kParameters> all = complete(p);
-    Law::template rhs<double>(t, x.data(), all.data(), dxdt.data());
+    law_.template rhs<double>(t, x.data(), all.data(), dxdt.data());
   }
 
   void rhs_with_derivatives(double t, std::span<const double> x, const ParameterValues& p,
@@ -86,8 +89,8 @@ class LawModel final : public Model {
     for (std::size_t j = 0; j < kParameters; ++j) {
       p_jet[j] = p.given[j] ? Jet(p.value[j], static_cast<int>(kStates + j)) : Jet(defaults_[j]);
     }
-    Law::template complete<Jet>(p.given.data(), p_jet.data());
-    Law::template rhs<Jet>(Jet(t), x_jet.data(), p_jet.data(), f.data());
+    law_.template complete<Jet>(p.given.data(), p_jet.data());
+    law_.template rhs<Jet>(Jet(t), x_jet.data(), p_jet.data(), f.data());
     for (std::size_t i = 0; i < kStates; ++i) {
       const auto row = static_cast<Eigen::Index>(i);
       dxdt[i] = f[i].a;
@@ -100,7 +103,7 @@ class LawModel final : public Model {
               std::span<Wrench> terms) const override {
     if constexpr (HasForces<Law>) {
       std::vector<LawWrench<double>> list(terms.size());
-      Law::template forces<double>(t, x.data(), complete(p).data(), list.data());
+      law_.template forces<double>(t, x.data(), complete(p).data(), list.data());
       for (std::size_t k = 0; k < list.size(); ++k) {
         terms[k] = {Eigen::Vector3d(list[k].force), Eigen::Vector3d(list[k].torque), list[k].power};
       }
@@ -110,7 +113,7 @@ class LawModel final : public Model {
   std::optional<double> kinetic_energy(double t, std::span<const double> x,
                                        const ParameterValues& p) const override {
     if constexpr (HasKineticEnergy<Law>) {
-      return Law::template kinetic_energy<double>(t, x.data(), complete(p).data());
+      return law_.template kinetic_energy<double>(t, x.data(), complete(p).data());
     }
     return std::nullopt;
   }
@@ -120,7 +123,7 @@ class LawModel final : public Model {
     return {all.begin(), all.end()};
   }
 
-  Scales scales(const ParameterValues& p) const override { return Law::scales(complete(p).data()); }
+  Scales scales(const ParameterValues& p) const override { return law_.scales(complete(p).data()); }
 
  private:
   static constexpr std::size_t kStates = Law::kStates;
@@ -130,10 +133,11 @@ class LawModel final : public Model {
   std::array<double, kParameters> complete(const ParameterValues& p) const {
     std::array<double, kParameters> all;
     for (std::size_t j = 0; j < kParameters; ++j) all[j] = p.given[j] ? p.value[j] : defaults_[j];
-    Law::template complete<double>(p.given.data(), all.data());
+    law_.template complete<double>(p.given.data(), all.data());
     return all;
   }
 
+  Law law_;
   ModelInfo info_;
   std::array<double, kParameters> defaults_ = {};
 };

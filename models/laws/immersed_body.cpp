@@ -1,0 +1,135 @@
+#include "samara/models/laws/immersed_body.h"
+
+#include <algorithm>
+
+#include "samara/models/laws/parameter_list.h"
+
+namespace samara::models::laws {
+
+namespace {
+
+/// Defaults: the published falling plate of Andersen et al. (C_T 1.2, C_R pi, A 1.4, B 1.0, mu2 0.2), with
+/// C_D0 = A - B, C_D90 = A + B, C_w = 4 pi mu2.
+Parameters coefficient_parameters() {
+  return {
+      not_negative("C_D0", "1", 0.4, "drag coefficient edge-on, on the area pi a b"),
+      not_negative("C_D90", "1", 2.4, "drag coefficient broadside, on the area pi a b"),
+      not_negative("C_T", "1", 1.2, "coefficient of translational lift"),
+      not_negative("C_R", "1", std::numbers::pi, "coefficient of rotational lift"),
+      not_negative("C_w", "1", 0.8 * std::numbers::pi, "coefficient of rotational damping"),
+      not_negative("damping_isotropy", "1", 1.0,
+                   "1: damping by the speed of the rim; 0: by the rate about each axis alone; or between"),
+      not_negative("linear_damping_x", "N m s", 0.0, "damping torque over rate about body x"),
+      not_negative("linear_damping_y", "N m s", 0.0, "damping torque over rate about body y"),
+      not_negative("linear_damping_z", "N m s", 0.0, "skin friction: torque over rate about body z"),
+      not_negative("centre_of_pressure", "1", 0.0,
+                   "share of the offset (1 - sin^3 alpha) l/4 of the centre of pressure; with 1, the Munk "
+                   "moment counts attached flow a second time: lower kappa"),
+      not_negative("kappa", "1", 1.0, "factor of the Munk moment (M u_r) x u_r, 0 to 1"),
+  };
+}
+
+Parameters smoothness_parameters() {
+  return {
+      with_default(positive("speed_floor", "m/s", "speed below which forces are smoothed"), 0.02),
+      with_default(positive("rate_floor", "rad/s", "rate below which damping is smoothed"), 1.0),
+      not_negative("Re_drag", "1", 0.0, "drag coefficients are C (1 + Re_drag / Re), Re = 2 a |u_r| / nu"),
+      not_negative("Re_lift", "1", 0.0, "lift coefficients are C / (1 + Re_lift / Re)"),
+      with_default(positive("nu", "m^2/s", "kinematic viscosity; default: air at 20 degrees C"), 1.516e-5),
+  };
+}
+
+std::vector<ForceTermInfo> force_terms() {
+  return {
+      {.name = "inertia",
+       .description = "P_r x w, and L x w + kappa (M u_r) x u_r, with the momentum relative to "
+                      "the fluid P_r = (m + M) u_r"},
+      {.name = "drag", .description = "against u_r"},
+      {.name = "translational lift",
+       .description = "perpendicular to u_r, in the plane of u_r and the normal"},
+      {.name = "rotational lift", .description = "perpendicular to u_r and to the in-plane rotation"},
+      {.name = "damping", .description = "of rotation"},
+      {.name = "gravity and buoyancy", .description = "weight at the origin, buoyancy at r_b"},
+      {.name = "ambient acceleration",
+       .description = "pressure gradient of the undisturbed fluid, m_f D w_air/Dt, "
+                      "less m times the rate of w_air along the path"},
+  };
+}
+
+}  // namespace
+
+ModelInfo ImmersedBody::info() {
+  ModelInfo info;
+  info.equations =
+      "d/dt (m u + M u_r) + w x (...) = F,  d/dt (I + J) w + w x (...) = kappa (M u_r) x u_r + T,  "
+      "u_r = u - R^T w_air;  drag -1/2 rho A (C_D0 cos^2 alpha + C_D90 sin^2 alpha) |u_r| u_r,  "
+      "translational "
+      "lift -rho A C_T (e.n) (n - (n.e) e) |u_r|^2,  rotational lift 1/2 rho A l C_R (w_x, w_y, 0) x u_r,  "
+      "damping -1/2 rho C_w (8/15) (a b^3 s w_x, b a^3 s w_y, 0) with s = |(b w_x, a w_y)|,  weight and "
+      "buoyancy "
+      "(m - m_f) R^T g and -m_f r_b x R^T g;  A = pi a b, n = body z, e = u_r/|u_r|, l the chord along u_r";
+  info.frames =
+      "world: z up; body: origin at the centre of mass, axes the principal ones, z the normal of the plate. "
+      "x, "
+      "y, z in the world; q turns body into world; u and w along body axes";
+  info.source =
+      "Kirchhoff's equations (H. Lamb, Hydrodynamics, 6th ed., 1932, art. 124); A. Andersen, U. Pesavento, "
+      "Z. "
+      "J. Wang, J. Fluid Mech. 541 (2005) 65-90 for the plane, carried to three dimensions; dissertation "
+      "(5.12)-(5.19), corrected";
+  info.validity =
+      "flat bodies at Reynolds numbers of about 1e2 to 1e5 with quasi-steady forces: no wake, no history; "
+      "unbounded fluid. The lift coefficients are fitted ones. The quaternion is normalised where it is "
+      "used; "
+      "its norm is constant but for the integrator's error";
+  info.states = pose_states();
+  info.groups = pose_groups();
+  info.parameters = EllipsoidBody::parameters();
+  append(info.parameters, coefficient_parameters());
+  append(info.parameters, smoothness_parameters());
+  info.affine_in = {
+      "C_D0", "C_D90", "C_T", "C_R", "C_w", "linear_damping_x", "linear_damping_y", "linear_damping_z"};
+  info.force_terms = force_terms();
+  return info;
+}
+
+Scales ImmersedBody::scales(const double* p) {
+  constexpr double kLeastDrag = 0.01;
+  const double C_D = std::max(kLeastDrag, 0.5 * (p[kCD0] + p[kCD90]));
+  const double k = 0.5 * p[kFluidDensity] * std::numbers::pi * p[kA] * p[kB] * C_D;
+  return body_scales(2.0 * std::max(p[kA], p[kB]), (p[kMass] - p[kDisplacedMass]) * p[kG], p[kMass] * 9.80665,
+                     k);
+}
+
+template <>
+ModelInfo ImmersedBodyIn<StillFluid>::info() const {
+  ModelInfo info = ImmersedBody::info();
+  info.name = "immersed_body";
+  info.title = "Body with quasi-steady forces in a fluid at rest";
+  info.symmetries = translations();
+  info.symmetries.push_back("rotation about z");
+  return info;
+}
+
+template <>
+ModelInfo ImmersedBodyIn<LinearWind>::info() const {
+  ModelInfo info = ImmersedBody::info();
+  info.name = "immersed_body_in_wind";
+  info.title = "Body with quasi-steady forces in a steady wind";
+  info.equations += ";  w_air = (wind_x + shear_x z, wind_y + shear_y z, wind_z)";
+  info.validity += "; the wind changes little over the length of the body";
+  // No rotation about z: the wind would have to turn with the state.
+  info.symmetries = {"translation of x", "translation of y"};
+  append(info.parameters, LinearWind::parameters());
+  return info;
+}
+
+std::shared_ptr<const Model> immersed_body() {
+  return std::make_shared<LawModel<ImmersedBodyIn<StillFluid>>>();
+}
+
+std::shared_ptr<const Model> immersed_body_in_wind() {
+  return std::make_shared<LawModel<ImmersedBodyIn<LinearWind>>>();
+}
+
+}  // namespace samara::models::laws
