@@ -6,7 +6,7 @@
 // Not under sanitizers, whose start-up comes after that choice.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
-#define SAMARA_WIDE __attribute__((target_clones("arch=haswell", "default")))
+#define SAMARA_WIDE __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
 #define SAMARA_WIDE
 #endif
@@ -61,15 +61,35 @@ SAMARA_WIDE void add_outer(const double* in, const double* factor, std::size_t r
   }
 }
 
+namespace {
+
+/// Four numbers in one or two registers (an extension of GCC and Clang): left to itself GCC keeps the sums in
+/// memory.
+using Four = double __attribute__((vector_size(32), aligned(8)));
+
+}  // namespace
+
 SAMARA_WIDE void multiply_rows(const double* A, std::size_t n, std::size_t first, std::size_t last,
                                const double* x, double* y) {
-  for (std::size_t a = first; a < last; ++a) {
-    double sum[kColumns] = {};
-    const double* row = A + a * n;
+  // Four rows at a time, so that each entry of x is loaded once for them; a last few rows are done twice.
+  constexpr std::size_t kRows = 4;
+  for (std::size_t start = first; start < last; start += kRows) {
+    const std::size_t count = last - start < kRows ? last - start : kRows;
+    const double* row[kRows];
+    for (std::size_t r = 0; r < kRows; ++r) row[r] = A + (start + (r < count ? r : 0)) * n;
+    Four low[kRows] = {}, high[kRows] = {};
     for (std::size_t b = 0; b < n; ++b) {
-      for (std::size_t c = 0; c < kColumns; ++c) sum[c] += row[b] * x[b * kColumns + c];
+      const Four* x_b = reinterpret_cast<const Four*>(x + b * kColumns);
+      for (std::size_t r = 0; r < kRows; ++r) {
+        low[r] += row[r][b] * x_b[0];
+        high[r] += row[r][b] * x_b[1];
+      }
     }
-    for (std::size_t c = 0; c < kColumns; ++c) y[a * kColumns + c] = sum[c];
+    for (std::size_t r = 0; r < count; ++r) {
+      Four* y_r = reinterpret_cast<Four*>(y + (start + r) * kColumns);
+      y_r[0] = low[r];
+      y_r[1] = high[r];
+    }
   }
 }
 

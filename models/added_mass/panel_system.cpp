@@ -21,8 +21,8 @@ using Eigen::Vector3d;
 
 constexpr double kPerFourPi = 0.25 * std::numbers::inv_pi;
 /// Panels see each other exactly within so many sums of their radii, points and panels within so many radii.
-constexpr double kNearPanels = 2.0;
-constexpr double kNearPoints = 4.0;
+constexpr double kNearPanels = 1.5;
+constexpr double kNearPoints = 3.0;
 /// Weight of Green's formula beside the energy of vortex loops, times half the root of the area: of the order
 /// of the body's inverse size. Errors of the leaf change by less than 0.3 % from a third to three times this.
 constexpr double kGreenWeight = 0.5;
