@@ -43,6 +43,17 @@ void require_options(const PanelOptions& options) {
   }
 }
 
+void require_memory(const TriangleMesh& mesh, const PanelOptions& options) {
+  const auto n = static_cast<double>(mesh.vertices.cols());
+  if (8e-9 * n * n > options.max_gigabytes) {
+    throw ArgumentError(
+        fmt::format("panel_added_mass: a mesh of {} corners needs {:.1f} GB, the limit is {:g}; a coarser "
+                    "mesh will do, or "
+                    "raise max_gigabytes",
+                    mesh.vertices.cols(), 8e-9 * n * n, options.max_gigabytes));
+  }
+}
+
 /// A mesh of size 1 about the origin, and the way back.
 struct Normalised {
   TriangleMesh mesh;
@@ -116,6 +127,7 @@ PanelAddedMass panel_added_mass(const TriangleMesh& mesh, double fluid_density,
   if (!reference_point.allFinite())
     throw ArgumentError("panel_added_mass: the reference point is not finite");
   require_options(options);
+  require_memory(mesh, options);
   const Normalised unit(mesh);
   PanelAddedMass result;
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
@@ -125,7 +137,8 @@ PanelAddedMass panel_added_mass(const TriangleMesh& mesh, double fluid_density,
   scale << Vector3d::Ones(), Vector3d::Constant(unit.length);
   const double mass = fluid_density * unit.length * unit.length * unit.length;
   result.matrix = mass * scale.asDiagonal() * result.matrix * scale.asDiagonal();
-  result.matrix = added_mass_about(result.matrix, reference_point - unit.centre);
+  const Matrix6d K = added_mass_about(result.matrix, reference_point - unit.centre);
+  result.matrix = 0.5 * (K + K.transpose());  // once more: products round each half for itself
   return result;
 }
 

@@ -31,16 +31,17 @@
 /// (A combination as A. J. Burton and G. F. Miller, Proc. R. Soc. Lond. A 323 (1971) 201-210, use it against
 /// spurious resonances.) Measured on the leaf 7.3:4.2:0.03 with 1728 panels: Green's formula alone misses M_z
 /// by 18 % and J_y by 24 %; vortex loops alone miss M_x and J_z by 4 % as quadrature errors are multiplied by
-/// a/c; the sum is within 0.9 % for M_z, J_x, J_y and 2.3 % for M_x, M_y, J_z, most of it the mesh's own
+/// a/c; the sum is within 0.9 % for M_z, J_x, J_y and 2.1 % for M_x, M_y, J_z, most of it the mesh's own
 /// smaller volume.
 ///
-/// All integrals over panels near each other are exact (inner) with a three-point rule outside; panels
-/// farther apart than twice the sum of their radii see each other's first and second moments. Errors fall
-/// with the square of the panel size on smooth bodies if the panels close up towards rims (see
-/// mesh_shapes.h). On a sharp edge the fluid's velocity is infinite: the order is lower unless panels shrink
+/// Integrals over panels near each other are exact within, by three points outside; panels farther apart than
+/// 1.5 times the sum of their radii see each other's moments up to the second. (Twice that reach costs twice
+/// the time and changes the added mass at 1280 panels by 0.1 %.) Errors fall with the square of the panel
+/// size if panels close up towards rims (see mesh_shapes.h); most of them is the volume that an inscribed
+/// mesh lacks. On a sharp edge the fluid's velocity is infinite: the order is lower unless panels shrink
 /// towards it.
 ///
-/// Cost: n^2/2 to n^2 pairs of n panels, and memory for n^2/4 doubles (200 MB for 10000 panels).
+/// Cost: 1.5 n^2 pairs for n panels, and 2 n^2 bytes (200 MB for 10000 panels).
 ///
 ///   const PanelAddedMass plate = panel_added_mass(box_mesh({0.1, 0.1, 0.001}, 16, 16), 1.2);
 namespace samara::models {
@@ -51,7 +52,8 @@ struct PanelOptions {
   int direct_up_to = 300;
   /// GMRES stops when every residual, scaled by the diagonal, is below this times its right-hand side.
   double tolerance = 1e-8;
-  int max_iterations = 200;  ///< after which the system is factorised after all
+  int max_iterations = 400;    ///< after which the system is factorised after all
+  double max_gigabytes = 8.0;  ///< meshes that need more are refused: 8 n^2 bytes for n corners
 };
 
 struct PanelAddedMass {

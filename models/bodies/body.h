@@ -73,8 +73,8 @@ struct ProxyEllipsoid {
   double mixed_density = 0.0;
 };
 
-/// The proxy of a body in a fluid, as Xie and others define it for falling leaves (mean density of body and
-/// of the fluid between it and its proxy). A proxy of the mixed density weighs in the fluid exactly what the
+/// The proxy of a body in a fluid, after section 5.3 of the dissertation (mean density of the body and of the
+/// fluid between it and its proxy). A proxy of the mixed density weighs in the fluid exactly what the
 /// body weighs, whatever its volume: (mixed - rho_f) V_proxy = (rho_s - rho_f) V. Use it for gravity less
 /// buoyancy and take inertia from the body itself: mixed_density V_proxy is not the body's mass, it counts
 /// the fluid in between (negatively where the body is larger than its proxy, as a box is).
