@@ -18,13 +18,12 @@
 /// phi is continuous and linear on the triangles of the mesh; its values at the corners solve the sum of two
 /// equations, each of which breaks down on thin bodies where the other is sound:
 ///
-///   W phi = b,  W_ab = Int Int curl psi_a . curl psi_b / (4 pi r)   (curl psi = n x grad psi): the body is
-///   replaced by
-///     fluid that moves with it, so that all its surface is a vortex sheet, and the flow through the surface
-///     vanishes in the mean over every psi_a. As an energy of vortex loops it is symmetric and positive, and
-///     the jump across a thin body (motions along its normal) is found well even where its two faces nearly
-///     touch, with errors of K quadratic in those of phi. What is equal on both faces (motions in its plane)
-///     it hardly sees.
+///   W phi = b,  W_ab = Int Int curl psi_a . curl psi_b / (4 pi r),  curl psi = n x grad psi.
+///     The body is replaced by fluid that moves with it, so that all its surface is a vortex sheet, and the
+///     flow through the surface vanishes in the mean over every psi_a. As an energy of vortex loops W is
+///     symmetric and positive, and the jump across a thin body (motions along its normal) is found well even
+///     where its two faces nearly touch, with errors of K quadratic in those of phi. What is equal on both
+///     faces (motions in its plane) it hardly sees.
 ///   phi(x) - Int (phi(y)-phi(x)) dG/dn dS = - Int G v dS at the corners: Green's formula, G = 1/(4 pi r). It
 ///     finds what is equal on both faces, and hardly sees the jump.
 ///
@@ -36,10 +35,10 @@
 ///
 /// Integrals over panels near each other are exact within, by three points outside; panels farther apart than
 /// 1.5 times the sum of their radii see each other's moments up to the second. (Twice that reach costs twice
-/// the time and changes the added mass at 1280 panels by 0.1 %.) Errors fall with the square of the panel
-/// size if panels close up towards rims (see mesh_shapes.h); most of them is the volume that an inscribed
-/// mesh lacks. On a sharp edge the fluid's velocity is infinite: the order is lower unless panels shrink
-/// towards it.
+/// the time and changes the added mass at 1280 panels by up to 0.2 %.) Errors fall with the square of the
+/// panel size if panels close up towards rims (see mesh_shapes.h); most of them is the volume that an
+/// inscribed mesh lacks. On a sharp edge the fluid's velocity is infinite: the order is lower unless panels
+/// shrink towards it.
 ///
 /// Cost: 1.5 n^2 pairs for n panels, and 2 n^2 bytes (200 MB for 10000 panels).
 ///
