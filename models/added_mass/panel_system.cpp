@@ -27,6 +27,26 @@ constexpr double kNearPoints = 3.0;
 /// of the body's inverse size. The added mass of the leaf changes by up to 0.6 % from 0.1 to 1.
 constexpr double kGreenWeight = 0.5;
 
+/// A ball about the centroids of a block of panels, which are mostly neighbours: spares asking each lane
+/// about panels that are near none.
+struct BlockBall {
+  Vector3d centre = Vector3d::Zero();
+  double radius = 0.0;
+  double greatest_radius = 0.0;  ///< of its panels
+
+  BlockBall(const Panel* panels, std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i) centre += panels[i].centroid / static_cast<double>(size);
+    for (std::size_t i = 0; i < size; ++i) {
+      radius = std::max(radius, (panels[i].centroid - centre).norm());
+      greatest_radius = std::max(greatest_radius, panels[i].radius);
+    }
+  }
+  bool may_be_near(const Panel& panel, double reach) const {
+    const double distance = radius + reach;
+    return (panel.centroid - centre).squaredNorm() <= distance * distance * (1.0 + 1e-12);
+  }
+};
+
 class Assembly {
  public:
   explicit Assembly(const TriangleMesh& mesh)
@@ -214,11 +234,14 @@ class Assembly {
     std::vector<double> potential(3 * n_ * kLanes), moving(12 * kLanes);
     lanes.moving.setZero(12, kLanes);
     lanes.lift.setZero(kLanes);
+    const BlockBall ball(&panels_[block * kLanes], size);
     for (std::size_t j = 0; j < count; ++j) {
-      for (std::size_t l = 0; l < size; ++l) {
-        const std::size_t i = block * kLanes + l;
-        const double reach = kNearPanels * (far_[i].radius + far_[j].radius);
-        if (r2[j * kLanes + l] < reach * reach) source[j * kLanes + l] = see_exactly(i, j, l, lanes);
+      if (ball.may_be_near(panels_[j], kNearPanels * (ball.greatest_radius + far_[j].radius))) {
+        for (std::size_t l = 0; l < size; ++l) {
+          const std::size_t i = block * kLanes + l;
+          const double reach = kNearPanels * (far_[i].radius + far_[j].radius);
+          if (r2[j * kLanes + l] < reach * reach) source[j * kLanes + l] = see_exactly(i, j, l, lanes);
+        }
       }
       add_loops_of(j, &source[j * kLanes], potential, moving);
     }
