@@ -11,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/models/added_mass/panel_gmres.h"
 #include "samara/models/added_mass/panel_system.h"
+#include "samara/models/added_mass/reference_point.h"
 #include "samara/models/positive.h"
 
 namespace samara::models {
@@ -140,13 +141,6 @@ PanelAddedMass panel_added_mass(const TriangleMesh& mesh, double fluid_density,
   const Matrix6d K = added_mass_about(result.matrix, reference_point - unit.centre);
   result.matrix = 0.5 * (K + K.transpose());  // once more: products round each half for itself
   return result;
-}
-
-Matrix6d added_mass_about(const Matrix6d& matrix, const Vector3d& offset) {
-  Matrix6d T = Matrix6d::Identity();
-  T.topRightCorner<3, 3>() << 0.0, -offset.z(), offset.y(), offset.z(), 0.0, -offset.x(), -offset.y(),
-      offset.x(), 0.0;
-  return T.transpose() * matrix * T;
 }
 
 }  // namespace samara::models

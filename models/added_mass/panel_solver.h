@@ -80,10 +80,4 @@ PanelAddedMass panel_added_mass(const TriangleMesh& mesh, double fluid_density,
                                 const Eigen::Vector3d& reference_point = Eigen::Vector3d::Zero(),
                                 const PanelOptions& options = {});
 
-/// The same added mass about another point: `offset` [m] leads from the old point to the new one, in body
-/// axes. With T = [[1, [offset]x], [0, 1]], which takes velocities of the new point to those of the old, T^T
-/// K T.
-Eigen::Matrix<double, 6, 6> added_mass_about(const Eigen::Matrix<double, 6, 6>& matrix,
-                                             const Eigen::Vector3d& offset);
-
 }  // namespace samara::models

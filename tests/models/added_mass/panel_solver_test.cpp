@@ -9,6 +9,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/models/added_mass/ellipsoid.h"
+#include "samara/models/added_mass/reference_point.h"
 #include "samara/models/bodies/mesh_shapes.h"
 
 using namespace samara::models;
