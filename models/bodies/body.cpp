@@ -10,6 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/models/positive.h"
+#include "samara/models/unit_warnings.h"
 
 namespace samara::models {
 
@@ -173,19 +174,7 @@ ProxyEllipsoid proxy_ellipsoid(const Body& body, double fluid_density) {
 }
 
 std::vector<std::string> unit_warnings(const Body& body, double fluid_density) {
-  std::vector<std::string> warnings;
-  if (body.density < 20.0) {
-    warnings.push_back(
-        fmt::format("the solid has a density of {:g} kg/m^3: this looks like g/cm^3; {:g} kg/m^3?",
-                    body.density, 1000.0 * body.density));
-  }
-  if (fluid_density > 5.0 && fluid_density < 500.0) {
-    warnings.push_back(fmt::format(
-        "the fluid has a density of {:g} kg/m^3, between those of gases and liquids", fluid_density));
-  } else if (fluid_density < 0.05 || fluid_density > 2e4) {
-    warnings.push_back(
-        fmt::format("the fluid has a density of {:g} kg/m^3; air has 1.2, water 998", fluid_density));
-  }
+  std::vector<std::string> warnings = density_warnings(body.density, fluid_density);
   const double longest = 2.0 * body.proxy_semi_axes.maxCoeff(),
                shortest = 2.0 * body.proxy_semi_axes.minCoeff();
   if (longest > 10.0) {
