@@ -4,10 +4,12 @@
 #include <concepts>
 #include <memory>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 #include <ceres/jet.h>
 
+#include "samara/models/batch/law_kernel.h"
 #include "samara/models/model.h"
 
 /// From a law to a Model.
@@ -54,7 +56,14 @@ concept HasKineticEnergy = requires(const Law& law, double t, const double* x) {
   { law.template kinetic_energy<double>(t, x, x) } -> std::same_as<double>;
 };
 
-template <class Law>
+/// Stands for the kernels of a law that has none.
+struct NoKernels {
+  explicit NoKernels(const auto&) {}
+};
+
+/// @tparam kCompiled compile the law to step kernels, scalar and in packs; false for a law that asks others
+///   (a flow field) for plain numbers
+template <class Law, bool kCompiled = true>
 class LawModel final : public Model {
  public:
   explicit LawModel(Law law = {}) : law_(std::move(law)), info_(law_.info()) {
@@ -125,6 +134,8 @@ class LawModel final : public Model {
 
   Scales scales(const ParameterValues& p) const override { return law_.scales(complete(p).data()); }
 
+  const StepKernels* step_kernels() const override { return kernels(kernels_); }
+
  private:
   static constexpr std::size_t kStates = Law::kStates;
   static constexpr std::size_t kParameters = Law::kParameters;
@@ -137,7 +148,11 @@ class LawModel final : public Model {
     return all;
   }
 
+  static const StepKernels* kernels(const NoKernels&) { return nullptr; }
+  static const StepKernels* kernels(const auto& compiled) { return &compiled.all; }
+
   Law law_;
+  std::conditional_t<kCompiled, LawKernels<Law>, NoKernels> kernels_{law_};
   ModelInfo info_;
   std::array<double, kParameters> defaults_ = {};
 };

@@ -98,6 +98,8 @@ struct ParameterValues {
   std::vector<char> given;
 };
 
+struct StepKernels;
+
 class Model {
  public:
   virtual ~Model() = default;
@@ -131,6 +133,10 @@ class Model {
 
   /// Characteristic sizes at a parameter point.
   virtual Scales scales(const ParameterValues& p) const = 0;
+
+  /// Compiled fixed steps of the model's law, for one trajectory and for packs of them; laws of Samara have
+  /// them. Null: there are none, and fixed-step methods go through rhs.
+  virtual const StepKernels* step_kernels() const { return nullptr; }
 };
 
 /// f = constant + slopes * coefficients, at one point: the split by the parameters a model is affine in.

@@ -144,16 +144,18 @@ void ParametricModel::initial(std::span<const double> q, std::span<double> x0) c
   }
 }
 
-std::vector<double> ParametricModel::parameters(std::span<const double> q) const {
+ParameterValues ParametricModel::parameter_values(std::span<const double> q) const {
   ParameterValues p;
   load(q, p);
-  return model_->completed(p);
+  return p;
+}
+
+std::vector<double> ParametricModel::parameters(std::span<const double> q) const {
+  return model_->completed(parameter_values(q));
 }
 
 Scales ParametricModel::scales(std::span<const double> q) const {
-  ParameterValues p;
-  load(q, p);
-  return model_->scales(p);
+  return model_->scales(parameter_values(q));
 }
 
 void ParametricModel::check(std::span<const double> q) const {

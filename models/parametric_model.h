@@ -65,6 +65,9 @@ class ParametricModel {
   /// x(0) at q. Its derivative by q_j is one where q_j is the initial value of that state, else zero.
   void initial(std::span<const double> q, std::span<double> x0) const;
 
+  /// The parameters at q as the model takes them: what is fixed or free is given.
+  ParameterValues parameter_values(std::span<const double> q) const;
+
   /// All parameters at q with defaults filled in, in the order of the model.
   std::vector<double> parameters(std::span<const double> q) const;
 

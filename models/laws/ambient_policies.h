@@ -1,6 +1,9 @@
 #pragma once
 
+#include <vector>
+
 #include "samara/models/laws/vector3.h"
+#include "samara/models/model.h"
 
 /// Ambient flows that laws are built on: what the undisturbed fluid does where the body is.
 ///
