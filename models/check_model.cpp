@@ -155,8 +155,14 @@ void check_values(const Model& model, const Point& point, Findings& findings) {
   std::vector<double> f(point.f.size());
   model.rhs(point.t, point.x, point.p, f);
   for (std::size_t i = 0; i < f.size(); ++i) {
-    // The two routes may round differently; more than that is a mistake.
-    const double round_off = 1e-12 * (std::abs(f[i]) + std::abs(point.f[i]));
+    // The two routes may round differently; more than that is a mistake. Terms that cancel in f show in its
+    // derivatives.
+    const auto row = static_cast<Eigen::Index>(i);
+    double terms = std::abs(f[i]) + std::abs(point.f[i]);
+    for (std::size_t j = 0; j < f.size(); ++j) {
+      terms += std::abs(point.df_dx(row, static_cast<Eigen::Index>(j)) * point.x[j]);
+    }
+    const double round_off = 1e-12 * terms;
     if (!(std::abs(f[i] - point.f[i]) <= round_off)) {
       findings.push_back("the rate of " + quoted(info.states[i].name) + " is " + number_text(f[i]) +
                          " without derivatives and " + number_text(point.f[i]) + " with them");

@@ -11,7 +11,8 @@ using namespace samara::models;
 TEST_CASE("the models that ship are listed in order and found by name") {
   const std::vector<std::string> names = model_names();
   CHECK(std::ranges::is_sorted(names));
-  for (const std::string name : {"constant_rate", "quadratic_drag_fall", "vertical_fall"}) {
+  for (const std::string name :
+       {"constant_rate", "immersed_body", "immersed_body_in_wind", "quadratic_drag_fall", "vertical_fall"}) {
     CHECK(std::ranges::count(names, name) == 1);
   }
   for (const std::string& name : names) CHECK(find_model(name)->info().name == name);
