@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <concepts>
 #include <memory>
@@ -82,8 +83,7 @@ class LawModel final : public Model {
 
   void rhs(double t, std::span<const double> x, const ParameterValues& p,
            std::span<double> dxdt) const override {
-    const std::array<double, kParameters> all = complete(p);
-    law_.template rhs<double>(t, x.data(), all.data(), dxdt.data());
+    rate(t, x.data(), complete(p).data(), dxdt.data());
   }
 
   void rhs_with_derivatives(double t, std::span<const double> x, const ParameterValues& p,
@@ -132,6 +132,10 @@ class LawModel final : public Model {
     return {all.begin(), all.end()};
   }
 
+  void complete_into(const ParameterValues& p, std::span<double> all) const override {
+    std::ranges::copy(complete(p), all.begin());
+  }
+
   Scales scales(const ParameterValues& p) const override { return law_.scales(complete(p).data()); }
 
   const StepKernels* step_kernels() const override { return kernels(kernels_); }
@@ -146,6 +150,11 @@ class LawModel final : public Model {
     for (std::size_t j = 0; j < kParameters; ++j) all[j] = p.given[j] ? p.value[j] : defaults_[j];
     law_.template complete<double>(p.given.data(), all.data());
     return all;
+  }
+
+  /// The law with all that it calls in one function: a third less time for a body.
+  [[gnu::flatten]] void rate(double t, const double* x, const double* p, double* dxdt) const {
+    law_.template rhs<double>(t, x, p, dxdt);
   }
 
   static const StepKernels* kernels(const NoKernels&) { return nullptr; }

@@ -131,6 +131,9 @@ class Model {
   /// Parameters with defaults and derived defaults filled in.
   virtual std::vector<double> completed(const ParameterValues& p) const = 0;
 
+  /// The same into `all`, one number per parameter; models of Samara do not allocate here.
+  virtual void complete_into(const ParameterValues& p, std::span<double> all) const;
+
   /// Characteristic sizes at a parameter point.
   virtual Scales scales(const ParameterValues& p) const = 0;
 

@@ -104,7 +104,10 @@ ParametricModel::ParametricModel(std::shared_ptr<const Model> model,
 
 ParametricModel::Workspace ParametricModel::make_workspace() const {
   const auto parameters = static_cast<Eigen::Index>(base_.value.size());
-  return {base_, Eigen::MatrixXd::Zero(state_count(), parameters)};
+  return {.p = base_,
+          .df_dp = Eigen::MatrixXd::Zero(state_count(), parameters),
+          .complete = {base_.value, std::vector<char>(base_.given.size(), 1)},
+          .q = std::vector<double>(free_.size())};
 }
 
 void ParametricModel::load(std::span<const double> q, ParameterValues& p) const {
@@ -116,8 +119,13 @@ void ParametricModel::load(std::span<const double> q, ParameterValues& p) const 
 
 void ParametricModel::rhs(double t, std::span<const double> x, std::span<const double> q,
                           std::span<double> dxdt, Workspace& workspace) const {
-  load(q, workspace.p);
-  model_->rhs(t, x, workspace.p, dxdt);
+  if (!workspace.is_complete || !std::ranges::equal(q, workspace.q)) {
+    load(q, workspace.p);
+    model_->complete_into(workspace.p, workspace.complete.value);
+    std::ranges::copy(q, workspace.q.begin());
+    workspace.is_complete = true;
+  }
+  model_->rhs(t, x, workspace.complete, dxdt);
 }
 
 void ParametricModel::rhs_with_derivatives(double t, std::span<const double> x, std::span<const double> q,

@@ -35,6 +35,10 @@ class ParametricModel {
   struct Workspace {
     ParameterValues p;
     Eigen::MatrixXd df_dp;
+    /// All parameters at the point `q`, derived defaults included, which are dear and change with q alone.
+    ParameterValues complete;
+    std::vector<double> q;
+    bool is_complete = false;
   };
 
   /// @param fixed values (SI) of parameters and of initial values "s(0)"

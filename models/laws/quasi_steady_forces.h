@@ -63,11 +63,12 @@ template <class S>
 Vector3<S> centre_of_pressure(const QuasiSteadyBody<S>& body, const Vector3<S>& u) {
   using std::abs;
   using std::sqrt;
-  const S floor_2 = body.speed_floor * body.speed_floor;
+  const S &a = body.a, &b = body.b;
   const S sin_alpha = abs(u.z) / smooth_norm(u, body.speed_floor);
-  const S tangential = sqrt(u.x * u.x + u.y * u.y + floor_2);
-  const S size = body.centre_of_pressure * (S(1.0) - sin_alpha * sin_alpha * sin_alpha) *
-                 chord_along(body.a, body.b, u, body.speed_floor) / (S(4.0) * tangential);
+  // l/4 over the length of the tangential part, which the chord contains.
+  const S quarter = S(0.5) * a * b /
+                    sqrt(b * b * u.x * u.x + a * a * u.y * u.y + a * b * body.speed_floor * body.speed_floor);
+  const S size = body.centre_of_pressure * (S(1.0) - sin_alpha * sin_alpha * sin_alpha) * quarter;
   return {size * u.x, size * u.y, S(0.0)};
 }
 
@@ -98,15 +99,19 @@ QuasiSteadyLoads<S> quasi_steady_loads(const QuasiSteadyBody<S>& body, const Vec
   const Vector3<S> p = centre_of_pressure(body, u);
   const Vector3<S> u_p = u + cross(w, p);
   const S U = smooth_norm(u_p, body.speed_floor);
-  const S Re = S(2.0) * body.a * U / body.nu;
-  const S of_lift = Re / (Re + body.Re_lift);
+  // Divisions cost as much as ten products: few of them, and those by parameters apart, so that a loop over
+  // steps is left with none of these.
+  const S speed_of_Re = body.nu / (S(2.0) * body.a);  // U = speed_of_Re Re
+  const S per_U = S(1.0) / U;
+  const S per_lift_U = S(1.0) / (U + body.Re_lift * speed_of_Re);  // 1 / (U (1 + Re_lift / Re))
   const S rho_A = S(std::numbers::pi) * body.fluid_density * body.a * body.b;
 
   const S tangential = u_p.x * u_p.x + u_p.y * u_p.y;
-  const S drag = S(0.5) * rho_A * (S(1.0) + body.Re_drag / Re) *
-                 (body.C_D0 * tangential + body.C_D90 * u_p.z * u_p.z) / U;
-  const S lift = rho_A * of_lift * body.C_T * u_p.z / U;
-  const S rotation = S(0.5) * rho_A * of_lift * body.C_R * chord_along(body.a, body.b, u_p, body.speed_floor);
+  const S drag = S(0.5) * rho_A * per_U * (S(1.0) + body.Re_drag * speed_of_Re * per_U) *
+                 (body.C_D0 * tangential + body.C_D90 * u_p.z * u_p.z);
+  const S lift = rho_A * per_lift_U * body.C_T * u_p.z;
+  const S rotation =
+      S(0.5) * rho_A * U * per_lift_U * body.C_R * chord_along(body.a, body.b, u_p, body.speed_floor);
   const Vector3<S> w_in = {w.x, w.y, S(0.0)};
   // u x (n x u) = |u|^2 n - u_z u, without the cancellation in its last component.
   const Vector3<S> upward = {-u_p.z * u_p.x, -u_p.z * u_p.y, tangential};
