@@ -106,8 +106,9 @@ ParametricModel::Workspace ParametricModel::make_workspace() const {
   const auto parameters = static_cast<Eigen::Index>(base_.value.size());
   return {.p = base_,
           .df_dp = Eigen::MatrixXd::Zero(state_count(), parameters),
-          .complete = {base_.value, std::vector<char>(base_.given.size(), 1)},
-          .q = std::vector<double>(free_.size())};
+          .completed_from = base_,
+          .completed_by = nullptr,
+          .complete = base_};
 }
 
 void ParametricModel::load(std::span<const double> q, ParameterValues& p) const {
@@ -119,11 +120,14 @@ void ParametricModel::load(std::span<const double> q, ParameterValues& p) const 
 
 void ParametricModel::rhs(double t, std::span<const double> x, std::span<const double> q,
                           std::span<double> dxdt, Workspace& workspace) const {
-  if (!workspace.is_complete || !std::ranges::equal(q, workspace.q)) {
-    load(q, workspace.p);
+  load(q, workspace.p);
+  if (workspace.completed_by != model_ || workspace.completed_from.value != workspace.p.value ||
+      workspace.completed_from.given != workspace.p.given) {
+    workspace.complete.value.resize(base_.value.size());
+    workspace.complete.given.assign(base_.value.size(), 1);
     model_->complete_into(workspace.p, workspace.complete.value);
-    std::ranges::copy(q, workspace.q.begin());
-    workspace.is_complete = true;
+    workspace.completed_from = workspace.p;
+    workspace.completed_by = model_;
   }
   model_->rhs(t, x, workspace.complete, dxdt);
 }

@@ -35,10 +35,11 @@ class ParametricModel {
   struct Workspace {
     ParameterValues p;
     Eigen::MatrixXd df_dp;
-    /// All parameters at the point `q`, derived defaults included, which are dear and change with q alone.
+    /// The parameters last completed, of that model, and what came out: derived defaults are dear and change
+    /// with parameters alone.
+    ParameterValues completed_from;
+    std::shared_ptr<const Model> completed_by;
     ParameterValues complete;
-    std::vector<double> q;
-    bool is_complete = false;
   };
 
   /// @param fixed values (SI) of parameters and of initial values "s(0)"
