@@ -121,7 +121,9 @@ double random_value(const ParameterInfo& parameter, std::mt19937& random) {
     const double value = *parameter.default_value * factor(random);
     if (value > parameter.lower) return value;
   }
-  return std::isfinite(parameter.lower) ? parameter.lower + factor(random) : 2.0 * factor(random) - 2.5;
+  if (std::isfinite(parameter.lower)) return parameter.lower + factor(random);
+  // Small beside parameters that are not zero: entries off the diagonal of a matrix must leave it regular.
+  return 0.1 * (factor(random) - 1.25);
 }
 
 Point random_point(const Model& model, std::mt19937& random) {

@@ -6,10 +6,14 @@
 
 // The models that ship with Samara, one line each: laws/<name>.cpp defines the function <name>().
 #define SAMARA_LAWS(LAW)     \
+  LAW(coefficient_body)      \
   LAW(constant_rate)         \
   LAW(immersed_body)         \
   LAW(immersed_body_in_wind) \
+  LAW(immersed_body_printed) \
+  LAW(kirchhoff_body)        \
   LAW(quadratic_drag_fall)   \
+  LAW(sphere_flight)         \
   LAW(vertical_fall)
 
 namespace samara::models {

@@ -46,7 +46,10 @@ struct AdaptiveIntegrator::Impl {
     q.assign(point.begin(), point.end());
     const Scales scales = model.scales(q);
     const std::vector<StateInfo>& states = model.model().info().states;
-    for (std::size_t i = 0; i < scale.size(); ++i) scale[i] = state_scale(states[i], scales);
+    // By powers of two, so that scaling there and back is exact.
+    for (std::size_t i = 0; i < scale.size(); ++i) {
+      scale[i] = std::exp2(std::round(std::log2(state_scale(states[i], scales))));
+    }
     model.initial(q, x);
     for (std::size_t i = 0; i < x.size(); ++i) y[i] = x[i] / scale[i];
     t = 0.0;

@@ -2,75 +2,11 @@
 
 #include <algorithm>
 
+#include "samara/models/laws/parameter_list.h"
+
 namespace samara::models::laws {
 
 namespace {
-
-using Parameters = std::vector<ParameterInfo>;
-
-ParameterInfo positive(const char* name, const char* unit, const char* description) {
-  return {.name = name, .unit = unit, .description = description, .lower = 0.0};
-}
-
-ParameterInfo not_negative(const char* name, const char* unit, double default_value,
-                           const char* description) {
-  return {.name = name,
-          .unit = unit,
-          .default_value = default_value,
-          .description = description,
-          .lower = 0.0,
-          .lower_inclusive = true};
-}
-
-ParameterInfo derived(const char* name, const char* unit, const char* formula, const char* description,
-                      bool may_vanish) {
-  return {.name = name,
-          .unit = unit,
-          .derived = formula,
-          .description = description,
-          .lower = 0.0,
-          .lower_inclusive = may_vanish};
-}
-
-ParameterInfo with_default(ParameterInfo parameter, double value) {
-  parameter.default_value = value;
-  return parameter;
-}
-
-Parameters body_parameters() {
-  return {
-      positive("a", "m", "semi-axis along body x"),
-      positive("b", "m", "semi-axis along body y"),
-      positive("c", "m", "semi-axis along body z, the normal of the plate: half of the thickness"),
-      positive("density", "kg/m^3", "density of the body; of use for its mass only"),
-      with_default(positive("fluid_density", "kg/m^3",
-                            "density of the fluid; default: air at 20 degrees C and 1 atm, rounded"),
-                   1.2),
-      not_negative("g", "m/s^2", 9.81, "gravitational acceleration"),
-  };
-}
-
-Parameters inertia_parameters() {
-  const char* body = "solid ellipsoid of that mass";
-  const char* mass = "4/3 pi fluid_density a b c times A/(2 - A), B/(2 - B), C/(2 - C)";
-  const char* inertia = "added inertia of an ellipsoid, dissertation (5.11) corrected";
-  return {
-      derived("mass", "kg", "4/3 pi density a b c", "mass of the body", false),
-      derived("displaced_mass", "kg", "4/3 pi fluid_density a b c", "mass of the displaced fluid", true),
-      derived("I_x", "kg m^2", body, "moment of inertia about body x through the centre of mass", false),
-      derived("I_y", "kg m^2", body, "moment of inertia about body y through the centre of mass", false),
-      derived("I_z", "kg m^2", body, "moment of inertia about body z through the centre of mass", false),
-      derived("M_x", "kg", mass, "added mass along body x", true),
-      derived("M_y", "kg", mass, "added mass along body y", true),
-      derived("M_z", "kg", mass, "added mass along body z", true),
-      derived("J_x", "kg m^2", inertia, "added moment of inertia about body x", true),
-      derived("J_y", "kg m^2", inertia, "added moment of inertia about body y", true),
-      derived("J_z", "kg m^2", inertia, "added moment of inertia about body z", true),
-      {.name = "r_bx", .unit = "m", .default_value = 0.0, .description = "centre of buoyancy, body x"},
-      {.name = "r_by", .unit = "m", .default_value = 0.0, .description = "centre of buoyancy, body y"},
-      {.name = "r_bz", .unit = "m", .default_value = 0.0, .description = "centre of buoyancy, body z"},
-  };
-}
 
 /// Defaults: the published falling plate of Andersen et al. (C_T 1.2, C_R pi, A 1.4, B 1.0, mu2 0.2), with
 /// C_D0 = A - B, C_D90 = A + B, C_w = 4 pi mu2.
@@ -101,10 +37,6 @@ Parameters smoothness_parameters() {
       not_negative("Re_lift", "1", 0.0, "lift coefficients are C / (1 + Re_lift / Re)"),
       with_default(positive("nu", "m^2/s", "kinematic viscosity; default: air at 20 degrees C"), 1.516e-5),
   };
-}
-
-void append(Parameters& list, const Parameters& more) {
-  list.insert(list.end(), more.begin(), more.end());
 }
 
 std::vector<ForceTermInfo> force_terms() {
@@ -152,8 +84,7 @@ ModelInfo ImmersedBody::info() {
       "its norm is constant but for the integrator's error";
   info.states = pose_states();
   info.groups = pose_groups();
-  info.parameters = body_parameters();
-  append(info.parameters, inertia_parameters());
+  info.parameters = EllipsoidBody::parameters();
   append(info.parameters, coefficient_parameters());
   append(info.parameters, smoothness_parameters());
   info.affine_in = {

@@ -2,10 +2,9 @@
 
 #include <array>
 
-#include "samara/models/added_mass/ellipsoid_integrals.h"
 #include "samara/models/laws/ambient_policies.h"
+#include "samara/models/laws/ellipsoid_body.h"
 #include "samara/models/laws/quasi_steady_forces.h"
-#include "samara/models/laws/rigid_body.h"
 
 /// The three-dimensional quasi-steady body, for any ambient flow.
 ///
@@ -19,21 +18,9 @@
 /// along. F and T: quasi_steady_forces.h, gravity and buoyancy.
 namespace samara::models::laws {
 
-struct ImmersedBody {
+struct ImmersedBody : EllipsoidBody {
   enum Parameter {
-    kA,
-    kB,
-    kC,
-    kDensity,
-    kFluidDensity,
-    kG,
-    kMass,
-    kDisplacedMass,
-    kInertia,
-    kAddedMass = kInertia + 3,
-    kAddedInertia = kAddedMass + 3,
-    kBuoyancyCentre = kAddedInertia + 3,
-    kCD0 = kBuoyancyCentre + 3,
+    kCD0 = kBodyParameters,
     kCD90,
     kCT,
     kCR,
@@ -74,32 +61,12 @@ struct ImmersedBody {
             .nu = p[kNu]};
   }
 
-  /// m + M, which with u_r makes the momentum.
-  template <class S>
-  static Vector3<S> total_mass(const S* p) {
-    return {p[kMass] + p[kAddedMass], p[kMass] + p[kAddedMass + 1], p[kMass] + p[kAddedMass + 2]};
-  }
-
-  /// I + J
-  template <class S>
-  static Vector3<S> total_inertia(const S* p) {
-    return vector3(p + kInertia) + vector3(p + kAddedInertia);
-  }
-
-  /// P_r x w and L x w + kappa (M u_r) x u_r
-  template <class S>
-  static Load<S> inertial_load(const Vector3<S>& u_r, const Vector3<S>& w, const S* p) {
-    const Vector3<S> added = diagonal_times(vector3(p + kAddedMass), u_r);
-    return {cross(p[kMass] * u_r + added, w),
-            cross(diagonal_times(total_inertia(p), w), w) + p[kKappa] * cross(added, u_r)};
-  }
-
   template <class S>
   static std::array<Load<S>, kTerms> loads(const Pose<S>& pose, const Vector3<S>& u_r,
                                            const Ambient<S>& ambient, const S* p) {
     const QuasiSteadyLoads<S> flow = quasi_steady_loads(quasi_steady(p), u_r, pose.w);
     std::array<Load<S>, kTerms> all;
-    all[kInertial] = inertial_load(u_r, pose.w, p);
+    all[kInertial] = inertial_load(u_r, pose.w, p[kKappa], p);
     all[kDrag] = flow.drag;
     all[kTranslationalLift] = flow.translational_lift;
     all[kRotationalLift] = flow.rotational_lift;
@@ -148,34 +115,7 @@ struct ImmersedBody {
                      dot(pose.w, diagonal_times(total_inertia(p), pose.w)));
   }
 
-  template <class S>
-  static void complete(const char* given, S* p) {
-    const S &a = p[kA], &b = p[kB], &c = p[kC];
-    const S volume = ellipsoid_volume(a, b, c);
-    if (!given[kMass]) p[kMass] = p[kDensity] * volume;
-    if (!given[kDisplacedMass]) p[kDisplacedMass] = p[kFluidDensity] * volume;
-    S inertia[3];
-    store(ellipsoid_inertia(p[kMass], a, b, c), inertia);
-    bool has_added = true;
-    for (int i = 0; i < 3; ++i) {
-      if (!given[kInertia + i]) p[kInertia + i] = inertia[i];
-      has_added = has_added && given[kAddedMass + i] && given[kAddedInertia + i];
-    }
-    if (!has_added) complete_added_mass(given, p[kFluidDensity] * volume, p);
-  }
-
   static Scales scales(const double* p);
-
- private:
-  template <class S>
-  static void complete_added_mass(const char* given, const S& fluid_mass, S* p) {
-    S mass[3], inertia[3];
-    added_mass::ellipsoid_added_mass(p[kA], p[kB], p[kC], mass, inertia);
-    for (int i = 0; i < 3; ++i) {
-      if (!given[kAddedMass + i]) p[kAddedMass + i] = fluid_mass * mass[i];
-      if (!given[kAddedInertia + i]) p[kAddedInertia + i] = fluid_mass * inertia[i];
-    }
-  }
 };
 
 /// The body in an ambient flow, as a law: a static policy of ambient_policies.h, or one that carries a field.

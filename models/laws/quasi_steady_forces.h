@@ -47,28 +47,38 @@ S smooth_norm(const Vector3<S>& u, const S& floor) {
   return sqrt(dot(u, u) + floor * floor);
 }
 
+/// An ellipse seen along the tangential velocity (u_x, u_y): with the floor, |(u_x, u_y)|^2 and the square of
+/// 2 a b |(u_x, u_y)| / l, where l is the chord along it.
+template <class S>
+struct Tangential {
+  S speed_2, stretched_2;
+
+  Tangential(const S& a, const S& b, const Vector3<S>& u, const S& floor) {
+    const S floor_2 = floor * floor;
+    speed_2 = u.x * u.x + u.y * u.y + floor_2;
+    stretched_2 = b * b * u.x * u.x + a * a * u.y * u.y + a * b * floor_2;
+  }
+};
+
 /// Chord of the elliptic outline along the tangential part of u, smooth as a whole: between 2b and 2a, and
 /// 2 sqrt(a b) where that part vanishes. [m]
 template <class S>
 S chord_along(const S& a, const S& b, const Vector3<S>& u, const S& floor) {
   using std::sqrt;
-  const S floor_2 = floor * floor;
-  const S tangential = u.x * u.x + u.y * u.y + floor_2;
-  return S(2.0) * a * b * sqrt(tangential / (b * b * u.x * u.x + a * a * u.y * u.y + a * b * floor_2));
+  const Tangential<S> tangential(a, b, u, floor);
+  return S(2.0) * a * b * sqrt(tangential.speed_2 / tangential.stretched_2);
 }
 
 /// p = share (1 - sin^3 alpha) l/4 t, towards the leading edge: a quarter chord at small angles of attack,
-/// the centre when broadside. [m]
+/// the centre when broadside. t l = 2 a b (u_x, u_y) / sqrt(b^2 u_x^2 + a^2 u_y^2). [m]
 template <class S>
 Vector3<S> centre_of_pressure(const QuasiSteadyBody<S>& body, const Vector3<S>& u) {
   using std::abs;
   using std::sqrt;
-  const S &a = body.a, &b = body.b;
   const S sin_alpha = abs(u.z) / smooth_norm(u, body.speed_floor);
-  // l/4 over the length of the tangential part, which the chord contains.
-  const S quarter = S(0.5) * a * b /
-                    sqrt(b * b * u.x * u.x + a * a * u.y * u.y + a * b * body.speed_floor * body.speed_floor);
-  const S size = body.centre_of_pressure * (S(1.0) - sin_alpha * sin_alpha * sin_alpha) * quarter;
+  const Tangential<S> tangential(body.a, body.b, u, body.speed_floor);
+  const S size = body.centre_of_pressure * (S(1.0) - sin_alpha * sin_alpha * sin_alpha) * S(0.5) * body.a *
+                 body.b / sqrt(tangential.stretched_2);
   return {size * u.x, size * u.y, S(0.0)};
 }
 
@@ -99,19 +109,17 @@ QuasiSteadyLoads<S> quasi_steady_loads(const QuasiSteadyBody<S>& body, const Vec
   const Vector3<S> p = centre_of_pressure(body, u);
   const Vector3<S> u_p = u + cross(w, p);
   const S U = smooth_norm(u_p, body.speed_floor);
-  // Divisions cost as much as ten products: few of them, and those by parameters apart, so that a loop over
-  // steps is left with none of these.
-  const S speed_of_Re = body.nu / (S(2.0) * body.a);  // U = speed_of_Re Re
-  const S per_U = S(1.0) / U;
-  const S per_lift_U = S(1.0) / (U + body.Re_lift * speed_of_Re);  // 1 / (U (1 + Re_lift / Re))
+  const S one_over_U = S(1.0) / U;
+  const S speed_of_Re = S(0.5) * body.nu / body.a;  // the speed at which Re = 1
+  const S of_drag = S(1.0) + body.Re_drag * speed_of_Re * one_over_U;
+  const S of_lift = U / (U + body.Re_lift * speed_of_Re);
   const S rho_A = S(std::numbers::pi) * body.fluid_density * body.a * body.b;
 
   const S tangential = u_p.x * u_p.x + u_p.y * u_p.y;
-  const S drag = S(0.5) * rho_A * per_U * (S(1.0) + body.Re_drag * speed_of_Re * per_U) *
-                 (body.C_D0 * tangential + body.C_D90 * u_p.z * u_p.z);
-  const S lift = rho_A * per_lift_U * body.C_T * u_p.z;
-  const S rotation =
-      S(0.5) * rho_A * U * per_lift_U * body.C_R * chord_along(body.a, body.b, u_p, body.speed_floor);
+  const S drag =
+      S(0.5) * rho_A * of_drag * (body.C_D0 * tangential + body.C_D90 * u_p.z * u_p.z) * one_over_U;
+  const S lift = rho_A * of_lift * body.C_T * u_p.z * one_over_U;
+  const S rotation = S(0.5) * rho_A * of_lift * body.C_R * chord_along(body.a, body.b, u_p, body.speed_floor);
   const Vector3<S> w_in = {w.x, w.y, S(0.0)};
   // u x (n x u) = |u|^2 n - u_z u, without the cancellation in its last component.
   const Vector3<S> upward = {-u_p.z * u_p.x, -u_p.z * u_p.y, tangential};

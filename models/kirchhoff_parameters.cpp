@@ -1,0 +1,75 @@
+#include "samara/models/kirchhoff_parameters.h"
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/models/number_text.h"
+
+namespace samara::models {
+
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
+  Eigen::Matrix3d matrix;
+  matrix << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
+  return matrix;
+}
+
+Matrix6 body_inertia(const KirchhoffBodyData& body) {
+  const Eigen::Matrix3d r = cross_matrix(body.centre_of_mass);
+  Matrix6 matrix;
+  matrix << body.mass * Eigen::Matrix3d::Identity(), -body.mass * r, body.mass * r,
+      body.inertia - body.mass * r * r;
+  return matrix;
+}
+
+void check(const KirchhoffBodyData& body) {
+  const bool finite = body.inertia.allFinite() && body.centre_of_mass.allFinite() &&
+                      body.centre_of_buoyancy.allFinite() && body.added_mass.allFinite();
+  if (!finite) throw ArgumentError("the data of the Kirchhoff body hold a value that is not finite");
+  if (!(body.mass > 0.0 && std::isfinite(body.mass))) {
+    throw ArgumentError("the mass of the Kirchhoff body is " + number_text(body.mass) +
+                        "; a positive finite value was expected");
+  }
+  if (!(body.displaced_mass >= 0.0 && std::isfinite(body.displaced_mass))) {
+    throw ArgumentError("the displaced mass of the Kirchhoff body is " + number_text(body.displaced_mass) +
+                        "; zero or a positive finite value was expected");
+  }
+  const Matrix6 total = body_inertia(body) + body.added_mass;
+  if (Eigen::LLT<Matrix6>((total + total.transpose()) / 2.0).info() != Eigen::Success) {
+    throw ArgumentError("the inertia of the Kirchhoff body, added mass included, is not positive definite");
+  }
+}
+
+}  // namespace
+
+std::map<std::string, double> kirchhoff_parameters(const KirchhoffBodyData& body) {
+  check(body);
+  std::map<std::string, double> values = {{"mass", body.mass}, {"displaced_mass", body.displaced_mass}};
+  const char axes[] = {'x', 'y', 'z'};
+  for (int i = 0; i < 3; ++i) {
+    values[fmt::format("r_c{}", axes[i])] = body.centre_of_mass[i];
+    values[fmt::format("r_b{}", axes[i])] = body.centre_of_buoyancy[i];
+    for (int j = i; j < 3; ++j) {
+      values[fmt::format("I_{}{}", axes[i], axes[j])] = (body.inertia(i, j) + body.inertia(j, i)) / 2.0;
+    }
+  }
+  for (int i = 0; i < 6; ++i) {
+    for (int j = i; j < 6; ++j) {
+      values[fmt::format("K_{}{}", i + 1, j + 1)] = (body.added_mass(i, j) + body.added_mass(j, i)) / 2.0;
+    }
+  }
+  return values;
+}
+
+Eigen::Matrix<double, 6, 6> added_mass_about(const Eigen::Matrix<double, 6, 6>& added_mass,
+                                             const Eigen::Vector3d& r) {
+  Matrix6 A = Matrix6::Identity();
+  A.topRightCorner<3, 3>() = cross_matrix(r);
+  return A.transpose() * added_mass * A;
+}
+
+}  // namespace samara::models

@@ -1,0 +1,278 @@
+#include <algorithm>
+#include <array>
+
+#include "samara/models/laws/parameter_list.h"
+#include "samara/models/laws/spatial_inertia.h"
+
+namespace samara::models::laws {
+
+namespace {
+
+/// The angles of flow and the axes they belong to: x along the velocity, y sideways, z below.
+template <class S>
+struct FlowAxes {
+  S alpha, beta, speed_2;
+  Vector3<S> x, y, z;  ///< in body components
+
+  /// @param floor speed below which the angles are smoothed [m/s]
+  FlowAxes(const Vector3<S>& u, const S& floor) {
+    using std::atan2;
+    using std::sqrt;
+    const S forward = u.x + floor;
+    const S in_plane = sqrt(forward * forward + u.z * u.z);
+    const S speed = sqrt(in_plane * in_plane + u.y * u.y);
+    const S cos_alpha = forward / in_plane, sin_alpha = u.z / in_plane;
+    const S cos_beta = in_plane / speed, sin_beta = u.y / speed;
+    alpha = atan2(u.z, forward);
+    beta = atan2(u.y, in_plane);
+    speed_2 = dot(u, u);
+    x = {cos_alpha * cos_beta, sin_beta, sin_alpha * cos_beta};
+    y = {-cos_alpha * sin_beta, cos_beta, -sin_alpha * sin_beta};
+    z = {-sin_alpha, S(0.0), cos_alpha};
+  }
+
+  Vector3<S> to_body(const Vector3<S>& s) const { return s.x * x + s.y * y + s.z * z; }
+};
+
+struct CoefficientBody {
+  static constexpr int kStates = kPoseStates;
+  enum Parameter {
+    kMass,
+    kInertia,
+    kMassCentre = kInertia + 3,
+    kOffsetMass = kMassCentre + 3,
+    kOffset,
+    kDisplacedMass = kOffset + 3,
+    kFluidDensity,
+    kG,
+    kArea,
+    kAddedMass,
+    kAddedInertia = kAddedMass + 3,
+    kThrustLeft = kAddedInertia + 3,
+    kThrustRight,
+    kThrustArm,
+    kCd,
+    kCs = kCd + 3,
+    kCl = kCs + 3,
+    kCmx = kCl + 3,
+    kCmy = kCmx + 3,
+    kCmz = kCmy + 3,
+    kDampingRate = kCmz + 3,
+    kSpeedFloor = kDampingRate + 3,
+    kParameters
+  };
+  enum Term { kInertial, kDrag, kSideForce, kLift, kMoment, kDamping, kThrust, kGravity, kTerms };
+
+  static ModelInfo info() {
+    return {
+        .name = "coefficient_body",
+        .title = "Body with polynomial lift, drag and moment coefficients, two thrusts and an offset mass",
+        .equations =
+            "(P, L) = (M_body + K) (u, w), dP/dt = P x w + F, dL/dt = L x w + P x u + T;  drag q (Cd0 + Cda "
+            "alpha^2 + "
+            "Cdb beta^2), side force q (Cs0 + Csa alpha^2 + Csb beta), lift q (Cl0 + Cla alpha + Clb "
+            "beta^2), moments "
+            "q (Cmx0 + Cmxa alpha + Cmxb beta), q (Cmy0 + Cmya alpha + Cmyb beta^4), q (Cmz0 + Cmza alpha + "
+            "Cmzb "
+            "beta), damping (K1 w_x, K2 w_y, K3 w_z), all along the axes of flow;  q = 1/2 rho area |u|^2, "
+            "alpha = "
+            "atan2(u_z, u_x), beta = asin(u_y/|u|)",
+        .frames =
+            "world: z up; body: x forward, y to the right, z down, origin at the centre of buoyancy, so that "
+            "level flight along world x has q = (0, 1, 0, 0). Axes of flow: x along u, z down in the plane "
+            "of symmetry; drag acts along -x, side force along y, lift along -z. Data with z down (x north, "
+            "y east) turn into this world by a half turn about x",
+        .source =
+            "Y. Zhu, H. Cheng, F. Zhang, IEEE Robot. Autom. "
+            "Lett. "
+            "9 (2024) 10986-10993, whose fitted coefficients go by these names",
+        .validity =
+            "flow from the front, angles up to about 0.6; coefficients are those of one body (area and "
+            "lengths included). Damping is along the axes of flow, as in the source, and is passive for "
+            "K <= 0 and small angles only. Buoyancy acts at the origin",
+        .symmetries = symmetries(),
+        .states = pose_states(),
+        .parameters = parameters(),
+        .affine_in = affine_parameters(),
+        .force_terms = {{.name = "inertia", .description = "P x w and L x w + P x u"},
+                        {.name = "drag", .description = "against the flow"},
+                        {.name = "side force", .description = "along y of the flow"},
+                        {.name = "lift", .description = "against z of the flow"},
+                        {.name = "moment", .description = "of the flow"},
+                        {.name = "damping", .description = "of rotation"},
+                        {.name = "thrust", .description = "of the two propellers, along body x"},
+                        {.name = "gravity and buoyancy", .description = "weights at their places"}},
+        .groups = pose_groups(),
+    };
+  }
+
+  static std::vector<std::string> symmetries() {
+    std::vector<std::string> all = translations();
+    all.push_back("rotation about z");
+    return all;
+  }
+
+  static Parameters coefficients() {
+    Parameters list;
+    for (const char* name : {"Cd0", "Cda", "Cdb"}) list.push_back(any_value(name, "1", 0.0, "of the drag"));
+    for (const char* name : {"Cs0", "Csa", "Csb"})
+      list.push_back(any_value(name, "1", 0.0, "of the side force"));
+    for (const char* name : {"Cl0", "Cla", "Clb"}) list.push_back(any_value(name, "1", 0.0, "of the lift"));
+    for (const char* name : {"Cmx0", "Cmxa", "Cmxb"})
+      list.push_back(any_value(name, "m", 0.0, "of the roll moment"));
+    for (const char* name : {"Cmy0", "Cmya", "Cmyb"})
+      list.push_back(any_value(name, "m", 0.0, "of the pitch moment"));
+    for (const char* name : {"Cmz0", "Cmza", "Cmzb"})
+      list.push_back(any_value(name, "m", 0.0, "of the yaw moment"));
+    for (const char* name : {"K1", "K2", "K3"}) {
+      list.push_back(any_value(name, "N m s", 0.0, "torque over rate, negative for damping"));
+    }
+    return list;
+  }
+
+  static std::vector<std::string> affine_parameters() {
+    std::vector<std::string> names = {"thrust_left", "thrust_right"};
+    for (const ParameterInfo& coefficient : coefficients()) names.push_back(coefficient.name);
+    return names;
+  }
+
+  static Parameters parameters() {
+    Parameters list = {
+        positive("mass", "kg", "mass without the offset mass"),
+        positive("I_x", "kg m^2", "moment of inertia of that mass about body x through the origin"),
+        positive("I_y", "kg m^2", "moment of inertia of that mass about body y through the origin"),
+        positive("I_z", "kg m^2", "moment of inertia of that mass about body z through the origin"),
+        any_value("r_cx", "m", 0.0, "centre of that mass, body x"),
+        any_value("r_cy", "m", 0.0, "centre of that mass, body y"),
+        any_value("r_cz", "m", 0.0, "centre of that mass, body z"),
+        not_negative("offset_mass", "kg", 0.0, "a point mass, such as a gondola"),
+        any_value("offset_x", "m", 0.0, "its place, body x"),
+        any_value("offset_y", "m", 0.0, "its place, body y"),
+        any_value("offset_z", "m", 0.0, "its place, body z; the thrusts act at this height"),
+        not_negative("displaced_mass", "kg", 0.0, "mass of the displaced fluid"),
+        with_default(positive("fluid_density", "kg/m^3",
+                              "density of the fluid; default: air at 20 degrees C and 1 "
+                              "atm, rounded"),
+                     1.2),
+        not_negative("g", "m/s^2", 9.81, "gravitational acceleration"),
+        positive("area", "m^2", "reference area of all coefficients"),
+    };
+    for (const char* name : {"M_x", "M_y", "M_z"})
+      list.push_back(not_negative(name, "kg", 0.0, "added mass"));
+    for (const char* name : {"J_x", "J_y", "J_z"}) {
+      list.push_back(not_negative(name, "kg m^2", 0.0, "added moment of inertia"));
+    }
+    append(list, {any_value("thrust_left", "N", 0.0, "constant thrust of the left propeller"),
+                  any_value("thrust_right", "N", 0.0, "constant thrust of the right propeller"),
+                  any_value("thrust_arm", "m", 0.0,
+                            "sideways distance of each propeller from the plane of symmetry")});
+    append(list, coefficients());
+    list.push_back(with_default(positive("speed_floor", "m/s",
+                                         "added to u_x in the angles of flow, which are "
+                                         "undefined at rest"),
+                                1e-6));
+    return list;
+  }
+
+  template <class S>
+  static SpatialInertia<S> total_inertia(const S* p) {
+    SpatialInertia<S> total;
+    total.add_mass(p[kOffsetMass], vector3(p + kOffset));
+    total.add_linear_mass(p[kMass], vector3(p + kMassCentre));
+    for (int i = 0; i < 3; ++i) {
+      total.add(i, i, p[kAddedMass + i]);
+      total.add(3 + i, 3 + i, p[kInertia + i] + p[kAddedInertia + i]);
+    }
+    return total;
+  }
+
+  /// Drag, side force, lift, moment and damping, from `first` on.
+  template <class S>
+  static void aerodynamic_loads(const Pose<S>& pose, const S* p, Load<S>* first) {
+    const FlowAxes<S> flow(pose.u, p[kSpeedFloor]);
+    const S &alpha = flow.alpha, &beta = flow.beta;
+    const S alpha_2 = alpha * alpha, beta_2 = beta * beta;
+    const S q = S(0.5) * p[kFluidDensity] * p[kArea] * flow.speed_2;
+    const auto coefficient = [p](int which, const S& of_alpha, const S& of_beta) {
+      return p[which] + p[which + 1] * of_alpha + p[which + 2] * of_beta;
+    };
+    first[0].force = -(q * coefficient(kCd, alpha_2, beta_2)) * flow.x;
+    first[1].force = (q * coefficient(kCs, alpha_2, beta)) * flow.y;
+    first[2].force = -(q * coefficient(kCl, alpha, beta_2)) * flow.z;
+    first[3].torque =
+        q * flow.to_body({coefficient(kCmx, alpha, beta), coefficient(kCmy, alpha, beta_2 * beta_2),
+                          coefficient(kCmz, alpha, beta)});
+    first[4].torque = flow.to_body(diagonal_times(vector3(p + kDampingRate), pose.w));
+  }
+
+  template <class S>
+  static Load<S> weights(const Pose<S>& pose, const S* p) {
+    const Vector3<S> g_b = pose.R.to_body({S(0.0), S(0.0), -p[kG]});
+    const Load<S> body = force_at(vector3(p + kMassCentre), p[kMass] * g_b);
+    const Load<S> offset = force_at(vector3(p + kOffset), p[kOffsetMass] * g_b);
+    return body + offset + Load<S>{-p[kDisplacedMass] * g_b, {}};
+  }
+
+  template <class S>
+  static Load<S> thrust(const S* p) {
+    const S sum = p[kThrustLeft] + p[kThrustRight];
+    const S difference = p[kThrustLeft] - p[kThrustRight];
+    return {{sum, S(0.0), S(0.0)}, {S(0.0), sum * p[kOffset + 2], difference * p[kThrustArm]}};
+  }
+
+  template <class S>
+  static std::array<Load<S>, kTerms> loads(const Pose<S>& pose, const SpatialInertia<S>& inertia,
+                                           const S* p) {
+    std::array<Load<S>, kTerms> all;
+    all[kInertial] = gyroscopic_load(inertia.momentum(pose.u, pose.w), pose.u, pose.w);
+    aerodynamic_loads(pose, p, &all[kDrag]);
+    all[kThrust] = thrust(p);
+    all[kGravity] = weights(pose, p);
+    return all;
+  }
+
+  template <class S>
+  static void rhs(const S&, const S* x, const S* p, S* dxdt) {
+    const Pose<S> pose(x);
+    const SpatialInertia<S> inertia = total_inertia(p);
+    Load<S> sum;
+    for (const Load<S>& load : loads(pose, inertia, p)) sum = sum + load;
+    const Load<S> rates = inertia.solve(sum);
+    pose_rates(pose, x, dxdt);
+    store(rates.force, dxdt + kUx);
+    store(rates.torque, dxdt + kWx);
+  }
+
+  template <class S>
+  static void forces(const S&, const S* x, const S* p, LawWrench<S>* terms) {
+    const Pose<S> pose(x);
+    const std::array<Load<S>, kTerms> all = loads(pose, total_inertia(p), p);
+    for (std::size_t k = 0; k < all.size(); ++k) terms[k] = wrench(all[k], pose.u, pose.w);
+  }
+
+  /// 1/2 (u . P + w . L)
+  template <class S>
+  static S kinetic_energy(const S&, const S* x, const S* p) {
+    const Pose<S> pose(x);
+    const Load<S> momentum = total_inertia(p).momentum(pose.u, pose.w);
+    return S(0.5) * (dot(pose.u, momentum.force) + dot(pose.w, momentum.torque));
+  }
+
+  template <class S>
+  static void complete(const char*, S*) {}
+
+  static Scales scales(const double* p) {
+    const double mass = p[kMass] + p[kOffsetMass];
+    const double drive = (mass - p[kDisplacedMass]) * p[kG] + p[kThrustLeft] + p[kThrustRight];
+    const double k = 0.5 * p[kFluidDensity] * p[kArea] * std::max(0.01, std::abs(p[kCd]));
+    return body_scales(std::sqrt(p[kArea]), drive, mass * 9.80665, k);
+  }
+};
+
+}  // namespace
+
+std::shared_ptr<const Model> coefficient_body() {
+  return std::make_shared<LawModel<CoefficientBody>>();
+}
+
+}  // namespace samara::models::laws
