@@ -35,11 +35,11 @@ class ParametricModel {
   struct Workspace {
     ParameterValues p;
     Eigen::MatrixXd df_dp;
-    /// The parameters last completed, of that model, and what came out: derived defaults are dear and change
-    /// with parameters alone.
-    ParameterValues completed_from;
-    std::shared_ptr<const Model> completed_by;
+    /// All parameters at the point `q` of a model with that base: derived defaults are dear and change with q
+    /// alone.
     ParameterValues complete;
+    std::vector<double> q;
+    std::shared_ptr<const ParameterValues> base;
   };
 
   /// @param fixed values (SI) of parameters and of initial values "s(0)"
@@ -87,7 +87,9 @@ class ParametricModel {
   std::shared_ptr<const Model> model_;
   std::map<std::string, double> fixed_;
   std::vector<FreeCoordinate> free_;
-  ParameterValues base_;              ///< fixed parameters; free ones are marked given
+  /// Fixed parameters; free ones are marked given. One object of copies, and of no other model: it tells
+  /// workspaces whose they are.
+  std::shared_ptr<const ParameterValues> base_;
   std::vector<double> base_initial_;  ///< fixed or default initial values
 };
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 
+#include <ceres/jet.h>
 #include <experimental/simd>
 
 #include "samara/models/batch/dual.h"
@@ -68,6 +69,19 @@ struct LaneTime<Dual<S, K>> {
   }
 };
 
+template <int K>
+struct LaneLayout<ceres::Jet<double, K>> {
+  static ceres::Jet<double, K> load(const double* from) {
+    ceres::Jet<double, K> x(*from);
+    for (int k = 0; k < K; ++k) x.v[k] = from[k + 1];
+    return x;
+  }
+  static void store(const ceres::Jet<double, K>& x, double* to) {
+    *to = x.a;
+    for (int k = 0; k < K; ++k) to[k + 1] = x.v[k];
+  }
+};
+
 /// The scalar of one lane.
 template <class S>
 struct OneLane {
@@ -75,7 +89,7 @@ struct OneLane {
 };
 template <class S, int K>
 struct OneLane<Dual<S, K>> {
-  using Type = Dual<double, K>;
+  using Type = ceres::Jet<double, K>;
 };
 
 template <class Law, class S>

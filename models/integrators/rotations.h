@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>  // cross products
 
 /// Exponentials on the groups of rotations and of rigid motions; quaternions are (w, x, y, z), body to world.
 /// (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed., 2006, IV.7; J. M. Selig,
