@@ -4,6 +4,7 @@
 #include <numbers>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
 #include "kirchhoff_ellipsoid.h"
