@@ -41,6 +41,9 @@ void add_simulate(CLI::App& app, Arguments& arguments) {
   command->add_option("--until", values->until, "end of the trajectory, s or with a unit")
       ->capture_default_str();
   command->add_option("--frames", values->frames, "rows, equally spaced in time")->capture_default_str();
+  command->add_flag("--forces", values->forces,
+                    "add what every force term does: TERM.Fx, TERM.Fy, .. (force), TERM.T.. (torque) in body "
+                    "axes, TERM.power, and the kinetic energy where the model has one");
   command->add_option("-o,--output", values->output, "CSV file; stdout if not given");
   on_call(command, arguments.simulate, values);
 }

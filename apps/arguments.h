@@ -18,6 +18,7 @@ struct SimulateArguments {
   std::vector<std::string> set;
   std::string until = "1";
   int frames = 101;
+  bool forces = false;
   std::string output;
 };
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -16,7 +17,20 @@ std::string default_text(const models::ParameterInfo& parameter) {
   return parameter.derived.empty() ? "required" : parameter.derived;
 }
 
+const char* kind_text(models::StateGroupKind kind) {
+  switch (kind) {
+    case models::StateGroupKind::position:
+      return "position";
+    case models::StateGroupKind::vector:
+      return "vector";
+    case models::StateGroupKind::quaternion:
+      return "quaternion";
+  }
+  return "";
+}
+
 Json to_json(const models::ModelInfo& info) {
+  const models::ForceUnits units = models::force_units(info);
   Json object = {{"name", info.name},
                  {"title", info.title},
                  {"equations", info.equations},
@@ -26,12 +40,19 @@ Json to_json(const models::ModelInfo& info) {
                  {"symmetries", info.symmetries},
                  {"time_unit", models::time_unit(info)},
                  {"states", Json::array()},
-                 {"parameters", Json::array()}};
+                 {"groups", Json::array()},
+                 {"parameters", Json::array()},
+                 {"affine_in", info.affine_in},
+                 {"force_terms", Json::array()},
+                 {"force_units", {{"force", units.force}, {"torque", units.torque}, {"power", units.power}}}};
   for (const auto& s : info.states) {
     object["states"].push_back({{"name", s.name},
                                 {"unit", s.unit},
                                 {"default_initial", s.default_initial},
                                 {"description", s.description}});
+  }
+  for (const auto& g : info.groups) {
+    object["groups"].push_back({{"kind", kind_text(g.kind)}, {"first", g.first}});
   }
   for (const auto& p : info.parameters) {
     Json parameter = {{"name", p.name}, {"unit", p.unit}, {"description", p.description}};
@@ -41,23 +62,87 @@ Json to_json(const models::ModelInfo& info) {
     parameter["lower_inclusive"] = p.lower_inclusive;
     object["parameters"].push_back(parameter);
   }
+  for (const auto& term : info.force_terms) {
+    object["force_terms"].push_back({{"name", term.name}, {"description", term.description}});
+  }
   return object;
 }
 
-std::string explain(const models::ModelInfo& info) {
-  std::string text = fmt::format("{}: {}\n\n  {}\n\n  frames: {}\n  source: {}\n  valid: {}\n", info.name,
-                                 info.title, info.equations, info.frames, info.source, info.validity);
-  for (const std::string& symmetry : info.symmetries) text += fmt::format("  symmetry: {}\n", symmetry);
-  text += fmt::format("\n  {:<16} {:<8} {:<40} {}\n", "parameter", "unit", "default", "meaning");
-  for (const auto& p : info.parameters) {
-    text += fmt::format("  {:<16} {:<8} {:<40} {}\n", p.name, p.unit, default_text(p), p.description);
+constexpr std::size_t kWidth = 110;
+
+/// Words of `text` in lines of at most kWidth, all but the first behind `indent` spaces.
+std::string wrapped(const std::string& text, std::size_t indent) {
+  std::string lines;
+  std::size_t column = indent;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    if (column > indent && column + 1 + word.size() > kWidth) {
+      lines += fmt::format("\n{:{}}", "", indent);
+      column = indent;
+    } else if (column > indent) {
+      lines += ' ';
+      ++column;
+    }
+    lines += word;
+    column += word.size();
+    begin = end + 1;
   }
-  text += fmt::format("\n  {:<16} {:<8} {:<40} {}\n", "initial value", "unit", "default", "state");
-  for (const auto& s : info.states) {
-    text += fmt::format("  {:<16} {:<8} {:<40} {}\n", s.name + "(0)", s.unit,
-                        fmt::format("{}", s.default_initial), s.description);
+  return lines;
+}
+
+/// Equations stand apart by a comma and two spaces.
+std::string equation_lines(const std::string& equations) {
+  std::string lines;
+  for (std::size_t begin = 0; begin < equations.size();) {
+    const std::size_t end = std::min(equations.find(",  ", begin), equations.size());
+    lines += fmt::format("  {}\n", wrapped(equations.substr(begin, end - begin), 6));
+    begin = end + 3;
+  }
+  return lines;
+}
+
+using Row = std::vector<std::string>;
+
+/// Rows as wide as their widest cell; the last column is wrapped.
+std::string table(const std::vector<Row>& rows) {
+  std::vector<std::size_t> widths(rows.front().size(), 0);
+  for (const Row& row : rows) {
+    for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], row[k].size());
+  }
+  std::string text;
+  for (const Row& row : rows) {
+    std::string line(2, ' ');
+    for (std::size_t k = 0; k + 1 < row.size(); ++k) line += fmt::format("{:<{}}  ", row[k], widths[k]);
+    text += fmt::format("{}{}\n", line, wrapped(row.back(), line.size()));
   }
   return text;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string explain(const models::ModelInfo& info) {
+  std::string text = fmt::format("{}: {}\n\n{}\n", info.name, info.title, equation_lines(info.equations));
+  std::vector<Row> facts = {{"frames:", info.frames}, {"source:", info.source}, {"valid:", info.validity}};
+  if (!info.symmetries.empty()) facts.push_back({"symmetries:", joined(info.symmetries)});
+  if (!info.affine_in.empty()) facts.push_back({"affine in:", joined(info.affine_in)});
+  text += table(facts);
+
+  std::vector<Row> parameters = {{"parameter", "unit", "default", "meaning"}};
+  for (const auto& p : info.parameters) {
+    parameters.push_back({p.name, p.unit, default_text(p), p.description});
+  }
+  std::vector<Row> states = {{"initial value", "unit", "default", "state"}};
+  for (const auto& s : info.states) {
+    states.push_back({s.name + "(0)", s.unit, fmt::format("{}", s.default_initial), s.description});
+  }
+  text += fmt::format("\n{}\n{}", table(parameters), table(states));
+  if (info.force_terms.empty()) return text;
+  std::vector<Row> terms = {{"force term", "meaning"}};
+  for (const auto& term : info.force_terms) terms.push_back({term.name, term.description});
+  return fmt::format("{}\n{}", text, table(terms));
 }
 
 }  // namespace
@@ -73,8 +158,9 @@ int run(const ModelsArguments& arguments) {
   } else if (!arguments.model.empty()) {
     print(explain(models::find_model(arguments.model)->info()));
   } else {
+    const auto longest = std::ranges::max_element(names, {}, &std::string::size);
     for (const std::string& name : names) {
-      print(fmt::format("{:<24} {}\n", name, models::find_model(name)->info().title));
+      print(fmt::format("{:<{}}  {}\n", name, longest->size(), models::find_model(name)->info().title));
     }
   }
   return kDone;

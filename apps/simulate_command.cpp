@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "assignments.h"
@@ -10,10 +12,96 @@
 
 namespace samara::apps {
 
+namespace {
+
+/// Columns of a CSV file: their header, and one row per time.
+struct Table {
+  std::vector<std::string> header;
+  Eigen::MatrixXd rows;
+};
+
+/// Components of a term that are not zero by its kind: in the plane, or in space.
+std::vector<std::string> component_names(const models::ModelInfo& info) {
+  if (info.per_span) return {"Fx", "Fy", "T", "power"};
+  return {"Fx", "Fy", "Fz", "Tx", "Ty", "Tz", "power"};
+}
+
+std::vector<double> components(const models::ModelInfo& info, const models::Wrench& term) {
+  const Eigen::Vector3d& F = term.force;
+  const Eigen::Vector3d& T = term.torque;
+  if (info.per_span) return {F.x(), F.y(), T.z(), term.power};
+  return {F.x(), F.y(), F.z(), T.x(), T.y(), T.z(), term.power};
+}
+
+std::vector<std::string> force_header(const models::ModelInfo& info, bool with_energy) {
+  const models::ForceUnits units = models::force_units(info);
+  std::vector<std::string> header;
+  for (const auto& term : info.force_terms) {
+    std::string name = term.name;
+    std::ranges::replace(name, ' ', '_');
+    for (const std::string& component : component_names(info)) {
+      const std::string& unit = component[0] == 'F'   ? units.force
+                                : component[0] == 'T' ? units.torque
+                                                      : units.power;
+      header.push_back(fmt::format("{}.{}[{}]", name, component, unit));
+    }
+  }
+  if (with_energy) header.push_back(fmt::format("kinetic_energy[{}]", units.energy));
+  return header;
+}
+
+/// What every term does along a trajectory, and the kinetic energy where the model has one.
+Table force_table(const models::ParametricModel& parametric, const models::Trajectory& trajectory) {
+  const models::Model& model = parametric.model();
+  const models::ModelInfo& info = model.info();
+  const models::ParameterValues p = {parametric.parameters({}), std::vector<char>(info.parameters.size(), 1)};
+  std::vector<models::Wrench> terms(info.force_terms.size());
+  std::vector<double> x(info.states.size());
+  std::vector<double> values;
+  bool with_energy = false;
+  for (Eigen::Index row = 0; row < trajectory.times.size(); ++row) {
+    const double t = trajectory.times[row];
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = trajectory.states(row, static_cast<Eigen::Index>(i));
+    model.forces(t, x, p, terms);
+    for (const models::Wrench& term : terms) {
+      const std::vector<double> list = components(info, term);
+      values.insert(values.end(), list.begin(), list.end());
+    }
+    const std::optional<double> energy = model.kinetic_energy(t, x, p);
+    with_energy = energy.has_value();
+    if (energy) values.push_back(*energy);
+  }
+  Table table = {force_header(info, with_energy), {}};
+  table.rows = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+      values.data(), trajectory.times.size(), static_cast<Eigen::Index>(table.header.size()));
+  return table;
+}
+
+Table state_table(const models::ModelInfo& info, const models::Trajectory& trajectory) {
+  Table table = {{fmt::format("t[{}]", models::time_unit(info))}, {}};
+  for (const auto& state : info.states) table.header.push_back(fmt::format("{}[{}]", state.name, state.unit));
+  table.rows.resize(trajectory.times.size(), 1 + trajectory.states.cols());
+  table.rows << trajectory.times, trajectory.states;
+  return table;
+}
+
+Table beside(const Table& left, const Table& right) {
+  Table both = left;
+  both.header.insert(both.header.end(), right.header.begin(), right.header.end());
+  both.rows.resize(left.rows.rows(), left.rows.cols() + right.rows.cols());
+  both.rows << left.rows, right.rows;
+  return both;
+}
+
+}  // namespace
+
 int run(const SimulateArguments& arguments) {
   if (!arguments.output.empty()) check_output(arguments.output, {});
   const auto model = models::find_model(arguments.model);
   const models::ModelInfo& info = model->info();
+  if (arguments.forces && info.force_terms.empty()) {
+    throw ArgumentError(fmt::format("--forces: model \"{}\" does not break its force down", info.name));
+  }
   std::map<std::string, std::string> units;
   for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;
   for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
@@ -27,11 +115,9 @@ int run(const SimulateArguments& arguments) {
   const models::Trajectory trajectory =
       models::integrate(parametric, {}, {times.data(), static_cast<std::size_t>(times.size())});
 
-  Eigen::MatrixXd table(times.size(), 1 + trajectory.states.cols());
-  table << times, trajectory.states;
-  std::vector<std::string> header = {fmt::format("t[{}]", models::time_unit(info))};
-  for (const auto& state : info.states) header.push_back(fmt::format("{}[{}]", state.name, state.unit));
-  write_answer(arguments.output, io::format_csv(header, table));
+  Table table = state_table(info, trajectory);
+  if (arguments.forces) table = beside(table, force_table(parametric, trajectory));
+  write_answer(arguments.output, io::format_csv(table.header, table.rows));
   if (trajectory.is_usable()) return kDone;
   warn(fmt::format("{}; rows after t = {:.6g} are empty", trajectory.message, trajectory.reached));
   return kToleranceMissed;

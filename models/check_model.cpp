@@ -6,17 +6,17 @@
 #include <string_view>
 
 #include "samara/base/errors.h"
+#include "samara/models/check_parts.h"
 #include "samara/models/number_text.h"
+#include "samara/models/unit_dimension.h"
 
 namespace samara::models {
-
-namespace {
-
-using Findings = std::vector<std::string>;
 
 std::string quoted(const std::string& text) {
   return "\"" + text + "\"";
 }
+
+namespace {
 
 bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
@@ -28,29 +28,6 @@ bool is_digit(char c) {
 bool looks_like_a_name(std::string_view name) {
   return !name.empty() && is_letter(name.front()) &&
          std::ranges::all_of(name, [](char c) { return is_letter(c) || is_digit(c) || c == '_'; });
-}
-
-/// A symbol with or without an integer power, such as "m^2".
-bool looks_like_a_factor(std::string_view factor) {
-  const std::size_t hat = factor.find('^');
-  const std::string_view symbol = factor.substr(0, hat);
-  if (symbol.empty() || !std::ranges::all_of(symbol, is_letter)) return false;
-  if (hat == std::string_view::npos) return true;
-  std::string_view power = factor.substr(hat + 1);
-  if (power.starts_with('-')) power.remove_prefix(1);
-  return !power.empty() && std::ranges::all_of(power, is_digit);
-}
-
-/// Products and quotients of factors, such as "kg/m^3", "1/s" or "1".
-bool looks_like_a_unit(std::string_view unit) {
-  if (unit == "1") return true;
-  if (unit.starts_with("1/")) unit.remove_prefix(2);
-  while (true) {
-    const std::size_t end = unit.find_first_of(" */");
-    if (!looks_like_a_factor(unit.substr(0, end))) return false;
-    if (end == std::string_view::npos) return true;
-    unit.remove_prefix(end + 1);
-  }
 }
 
 void check_texts(const ModelInfo& info, Findings& findings) {
@@ -104,17 +81,8 @@ void check_defaults(const ModelInfo& info, Findings& findings) {
   }
 }
 
-/// f and its derivatives at one point, by the model.
-struct Point {
-  double t = 0.0;
-  std::vector<double> x;
-  ParameterValues p;
-  std::vector<double> f;
-  Eigen::MatrixXd df_dx;
-  Eigen::MatrixXd df_dp;
-};
+}  // namespace
 
-/// A value of a parameter within its meaning, never at its bound, where f need not be smooth.
 double random_value(const ParameterInfo& parameter, std::mt19937& random) {
   std::uniform_real_distribution<double> factor(0.5, 2.0);
   if (parameter.default_value && *parameter.default_value != 0.0) {
@@ -124,6 +92,32 @@ double random_value(const ParameterInfo& parameter, std::mt19937& random) {
   if (std::isfinite(parameter.lower)) return parameter.lower + factor(random);
   // Small beside parameters that are not zero: entries off the diagonal of a matrix must leave it regular.
   return 0.1 * (factor(random) - 1.25);
+}
+
+Point with_all_given(const Model& model, const Point& point) {
+  Point all = point;
+  all.p = {model.completed(point.p), std::vector<char>(point.p.given.size(), 1)};
+  model.rhs_with_derivatives(all.t, all.x, all.p, all.f, all.df_dx, all.df_dp);
+  return all;
+}
+
+Eigen::VectorXd term_sizes(const Point& point) {
+  const auto vector = [](const std::vector<double>& values) {
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()))
+        .cwiseAbs();
+  };
+  return vector(point.f) + point.df_dx.cwiseAbs() * vector(point.x) +
+         point.df_dp.cwiseAbs() * vector(point.p.value);
+}
+
+namespace {
+
+/// A quaternion of norm one, all attitudes equally likely.
+void set_random_attitude(double* q, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  Eigen::Map<Eigen::Vector4d> attitude(q);
+  for (double& part : attitude) part = normal(random);
+  attitude.normalize();
 }
 
 Point random_point(const Model& model, std::mt19937& random) {
@@ -139,6 +133,9 @@ Point random_point(const Model& model, std::mt19937& random) {
   point.t = std::abs(symmetric(random)) * scales.time;
   for (const StateInfo& state : info.states) {
     point.x.push_back(symmetric(random) * state_scale(state, scales));
+  }
+  for (const StateGroup& group : info.groups) {
+    if (group.kind == StateGroupKind::quaternion) set_random_attitude(point.x.data() + group.first, random);
   }
   const auto states = static_cast<Eigen::Index>(info.states.size());
   point.f.resize(info.states.size());
@@ -273,12 +270,18 @@ ModelCheck check_model(const Model& model, const CheckModelOptions& options) {
   check_texts(model.info(), check.findings);
   check_names_and_units(model.info(), check.findings);
   check_defaults(model.info(), check.findings);
+  check_known_units(model.info(), check.findings);
+  if (!check_groups(model.info(), check.findings)) return check;
   std::mt19937 random(options.seed);
   for (int k = 0; k < options.points; ++k) {
     Point point = random_point(model, random);
     check_values(model, point, check.findings);
     check_derivatives(model, point, options.tolerance, check.findings);
     check_symmetries(model, point, check.findings);
+    check_rotation(model, point, random, check.findings);
+    if (options.units) check_dimensions(model, point, random, check.findings);
+    check_affinity(model, point, random, check.findings);
+    check_forces(model, point, options.tolerance, check.findings);
   }
   remove_repetitions(check.findings);
   return check;

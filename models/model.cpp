@@ -60,4 +60,10 @@ std::string time_unit(const ModelInfo& info) {
   return all ? "1" : "s";
 }
 
+ForceUnits force_units(const ModelInfo& info) {
+  if (time_unit(info) == "1") return {"1", "1", "1", "1"};
+  if (info.per_span) return {"N/m", "N", "W/m", "J/m"};
+  return {"N", "N m", "W", "J"};
+}
+
 }  // namespace samara::models

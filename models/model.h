@@ -82,6 +82,12 @@ struct ModelInfo {
   std::vector<std::string> affine_in = {};
   std::vector<ForceTermInfo> force_terms = {};  ///< empty: the model does not break its force down
   std::vector<StateGroup> groups = {};          ///< states that belong together; others turn as scalars
+  bool per_span = false;  ///< a planar model: forces, torques, powers and energy are per metre of span
+};
+
+/// Units of Wrench and of the kinetic energy.
+struct ForceUnits {
+  std::string force, torque, power, energy;
 };
 
 /// Characteristic sizes of a motion, in SI units, from which every state takes its scale by its unit.
@@ -159,6 +165,9 @@ double state_scale(const StateInfo& state, const Scales& scales);
 
 /// "s", or "1" for a model all of whose states and parameters are dimensionless.
 std::string time_unit(const ModelInfo& info);
+
+/// "N", "N m", "W", "J"; "N/m", "N", "W/m", "J/m" for a planar model, "1" for a dimensionless one.
+ForceUnits force_units(const ModelInfo& info);
 
 /// Names of all models that ship with Samara, sorted.
 std::vector<std::string> model_names();

@@ -5,15 +5,20 @@
 #include "samara/models/model.h"
 
 // The models that ship with Samara, one line each: laws/<name>.cpp defines the function <name>().
-#define SAMARA_LAWS(LAW)     \
-  LAW(coefficient_body)      \
-  LAW(constant_rate)         \
-  LAW(immersed_body)         \
-  LAW(immersed_body_in_wind) \
-  LAW(immersed_body_printed) \
-  LAW(kirchhoff_body)        \
-  LAW(quadratic_drag_fall)   \
-  LAW(sphere_flight)         \
+#define SAMARA_LAWS(LAW)         \
+  LAW(coefficient_body)          \
+  LAW(constant_rate)             \
+  LAW(coupled_triple)            \
+  LAW(falling_plate)             \
+  LAW(falling_plate_linear_drag) \
+  LAW(falling_plate_nd)          \
+  LAW(falling_rectangle)         \
+  LAW(immersed_body)             \
+  LAW(immersed_body_in_wind)     \
+  LAW(immersed_body_printed)     \
+  LAW(kirchhoff_body)            \
+  LAW(quadratic_drag_fall)       \
+  LAW(sphere_flight)             \
   LAW(vertical_fall)
 
 namespace samara::models {

@@ -15,7 +15,7 @@ struct QuadraticDragFall {
         .name = "quadratic_drag_fall",
         .title = "Vertical speed of a heavy body in a light fluid",
         .equations = "u' = -(fluid_density C_D area / (2 mass)) |u| u - g",
-        .frames = "u is the vertical velocity, positive upward",
+        .frames = "u is the vertical velocity, positive upward; forces along the third body axis, upward too",
         .source =
             "dissertation, eq. (6.20), which prints u^2 for -|u| u and so holds for u <= 0; from rest "
             "u = -u_T tanh(g t / u_T) with u_T = sqrt(2 mass g / (fluid_density C_D area))",
@@ -23,6 +23,9 @@ struct QuadraticDragFall {
             "neither buoyancy nor added mass: bodies much denser than the fluid; constant C_D; no rotation",
         .states = {{.name = "u", .unit = "m/s", .description = "vertical velocity, positive upward"}},
         .parameters = parameters(),
+        .affine_in = {"C_D", "g"},
+        .force_terms = {{.name = "drag", .description = "against the velocity; takes power"},
+                        {.name = "gravity", .description = "weight"}},
     };
   }
 
@@ -68,6 +71,20 @@ struct QuadraticDragFall {
     using std::abs;
     const S& u = x[0];
     dxdt[0] = -drag_per_mass(p[kCD], p) * abs(u) * u - p[kG];
+  }
+
+  template <class S>
+  static void forces(const S&, const S* x, const S* p, LawWrench<S>* terms) {
+    using std::abs;
+    const S& u = x[0];
+    terms[0].force[2] = -p[kMass] * drag_per_mass(p[kCD], p) * abs(u) * u;
+    terms[1].force[2] = -p[kMass] * p[kG];
+    for (int k = 0; k < 2; ++k) terms[k].power = terms[k].force[2] * u;
+  }
+
+  template <class S>
+  static S kinetic_energy(const S&, const S* x, const S* p) {
+    return S(0.5) * p[kMass] * x[0] * x[0];
   }
 
   template <class S>

@@ -20,7 +20,9 @@ struct VerticalFall {
         .equations =
             "(m + m_a) v' = (m - m_f) g - 1/2 fluid_density C_D area |v| v,  x' = v,  "
             "m = density area thickness,  m_f = fluid_density area thickness",
-        .frames = "v and x are vertical, positive downward; x is depth below the release point",
+        .frames =
+            "v and x are vertical, positive downward; x is depth below the release point; forces along the "
+            "third body axis, downward too",
         .source =
             "Newton's second law with added mass (C. E. Brennen, A Review of Added Mass and Fluid Inertial "
             "Forces, Naval Civil Engineering Laboratory CR 82.010, 1982) and quadratic drag; added mass of a "
@@ -34,6 +36,10 @@ struct VerticalFall {
         .states = {{.name = "v", .unit = "m/s", .description = "velocity, positive downward"},
                    {.name = "x", .unit = "m", .description = "depth, positive downward"}},
         .parameters = parameters(),
+        .affine_in = {"C_D", "g"},
+        .force_terms = {{.name = "drag", .description = "against the velocity; takes power"},
+                        {.name = "gravity and buoyancy",
+                         .description = "weight less that of the displaced fluid"}},
     };
   }
 
@@ -92,6 +98,21 @@ struct VerticalFall {
     const S& v = x[kV];
     dxdt[kV] = (weight(p) - drag(p[kCD], p) * abs(v) * v) / inertia(p);
     dxdt[kX] = v;
+  }
+
+  template <class S>
+  static void forces(const S&, const S* x, const S* p, LawWrench<S>* terms) {
+    using std::abs;
+    const S& v = x[kV];
+    terms[0].force[2] = -drag(p[kCD], p) * abs(v) * v;
+    terms[1].force[2] = weight(p);
+    for (int k = 0; k < 2; ++k) terms[k].power = terms[k].force[2] * v;
+  }
+
+  /// Of body and added mass.
+  template <class S>
+  static S kinetic_energy(const S&, const S* x, const S* p) {
+    return S(0.5) * inertia(p) * x[kV] * x[kV];
   }
 
   template <class S>

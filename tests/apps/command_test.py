@@ -84,6 +84,53 @@ class Answers(Case):
         self.assertEqual(models["schema"], "samara-models/1")
         self.assertIn("quadratic_drag_fall", [m["name"] for m in models["models"]])
 
+    def test_models_says_what_a_force_is_made_of(self):
+        text = run("models", "falling_plate").stdout
+        for part in ["affine in:", "C_T, C_R, A, B, mu1, mu2", "symmetries:", "translation of x", "force term",
+                     "gravity and buoyancy", "(m + m11) vx' = "]:
+            self.assertIn(part, text)
+        self.assertLessEqual(max(len(line) for line in text.splitlines()), 110)
+        model, = json.loads(run("models", "falling_plate", "--json").stdout)["models"]
+        self.assertEqual(model["affine_in"], ["C_T", "C_R", "A", "B", "mu1", "mu2"])
+        self.assertEqual(model["force_units"], {"force": "N/m", "torque": "N", "power": "W/m"})
+        self.assertEqual([term["name"] for term in model["force_terms"]],
+                         ["inertia", "translational lift", "rotational lift", "drag", "dissipation",
+                          "gravity and buoyancy"])
+
+    def test_every_model_is_explained_within_the_width_of_a_page(self):
+        for line in run("models").stdout.splitlines():
+            name = line.split()[0]
+            text = run("models", name).stdout
+            self.assertIn("source:", text)
+            self.assertLessEqual(max(len(row) for row in text.splitlines()), 120, name)
+
+    def test_simulate_runs_the_reference_plate(self):
+        # The model sheet's state of I* = 1.1 at t = 5, thin plate.
+        result = run("simulate", "falling_plate_nd", "--set", "beta=0", "--set", "w(0)=0.001", "--set",
+                     "theta(0)=0.7853981633974483", "--until", "5", "--frames", "2")
+        header, _, last = csv.reader(result.stdout.splitlines())
+        self.assertEqual(header, ["t[1]", "vx[1]", "vy[1]", "w[1]", "theta[1]", "x[1]", "y[1]"])
+        state = [0.755521995, -0.371934127, -0.058302197, -1.602042954, -2.633326975, -1.65421933]
+        for value, expected in zip(last[1:], state):
+            self.assertAlmostEqual(float(value), expected, delta=1e-6)
+
+    def test_simulate_breaks_the_force_down_by_term(self):
+        arguments = ["--set", "semi_chord=7 mm", "--set", "semi_thickness=0.5 mm", "--set", "density=2.7 g/cm^3"]
+        result = run("simulate", "falling_plate", *arguments, "--until", "1", "--frames", "2001", "--forces")
+        rows = list(csv.DictReader(result.stdout.splitlines()))
+        powers = [name for name in rows[0] if name.endswith(".power[W/m]")]
+        self.assertEqual(len(powers), 6)
+        for name in ["drag.Fx[N/m]", "drag.Fy[N/m]", "dissipation.T[N]", "kinetic_energy[J/m]"]:
+            self.assertIn(name, rows[0])
+        # The energy gained is the work of all terms, by the trapezoidal rule: a part in 1e4 at this spacing.
+        work = sum(float(row[name]) for row in rows for name in powers)
+        work -= 0.5 * sum(float(row[name]) for row in (rows[0], rows[-1]) for name in powers)
+        gain = float(rows[-1]["kinetic_energy[J/m]"]) - float(rows[0]["kinetic_energy[J/m]"])
+        self.assertAlmostEqual(work * 1.0 / 2000, gain, delta=1e-4 * abs(gain))
+        # Without the flag nothing but the states.
+        plain = run("simulate", "falling_plate", *arguments, "--until", "1", "--frames", "2").stdout
+        self.assertEqual(len(plain.splitlines()[0].split(",")), 7)
+
     def test_simulate_prints_the_exact_fall(self):
         result = run("simulate", "quadratic_drag_fall", "--set", "C_D=1", "--until", "0.5", "--frames", "6")
         rows = list(csv.reader(result.stdout.splitlines()))
@@ -288,6 +335,8 @@ class BadCalls(Case):
         self.check_error(run("simulate", "vertical_fal"), 2, "vertical_fall")
         self.check_error(run("simulate", "constant_rate", "--set", "k=2", "--until", "-1"), 2, "--until")
         self.check_error(run("models", "nothing_like_it"), 2, "nothing_like_it")
+        self.check_error(run("simulate", "constant_rate", "--set", "k=2", "--forces"), 2, "--forces",
+                         "constant_rate")
         self.check_error(run("fit", "vertical_fall", "x.csv"), 2, "--config")
         for arguments in [[], ["unknown"], ["query"], ["query", path, "--frobnicate"]]:
             self.assertEqual(run(*arguments).returncode, 2)

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <cmath>
 #include <map>
 #include <string>
 #include <vector>
@@ -10,15 +10,24 @@
 /// A card in air (7 cm x 4 cm x 0.2 mm), released obliquely with some spin; smoothed at 2 cm/s and 1 rad/s,
 /// the defaults. Over 0.3 s neighbouring trajectories stay together: the motion is not yet a chaotic one.
 inline std::map<std::string, double> card_values() {
-  return {{"a", 0.035},          {"b", 0.02},
-          {"c", 1e-4},           {"density", 1200.0},
-          {"C_D0", 0.05},        {"C_D90", 0.61},
-          {"C_T", 1.81},         {"C_R", 1.21},
-          {"C_w", 2.0},          {"qw(0)", 0.98877107793604224},
-          {"qx(0)", 0.12333785}, {"qy(0)", 0.08437969},
-          {"qz(0)", 0.0},        {"ux(0)", 0.05},
-          {"uy(0)", 0.05},       {"uz(0)", -0.1},
-          {"wx(0)", 1.0},        {"wy(0)", 2.0},
+  return {{"a", 0.035},
+          {"b", 0.02},
+          {"c", 1e-4},
+          {"density", 1200.0},
+          {"C_D0", 0.05},
+          {"C_D90", 0.61},
+          {"C_T", 1.81},
+          {"C_R", 1.21},
+          {"C_w", 2.0},
+          {"qw(0)", std::cos(0.15)},
+          {"qx(0)", std::sin(0.15) * std::cos(0.6)},
+          {"qy(0)", std::sin(0.15) * std::sin(0.6)},
+          {"qz(0)", 0.0},
+          {"ux(0)", 0.05},
+          {"uy(0)", 0.05},
+          {"uz(0)", -0.1},
+          {"wx(0)", 1.0},
+          {"wy(0)", 2.0},
           {"wz(0)", 3.0}};
 }
 

@@ -1,0 +1,174 @@
+#include <cmath>
+#include <numbers>
+
+#include "samara/models/laws/planar_plate.h"
+
+namespace samara::models::laws {
+
+namespace {
+
+struct FallingPlate {
+  static constexpr int kStates = kPlanarStates;
+  static constexpr int kParameters = 12;
+  enum Parameter {
+    kSemiChord,
+    kSemiThickness,
+    kDensity,
+    kFluidDensity,
+    kG,
+    kCT,
+    kCR,
+    kA,
+    kB,
+    kMu1,
+    kMu2,
+    kSpeedFloor
+  };
+
+  static ModelInfo info() {
+    return {
+        .name = "falling_plate",
+        .title = "Falling elliptic plate in its plane, per unit span",
+        .equations =
+            "(m + m11) vx' = (m + m22) w vy - fluid_density G vy - (m - m_f) g sin(theta) - Fx,  "
+            "(m + m22) vy' = -(m + m11) w vx + fluid_density G vx - (m - m_f) g cos(theta) - Fy,  "
+            "(I + I_a) w' = (m11 - m22) vx vy - pi fluid_density a^4 (mu1 U/a + mu2 |w|) w,  theta' = w,  "
+            "x' = vx cos(theta) - vy sin(theta),  y' = vx sin(theta) + vy cos(theta),  "
+            "G = -2 C_T a vx vy/v + 2 C_R a^2 w,  "
+            "(Fx, Fy) = fluid_density a (A - B (vx^2 - vy^2)/v^2) v (vx, vy),  "
+            "v = sqrt(vx^2 + vy^2 + speed_floor^2),  U = sqrt(|density/fluid_density - 1| g b),  "
+            "m = pi density a b,  m_f = pi fluid_density a b,  I = m (a^2 + b^2)/4,  m11 = pi fluid_density "
+            "b^2,  "
+            "m22 = pi fluid_density a^2,  I_a = pi/8 fluid_density (a^2 - b^2)^2,  a = semi_chord,  "
+            "b = semi_thickness",
+        .frames =
+            "vx, vy in body axes: x' along the chord, y' along the normal, theta the angle of x' above the "
+            "horizontal; x, y in the world, y upward; forces and masses per metre of span",
+        .source =
+            "A. Andersen, U. Pesavento, Z. J. Wang, Unsteady aerodynamics of fluttering and tumbling plates, "
+            "J. Fluid Mech. 541 (2005) 65-90, and Analysis of transitions .., ibid. 91-104; dissertation, "
+            "eqs. "
+            "(2.14)-(2.20), corrected (L of (2.20) is the semi-chord)",
+        .validity =
+            "motion in a plane, thin plates, Reynolds numbers of about 1e2 to 1e4 (the coefficients are "
+            "fitted "
+            "there); quasi-steady: no wake memory; still, unbounded fluid. A body as dense as the fluid has "
+            "no "
+            "U, and no derivative of it",
+        .symmetries = {"translation of x", "translation of y", "turn of the body by pi",
+                       "reflection: vx, w, theta and x change sign"},
+        .states = planar_states(),
+        .parameters = parameters(),
+        .affine_in = {"C_T", "C_R", "A", "B", "mu1", "mu2"},
+        .force_terms = planar_force_terms(),
+        .per_span = true,
+    };
+  }
+
+  static std::vector<ParameterInfo> parameters() {
+    return {
+        {.name = "semi_chord", .unit = "m", .description = "half the chord, a", .lower = 0.0},
+        {.name = "semi_thickness", .unit = "m", .description = "half the thickness, b", .lower = 0.0},
+        {.name = "density", .unit = "kg/m^3", .description = "density of the solid", .lower = 0.0},
+        {.name = "fluid_density",
+         .unit = "kg/m^3",
+         .default_value = 998.2,
+         .description = "density of the fluid; default: water at 20 degrees C",
+         .lower = 0.0},
+        {.name = "g",
+         .unit = "m/s^2",
+         .default_value = 9.81,
+         .description = "gravitational acceleration",
+         .lower = 0.0},
+        {.name = "C_T", .unit = "1", .default_value = 1.2, .description = "translational lift"},
+        {.name = "C_R", .unit = "1", .default_value = std::numbers::pi, .description = "rotational lift"},
+        {.name = "A",
+         .unit = "1",
+         .default_value = 1.4,
+         .description = "mean drag on the chord: A - B edge-on, A + B broadside"},
+        {.name = "B", .unit = "1", .default_value = 1.0, .description = "drag by the angle of attack"},
+        {.name = "mu1",
+         .unit = "1",
+         .default_value = 0.2,
+         .description = "linear dissipation of rotation",
+         .lower = 0.0,
+         .lower_inclusive = true},
+        {.name = "mu2",
+         .unit = "1",
+         .derived = "mu1",
+         .description = "quadratic dissipation of rotation: freeing mu1 alone moves both",
+         .lower = 0.0,
+         .lower_inclusive = true},
+        {.name = "speed_floor",
+         .unit = "m/s",
+         .derived = "1e-6 U",
+         .description = "least speed v, which keeps the angle of attack defined at rest",
+         .lower = 0.0},
+    };
+  }
+
+  /// U = sqrt(|density/fluid_density - 1| g b) [m/s].
+  template <class S>
+  static S characteristic_speed(const S* p) {
+    using std::abs;
+    using std::sqrt;
+    return sqrt(abs(p[kDensity] - p[kFluidDensity]) / p[kFluidDensity] * p[kG] * p[kSemiThickness]);
+  }
+
+  template <class S>
+  static EllipticPlate<S> plate(const S* p) {
+    const S pi = S(std::numbers::pi);
+    const S& a = p[kSemiChord];
+    const S& b = p[kSemiThickness];
+    const S& fluid = p[kFluidDensity];
+    const S& solid = p[kDensity];
+    const S a2 = a * a;
+    const S b2 = b * b;
+    const S thin = a2 - b2;
+    const S lift = S(2.0) * fluid * a;
+    const S drag = fluid * a;
+    const S damping = pi * fluid * a2 * a;
+    return {.mass_x = pi * b * (solid * a + fluid * b),
+            .mass_y = pi * a * (solid * b + fluid * a),
+            .inertia = pi * (S(0.25) * solid * a * b * (a2 + b2) + S(0.125) * fluid * thin * thin),
+            .weight = pi * a * b * (solid - fluid) * p[kG],
+            .flow = {.lift_T = lift * p[kCT],
+                     .lift_R = lift * a * p[kCR],
+                     .drag_A = drag * p[kA],
+                     .drag_B = drag * p[kB],
+                     .damping = damping * characteristic_speed(p) * p[kMu1],
+                     .damping_abs = damping * a * p[kMu2],
+                     .speed_floor = p[kSpeedFloor]}};
+  }
+
+  template <class S>
+  static void rhs(const S&, const S* x, const S* p, S* dxdt) {
+    plate(p).rhs(x, dxdt);
+  }
+
+  template <class S>
+  static void forces(const S&, const S* x, const S* p, LawWrench<S>* terms) {
+    to_wrenches(plate(p).forces(x), {x[kVx], x[kVy], x[kOmega]}, terms);
+  }
+
+  template <class S>
+  static S kinetic_energy(const S&, const S* x, const S* p) {
+    return plate(p).kinetic_energy(x);
+  }
+
+  template <class S>
+  static void complete(const char* given, S* p) {
+    if (!given[kMu2]) p[kMu2] = p[kMu1];
+    if (!given[kSpeedFloor]) p[kSpeedFloor] = S(1e-6) * characteristic_speed(p);
+  }
+
+  static Scales scales(const double* p) { return plate_scales(p[kSemiChord], characteristic_speed(p)); }
+};
+
+}  // namespace
+
+std::shared_ptr<const Model> falling_plate() {
+  return std::make_shared<LawModel<FallingPlate>>();
+}
+
+}  // namespace samara::models::laws

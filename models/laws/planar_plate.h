@@ -1,0 +1,147 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "samara/models/law_model.h"
+
+/// What the plates moving in a vertical plane have in common: their states, and the quasi-steady forces of
+/// A. Andersen, U. Pesavento, Z. J. Wang, Unsteady aerodynamics of fluttering and tumbling plates, J. Fluid
+/// Mech. 541 (2005) 65-90.
+///
+/// Body axes: x' along the chord, y' along the normal, theta the angle of x' above the horizontal. Everything
+/// is per unit span; a law may as well put in dimensionless numbers.
+namespace samara::models::laws {
+
+enum PlanarState { kVx, kVy, kOmega, kTheta, kX, kY, kPlanarStates };
+
+/// The terms of the plates, in the order of planar_force_terms().
+enum PlanarTerm { kInertia, kTranslationalLift, kRotationalLift, kDrag, kDissipation, kWeight, kPlanarTerms };
+
+/// Force along x' and y' [N/m] and torque about a point said elsewhere [N].
+template <class S>
+struct PlanarForce {
+  S x = S(0.0);
+  S y = S(0.0);
+  S torque = S(0.0);
+};
+
+template <class S>
+using PlanarForces = std::array<PlanarForce<S>, kPlanarTerms>;  ///< by PlanarTerm
+
+/// Velocity of the plate's centre in body axes, and its rotation rate.
+template <class S>
+struct PlanarMotion {
+  S vx, vy, w;
+};
+
+/// The coefficients of the terms that the flow makes, at the plate's centre.
+template <class S>
+struct PlanarFlow {
+  S lift_T;  ///< translational lift, lift_T vx vy/v (vy, -vx)
+  S lift_R;  ///< rotational lift, lift_R w (-vy, vx)
+  S drag_A;  ///< drag, -(drag_A - drag_B (vx^2 - vy^2)/v^2) v (vx, vy)
+  S drag_B;
+  S damping;  ///< dissipation, -(damping + damping_abs |w|) w
+  S damping_abs;
+  S speed_floor;  ///< v = sqrt(vx^2 + vy^2 + speed_floor^2)
+};
+
+/// Lifts, drag and dissipation; leaves inertia and weight at zero.
+template <class S>
+PlanarForces<S> flow_forces(const PlanarFlow<S>& flow, const PlanarMotion<S>& at) {
+  using std::abs;
+  using std::sqrt;
+  const S vx2 = at.vx * at.vx;
+  const S vy2 = at.vy * at.vy;
+  const S v2 = vx2 + vy2 + flow.speed_floor * flow.speed_floor;
+  const S v = sqrt(v2);
+  const S translational = flow.lift_T * at.vx * at.vy / v;
+  const S rotational = flow.lift_R * at.w;
+  const S drag = (flow.drag_A * v2 - flow.drag_B * (vx2 - vy2)) / v;
+  PlanarForces<S> terms;
+  terms[kTranslationalLift] = {translational * at.vy, -translational * at.vx};
+  terms[kRotationalLift] = {-rotational * at.vy, rotational * at.vx};
+  terms[kDrag] = {-drag * at.vx, -drag * at.vy};
+  terms[kDissipation].torque = -(flow.damping + flow.damping_abs * abs(at.w)) * at.w;
+  return terms;
+}
+
+/// Sum of all terms.
+template <class S, std::size_t n>
+PlanarForce<S> total(const std::array<PlanarForce<S>, n>& terms) {
+  PlanarForce<S> sum = terms[0];
+  for (std::size_t k = 1; k < terms.size(); ++k) {
+    sum.x = sum.x + terms[k].x;
+    sum.y = sum.y + terms[k].y;
+    sum.torque = sum.torque + terms[k].torque;
+  }
+  return sum;
+}
+
+/// As wrenches about the point that moves with (vx, vy, w), which is where the torques must be about.
+template <class S, std::size_t n>
+void to_wrenches(const std::array<PlanarForce<S>, n>& terms, const PlanarMotion<S>& at,
+                 LawWrench<S>* wrenches) {
+  for (std::size_t k = 0; k < terms.size(); ++k) {
+    wrenches[k].force[0] = terms[k].x;
+    wrenches[k].force[1] = terms[k].y;
+    wrenches[k].torque[2] = terms[k].torque;
+    wrenches[k].power = terms[k].x * at.vx + terms[k].y * at.vy + terms[k].torque * at.w;
+  }
+}
+
+/// Attitude and path: theta' = w, and the velocity turned into the world.
+template <class S>
+void planar_kinematics(const S* x, S* dxdt) {
+  using std::cos;
+  using std::sin;
+  const S s = sin(x[kTheta]);
+  const S c = cos(x[kTheta]);
+  dxdt[kTheta] = x[kOmega];
+  dxdt[kX] = x[kVx] * c - x[kVy] * s;
+  dxdt[kY] = x[kVx] * s + x[kVy] * c;
+}
+
+/// An elliptic plate about its centre, which is its centre of mass: what is left besides the flow.
+template <class S>
+struct EllipticPlate {
+  S mass_x;   ///< of body and fluid, along x'
+  S mass_y;   ///< along y'
+  S inertia;  ///< about the centre
+  S weight;   ///< less buoyancy
+  PlanarFlow<S> flow;
+
+  PlanarForces<S> forces(const S* x) const {
+    using std::cos;
+    using std::sin;
+    const S& vx = x[kVx];
+    const S& vy = x[kVy];
+    const S& w = x[kOmega];
+    PlanarForces<S> terms = flow_forces(flow, {vx, vy, w});
+    terms[kInertia] = {mass_y * w * vy, -mass_x * w * vx, (mass_x - mass_y) * vx * vy};
+    terms[kWeight] = {-weight * sin(x[kTheta]), -weight * cos(x[kTheta])};
+    return terms;
+  }
+
+  void rhs(const S* x, S* dxdt) const {
+    const PlanarForce<S> sum = total(forces(x));
+    dxdt[kVx] = sum.x / mass_x;
+    dxdt[kVy] = sum.y / mass_y;
+    dxdt[kOmega] = sum.torque / inertia;
+    planar_kinematics(x, dxdt);
+  }
+
+  S kinetic_energy(const S* x) const {
+    return S(0.5) * (mass_x * x[kVx] * x[kVx] + mass_y * x[kVy] * x[kVy] + inertia * x[kOmega] * x[kOmega]);
+  }
+};
+
+/// The words of planar laws: terms in the order of PlanarTerm, states in that of PlanarState.
+std::vector<ForceTermInfo> planar_force_terms();
+/// In SI units, at rest with theta = 0.4 rad.
+std::vector<StateInfo> planar_states();
+/// Length, time length/speed and speed of a plate, for speeds that may be zero.
+Scales plate_scales(double length, double speed);
+
+}  // namespace samara::models::laws
