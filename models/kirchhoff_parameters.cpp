@@ -1,5 +1,7 @@
 #include "samara/models/kirchhoff_parameters.h"
 
+#include <cmath>
+
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 

@@ -20,24 +20,35 @@ Parameters body_parameters() {
 }
 
 Parameters inertia_parameters() {
-  const char* body = "solid ellipsoid of that mass";
-  const char* mass = "4/3 pi fluid_density a b c times A/(2 - A), B/(2 - B), C/(2 - C)";
-  const char* inertia = "added inertia of an ellipsoid, dissertation (5.11) corrected";
+  const char* mass = "that of an ellipsoid, 4/3 pi fluid_density a b c A/(2 - A) and so on";
+  const char* inertia = "that of an ellipsoid, dissertation (5.11) corrected";
   return {
       derived("mass", "kg", "4/3 pi density a b c", "mass of the body", false),
       derived("displaced_mass", "kg", "4/3 pi fluid_density a b c", "mass of the displaced fluid", true),
-      derived("I_x", "kg m^2", body, "moment of inertia about body x through the centre of mass", false),
-      derived("I_y", "kg m^2", body, "moment of inertia about body y through the centre of mass", false),
-      derived("I_z", "kg m^2", body, "moment of inertia about body z through the centre of mass", false),
+      derived("I_x", "kg m^2", "mass (b^2 + c^2)/5",
+              "moment of inertia about body x through the centre of mass", false),
+      derived("I_y", "kg m^2", "mass (a^2 + c^2)/5",
+              "moment of inertia about body y through the centre of mass", false),
+      derived("I_z", "kg m^2", "mass (a^2 + b^2)/5",
+              "moment of inertia about body z through the centre of mass", false),
       derived("M_x", "kg", mass, "added mass along body x", true),
       derived("M_y", "kg", mass, "added mass along body y", true),
       derived("M_z", "kg", mass, "added mass along body z", true),
       derived("J_x", "kg m^2", inertia, "added moment of inertia about body x", true),
       derived("J_y", "kg m^2", inertia, "added moment of inertia about body y", true),
       derived("J_z", "kg m^2", inertia, "added moment of inertia about body z", true),
-      {.name = "r_bx", .unit = "m", .default_value = 0.0, .description = "centre of buoyancy, body x"},
-      {.name = "r_by", .unit = "m", .default_value = 0.0, .description = "centre of buoyancy, body y"},
-      {.name = "r_bz", .unit = "m", .default_value = 0.0, .description = "centre of buoyancy, body z"},
+      {.name = "r_bx",
+       .unit = "m",
+       .default_value = 0.0,
+       .description = "centre of buoyancy from the centre of mass, body x"},
+      {.name = "r_by",
+       .unit = "m",
+       .default_value = 0.0,
+       .description = "centre of buoyancy from the centre of mass, body y"},
+      {.name = "r_bz",
+       .unit = "m",
+       .default_value = 0.0,
+       .description = "centre of buoyancy from the centre of mass, body z"},
   };
 }
 
