@@ -9,7 +9,7 @@ import platform
 import subprocess
 import sys
 
-NAMES = ["first_walk", "linear_engine"]
+NAMES = ["first_walk", "linear_engine", "models"]
 
 
 def run(program, arguments):
