@@ -161,7 +161,7 @@ class LawModel final : public Model {
   }
 
   /// The law with all that it calls in one function: a third less time for a body.
-  [[gnu::flatten]] void rate(double t, const double* x, const double* p, double* dxdt) const {
+  SAMARA_FLAT void rate(double t, const double* x, const double* p, double* dxdt) const {
     law_.template rhs<double>(t, x, p, dxdt);
   }
 

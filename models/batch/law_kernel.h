@@ -9,6 +9,14 @@
 #include "samara/models/batch/dual.h"
 #include "samara/models/batch/step_kernel.h"
 
+/// Marks a function to be compiled with all that it calls in one piece; not with sanitizers, whose checks
+/// would make minutes of it.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SAMARA_FLAT
+#else
+#define SAMARA_FLAT [[gnu::flatten]]
+#endif
+
 /// The step kernels of a law: the template that law_model.h instantiates for each of them. The instruction
 /// set is that of the compiler flags of the source file of the law.
 namespace samara::models {
@@ -120,8 +128,8 @@ class LawKernel final : public StepKernel {
   }
 
   /// Flat: calls would pass packs through memory, at twice the cost.
-  [[gnu::flatten]] void advance(const double* t, double h, long steps, double* x_lanes,
-                                const double* p_lanes) const override {
+  SAMARA_FLAT void advance(const double* t, double h, long steps, double* x_lanes,
+                           const double* p_lanes) const override {
     // Local copies: the compiler sees that nothing else changes them, and moves what depends on the
     // parameters alone out of the loop.
     std::array<S, kStates> x = load<kStates>(x_lanes);
