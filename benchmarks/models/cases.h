@@ -8,5 +8,8 @@ namespace samara::benchmarks {
 inline constexpr const char* kModels = "models";
 
 void run_panels(const Options& options);
+void run_steps(const Options& options);
+void run_sweep(const Options& options);
+void run_invariants(const Options& options);
 
 }  // namespace samara::benchmarks

@@ -1,4 +1,4 @@
-/// Bodies and their models: how exact, and what they cost.
+/// Bodies, their models and the integrators: how exact, what a step costs, alone and in batches.
 #include <exception>
 #include <iostream>
 
@@ -9,6 +9,9 @@ int main(int argc, char** argv) {
   try {
     const Options chosen = options(argc, argv);
     run_panels(chosen);
+    run_steps(chosen);
+    run_sweep(chosen);
+    run_invariants(chosen);
   } catch (const std::exception& error) {
     std::cerr << "models: " << error.what() << '\n';
     return 1;
