@@ -130,6 +130,7 @@ int run(const SimulateArguments& arguments) {
   for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;
   for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
   const models::ParametricModel parametric(model, parse_assignments(arguments.set, units), {});
+  warn_of_units(*model, parametric.fixed());
   const double end = number_or_quantity("--until", arguments.until, models::time_unit(info));
   if (!(end > 0.0)) throw ArgumentError(fmt::format("--until is {}, expected more than 0", arguments.until));
   if (arguments.frames < 2 || arguments.frames > 10000000) {

@@ -49,13 +49,17 @@ struct Statistics {
   double flips = 0.0, drift = 0.0, speed = 0.0;
 };
 
-Statistics sweep(const ParametricModel& card, const Eigen::MatrixXd& points, double step) {
+std::vector<Fall> sweep(const ParametricModel& card, const Eigen::MatrixXd& points, double step) {
   std::vector<Fall> falls(static_cast<std::size_t>(points.rows()));
   watch_batch(card, points,
               [&](Eigen::Index n, double t, std::span<const double> state) {
                 return falls[static_cast<std::size_t>(n)].see(t, state);
               },
               {.step = step, .interval = 4e-3, .end = 60.0});
+  return falls;
+}
+
+Statistics means(const std::vector<Fall>& falls) {
   Statistics mean;
   for (const Fall& fall : falls) {
     const double share = 1.0 / static_cast<double>(falls.size());
@@ -64,6 +68,19 @@ Statistics sweep(const ParametricModel& card, const Eigen::MatrixXd& points, dou
     mean.speed += share * kHeight / fall.time;
   }
   return mean;
+}
+
+/// Standard error of the difference of two mean drifts: falls that tumble in chaos part at any change of the
+/// step, so that the means differ by about this whatever the step.
+double drift_scatter(const std::vector<Fall>& a, const std::vector<Fall>& b) {
+  const double count = static_cast<double>(a.size());
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t n = 0; n < a.size(); ++n) {
+    const double difference = a[n].drift - b[n].drift;
+    sum += difference;
+    squares += difference * difference;
+  }
+  return std::sqrt((squares / count - sum * sum / (count * count)) / count);
 }
 
 }  // namespace
@@ -76,14 +93,17 @@ void run_sweep(const Options& options) {
   const ParametricModel card = oblique_card();
   const Eigen::MatrixXd points = coefficient_grid();
   const double time = time_of([&] { sweep(card, points, kStep); }, options.quick ? 1 : 5);
-  const Statistics here = sweep(card, points, kStep);
-  const Statistics finer = sweep(card, points, 0.5 * kStep);
+  const std::vector<Fall> falls = sweep(card, points, kStep);
+  const std::vector<Fall> finer_falls = sweep(card, points, 0.5 * kStep);
+  const Statistics here = means(falls);
+  const Statistics finer = means(finer_falls);
   const auto change = [](double a, double b) { return std::abs(a / b - 1.0); };
   print({kModels, kName, "time", time, "s", "the source's sweep", kSource / time});
   print({kModels, kName, "statistics_change",
          std::max({change(here.flips, finer.flips), change(here.drift, finer.drift),
                    change(here.speed, finer.speed)}),
          "1"});
+  print({kModels, kName, "drift_scatter", drift_scatter(falls, finer_falls) / finer.drift, "1"});
   print({kModels, kName, "mean_flips", here.flips, "1"});
   print({kModels, kName, "mean_drift", here.drift, "m"});
   print({kModels, kName, "mean_speed", here.speed, "m/s"});

@@ -158,6 +158,14 @@ class Answers(Case):
         for t, u in rows[1:]:
             self.assertAlmostEqual(float(u), -speed * math.tanh(9.81 * float(t) / speed), delta=1e-8)
 
+    def test_a_density_that_looks_like_grams_per_cubic_centimetre_is_warned_of(self):
+        call = ["simulate", "vertical_fall", "--set", "C_D=1.2", "--set", "area=4.7e-4", "--set", "thickness=2.5e-3",
+                "--until", "0.1"]
+        result = run(*call, "--set", "density=6.3")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("warning: the solid has a density of 6.3 kg/m^3", result.stderr)
+        self.assertEqual(run(*call, "--set", "density=6.3 g/cm^3").stderr, "")
+
     def test_values_may_carry_units(self):
         arguments = ["simulate", "vertical_fall", "--set", "C_D=1", "--set", "density=6.3 g/cm^3", "--set", "area=4.7 cm^2",
                      "--set", "thickness=2.5 mm", "--until", "100 ms", "--frames", "2"]
