@@ -14,7 +14,7 @@ constexpr double kLongest = 10.0;
 
 std::vector<std::string> density_warnings(double solid, double fluid) {
   std::vector<std::string> warnings;
-  if (solid < 20.0) {
+  if (solid > 0.0 && solid < 20.0) {
     warnings.push_back(
         fmt::format("the solid has a density of {:g} kg/m^3: this looks like g/cm^3; {:g} kg/m^3?", solid,
                     1000.0 * solid));
@@ -22,7 +22,7 @@ std::vector<std::string> density_warnings(double solid, double fluid) {
   if (fluid > 5.0 && fluid < 500.0) {
     warnings.push_back(
         fmt::format("the fluid has a density of {:g} kg/m^3, between those of gases and liquids", fluid));
-  } else if (fluid < 0.05 || fluid > 2e4) {
+  } else if ((fluid > 0.0 && fluid < 0.05) || fluid > 2e4) {
     warnings.push_back(fmt::format("the fluid has a density of {:g} kg/m^3; air has 1.2, water 998", fluid));
   }
   return warnings;

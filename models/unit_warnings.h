@@ -10,7 +10,7 @@
 namespace samara::models {
 
 /// Densities [kg/m^3] of a solid and of the fluid around it: solids below 20, fluids between 5 and 500 or
-/// below 0.05 or above 2e4. One sentence each.
+/// below 0.05 or above 2e4. One sentence each. Values that are not positive are errors elsewhere.
 std::vector<std::string> density_warnings(double solid, double fluid);
 
 /// The same for values given to a model's parameters, by their names and units: `density` and `fluid_density`
