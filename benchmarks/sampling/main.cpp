@@ -10,6 +10,7 @@ int main(int argc, char** argv) {
     const Options chosen = options(argc, argv);
     run_functions(chosen);
     run_guard(chosen);
+    run_lorenz(chosen);
   } catch (const std::exception& error) {
     std::cerr << "sampling: " << error.what() << '\n';
     return 1;
