@@ -29,8 +29,9 @@ std::string SampledFunction::described(const Eigen::VectorXd& point) const {
   std::string text;
   for (std::size_t k = 0; k < coordinates_.size(); ++k) {
     const Axis::Label& label = coordinates_[k].label;
-    text += fmt::format("{}{} = {:.9g} {}", k == 0 ? "" : ", ", label.name,
-                        point[static_cast<Eigen::Index>(k)], label.unit);
+    text +=
+        fmt::format("{}{} = {:.9g}{}{}", k == 0 ? "" : ", ", label.name, point[static_cast<Eigen::Index>(k)],
+                    label.unit == "1" ? "" : " ", label.unit == "1" ? "" : label.unit);
   }
   return text;
 }
@@ -39,8 +40,10 @@ Eigen::VectorXd SampledFunction::scale() const {
   Eigen::VectorXd scale = range();
   for (Eigen::Index m = 0; m < scale.size(); ++m) {
     const double size = std::max(std::abs(smallest_[m]), std::abs(largest_[m]));
-    // Below this a range is the rounding of a constant.
-    if (!(scale[m] > 1e-10 * size)) scale[m] = size > 0.0 ? size : 1.0;
+    // Below this a range is the rounding of a constant. Above it a tolerance that rounding does not allow is
+    // missed, and said to be.
+    constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
+    if (!(scale[m] > kRounding * size)) scale[m] = size > 0.0 ? size : 1.0;
     if (options_.absolute.size() > 0) scale[m] = std::max(scale[m], options_.absolute[m]);
   }
   return scale;
@@ -57,7 +60,7 @@ void SampledFunction::check_limits(Eigen::Index more) {
                           fmt::format("the {} s allowed are used up", options_.max_seconds)};
   }
   if (options_.progress && !options_.progress({"sampling", fraction_})) {
-    throw SamplingStopped{SamplingStatus::cancelled, "cancelled"};
+    throw SamplingStopped{SamplingStatus::cancelled, "the build was cancelled"};
   }
 }
 

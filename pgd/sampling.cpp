@@ -28,7 +28,8 @@ constexpr int kGuardPivots = 2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void validate(const std::vector<SampledCoordinate>& coordinates, const std::vector<OutputLabel>& outputs,
-              const SamplingOptions& o) {
+              const PointsFunction& function, const SamplingOptions& o) {
+  if (!function) throw ArgumentError("sampling of no function: an empty one was given");
   if (coordinates.empty() || outputs.empty()) {
     throw ArgumentError(
         fmt::format("sampling of {} coordinates and {} outputs, expected at least one of each",
@@ -36,7 +37,7 @@ void validate(const std::vector<SampledCoordinate>& coordinates, const std::vect
   }
   std::set<std::string> names;
   for (const SampledCoordinate& c : coordinates) {
-    if (!(std::isfinite(c.lower) && std::isfinite(c.upper) && c.lower < c.upper)) {
+    if (!(std::isfinite(c.upper - c.lower) && c.lower < c.upper)) {
       throw ArgumentError(
           fmt::format("{} goes from {} to {}, expected an interval", c.label.name, c.lower, c.upper));
     }
@@ -57,17 +58,19 @@ void validate(const std::vector<SampledCoordinate>& coordinates, const std::vect
   require(o.max_seconds >= 0.0, "max_seconds", o.max_seconds, "at least 0");
   require(o.max_rank >= 1, "max_rank", o.max_rank, "at least 1");
   require(o.max_nodes >= kFirstNodes && o.max_nodes <= kMostLejaPoints, "max_nodes", o.max_nodes, "3 to 128");
-  require(o.guard_points >= 1, "guard_points", o.guard_points, "at least 1");
-  require(o.check_points >= 1, "check_points", o.check_points, "at least 1");
+  require(o.guard_points >= 10, "guard_points", o.guard_points, "at least 10");
+  require(o.check_points >= 50, "check_points", o.check_points, "at least 50");
   const auto rows = static_cast<Eigen::Index>(coordinates.size());
   if (o.start.size() > 0 && (o.start.rows() != rows || !o.start.allFinite())) {
     throw ArgumentError(fmt::format("SamplingOptions::start has {} coordinates, expected {} finite ones",
                                     o.start.rows(), rows));
   }
   const auto count = static_cast<Eigen::Index>(outputs.size());
-  if (o.absolute.size() > 0 && (o.absolute.size() != count || !(o.absolute.array() >= 0.0).all())) {
-    throw ArgumentError(fmt::format("SamplingOptions::absolute has {} entries, expected {} of at least 0",
-                                    o.absolute.size(), count));
+  const bool floors = o.absolute.allFinite() && (o.absolute.array() >= 0.0).all();
+  if (o.absolute.size() > 0 && (o.absolute.size() != count || !floors)) {
+    throw ArgumentError(
+        fmt::format("SamplingOptions::absolute has {} entries, expected {} finite ones of at least 0",
+                    o.absolute.size(), count));
   }
 }
 
@@ -145,16 +148,27 @@ class Sampling {
   void keep_if_best(const TrainField& field, const PointErrors& errors) {
     result_.history.push_back({function_.calls(), errors.worst(), cross_->ranks(), cross_->nodes()});
     function_.report(std::clamp(std::log(errors.worst()) / std::log(options_.tolerance), 0.0, 1.0));
-    if (result_.field && !(errors.worst() < result_.error)) return;
+    // The field kept before is measured at the points that came since, too.
+    if (result_.field) {
+      const PointErrors of_kept = check_.errors(*result_.field, check_.count());
+      if (!(errors.worst() < of_kept.worst())) {
+        measure(of_kept);
+        return;
+      }
+    }
     keep(field, errors);
   }
 
   void keep(const TrainField& field, const PointErrors& errors) {
     result_.field = field;
+    measure(errors);
+    calls_of_best_ = function_.calls();
+  }
+
+  void measure(const PointErrors& errors) {
     result_.error = errors.worst();
     result_.root_mean_square_error = errors.root_mean_square;
     result_.points_checked = static_cast<int>(errors.largest.size());
-    calls_of_best_ = function_.calls();
   }
 
   bool holds_at_fresh_points(const TrainField& field, const TrainField& other) {
@@ -272,9 +286,11 @@ class Sampling {
     if (result_.status == SamplingStatus::met) {
       result_.message += fmt::format(", with {} calls", result_.calls);
     } else if (result_.field) {
+      const bool small = result_.error <= options_.tolerance;
       result_.message +=
-          fmt::format("; the best after {} calls errs by {:.3g} > {:.3g} at {} points of the guard",
-                      result_.calls, result_.error, options_.tolerance, result_.points_checked);
+          fmt::format("; the best after {} calls errs by {:.3g} at {} points, {} {:.3g}{}", result_.calls,
+                      result_.error, result_.points_checked, small ? "within" : "more than",
+                      options_.tolerance, small ? " but unchecked at fresh ones" : "");
     }
   }
 
@@ -304,7 +320,7 @@ class Sampling {
 SamplingResult sample(const std::vector<SampledCoordinate>& coordinates,
                       const std::vector<OutputLabel>& outputs, const PointsFunction& function,
                       const SamplingOptions& options) {
-  validate(coordinates, outputs, options);
+  validate(coordinates, outputs, function, options);
   return Sampling(coordinates, outputs, function, options).run();
 }
 

@@ -56,7 +56,8 @@ struct SampledCoordinate {
 using PointsFunction = std::function<void(const Eigen::MatrixXd& points, Eigen::MatrixXd& values)>;
 
 struct SamplingOptions {
-  /// Largest error of an output at a check point, over the range of that output's values seen.
+  /// Largest error of an output at a check point, over the range of that output's values seen (over its size
+  /// where the range is the rounding of a constant).
   double tolerance = 1e-4;
   /// Floor per output for the range it is divided by, in the output's unit; empty: none.
   Eigen::VectorXd absolute = {};
@@ -108,8 +109,9 @@ struct SamplingResult {
   bool tolerance_met() const { return status == SamplingStatus::met; }
 };
 
-/// @throws ArgumentError if there is no coordinate or output, an interval is empty or not finite, names
-/// repeat, or an option is out of range. What the function throws does not pass: see SamplingStatus::failed.
+/// @throws ArgumentError if there is no function, coordinate or output, an interval is empty or not finite,
+/// names repeat, or an option is out of range. What the function throws does not pass: see
+/// SamplingStatus::failed; what the progress callback throws does.
 SamplingResult sample(const std::vector<SampledCoordinate>& coordinates,
                       const std::vector<OutputLabel>& outputs, const PointsFunction& function,
                       const SamplingOptions& options = {});

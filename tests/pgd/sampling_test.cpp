@@ -128,6 +128,32 @@ TEST_CASE("a constant, a zero and a function of one coordinate take few calls an
   for (int k = 0; k < 6; ++k) CHECK((one.field->axes()[static_cast<std::size_t>(k)].size() > 3) == (k == 2));
 }
 
+TEST_CASE("a small range on a large offset is resolved, and where rounding does not allow it, missed") {
+  for (const double amplitude : {1e-4, 1e-8}) {
+    const auto f = [amplitude](std::span<const double> x) {
+      return 1e6 + amplitude * std::sin(3.0 * x[0] * x[1] + x[2]);
+    };
+    const SamplingResult result =
+        sample(unit_box(3), {{"f"}}, one_output(f), {.tolerance = 1e-4, .max_calls = 3000});
+    // Doubles of 1e6 lie 1.2e-10 apart: 1e-6 of the first range, 1e-2 of the second.
+    CHECK(result.tolerance_met() == (amplitude == 1e-4));
+    if (result.tolerance_met()) CHECK(independent_error(result, f) < 3e-4);
+  }
+}
+
+TEST_CASE("the error of the field that is kept is measured at all points that were called") {
+  // A spike that some later point meets: what was kept before cannot go on claiming a small error.
+  const Scalar f = [](std::span<const double> x) {
+    return x[0] * x[1] + std::exp(-(std::pow(x[0] - 0.6123, 2) + std::pow(x[1] - 0.237, 2)) / 9e-4);
+  };
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const SamplingResult result =
+        sample(unit_box(2), {{"f"}}, one_output(f), {.tolerance = 1e-4, .max_calls = 4000, .seed = seed});
+    if (result.tolerance_met() || result.range[0] < 1.2) continue;  // it was not seen
+    CHECK(result.error > 0.1 * independent_error(result, f));
+  }
+}
+
 TEST_CASE("all outputs come from the same calls, each to the tolerance of its own range") {
   long calls = 0;
   const PointsFunction f = [&](const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
@@ -264,6 +290,11 @@ TEST_CASE("calls that make no sense are refused by name") {
   CHECK_THROWS_WITH(sample(unit_box(1), {{"f"}}, f, {.tolerance = 0.0}), Contains("tolerance is 0"));
   CHECK_THROWS_WITH(sample(unit_box(1), {{"f"}}, f, {.max_calls = 0}), Contains("max_calls is 0"));
   CHECK_THROWS_WITH(sample(unit_box(1), {{"f"}}, f, {.max_nodes = 2}), Contains("max_nodes is 2"));
+  CHECK_THROWS_WITH(sample(unit_box(1), {{"f"}}, f, {.check_points = 1}), Contains("check_points is 1"));
+  CHECK_THROWS_WITH(sample(unit_box(1), {{"f"}}, {}), Contains("no function"));
+  CHECK_THROWS_WITH(sample({{{"a"}, -1.7e308, 1.7e308}}, {{"f"}}, f), Contains("a goes from"));
+  const Eigen::VectorXd infinite = Eigen::VectorXd::Constant(1, INFINITY);
+  CHECK_THROWS_WITH(sample(unit_box(1), {{"f"}}, f, {.absolute = infinite}), Contains("absolute"));
   CHECK_THROWS_WITH(sample(unit_box(2), {{"f"}}, f, {.start = Eigen::MatrixXd::Zero(3, 1)}),
                     Contains("start has 3 coordinates"));
   SampledCoordinate wrong = {{"a", "1", AxisRole::parameter, Transform::logarithm}, -1.0, 1.0};
