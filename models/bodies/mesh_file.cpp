@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <unordered_map>
 #include <vector>
 
@@ -38,11 +40,45 @@ void require_ending(const std::string& path) {
   }
 }
 
+/// A header that claims more elements than the file has bytes would be believed, and memory taken for it.
+void require_plausible_counts(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::uintmax_t bytes = std::filesystem::file_size(path);
+  std::string line, word;
+  while (std::getline(file, line) && !line.starts_with("end_header")) {
+    std::istringstream words(line);
+    std::string name;
+    std::uintmax_t count = 0;
+    if (!(words >> word >> name >> count) || word != "element" || count <= bytes) continue;
+    throw InputError(
+        path, fmt::format("the header claims {} {} elements; the file has {} bytes", count, name, bytes));
+  }
+}
+
+/// Later steps trust the indices.
+void require_indices(const std::string& path, const aiScene& scene) {
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[m];
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      for (unsigned k = 0; k < mesh.mFaces[i].mNumIndices; ++k) {
+        if (mesh.mFaces[i].mIndices[k] < mesh.mNumVertices) continue;
+        throw InputError(path, fmt::format("face {} names corner {} of {}", i, mesh.mFaces[i].mIndices[k],
+                                           mesh.mNumVertices));
+      }
+    }
+  }
+}
+
 Soup import(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path, "there is no such file");
+  if (std::filesystem::path(path).extension() != ".stl") require_plausible_counts(path);
   Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate | aiProcess_PreTransformVertices);
+  const aiScene* scene = importer.ReadFile(path, 0);
+  if (scene != nullptr) {
+    require_indices(path, *scene);
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices);
+  }
   if (scene == nullptr)
     throw InputError(path, fmt::format("no mesh can be read: {}", importer.GetErrorString()));
   Soup soup;
@@ -118,15 +154,23 @@ class CornerMerger {
   std::unordered_map<std::uint64_t, std::vector<int>> cells_;
 };
 
+/// Corners that no triangle names are left out: they would count for the size.
 TriangleMesh merged(const Soup& soup, double metres_per_unit, double merge_tolerance) {
-  Vector3d low = soup.vertices.front(), high = low;
-  for (const Vector3d& p : soup.vertices) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
+  std::vector<char> is_named(soup.vertices.size(), 0);
+  for (const Vector3i& t : soup.triangles) {
+    for (const int corner : t) is_named[static_cast<std::size_t>(corner)] = 1;
+  }
+  Vector3d low = soup.vertices[static_cast<std::size_t>(soup.triangles.front()[0])], high = low;
+  for (std::size_t i = 0; i < soup.vertices.size(); ++i) {
+    if (!is_named[i]) continue;
+    low = low.cwiseMin(soup.vertices[i]);
+    high = high.cwiseMax(soup.vertices[i]);
   }
   CornerMerger merger(low, merge_tolerance * (high - low).norm());
-  std::vector<int> number;
-  for (const Vector3d& p : soup.vertices) number.push_back(merger.number_of(p));
+  std::vector<int> number(soup.vertices.size(), -1);
+  for (std::size_t i = 0; i < soup.vertices.size(); ++i) {
+    if (is_named[i]) number[i] = merger.number_of(soup.vertices[i]);
+  }
   std::vector<Vector3i> triangles;
   for (const Vector3i& t : soup.triangles) {
     Vector3i corners;

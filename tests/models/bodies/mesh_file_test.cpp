@@ -1,5 +1,6 @@
 #include "samara/models/bodies/mesh_file.h"
 
+#include <array>
 #include <cstdint>
 #include <fstream>
 #include <string>
@@ -127,6 +128,49 @@ TEST_CASE("mesh files that hold no closed surface are refused with file and plac
   MeshFileOptions options;
   options.turn_outward = true;
   CHECK(enclosed_volume(read_mesh(inverted, 1.0, options)) > 0.0);
+}
+
+TEST_CASE("files whose indices or counts lead out of them are refused before anything trusts them") {
+  const Files files;
+  const auto error_of = [&](const std::string& name, const std::string& text) {
+    const std::string path = files.write(name, text);
+    try {
+      read_mesh(path, 1.0);
+    } catch (const samara::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  std::string text = ply_text(icosahedral_ellipsoid_mesh({1.0, 1.0, 1.0}, 1));
+  CHECK(error_of("good.ply", text) == "no error");
+  std::string claim = text;
+  claim.replace(claim.find("element face 20"), 15, "element face 90000000");
+  CHECK_THAT(error_of("claim.ply", claim), Contains("claims 90000000 face elements"));
+  std::string beyond = text;
+  beyond.replace(beyond.rfind("\n3 ") + 3, 1, "99");
+  CHECK_THAT(error_of("beyond.ply", beyond), Contains("names corner 99"));
+  // A binary file cut within its last face: what stands there instead is no index.
+  std::string binary =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty "
+      "float z\n"
+      "element face 4\nproperty list uchar int vertex_indices\nend_header\n";
+  const auto put = [&](auto value) { binary.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  for (const float x : {0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f}) put(x);
+  for (const auto& t : {std::array{0, 2, 1}, std::array{0, 1, 3}, std::array{0, 3, 2}, std::array{1, 2, 3}}) {
+    put(std::uint8_t{3});
+    for (const std::int32_t corner : t) put(corner);
+  }
+  CHECK(error_of("whole.ply", binary) == "no error");
+  for (const std::size_t cut : {5U, 20U, 60U}) {
+    CHECK(error_of("cut.ply", binary.substr(0, binary.size() - cut)) != "no error");
+  }
+}
+
+TEST_CASE("corners that no triangle names do not count") {
+  const Files files;
+  const TriangleMesh mesh = icosahedral_ellipsoid_mesh({1.0, 1.0, 1.0}, 1);
+  std::string text = obj_text(mesh) + "v 1e6 0 0\n";
+  CHECK(read_mesh(files.write("stray.obj", text), 1.0).vertices.cols() == mesh.vertices.cols());
 }
 
 TEST_CASE("missing, empty, foreign and broken mesh files are refused with their name") {
