@@ -11,8 +11,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
+#include <exception>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "samara/models/parametric_model.h"
@@ -104,15 +105,19 @@ const char* motion(const Fall& fall) {
 
 }  // namespace
 
-int main(int count, char** texts) {
+int main(int count, char** texts) try {
   std::vector<double> ratios = {0.5,  0.8, 1.0, 1.1, 1.2, 1.25, 1.3, 1.35, 1.4,
                                 1.45, 1.5, 1.6, 1.7, 2.0, 2.5,  3.0, 4.0};
   if (count > 1) ratios.clear();
-  for (int k = 1; k < count; ++k) ratios.push_back(std::atof(texts[k]));
+  for (int k = 1; k < count; ++k) ratios.push_back(std::stod(texts[k]));
   std::printf("   I*  motion      <vx>    <vy>   range  period  turns/100  exponent\n");
   for (const double ratio : ratios) {
     const Fall fall = measured(ratio);
     std::printf("%5.2f  %-8s  %6.3f  %6.3f  %6.2f  %6.2f  %9.2f  %8.3f\n", ratio, motion(fall), fall.vx,
                 fall.vy, fall.range, fall.period, fall.turns, fall.exponent);
   }
+  return 0;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "planar_regimes: inertia ratios, positive numbers, were expected: %s\n", error.what());
+  return 2;
 }

@@ -3,6 +3,9 @@
 #include <array>
 #include <numbers>
 
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
 #include "samara/models/added_mass/ellipsoid_integrals.h"
 #include "samara/models/positive.h"
 
@@ -43,6 +46,12 @@ DiagonalAddedMass ellipsoid_added_mass(const Eigen::Vector3d& semi_axes, double 
   const double m_f = 4.0 / 3.0 * std::numbers::pi * fluid_density * semi_axes.prod();
   result.mass *= m_f;
   result.inertia *= m_f * length * length;
+  if (!result.mass.allFinite() || !result.inertia.allFinite()) {
+    throw ArgumentError(
+        fmt::format("ellipsoid_added_mass: semi-axes of {} x {} x {} m in a fluid of {} kg/m^3 "
+                    "leave the range of doubles",
+                    semi_axes[0], semi_axes[1], semi_axes[2], fluid_density));
+  }
   return result;
 }
 

@@ -32,7 +32,8 @@ Eigen::Vector3d ellipsoid_shape_integrals(const Eigen::Vector3d& semi_axes);
 
 /// Added mass of an ellipsoid with the given semi-axes [m] along x, y, z in a fluid of density
 /// `fluid_density` [kg/m^3].
-/// @throws ArgumentError if a semi-axis or the density is not a positive number.
+/// @throws ArgumentError if a semi-axis or the density is not a positive number, or if they are so far apart
+/// (a million million millions) that the result leaves the range of doubles.
 DiagonalAddedMass ellipsoid_added_mass(const Eigen::Vector3d& semi_axes, double fluid_density);
 
 }  // namespace samara::models

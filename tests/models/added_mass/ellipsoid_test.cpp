@@ -242,3 +242,10 @@ TEST_CASE("ellipsoids without extent and fluids without density are refused by n
   CHECK_THROWS_AS(ellipsoid_added_mass({1, 1, 1}, std::numeric_limits<double>::infinity()),
                   samara::ArgumentError);
 }
+
+TEST_CASE("axes that leave the range of doubles are refused, not answered with infinities") {
+  for (const Eigen::Vector3d& axes : {Eigen::Vector3d(1.0, 1.0, 1e-300), Eigen::Vector3d(1.0, 1e-150, 1e-300),
+                                      Eigen::Vector3d(1e160, 1.0, 1.0)}) {
+    CHECK_THROWS_WITH(samara::models::ellipsoid_added_mass(axes, 1.2), Catch::Contains("range of doubles"));
+  }
+}
