@@ -103,7 +103,7 @@ TEST_CASE("the solution of (6.18), u(0) + (rate/k - 1) t, is one term beyond rou
   INFO(result.message);
   CHECK(result.met);
   CHECK(result.book.certificate()->max_error <= 1e-10);
-  const samara::pgd::SeparatedField& field = result.book.pieces().front().groups.front();
+  const samara::pgd::SeparatedField& field = *result.book.pieces().front().groups.front().sum();
   const Eigen::VectorXd sizes = field.weights().cwiseAbs().row(0);
   const double largest = sizes.maxCoeff();
   CHECK((sizes.array() > 1e-14 * largest).count() == 1);
