@@ -21,8 +21,9 @@ namespace samara::codebooks {
 
 namespace {
 
-/// Evaluations the PGD engine may use in the trial of a plan of kind "auto".
-constexpr long kTrialEvaluations = 300'000;
+// What the trials of a plan of kind "auto" may use.
+constexpr long kTrialTrajectories = 5000;
+constexpr long kTrialEvaluations = 50'000;
 
 using Clock = std::chrono::steady_clock;
 
@@ -76,25 +77,37 @@ bool prescribes_axes(const Plan& plan) {
   });
 }
 
-/// The PGD engine, unless it does not get there within a trial: then sampling.
+/// `limit` or the plan's own, whichever is less.
+long at_most(const Plan& plan, long limit) {
+  return plan.builder.max_calls > 0 ? std::min(plan.builder.max_calls, limit) : limit;
+}
+
+Solution chosen(Solution solution, const std::string& reason) {
+  solution.record.message += fmt::format("; chosen because {}", reason);
+  return solution;
+}
+
+/// Kind "auto": sampling, whose cost is known before it is spent, has the first trial, the PGD engine the
+/// second. Both are counted, not timed, so that the choice is the same everywhere.
 Solution solve_by_trial(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
                         const ProgressCallback& progress, const bool& cancelled) {
-  const long most = plan.builder.max_calls;
   if (prescribes_axes(plan)) {
-    Solution solution = solve_by_pgd(plan, model, options, most, progress);
-    solution.record.message += "; chosen because the plan prescribes an axis";
-    return solution;
+    return chosen(solve_by_pgd(plan, model, options, plan.builder.max_calls, progress),
+                  "the plan prescribes an axis, and sampling chooses its own");
   }
-  Solution solution = solve_by_pgd(plan, model, options, kTrialEvaluations, progress);
-  if (solution.record.status == "converged" || cancelled) {
-    solution.record.message += "; chosen because it converged within its trial";
-    return solution;
-  }
-  const std::string trial = fmt::format("the PGD engine did not converge in a trial of {:.3g} evaluations",
-                                        solution.record.evaluations);
-  solution = solve_by_sampling(plan, model, progress);
-  solution.record.message += fmt::format("; chosen because {}", trial);
-  return solution;
+  Solution first = solve_by_sampling(plan, model, at_most(plan, kTrialTrajectories), progress);
+  const std::string& status = first.record.status;
+  if (status == "converged")
+    return chosen(std::move(first),
+                  fmt::format("it needed no more than the {} trajectories of its trial", kTrialTrajectories));
+  // Where there is no trajectory, no builder finds a solution.
+  if (cancelled || status == "failed" || status == "not_finite") return first;
+  Solution second = solve_by_pgd(plan, model, options, at_most(plan, kTrialEvaluations), progress);
+  const std::string failed = fmt::format("sampling did not converge ({})", status);
+  if (second.record.status == "converged") return chosen(std::move(second), failed);
+  const std::string neither = "neither builder converged in its trial, and the calls of sampling are bounded";
+  if (cancelled || status != "max_calls") return chosen(std::move(first), neither);
+  return chosen(solve_by_sampling(plan, model, at_most(plan, kMostTrajectories), progress), neither);
 }
 
 Solution solve(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
@@ -107,7 +120,7 @@ Solution solve(const Plan& plan, const models::ParametricModel& model, const Bui
         "build without --resume",
         options.checkpoint.string()));
   }
-  return solve_by_sampling(plan, model, progress);
+  return solve_by_sampling(plan, model, at_most(plan, kMostTrajectories), progress);
 }
 
 }  // namespace

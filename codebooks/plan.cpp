@@ -180,6 +180,11 @@ void read_builder(const TomlTable& root, Plan& plan) {
 /// Sampling finds nodes by itself, on Chebyshev axes.
 void check_builder_fits(const TomlTable& root, const Plan& plan) {
   if (plan.builder.kind != "sampling") return;
+  if (plan.builder.strategy != "auto") {
+    throw root.table("builder").error(
+        "strategy", fmt::format("is \"{}\", which is one of the builder \"pgd\", not of \"sampling\"",
+                                plan.builder.strategy));
+  }
   for (const BoxEntry& entry : plan.box) {
     if (!entry.nodes && entry.basis == pgd::Basis::chebyshev) continue;
     throw root.table("box").error(

@@ -96,15 +96,14 @@ std::string described(const models::ParametricModel& model, const Eigen::VectorX
 }
 
 TimeMesh mesh_by_pilots(const Plan& plan, const models::ParametricModel& model, Trajectories& trajectories,
-                        const ProgressCallback& progress) {
+                        long max_trajectories, const ProgressCallback& progress) {
   const Eigen::MatrixXd points = pilot_points(plan);
-  const long most = plan.builder.max_calls;
   const PilotTrajectories pilots = [&](const std::vector<double>& times) {
-    if (most > 0 && trajectories.count() + points.cols() > most) {
+    if (trajectories.count() + points.cols() > max_trajectories) {
       throw PilotsStopped{"max_calls",
                           fmt::format("{} trajectories of the {} allowed were used, {} more were needed for "
                                       "the axis of time",
-                                      trajectories.count(), most, points.cols())};
+                                      trajectories.count(), max_trajectories, points.cols())};
     }
     if (progress && !progress({"pilots", 0.0})) throw PilotsStopped{"cancelled", "cancelled"};
     std::vector<Eigen::MatrixXd> states;
@@ -182,7 +181,7 @@ pgd::Axis::Label label_of(const Plan& plan, const models::ParametricModel& model
 
 pgd::SamplingResult sample_trajectories(const Plan& plan, const models::ParametricModel& model,
                                         const TimeMesh& mesh, Trajectories& trajectories,
-                                        const ProgressCallback& progress) {
+                                        long max_trajectories, const ProgressCallback& progress) {
   std::vector<pgd::SampledCoordinate> coordinates;
   for (std::size_t k = 0; k < plan.box.size(); ++k)
     coordinates.push_back({label_of(plan, model, k), plan.box[k].lower, plan.box[k].upper});
@@ -194,9 +193,8 @@ pgd::SamplingResult sample_trajectories(const Plan& plan, const models::Parametr
   pgd::SamplingOptions options;
   options.tolerance = kSamplingShare * plan.relative;
   // Errors of an output count by its range over all times, not by that at the one time.
-  options.absolute = mesh.range.replicate(mesh.axis.size(), 1);
-  const long most = plan.builder.max_calls > 0 ? plan.builder.max_calls : kMostTrajectories;
-  options.max_calls = std::max(1L, most - trajectories.count());
+  options.absolute = mesh.scale.replicate(mesh.axis.size(), 1);
+  options.max_calls = std::max(1L, max_trajectories - trajectories.count());
   options.seed = plan.builder.seed;
   options.progress = progress;
   SampledTrajectories function(trajectories, mesh.axis);
@@ -241,16 +239,17 @@ pgd::TrainField initial_values(const Plan& plan, const models::ParametricModel& 
 
 }  // namespace
 
-Solution solve_by_sampling(const Plan& plan, const models::ParametricModel& model,
+Solution solve_by_sampling(const Plan& plan, const models::ParametricModel& model, long max_trajectories,
                            const ProgressCallback& progress) {
   Trajectories trajectories(plan, model);
   BuildRecord record;
   record.builder = "sampling";
   record.strategy = "cross";
   try {
-    const TimeMesh mesh = mesh_by_pilots(plan, model, trajectories, progress);
+    const TimeMesh mesh = mesh_by_pilots(plan, model, trajectories, max_trajectories, progress);
     const long pilots = trajectories.count();
-    const pgd::SamplingResult result = sample_trajectories(plan, model, mesh, trajectories, progress);
+    const pgd::SamplingResult result =
+        sample_trajectories(plan, model, mesh, trajectories, max_trajectories, progress);
     record.evaluations = static_cast<double>(trajectories.count());
     record.grid_size = result.grid_size * mesh.axis.size();
     record.rounds = static_cast<int>(result.history.size());

@@ -19,7 +19,8 @@ inline constexpr long kMostTrajectories = 100'000;
 ///
 /// A trajectory that cannot be integrated ends the build with the status "failed" and the point; the best so
 /// far, or else the initial values for all times, is the piece.
-Solution solve_by_sampling(const Plan& plan, const models::ParametricModel& model,
+/// @param max_trajectories pilots included
+Solution solve_by_sampling(const Plan& plan, const models::ParametricModel& model, long max_trajectories,
                            const ProgressCallback& progress);
 
 }  // namespace samara::codebooks

@@ -1,7 +1,7 @@
 #include "samara/codebooks/time_mesh.h"
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -57,7 +57,7 @@ class TimeRefinement {
       worst = std::max(worst, relative(error));
     }
     borders[e] = end;
-    return {pgd::Axis::chebyshev(label_, borders, options_.degree), worst, range(),
+    return {pgd::Axis::chebyshev(label_, borders, options_.degree), worst, scale(),
             worst <= options_.tolerance, passes};
   }
 
@@ -120,17 +120,18 @@ class TimeRefinement {
     return error;
   }
 
-  Eigen::VectorXd range() const {
-    Eigen::VectorXd range = largest_ - smallest_;
-    if (options_.floors.size() > 0) range = range.cwiseMax(options_.floors);
-    return range;
+  Eigen::VectorXd scale() const {
+    constexpr double kRounding = 1e-10;  // below this share of its size, a range is that of a constant
+    Eigen::VectorXd scale = largest_ - smallest_;
+    for (Eigen::Index o = 0; o < scale.size(); ++o) {
+      const double size = std::max(std::abs(smallest_[o]), std::abs(largest_[o]));
+      if (!(scale[o] > kRounding * size)) scale[o] = size > 0.0 ? size : 1.0;
+    }
+    if (options_.floors.size() > 0) scale = scale.cwiseMax(options_.floors);
+    return scale;
   }
 
-  /// An output that does not change at all has no error to speak of.
-  double relative(const Eigen::VectorXd& error) const {
-    const Eigen::VectorXd scale = range().cwiseMax(std::numeric_limits<double>::min());
-    return error.size() == 0 ? 0.0 : error.cwiseQuotient(scale).maxCoeff();
-  }
+  double relative(const Eigen::VectorXd& error) const { return error.cwiseQuotient(scale()).maxCoeff(); }
 
   /// Takes the element, or else its halves, if their errors allow; what is still rough after some generations
   /// is left to the next pass.

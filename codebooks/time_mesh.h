@@ -13,7 +13,7 @@ namespace samara::codebooks {
 using PilotTrajectories = std::function<std::vector<Eigen::MatrixXd>(const std::vector<double>& times)>;
 
 struct TimeMeshOptions {
-  /// Largest interpolation error of an output between the nodes, over its range over all times and pilots.
+  /// Largest interpolation error of an output between the nodes, over its scale, see TimeMesh.
   double tolerance = 1e-5;
   Eigen::VectorXd floors = {};  ///< least range per output, in its unit; empty: none
   int degree = 8;               ///< of the Chebyshev elements
@@ -21,9 +21,10 @@ struct TimeMeshOptions {
 };
 
 struct TimeMesh {
-  pgd::Axis axis;         ///< Chebyshev elements on [0, end]
-  double error = 0.0;     ///< largest that is left, in the measure of the tolerance
-  Eigen::VectorXd range;  ///< per output, largest less smallest value seen, at least the floor
+  pgd::Axis axis;      ///< Chebyshev elements on [0, end]
+  double error = 0.0;  ///< largest that is left, in the measure of the tolerance
+  /// Per output, largest less smallest value seen (of a constant its size, or 1), at least the floor.
+  Eigen::VectorXd scale;
   bool resolved = false;  ///< error <= tolerance with the elements allowed
   int passes = 0;         ///< how often the pilots were asked for
 };
