@@ -35,12 +35,19 @@ void add_models(CLI::App& app, Arguments& arguments) {
 
 void add_simulate(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<SimulateArguments>();
-  CLI::App* command = app.add_subcommand("simulate", "one trajectory by the reference integrator, as CSV");
+  CLI::App* command = app.add_subcommand("simulate", "one trajectory, as CSV");
   command->add_option("MODEL", values->model, "name of a model (samara models)")->required();
   command->add_option("--set", values->set, kAssignments)->allow_extra_args(false);
   command->add_option("--until", values->until, "end of the trajectory, s or with a unit")
       ->capture_default_str();
   command->add_option("--frames", values->frames, "rows, equally spaced in time")->capture_default_str();
+  command
+      ->add_option("--integrator", values->integrator,
+                   "cvodes (the reference), adaptive (orders 7 and 8), or with fixed steps: rk4, rkmk (the "
+                   "attitude stays a rotation)")
+      ->check(CLI::IsMember({"cvodes", "adaptive", "rk4", "rkmk"}))
+      ->capture_default_str();
+  command->add_option("--step", values->step, "of rk4 and rkmk, s or with a unit; frames divide it further");
   command->add_flag("--forces", values->forces,
                     "add what every force term does: TERM.Fx, TERM.Fy, .. (force), TERM.T.. (torque) in body "
                     "axes, TERM.power, and the kinetic energy where the model has one");

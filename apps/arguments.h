@@ -18,6 +18,8 @@ struct SimulateArguments {
   std::vector<std::string> set;
   std::string until = "1";
   int frames = 101;
+  std::string integrator = "cvodes";
+  std::string step;  ///< empty: none was given
   bool forces = false;
   std::string output;
 };

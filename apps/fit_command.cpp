@@ -63,6 +63,7 @@ Source open_source(const FitArguments& arguments) {
           "the fit of the model \"{}\" needs --config with a [box] of what is free", arguments.source));
     }
     source.options = id::read_fit_config(arguments.config, id::config_names(model->info()));
+    warn_of_units(*model, source.options.fixed);
     source.family = of_file(arguments.config, [&] {
       return id::reference_trajectories(model, source.options.fixed, source.options.box);
     });

@@ -8,6 +8,9 @@
 #include "samara/base/errors.h"
 #include "samara/io/csv.h"
 #include "samara/models/integrate.h"
+#include "samara/models/integrators/adaptive.h"
+#include "samara/models/integrators/rk4.h"
+#include "samara/models/integrators/rkmk.h"
 #include "terminal.h"
 
 namespace samara::apps {
@@ -93,6 +96,27 @@ Table beside(const Table& left, const Table& right) {
   return both;
 }
 
+models::Trajectory trajectory_by(const SimulateArguments& arguments,
+                                 const models::ParametricModel& parametric, const Eigen::VectorXd& times) {
+  const std::span<const double> list(times.data(), static_cast<std::size_t>(times.size()));
+  const bool fixed = arguments.integrator == "rk4" || arguments.integrator == "rkmk";
+  if (fixed && arguments.step.empty()) {
+    throw ArgumentError(
+        fmt::format("--integrator {} takes fixed steps: --step was expected", arguments.integrator));
+  }
+  if (!fixed && !arguments.step.empty()) {
+    throw ArgumentError(
+        fmt::format("--integrator {} chooses its steps: no --step was expected", arguments.integrator));
+  }
+  if (arguments.integrator == "adaptive") return models::integrate_adaptive(parametric, {}, list);
+  if (!fixed) return models::integrate(parametric, {}, list);
+  const double step =
+      number_or_quantity("--step", arguments.step, models::time_unit(parametric.model().info()));
+  if (!(step > 0.0)) throw ArgumentError(fmt::format("--step is {}, expected more than 0", arguments.step));
+  if (arguments.integrator == "rk4") return models::integrate_rk4(parametric, {}, list, {.step = step});
+  return models::integrate_rkmk(parametric, {}, list, {.step = step});
+}
+
 }  // namespace
 
 int run(const SimulateArguments& arguments) {
@@ -106,14 +130,14 @@ int run(const SimulateArguments& arguments) {
   for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;
   for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
   const models::ParametricModel parametric(model, parse_assignments(arguments.set, units), {});
+  warn_of_units(*model, parametric.fixed());
   const double end = number_or_quantity("--until", arguments.until, models::time_unit(info));
   if (!(end > 0.0)) throw ArgumentError(fmt::format("--until is {}, expected more than 0", arguments.until));
   if (arguments.frames < 2 || arguments.frames > 10000000) {
     throw ArgumentError(fmt::format("--frames is {}, expected 2 to 10000000", arguments.frames));
   }
   const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(arguments.frames, 0.0, end);
-  const models::Trajectory trajectory =
-      models::integrate(parametric, {}, {times.data(), static_cast<std::size_t>(times.size())});
+  const models::Trajectory trajectory = trajectory_by(arguments, parametric, times);
 
   Table table = state_table(info, trajectory);
   if (arguments.forces) table = beside(table, force_table(parametric, trajectory));

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "samara/base/names.h"
+#include "samara/models/unit_warnings.h"
 
 namespace samara::apps {
 
@@ -17,6 +18,10 @@ void complain(const std::string& sentence) {
 void warn(const std::string& sentence) {
   clear_progress();
   fmt::print(stderr, "samara: warning: {}\n", printable(sentence));
+}
+
+void warn_of_units(const models::Model& model, const std::map<std::string, double>& values) {
+  for (const std::string& sentence : models::unit_warnings(model, values)) warn(sentence);
 }
 
 void narrate(const std::string& line) {

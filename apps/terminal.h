@@ -1,8 +1,10 @@
 #pragma once
 
+#include <map>
 #include <string>
 
 #include "samara/base/progress.h"
+#include "samara/models/model.h"
 
 /// Exit codes, and everything that goes to stderr.
 namespace samara::apps {
@@ -18,6 +20,8 @@ inline constexpr int kOutsideBox = 5;
 void complain(const std::string& sentence);
 /// "samara: warning: <sentence>" on stderr.
 void warn(const std::string& sentence);
+/// Warns of values (SI, by parameter) that look like mistakes of units.
+void warn_of_units(const models::Model& model, const std::map<std::string, double>& values);
 /// One line of narration on stderr.
 void narrate(const std::string& line);
 

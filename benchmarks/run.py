@@ -9,7 +9,7 @@ import platform
 import subprocess
 import sys
 
-NAMES = ["first_walk", "linear_engine", "sampling"]
+NAMES = ["first_walk", "linear_engine", "sampling", "models"]
 
 
 def run(program, arguments):

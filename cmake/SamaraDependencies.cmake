@@ -9,6 +9,7 @@ find_package(TBB REQUIRED)
 find_package(Boost 1.74 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(fmt REQUIRED)
+find_package(assimp 5.2 REQUIRED)
 find_package(tomlplusplus REQUIRED)
 # The MPI flavour may be installed too (SUNDIALS pulls it in); FindHDF5 with this switch finds the serial one.
 set(HDF5_PREFER_PARALLEL OFF)

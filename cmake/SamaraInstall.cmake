@@ -1,9 +1,10 @@
 # Installs libraries, headers and what find_package(samara) needs.
 include(CMakePackageConfigHelpers)
 get_property(samara_rooms GLOBAL PROPERTY SAMARA_ROOMS)
+get_property(samara_room_parts GLOBAL PROPERTY SAMARA_ROOM_PARTS)
 set(samara_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/samara)
 
-install(TARGETS ${samara_rooms} EXPORT samaraTargets
+install(TARGETS ${samara_rooms} ${samara_room_parts} EXPORT samaraTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

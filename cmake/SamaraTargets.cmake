@@ -8,11 +8,7 @@ function(samara_room name)
   if(ROOM_SOURCES)
     add_library(${target} ${ROOM_SOURCES} ${ROOM_HEADERS} ${ROOM_INTERNAL_HEADERS})
     set(scope PUBLIC)
-    target_link_libraries(${target} PUBLIC ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
-    samara_compile_options(${target})
-    set_target_properties(${target} PROPERTIES
-      VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
-      POSITION_INDEPENDENT_CODE ON)
+    samara_library(${target} PUBLIC ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
   else()
     add_library(${target} INTERFACE)
     set(scope INTERFACE)
@@ -33,6 +29,30 @@ function(samara_room name)
       install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/samara/${name}/${folder})
     endforeach()
   endif()
+endfunction()
+
+# samara_room_part(<name> SOURCES ... [PUBLIC ...] [PRIVATE ...])
+#
+# A library of its own for sources of this room that bring along what most users should not load: target
+# samara_<name>, exported as samara::<name>, not part of samara::samara.
+function(samara_room_part name)
+  cmake_parse_arguments(PART "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  set(target samara_${name})
+  add_library(${target} ${PART_SOURCES})
+  samara_library(${target} PUBLIC ${PART_PUBLIC} PRIVATE ${PART_PRIVATE})
+  add_library(samara::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_property(GLOBAL APPEND PROPERTY SAMARA_ROOM_PARTS ${target})
+endfunction()
+
+# What all our libraries have in common.
+function(samara_library target)
+  target_link_libraries(${target} ${ARGN})
+  samara_compile_options(${target})
+  set_target_properties(${target} PROPERTIES
+    VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+    POSITION_INDEPENDENT_CODE ON)
 endfunction()
 
 # Warnings and sanitizers for our own code (never passed on to users of the libraries).

@@ -99,7 +99,8 @@ std::shared_ptr<const Model> immersed_body_in(std::shared_ptr<const AmbientFlow>
                         "; a positive finite value was expected");
   }
   using Law = laws::ImmersedBodyIn<laws::FieldFlow>;
-  return std::make_shared<LawModel<Law>>(Law{.flow = {.field = std::move(flow)}});
+  constexpr bool kCompiled = false;  // a field answers for one place at a time
+  return std::make_shared<LawModel<Law, kCompiled>>(Law{.flow = {.field = std::move(flow)}});
 }
 
 }  // namespace samara::models

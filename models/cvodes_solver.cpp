@@ -11,6 +11,7 @@
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
 #include "samara/base/errors.h"
+#include "samara/models/integrators/trajectory_tools.h"
 #include "samara/models/number_text.h"
 
 namespace samara::models {
@@ -33,10 +34,6 @@ void must(bool success, const char* call) {
 }
 void must(int flag, const char* call) {
   must(flag == CV_SUCCESS, call);
-}
-
-bool all_finite(std::span<const double> values) {
-  return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
 
 /// The size of a coordinate against which its sensitivities are weighed: a change by this much is a large

@@ -67,11 +67,4 @@ std::map<std::string, double> kirchhoff_parameters(const KirchhoffBodyData& body
   return values;
 }
 
-Eigen::Matrix<double, 6, 6> added_mass_about(const Eigen::Matrix<double, 6, 6>& added_mass,
-                                             const Eigen::Vector3d& r) {
-  Matrix6 A = Matrix6::Identity();
-  A.topRightCorner<3, 3>() = cross_matrix(r);
-  return A.transpose() * added_mass * A;
-}
-
 }  // namespace samara::models

@@ -25,9 +25,4 @@ struct KirchhoffBodyData {
 ///   total inertia is not positive definite.
 std::map<std::string, double> kirchhoff_parameters(const KirchhoffBodyData& body);
 
-/// The added mass of the same body about the point at `r`: forces and moments move by the adjoint rule
-/// K' = A^T K A with (u, w) at the old origin = A (u', w), u = u' - w x r = u' + r x w.
-Eigen::Matrix<double, 6, 6> added_mass_about(const Eigen::Matrix<double, 6, 6>& added_mass,
-                                             const Eigen::Vector3d& r);
-
 }  // namespace samara::models

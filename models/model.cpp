@@ -12,6 +12,10 @@ std::optional<double> Model::kinetic_energy(double, std::span<const double>, con
   return std::nullopt;
 }
 
+void Model::complete_into(const ParameterValues& p, std::span<double> all) const {
+  std::ranges::copy(completed(p), all.begin());
+}
+
 AffineSplit affine_split(const Model& model, double t, std::span<const double> x, const ParameterValues& p) {
   const ModelInfo& info = model.info();
   const auto states = static_cast<Eigen::Index>(info.states.size());

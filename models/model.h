@@ -104,6 +104,8 @@ struct ParameterValues {
   std::vector<char> given;
 };
 
+struct StepKernels;
+
 class Model {
  public:
   virtual ~Model() = default;
@@ -135,8 +137,15 @@ class Model {
   /// Parameters with defaults and derived defaults filled in.
   virtual std::vector<double> completed(const ParameterValues& p) const = 0;
 
+  /// The same into `all`, one number per parameter; models of Samara do not allocate here.
+  virtual void complete_into(const ParameterValues& p, std::span<double> all) const;
+
   /// Characteristic sizes at a parameter point.
   virtual Scales scales(const ParameterValues& p) const = 0;
+
+  /// Compiled fixed steps of the model's law, for one trajectory and for packs of them; laws of Samara have
+  /// them. Null: there are none, and fixed-step methods go through rhs.
+  virtual const StepKernels* step_kernels() const { return nullptr; }
 };
 
 /// f = constant + slopes * coefficients, at one point: the split by the parameters a model is affine in.

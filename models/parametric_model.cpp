@@ -76,16 +76,17 @@ ParametricModel::ParametricModel(std::shared_ptr<const Model> model,
     : model_(std::move(model)), fixed_(fixed) {
   if (!model_) throw ArgumentError("a parametric model needs a model; a null pointer was given");
   const ModelInfo& info = model_->info();
-  base_.value.assign(info.parameters.size(), 0.0);
-  base_.given.assign(info.parameters.size(), 0);
+  ParameterValues base;
+  base.value.assign(info.parameters.size(), 0.0);
+  base.given.assign(info.parameters.size(), 0);
   for (const StateInfo& state : info.states) base_initial_.push_back(state.default_initial);
 
   for (const auto& [name, value] : fixed_) {
     const FreeCoordinate coordinate = find_coordinate(info, name);
     check_value(info, coordinate, value);
     const auto index = static_cast<std::size_t>(coordinate.index);
-    (coordinate.is_initial ? base_initial_ : base_.value)[index] = value;
-    if (!coordinate.is_initial) base_.given[index] = 1;
+    (coordinate.is_initial ? base_initial_ : base.value)[index] = value;
+    if (!coordinate.is_initial) base.given[index] = 1;
   }
   for (const std::string& name : free) {
     const FreeCoordinate coordinate = find_coordinate(info, name);
@@ -96,19 +97,24 @@ ParametricModel::ParametricModel(std::shared_ptr<const Model> model,
     if (std::ranges::count(free_, name, &FreeCoordinate::name) > 0) {
       throw ArgumentError(quoted(name) + " is listed twice among the free coordinates; once was expected");
     }
-    if (!coordinate.is_initial) base_.given[static_cast<std::size_t>(coordinate.index)] = 1;
+    if (!coordinate.is_initial) base.given[static_cast<std::size_t>(coordinate.index)] = 1;
     free_.push_back(coordinate);
   }
-  check_complete(info, base_);
+  check_complete(info, base);
+  base_ = std::make_shared<const ParameterValues>(std::move(base));
 }
 
 ParametricModel::Workspace ParametricModel::make_workspace() const {
-  const auto parameters = static_cast<Eigen::Index>(base_.value.size());
-  return {base_, Eigen::MatrixXd::Zero(state_count(), parameters)};
+  const auto parameters = static_cast<Eigen::Index>(base_->value.size());
+  return {.p = *base_,
+          .df_dp = Eigen::MatrixXd::Zero(state_count(), parameters),
+          .complete = *base_,
+          .q = std::vector<double>(free_.size()),
+          .base = nullptr};
 }
 
 void ParametricModel::load(std::span<const double> q, ParameterValues& p) const {
-  p = base_;  // same sizes: copies without allocating
+  p = *base_;  // same sizes: copies without allocating
   for (std::size_t j = 0; j < free_.size(); ++j) {
     if (!free_[j].is_initial) p.value[static_cast<std::size_t>(free_[j].index)] = q[j];
   }
@@ -116,8 +122,15 @@ void ParametricModel::load(std::span<const double> q, ParameterValues& p) const 
 
 void ParametricModel::rhs(double t, std::span<const double> x, std::span<const double> q,
                           std::span<double> dxdt, Workspace& workspace) const {
-  load(q, workspace.p);
-  model_->rhs(t, x, workspace.p, dxdt);
+  if (workspace.base != base_ || !std::ranges::equal(q, workspace.q)) {
+    load(q, workspace.p);
+    workspace.complete.value.resize(base_->value.size());
+    workspace.complete.given.assign(base_->value.size(), 1);
+    model_->complete_into(workspace.p, workspace.complete.value);
+    workspace.q.assign(q.begin(), q.end());
+    workspace.base = base_;
+  }
+  model_->rhs(t, x, workspace.complete, dxdt);
 }
 
 void ParametricModel::rhs_with_derivatives(double t, std::span<const double> x, std::span<const double> q,
@@ -144,16 +157,18 @@ void ParametricModel::initial(std::span<const double> q, std::span<double> x0) c
   }
 }
 
-std::vector<double> ParametricModel::parameters(std::span<const double> q) const {
+ParameterValues ParametricModel::parameter_values(std::span<const double> q) const {
   ParameterValues p;
   load(q, p);
-  return model_->completed(p);
+  return p;
+}
+
+std::vector<double> ParametricModel::parameters(std::span<const double> q) const {
+  return model_->completed(parameter_values(q));
 }
 
 Scales ParametricModel::scales(std::span<const double> q) const {
-  ParameterValues p;
-  load(q, p);
-  return model_->scales(p);
+  return model_->scales(parameter_values(q));
 }
 
 void ParametricModel::check(std::span<const double> q) const {

@@ -35,6 +35,11 @@ class ParametricModel {
   struct Workspace {
     ParameterValues p;
     Eigen::MatrixXd df_dp;
+    /// All parameters at the point `q` of a model with that base: derived defaults are dear and change with q
+    /// alone.
+    ParameterValues complete;
+    std::vector<double> q;
+    std::shared_ptr<const ParameterValues> base;
   };
 
   /// @param fixed values (SI) of parameters and of initial values "s(0)"
@@ -65,6 +70,9 @@ class ParametricModel {
   /// x(0) at q. Its derivative by q_j is one where q_j is the initial value of that state, else zero.
   void initial(std::span<const double> q, std::span<double> x0) const;
 
+  /// The parameters at q as the model takes them: what is fixed or free is given.
+  ParameterValues parameter_values(std::span<const double> q) const;
+
   /// All parameters at q with defaults filled in, in the order of the model.
   std::vector<double> parameters(std::span<const double> q) const;
 
@@ -79,7 +87,9 @@ class ParametricModel {
   std::shared_ptr<const Model> model_;
   std::map<std::string, double> fixed_;
   std::vector<FreeCoordinate> free_;
-  ParameterValues base_;              ///< fixed parameters; free ones are marked given
+  /// Fixed parameters; free ones are marked given. One object of copies, and of no other model: it tells
+  /// workspaces whose they are.
+  std::shared_ptr<const ParameterValues> base_;
   std::vector<double> base_initial_;  ///< fixed or default initial values
 };
 

@@ -38,4 +38,7 @@ void run_codebooks(const Options& options);
 /// Peaks, kinks, poles, noise: no success may be silent about an error.
 void run_guard(const Options& options);
 
+/// The flow map of the Lorenz equations, in windows and at once.
+void run_lorenz(const Options& options);
+
 }  // namespace samara::benchmarks

@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
     run_functions(chosen);
     run_codebooks(chosen);
     run_guard(chosen);
+    run_lorenz(chosen);
   } catch (const std::exception& error) {
     std::cerr << "sampling: " << error.what() << '\n';
     return 1;

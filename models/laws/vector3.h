@@ -53,10 +53,10 @@ Vector3<S> diagonal_times(const Vector3<S>& d, const Vector3<S>& u) {
   return {d.x * u.x, d.y * u.y, d.z * u.z};
 }
 
-/// diag(d)^-1 u
+/// diag(d)^-1 u, by reciprocals: where d is made of parameters, a loop over steps takes them once.
 template <class S>
 Vector3<S> diagonal_solve(const Vector3<S>& d, const Vector3<S>& u) {
-  return {u.x / d.x, u.y / d.y, u.z / d.z};
+  return {(S(1.0) / d.x) * u.x, (S(1.0) / d.y) * u.y, (S(1.0) / d.z) * u.z};
 }
 
 }  // namespace samara::models::laws

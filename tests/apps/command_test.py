@@ -133,6 +133,25 @@ class Answers(Case):
         plain = run("simulate", "falling_plate", *arguments, "--until", "1", "--frames", "2").stdout
         self.assertEqual(len(plain.splitlines()[0].split(",")), 7)
 
+    def test_simulate_by_any_integrator_gives_the_same_fall(self):
+        fall = ["simulate", "falling_plate_nd", "--set", "theta(0)=0.4", "--until", "2", "--frames", "3"]
+        last = {}
+        for integrator in [[], ["--integrator", "adaptive"], ["--integrator", "rk4", "--step", "0.005"]]:
+            result = run(*fall, *integrator)
+            self.assertEqual(result.returncode, 0)
+            last[str(integrator)] = [float(v) for v in result.stdout.splitlines()[-1].split(",")]
+        reference, *others = last.values()
+        for other in others:
+            for a, b in zip(reference, other):
+                self.assertAlmostEqual(a, b, delta=1e-7)
+
+    def test_simulate_refuses_steps_that_do_not_suit_the_integrator(self):
+        fall = ["simulate", "constant_rate", "--set", "k=2"]
+        self.check_error(run(*fall, "--integrator", "rk4"), 2, "--step was expected")
+        self.check_error(run(*fall, "--step", "0.1"), 2, "no --step was expected")
+        self.check_error(run(*fall, "--integrator", "rk4", "--step", "0"), 2, "--step")
+        self.check_error(run(*fall, "--integrator", "rkmk", "--step", "0.1"), 2, "quaternion")
+
     def test_simulate_prints_the_exact_fall(self):
         result = run("simulate", "quadratic_drag_fall", "--set", "C_D=1", "--until", "0.5", "--frames", "6")
         rows = list(csv.reader(result.stdout.splitlines()))
@@ -140,6 +159,14 @@ class Answers(Case):
         speed = math.sqrt(2 * 0.1 * 9.81 / (1.23 * 0.5))
         for t, u in rows[1:]:
             self.assertAlmostEqual(float(u), -speed * math.tanh(9.81 * float(t) / speed), delta=1e-8)
+
+    def test_a_density_that_looks_like_grams_per_cubic_centimetre_is_warned_of(self):
+        call = ["simulate", "vertical_fall", "--set", "C_D=1.2", "--set", "area=4.7e-4", "--set", "thickness=2.5e-3",
+                "--until", "0.1"]
+        result = run(*call, "--set", "density=6.3")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("warning: the solid has a density of 6.3 kg/m^3", result.stderr)
+        self.assertEqual(run(*call, "--set", "density=6.3 g/cm^3").stderr, "")
 
     def test_values_may_carry_units(self):
         arguments = ["simulate", "vertical_fall", "--set", "C_D=1", "--set", "density=6.3 g/cm^3", "--set", "area=4.7 cm^2",

@@ -2,6 +2,7 @@
 
 #include "bodies_in_flow.h"
 #include "samara/base/errors.h"
+#include "samara/models/added_mass/reference_point.h"
 #include "samara/models/kirchhoff_parameters.h"
 
 using namespace samara::models;

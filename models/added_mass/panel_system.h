@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/models/added_mass/panel_integrals.h"
+#include "samara/models/bodies/triangle_mesh.h"
+
+namespace samara::models::added_mass {
+
+using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using SixColumns = Eigen::Matrix<double, Eigen::Dynamic, 6>;
+
+/// The equations of panel_solver.h for the potentials of the six unit motions at the corners,
+/// matrix * phi = rhs, and the measure of their energy, K = -fluid_density phi^T flux.
+struct PanelSystem {
+  RowMajorMatrix matrix;
+  SixColumns rhs;
+  SixColumns flux;  ///< Int psi_a v_j dS
+};
+
+/// @param mesh closed, of a size of order 1, about the origin
+PanelSystem assemble(const TriangleMesh& mesh);
+
+}  // namespace samara::models::added_mass

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/models/parametric_model.h"
+
+/// Thousands of trajectories of one model: the classical Runge-Kutta method with fixed steps
+/// (integrators/rk4.h), trajectories side by side in the lanes of SIMD registers, packs of them shared
+/// between threads.
+///
+///   const auto batch = integrate_batch(card, points, times, {.step = 5e-4});
+///   batch.states.col(batch.column(n, k));   // of trajectory n at times[k]
+///
+/// Results do not depend on the number of threads, to the bit; nor, but for round-off in sines and cosines,
+/// on the company a trajectory has in its pack. A trajectory that ceases to exist does not harm its
+/// neighbours. Models without kernels of their own (Model::step_kernels) run one at a time in each thread.
+namespace samara::models {
+
+enum class BatchStatus {
+  done,
+  stopped,     ///< the observer asked for it
+  not_finite,  ///< a state is infinite or not a number
+};
+
+struct BatchOptions {
+  /// Upper bound of the step [s]. Between two times asked for, steps are equal and end exactly on them.
+  double step = 1e-3;
+  int threads = 0;  ///< 0: as many as the machine has
+  /// Free coordinates by which derivatives are taken: those of the discrete trajectory, exact but for
+  /// round-off.
+  std::vector<std::string> tangents = {};
+};
+
+struct BatchTrajectories {
+  Eigen::VectorXd times;   ///< as asked for
+  Eigen::MatrixXd states;  ///< states x (times of the first trajectory, of the second, ...), SI
+  /// Per name in BatchOptions::tangents: d(states)/dq, shaped like states.
+  std::vector<Eigen::MatrixXd> tangents;
+  std::vector<BatchStatus> status;  ///< per trajectory
+  /// Per trajectory, the time up to which its columns are valid; later ones are NaN.
+  Eigen::VectorXd reached;
+
+  Eigen::Index column(Eigen::Index trajectory, Eigen::Index time) const {
+    return trajectory * times.size() + time;
+  }
+};
+
+/// @param points trajectories x free coordinates (SI)
+/// @param times not decreasing, from 0 on
+/// @throws ArgumentError if a point, a time or an option is outside its meaning.
+BatchTrajectories integrate_batch(const ParametricModel& model,
+                                  const Eigen::Ref<const Eigen::MatrixXd>& points,
+                                  std::span<const double> times, const BatchOptions& options = {});
+
+/// Sees a trajectory from time to time; false ends it. Calls for one trajectory come in the order of time and
+/// one after another; those for different ones come from different threads at once.
+using BatchObserver = std::function<bool(Eigen::Index trajectory, double t, std::span<const double> state)>;
+
+struct WatchOptions {
+  double step = 1e-3;      ///< upper bound of the step [s]; steps divide the interval
+  double interval = 1e-2;  ///< between two calls of the observer [s]; the first is at t = 0
+  double end = 1.0;        ///< the last call is at the first multiple of the interval that reaches it [s]
+  int threads = 0;         ///< 0: as many as the machine has
+};
+
+struct WatchedBatch {
+  std::vector<BatchStatus> status;  ///< per trajectory
+  Eigen::VectorXd reached;          ///< per trajectory, the time of the last call of the observer
+};
+
+/// Runs trajectories of any length without keeping them: for statistics (turns, drift, time of landing)
+/// gathered on the way. A lane whose trajectory has ended takes the next one.
+/// @throws ArgumentError if a point or an option is outside its meaning. What the observer throws passes
+/// through.
+WatchedBatch watch_batch(const ParametricModel& model, const Eigen::Ref<const Eigen::MatrixXd>& points,
+                         const BatchObserver& observer, const WatchOptions& options = {});
+
+}  // namespace samara::models

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "samara/models/batch/step_kernel.h"
+#include "samara/models/parametric_model.h"
+
+namespace samara::models {
+
+/// The trajectories that one kernel carries in lockstep: their states and parameters, laid out for it.
+class Lanes {
+ public:
+  /// @param directions free coordinates by which tangents are taken, at most as many as the kernel carries
+  Lanes(const ParametricModel& model, const StepKernel& kernel, std::span<const int> directions);
+
+  int width() const { return static_cast<int>(width_); }
+
+  /// Puts the trajectory of the (checked) free coordinates q into a lane, at t = 0.
+  void load(int lane, std::span<const double> q);
+
+  /// To be called after loads and before steps. The other lanes stay as they are.
+  void complete() { kernel_.complete(given_.data(), p_.data()); }
+
+  /// @param t one time per lane
+  void advance(std::span<const double> t, double h, long steps) {
+    kernel_.advance(t.data(), h, steps, x_.data(), p_.data());
+  }
+
+  void read(int lane, std::span<double> state) const { read(lane, 0, state); }
+  /// d(state)/d(direction), directions counted as at construction.
+  void read_tangent(int lane, int direction, std::span<double> tangent) const {
+    read(lane, direction + 1, tangent);
+  }
+
+ private:
+  /// Where the numbers of a variable in a lane begin; tangents follow at a distance of width_.
+  std::size_t place(std::size_t variable, int lane) const {
+    return variable * stride_ + static_cast<std::size_t>(lane);
+  }
+  void read(int lane, int layer, std::span<double> values) const;
+
+  const ParametricModel& model_;
+  const StepKernel& kernel_;
+  std::vector<int> directions_;
+  std::size_t width_, stride_;
+  std::vector<double> defaults_;  ///< of parameters, where they are constant
+  std::vector<char> given_;
+  std::vector<double> initial_;
+  std::vector<double> x_, p_;
+};
+
+}  // namespace samara::models

@@ -1,0 +1,84 @@
+#include "samara/models/integrators/rk4.h"
+
+#include <vector>
+
+#include "samara/base/errors.h"
+#include "samara/models/batch/model_kernel.h"
+#include "samara/models/integrators/trajectory_tools.h"
+
+namespace samara::models {
+
+struct Rk4Integrator::Impl {
+  Impl(const ParametricModel& parametric, const Rk4Options& chosen)
+      : model(parametric),
+        options(chosen),
+        through_rhs(model.model(), 0),
+        kernel(model.model().step_kernels() ? *model.model().step_kernels()->scalar : through_rhs),
+        p(model.model().info().parameters.size()),
+        x(static_cast<std::size_t>(model.state_count())) {}
+
+  /// Values at t = 0.
+  void start(std::span<const double> q) {
+    const ParameterValues values = model.parameter_values(q);
+    const std::vector<ParameterInfo>& parameters = model.model().info().parameters;
+    for (std::size_t j = 0; j < p.size(); ++j) {
+      p[j] = values.given[j] ? values.value[j] : parameters[j].default_value.value_or(0.0);
+    }
+    kernel.complete(values.given.data(), p.data());
+    model.initial(q, x);
+  }
+
+  ParametricModel model;
+  Rk4Options options;
+  ModelKernel through_rhs;
+  const StepKernel& kernel;
+  std::vector<double> p, x;
+};
+
+Rk4Integrator::Rk4Integrator(const ParametricModel& model, const Rk4Options& options) {
+  check_step(options.step);
+  if (options.max_steps < 1) {
+    throw ArgumentError("max_steps is " + std::to_string(options.max_steps) + "; 1 or more was expected");
+  }
+  impl_ = std::make_unique<Impl>(model, options);
+}
+Rk4Integrator::~Rk4Integrator() = default;
+Rk4Integrator::Rk4Integrator(Rk4Integrator&&) noexcept = default;
+Rk4Integrator& Rk4Integrator::operator=(Rk4Integrator&&) noexcept = default;
+
+Trajectory Rk4Integrator::operator()(std::span<const double> q, std::span<const double> times) {
+  Impl& run = *impl_;
+  run.model.check(q);
+  check_times(times);
+  Trajectory result = unfilled_trajectory(times, run.model.state_count(), 0);
+  run.start(q);
+  double t = 0.0;
+  for (Eigen::Index row = 0; row < result.times.size(); ++row) {
+    const EqualSteps steps = equal_steps(t, result.times[row], run.options.step);
+    if (steps.count > run.options.max_steps - result.steps) {
+      result.status = IntegrateStatus::too_many_steps;
+      result.message = "the next time takes more steps than allowed";
+      break;
+    }
+    run.kernel.advance(&t, steps.length, steps.count, run.x.data(), run.p.data());
+    result.steps += steps.count;
+    if (!all_finite(run.x)) {
+      result.status = IntegrateStatus::not_finite;
+      result.message = "the states are not finite at the next time asked for";
+      break;
+    }
+    t = result.times[row];
+    result.states.row(row) = Eigen::Map<const Eigen::RowVectorXd>(run.x.data(), result.states.cols());
+  }
+  result.reached = t;
+  result.rhs_evaluations = 4 * result.steps;
+  result.message = outcome_sentence(result, times.empty() ? 0.0 : times.back());
+  return result;
+}
+
+Trajectory integrate_rk4(const ParametricModel& model, std::span<const double> q,
+                         std::span<const double> times, const Rk4Options& options) {
+  return Rk4Integrator(model, options)(q, times);
+}
+
+}  // namespace samara::models

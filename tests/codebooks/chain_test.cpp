@@ -1,0 +1,132 @@
+#include "samara/codebooks/chain.h"
+
+#include <cmath>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+#include "samara/base/errors.h"
+#include "samara/codebooks/certify.h"
+#include "samara/codebooks/query.h"
+#include "samara/models/integrate.h"
+#include "sample_books.h"
+
+using namespace samara::codebooks;
+using Catch::Matchers::Contains;
+
+namespace {
+
+Codebook built(const std::string& box, const std::string& end, const std::string& model = "vertical_fall",
+               const std::string& fixed = "density = 6339\narea = 4.714e-4\nthickness = '2.55 mm'\n") {
+  const std::string plan = "model = '" + model + "'\n[fixed]\n" + fixed + "[box]\n" + box +
+                           "[time]\nend = " + end + "\n[tolerance]\nrelative = 1e-5\n";
+  return build(parse_plan(plan, "plan.toml"), {.certificate_points = 50}).book;
+}
+
+/// The flow map of a falling coin over 50 ms; depth x is only displaced.
+const Codebook& coin_window() {
+  static const Codebook book = built("C_D = [0.8, 1.6]\n'v(0)' = [0.0, 1.0]\n", "0.05");
+  return book;
+}
+
+samara::models::ParametricModel fall_of(const std::vector<std::string>& free) {
+  return {samara::models::find_model("vertical_fall"),
+          {{"density", 6339.0}, {"area", 4.714e-4}, {"thickness", 2.55e-3}},
+          free};
+}
+
+std::vector<double> steps(double end, int count) {
+  std::vector<double> times;
+  for (int i = 0; i <= count; ++i) times.push_back(end * i / count);
+  return times;
+}
+
+}  // namespace
+
+TEST_CASE("a chain of windows follows the integrator far beyond the codebook's time") {
+  Chain chain(coin_window());
+  CHECK(chain.window() == 0.05);
+  CHECK(chain.states() == std::vector<std::string>{"v", "x"});
+  REQUIRE(chain.parameters().size() == 1);
+  CHECK(chain.parameters()[0].name == "C_D");
+  const samara::models::ParametricModel model = fall_of({"C_D", "v(0)", "x(0)"});
+  const std::vector<double> times = steps(1.0, 77);
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> uniform;
+  for (int i = 0; i < 20; ++i) {
+    const std::vector<double> q = {0.8 + 0.8 * uniform(random), 0.5 * uniform(random),
+                                   10.0 * uniform(random)};
+    const ChainResult result = chain.run(std::vector<double>{q[1], q[2]}, std::vector<double>{q[0]}, times);
+    REQUIRE(result.status == ChainStatus::done);
+    CHECK(result.reached == 1.0);
+    const samara::models::Trajectory exact = samara::models::integrate(model, q, times);
+    // Each of the 20 windows is good to 1e-5 of its range, about 1 m/s and 0.05 m. Drag makes errors of v
+    // decay within few windows; those of x add up to at most 20 windows' and what v brings.
+    CHECK((result.states.col(0) - exact.states.col(0)).cwiseAbs().maxCoeff() < 5e-5);
+    CHECK((result.states.col(1) - exact.states.col(1)).cwiseAbs().maxCoeff() < 5e-5);
+  }
+}
+
+TEST_CASE("composed derivatives of a chain are the integrator's sensitivities") {
+  Chain chain(coin_window());
+  const samara::models::ParametricModel model = fall_of({"v(0)", "x(0)", "C_D"});
+  const std::vector<double> times = {0.0, 0.02, 0.05, 0.1, 0.33, 0.9};
+  const std::vector<double> q = {0.1, 3.0, 1.1};
+  const ChainResult result =
+      chain.run(std::vector<double>{q[0], q[1]}, std::vector<double>{q[2]}, times, true);
+  const samara::models::Trajectory exact = samara::models::integrate(model, q, times, {}, true);
+  REQUIRE(result.derivatives.size() == times.size());
+  for (std::size_t t = 0; t < times.size(); ++t) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      const Eigen::VectorXd column = result.derivatives[t].col(static_cast<Eigen::Index>(j));
+      const Eigen::VectorXd sensitivity =
+          exact.sensitivities[j].row(static_cast<Eigen::Index>(t)).transpose();
+      // A codebook to 1e-5 has derivatives to about 1e-3 of their size.
+      CHECK((column - sensitivity).norm() < 1e-3 * (1.0 + sensitivity.norm()));
+    }
+  }
+  CHECK(result.derivatives[0].leftCols(2).isIdentity(1e-4));
+}
+
+TEST_CASE("inside the first window a chain is the codebook") {
+  Chain chain(coin_window());
+  Query query(coin_window());
+  Eigen::VectorXd values(2);
+  for (const double t : {0.0, 0.013, 0.05}) {
+    query.values(std::vector<double>{t, 1.2, 0.25}, values);
+    const ChainResult result =
+        chain.run(std::vector<double>{0.25, 0.0}, std::vector<double>{1.2}, std::vector<double>{t});
+    CHECK(result.states(0, 0) == values[0]);
+    CHECK(result.states(0, 1) == values[1]);
+  }
+}
+
+TEST_CASE("a state that leaves the box stops the chain with its name and the time") {
+  // The coin passes 0.3 m/s, where the axis of v(0) ends, before the window of 0.5 s does.
+  Chain chain(coin_build().book);
+  const std::vector<double> times = {0.1, 0.5, 0.50001, 0.7};
+  const ChainResult result = chain.run(std::vector<double>{0.0, 0.0}, std::vector<double>{1.0}, times, true);
+  CHECK(result.status == ChainStatus::left_box);
+  CHECK(result.left == "v");
+  CHECK(result.reached == 0.5);
+  CHECK_THAT(result.message, Contains("t = 0.5:") && Contains("v = ") && Contains("outside [0, 0.3]"));
+  CHECK(result.states.topRows(2).allFinite());
+  CHECK(result.states.bottomRows(2).array().isNaN().all());
+  CHECK(result.derivatives[2].array().isNaN().all());
+  // Started outside, it does not begin.
+  const ChainResult outside = chain.run(std::vector<double>{0.4, 0.0}, std::vector<double>{1.0}, times);
+  CHECK(outside.status == ChainStatus::left_box);
+  CHECK(outside.reached == 0.0);
+}
+
+TEST_CASE("codebooks that cannot be chained, and calls that make no sense, are refused by name") {
+  const Codebook no_axis = built("C_D = [0.8, 1.6]\n", "0.05");
+  CHECK_THROWS_WITH(Chain(no_axis), Contains("needs an axis \"v(0)\"") && Contains("vertical_fall"));
+  Chain chain(coin_window());
+  const std::vector<double> start = {0.1, 0.0}, C_D = {1.0}, times = {0.1};
+  CHECK_THROWS_WITH(chain.run(C_D, C_D, times), Contains("2 states and 1 parameters was given 1 and 1"));
+  CHECK_THROWS_WITH(chain.run(std::vector<double>{std::nan(""), 0.0}, C_D, times), Contains("v(0) is nan"));
+  CHECK_THROWS_WITH(chain.run(start, C_D, std::vector<double>{0.2, 0.1}), Contains("0.1 after 0.2"));
+  CHECK_THROWS_WITH(chain.run(start, C_D, std::vector<double>{-0.1}), Contains("-0.1 after 0"));
+  CHECK_THROWS_AS(chain.run(start, std::vector<double>{3.0}, times), samara::OutsideBoxError);
+}

@@ -1,0 +1,121 @@
+#include "samara/models/bodies/triangle_mesh.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <catch2/catch.hpp>
+
+#include "samara/base/errors.h"
+#include "samara/models/bodies/mesh_shapes.h"
+
+using namespace samara::models;
+using Catch::Matchers::Contains;
+using Catch::Matchers::WithinRel;
+
+namespace {
+
+TriangleMesh tetrahedron() {
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, 4);
+  mesh.vertices << 0, 1, 0, 0,  //
+      0, 0, 1, 0,               //
+      0, 0, 0, 1;
+  mesh.triangles.resize(3, 4);
+  mesh.triangles << 0, 0, 0, 1,  //
+      2, 1, 3, 2,                //
+      1, 3, 2, 3;
+  return mesh;
+}
+
+}  // namespace
+
+TEST_CASE("a tetrahedron is closed and has its volume, wherever it stands") {
+  TriangleMesh mesh = tetrahedron();
+  CHECK_NOTHROW(require_closed(mesh));
+  CHECK_THAT(enclosed_volume(mesh), WithinRel(1.0 / 6.0, 1e-15));
+  mesh.vertices.colwise() += Eigen::Vector3d(1e6, -1e6, 1e6);  // exact in these coordinates
+  CHECK_THAT(enclosed_volume(mesh), WithinRel(1.0 / 6.0, 1e-15));
+}
+
+TEST_CASE("an open mesh is refused by the name of an edge") {
+  TriangleMesh mesh = tetrahedron();
+  mesh.triangles.conservativeResize(3, 3);
+  CHECK_THROWS_WITH(require_closed(mesh), Contains("not closed") &&
+                                              Contains("corners 1 (1, 0, 0) and 2 (0, 1, 0)") &&
+                                              Contains("one triangle only"));
+}
+
+TEST_CASE("an edge of more than two triangles is refused") {
+  TriangleMesh mesh = tetrahedron();
+  mesh.triangles.conservativeResize(3, 5);
+  mesh.triangles.col(4) << 1, 2, 3;
+  CHECK_THROWS_WITH(require_closed(mesh), Contains("belongs to 3 triangles"));
+}
+
+TEST_CASE("neighbours of opposite orientation are refused by the name of their edge") {
+  TriangleMesh mesh = tetrahedron();
+  mesh.triangles.col(3) << 2, 1, 3;
+  CHECK_THROWS_WITH(require_closed(mesh),
+                    Contains("oriented differently") && Contains("the edge between corners"));
+}
+
+TEST_CASE("a mesh inside out is refused, and turned over on demand") {
+  TriangleMesh mesh = tetrahedron();
+  mesh.triangles.row(1).swap(mesh.triangles.row(2));
+  CHECK_THROWS_WITH(require_closed(mesh), Contains("inside out") && Contains("oriented_outward"));
+  const TriangleMesh turned = oriented_outward(mesh);
+  CHECK_NOTHROW(require_closed(turned));
+  CHECK(oriented_outward(turned).triangles == turned.triangles);
+}
+
+TEST_CASE("meshes without volume, without area, without triangles or with odd numbers are refused") {
+  TriangleMesh flat = tetrahedron();
+  flat.vertices(2, 3) = 0.0;
+  flat.vertices.col(3) << 0.3, 0.3, 0.0;
+  CHECK_THROWS_WITH(require_closed(flat), Contains("encloses nothing"));
+
+  TriangleMesh needle = tetrahedron();
+  needle.vertices.col(3) << 0.5, 0.0, 0.0;
+  CHECK_THROWS_WITH(require_closed(needle), Contains("has no area"));
+
+  CHECK_THROWS_WITH(require_closed(TriangleMesh{}), Contains("no triangles"));
+
+  TriangleMesh beyond = tetrahedron();
+  beyond.triangles(0, 0) = 4;
+  CHECK_THROWS_WITH(require_closed(beyond), Contains("names corner 4 of 4"));
+
+  TriangleMesh nan = tetrahedron();
+  nan.vertices(1, 2) = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THROWS_WITH(require_closed(nan), Contains("corner 2") && Contains("not finite"));
+  CHECK_THROWS_AS(require_closed(nan), samara::ArgumentError);
+}
+
+TEST_CASE(
+    "generated meshes are closed, of the number of triangles they promise, and of the volume asked for") {
+  const Eigen::Vector3d s(3.0, 2.0, 0.5);
+  const double volume = 4.0 * std::numbers::pi;
+  const TriangleMesh rings = ellipsoid_mesh(s, 5, 7);
+  CHECK_NOTHROW(require_closed(rings));
+  CHECK(rings.triangles.cols() == 2 * 7 * 25);
+  CHECK(enclosed_volume(rings) < volume);
+  CHECK_THAT(enclosed_volume(ellipsoid_mesh(s, 5, 7, Placement::equal_volume)), WithinRel(volume, 1e-14));
+  CHECK_NOTHROW(require_closed(ellipsoid_mesh(s, 1, 3)));
+
+  const TriangleMesh even = icosahedral_ellipsoid_mesh(s, 4);
+  CHECK_NOTHROW(require_closed(even));
+  CHECK(even.triangles.cols() == 320);
+  CHECK(even.vertices.cols() == 162);
+  // Corners lie on the surface.
+  CHECK(((even.vertices.array().colwise() / s.array()).square().colwise().sum() - 1.0).abs().maxCoeff() <
+        1e-14);
+
+  const TriangleMesh box = box_mesh({1.0, 2.0, 0.1}, 3, 4, 2);
+  CHECK_NOTHROW(require_closed(box));
+  CHECK(box.triangles.cols() == 4 * (3 * 4 + 2 * (3 + 4)));
+  CHECK_THAT(enclosed_volume(box), WithinRel(0.2, 1e-14));
+
+  CHECK_THROWS_WITH(box_mesh({1.0, 1.0, 0.0}, 1, 1), Contains("side along z [m] is 0"));
+  CHECK_THROWS_WITH(ellipsoid_mesh(s, 0), Contains("number of rings is 0"));
+  CHECK_THROWS_WITH(icosahedral_ellipsoid_mesh({1, -1, 1}, 2), Contains("semi-axis along y [m] is -1"));
+}
