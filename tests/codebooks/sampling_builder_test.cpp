@@ -242,13 +242,20 @@ TEST_CASE("the kind auto chooses sampling where its trial suffices, and says why
   check_same_group(result.book.pieces()[0].groups[0], sampled_coin().book.pieces()[0].groups[0]);
 }
 
-TEST_CASE("the kind auto chooses the engine where sampling does not suffice or a plan prescribes an axis") {
+TEST_CASE(
+    "the kind auto chooses the engine where a plan prescribes an axis, and says where neither suffices") {
   const std::string start = "model = \"constant_rate\"\n[box]\n";
   const std::string end = "[time]\nend = 1\n[tolerance]\nrelative = 1e-6\n";
   const BuildResult prescribed = built(start + "k = { range = [2, 5], nodes = 12 }\n" + end);
   CHECK(prescribed.met);
   CHECK(prescribed.book.build().builder == "pgd");
   CHECK_THAT(prescribed.book.build().message, Contains("chosen because the plan prescribes an axis"));
+  const BuildResult neither = built(coin_plan_of("kind = \"auto\"\nmax_calls = 40\n"));
+  CHECK_FALSE(neither.met);
+  CHECK(neither.book.build().builder == "sampling");
+  CHECK(neither.book.build().status == "max_calls");
+  CHECK(neither.book.build().evaluations <= 40);
+  CHECK_THAT(neither.book.build().message, Contains("chosen because neither builder converged in its trial"));
 }
 
 TEST_CASE("a plan of sampling that prescribes nodes, a basis or a strategy is refused with its line") {
