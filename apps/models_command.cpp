@@ -60,6 +60,7 @@ Json to_json(const models::ModelInfo& info) {
     parameter["derived"] = p.derived.empty() ? Json(nullptr) : Json(p.derived);
     parameter["lower"] = std::isfinite(p.lower) ? Json(p.lower) : Json(nullptr);
     parameter["lower_inclusive"] = p.lower_inclusive;
+    parameter["upper"] = std::isfinite(p.upper) ? Json(p.upper) : Json(nullptr);
     object["parameters"].push_back(parameter);
   }
   for (const auto& term : info.force_terms) {
@@ -91,11 +92,12 @@ std::string wrapped(const std::string& text, std::size_t indent) {
   return lines;
 }
 
-/// Equations stand apart by a comma and two spaces.
+/// Equations stand apart by a comma or a semicolon and two spaces.
 std::string equation_lines(const std::string& equations) {
   std::string lines;
   for (std::size_t begin = 0; begin < equations.size();) {
-    const std::size_t end = std::min(equations.find(",  ", begin), equations.size());
+    const std::size_t end =
+        std::min({equations.find(",  ", begin), equations.find(";  ", begin), equations.size()});
     lines += fmt::format("  {}\n", wrapped(equations.substr(begin, end - begin), 6));
     begin = end + 3;
   }
@@ -119,6 +121,14 @@ std::string table(const std::vector<Row>& rows) {
   return text;
 }
 
+/// A long formula of a default goes where lines are wrapped.
+Row parameter_row(const models::ParameterInfo& parameter) {
+  constexpr std::size_t kShort = 24;
+  const std::string value = default_text(parameter);
+  if (value.size() <= kShort) return {parameter.name, parameter.unit, value, parameter.description};
+  return {parameter.name, parameter.unit, "derived", parameter.description + "; default: " + value};
+}
+
 std::string joined(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
@@ -132,7 +142,7 @@ std::string explain(const models::ModelInfo& info) {
 
   std::vector<Row> parameters = {{"parameter", "unit", "default", "meaning"}};
   for (const auto& p : info.parameters) {
-    parameters.push_back({p.name, p.unit, default_text(p), p.description});
+    parameters.push_back(parameter_row(p));
   }
   std::vector<Row> states = {{"initial value", "unit", "default", "state"}};
   for (const auto& s : info.states) {

@@ -44,6 +44,9 @@ void check_meaning(const TomlTable& table, const std::string& key, const models:
                    double value) {
   for (const models::ParameterInfo& parameter : info.parameters) {
     if (parameter.name != key || models::in_meaning(parameter, value)) continue;
+    if (value > parameter.upper) {
+      throw table.error(key, fmt::format("is {}, expected at most {}", value, parameter.upper));
+    }
     throw table.error(
         key, fmt::format("is {}, expected {} {}", value, parameter.lower_inclusive ? "at least" : "more than",
                          parameter.lower));

@@ -85,6 +85,9 @@ void check_defaults(const ModelInfo& info, Findings& findings) {
 
 double random_value(const ParameterInfo& parameter, std::mt19937& random) {
   std::uniform_real_distribution<double> factor(0.5, 2.0);
+  if (std::isfinite(parameter.lower) && std::isfinite(parameter.upper)) {
+    return parameter.lower + 0.4 * factor(random) * (parameter.upper - parameter.lower);
+  }
   if (parameter.default_value && *parameter.default_value != 0.0) {
     const double value = *parameter.default_value * factor(random);
     if (value > parameter.lower) return value;

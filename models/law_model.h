@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 #include <stdexcept>
+#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -34,6 +35,8 @@
 ///     template <class S> static void forces(const S& t, const S* x, const S* p, LawWrench<S>* terms);
 ///     // Where it has an energy:
 ///     template <class S> static S kinetic_energy(const S& t, const S* x, const S* p);
+///     // Where parameters must fit together: a sentence, or empty.
+///     static std::string problem(const double* p);
 ///   };
 ///
 /// The functions may also be members of an object that the law carries (a flow field), info() included.
@@ -58,6 +61,11 @@ concept HasForces = requires(const Law& law, double t, const double* x, LawWrenc
 template <class Law>
 concept HasKineticEnergy = requires(const Law& law, double t, const double* x) {
   { law.template kinetic_energy<double>(t, x, x) } -> std::same_as<double>;
+};
+
+template <class Law>
+concept HasProblem = requires(const Law& law, const double* p) {
+  { law.problem(p) } -> std::same_as<std::string>;
 };
 
 /// Stands for the kernels of a law that has none.
@@ -133,6 +141,11 @@ class LawModel final : public Model {
       return law_.template kinetic_energy<double>(t, x.data(), complete(p).data());
     }
     return std::nullopt;
+  }
+
+  std::string problem(const ParameterValues& p) const override {
+    if constexpr (HasProblem<Law>) return law_.problem(complete(p).data());
+    return "";
   }
 
   std::vector<double> completed(const ParameterValues& p) const override {

@@ -1,8 +1,10 @@
 #include "samara/models/model.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "samara/base/errors.h"
+#include "samara/models/number_text.h"
 
 namespace samara::models {
 
@@ -50,7 +52,24 @@ double state_scale(const StateInfo& state, const Scales& scales) {
 }
 
 bool in_meaning(const ParameterInfo& parameter, double value) {
-  return parameter.lower_inclusive ? value >= parameter.lower : value > parameter.lower;
+  return (parameter.lower_inclusive ? value >= parameter.lower : value > parameter.lower) &&
+         value <= parameter.upper;
+}
+
+std::string meaning_text(const ParameterInfo& parameter) {
+  const std::string unit = parameter.unit == "1" ? "" : " " + parameter.unit;
+  const bool below = std::isfinite(parameter.lower);
+  if (below && std::isfinite(parameter.upper)) {
+    return (parameter.lower_inclusive ? "from " : "above ") + number_text(parameter.lower) +
+           (parameter.lower_inclusive ? " to " : ", up to ") + number_text(parameter.upper) + unit;
+  }
+  if (below) return (parameter.lower_inclusive ? ">= " : "> ") + number_text(parameter.lower) + unit;
+  if (std::isfinite(parameter.upper)) return "<= " + number_text(parameter.upper) + unit;
+  return "";
+}
+
+std::string Model::problem(const ParameterValues&) const {
+  return "";
 }
 
 std::string time_unit(const ModelInfo& info) {

@@ -27,10 +27,15 @@ struct ParameterInfo {
   /// Open lower bound of its meaning: values must be greater (or equal, if `lower_inclusive`).
   double lower = -std::numeric_limits<double>::infinity();
   bool lower_inclusive = false;
+  /// Closed upper bound of its meaning.
+  double upper = std::numeric_limits<double>::infinity();
 };
 
-/// Whether `value` respects the lower bound of the parameter's meaning (NaN does not).
+/// Whether `value` respects the bounds of the parameter's meaning (NaN does not).
 bool in_meaning(const ParameterInfo& parameter, double value);
+
+/// The bounds in words: "> 0 kg/m^3", ">= 0", "from 0 to 1"; empty if there are none.
+std::string meaning_text(const ParameterInfo& parameter);
 
 struct StateInfo {
   std::string name;
@@ -139,6 +144,10 @@ class Model {
 
   /// The same into `all`, one number per parameter; models of Samara do not allocate here.
   virtual void complete_into(const ParameterValues& p, std::span<double> all) const;
+
+  /// What is wrong with a parameter point that lies within the meaning of every single parameter: a sentence
+  /// ("the inertia is not positive definite"), or empty.
+  virtual std::string problem(const ParameterValues& p) const;
 
   /// Characteristic sizes at a parameter point.
   virtual Scales scales(const ParameterValues& p) const = 0;

@@ -51,8 +51,7 @@ void check_value(const ModelInfo& info, const FreeCoordinate& coordinate, double
   const ParameterInfo& parameter = info.parameters[static_cast<std::size_t>(coordinate.index)];
   if (in_meaning(parameter, value)) return;
   throw ArgumentError(quoted(coordinate.name) + " is " + with_unit(value, parameter.unit) + "; a value " +
-                      (parameter.lower_inclusive ? ">= " : "> ") +
-                      with_unit(parameter.lower, parameter.unit) + " was expected");
+                      meaning_text(parameter) + " was expected");
 }
 
 /// @throws ArgumentError naming every parameter that has no value and no way to get one.
@@ -180,6 +179,24 @@ void ParametricModel::check(std::span<const double> q) const {
                         (names.empty() ? "" : " (" + join(names) + ")"));
   }
   for (std::size_t j = 0; j < q.size(); ++j) check_value(model_->info(), free_[j], q[j]);
+  const std::string problem = model_->problem(parameter_values(q));
+  if (!problem.empty()) throw ArgumentError("model " + quoted(model_->info().name) + ": " + problem);
+  check_attitude(q);
+}
+
+void ParametricModel::check_attitude(std::span<const double> q) const {
+  const ModelInfo& info = model_->info();
+  for (const StateGroup& group : info.groups) {
+    if (group.kind != StateGroupKind::quaternion) continue;
+    std::vector<double> x0(info.states.size());
+    initial(q, x0);
+    double norm = 0.0;
+    for (int i = 0; i < 4; ++i) norm = std::hypot(norm, x0[static_cast<std::size_t>(group.first + i)]);
+    if (norm > 0.0 && std::isfinite(norm)) continue;
+    throw ArgumentError("the initial quaternion from " +
+                        quoted(initial_name(info.states[static_cast<std::size_t>(group.first)])) +
+                        " on has the length " + number_text(norm) + "; a positive one was expected");
+  }
 }
 
 }  // namespace samara::models

@@ -78,11 +78,13 @@ class ParametricModel {
 
   Scales scales(std::span<const double> q) const;
 
-  /// @throws ArgumentError naming the coordinate if a value is not finite or outside the parameter's meaning.
+  /// @throws ArgumentError naming the coordinate if a value is not finite or outside the parameter's meaning,
+  /// or if parameters do not fit together (Model::problem) or an initial quaternion is zero.
   void check(std::span<const double> q) const;
 
  private:
   void load(std::span<const double> q, ParameterValues& p) const;
+  void check_attitude(std::span<const double> q) const;
 
   std::shared_ptr<const Model> model_;
   std::map<std::string, double> fixed_;

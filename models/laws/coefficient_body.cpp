@@ -220,6 +220,11 @@ struct CoefficientBody {
     return {{sum, S(0.0), S(0.0)}, {S(0.0), sum * p[kOffset + 2], difference * p[kThrustArm]}};
   }
 
+  static std::string problem(const double* p) {
+    if (total_inertia(p).is_positive_definite()) return "";
+    return "masses and moments of inertia do not make a positive definite inertia";
+  }
+
   template <class S>
   static std::array<Load<S>, kTerms> loads(const Pose<S>& pose, const SpatialInertia<S>& inertia,
                                            const S* p) {

@@ -17,15 +17,15 @@ Parameters coefficient_parameters() {
       not_negative("C_T", "1", 1.2, "coefficient of translational lift"),
       not_negative("C_R", "1", std::numbers::pi, "coefficient of rotational lift"),
       not_negative("C_w", "1", 0.8 * std::numbers::pi, "coefficient of rotational damping"),
-      not_negative("damping_isotropy", "1", 1.0,
-                   "1: damping by the speed of the rim; 0: by the rate about each axis alone; or between"),
+      share("damping_isotropy", 1.0,
+            "1: damping by the speed of the rim; 0: by the rate about each axis alone; or between"),
       not_negative("linear_damping_x", "N m s", 0.0, "damping torque over rate about body x"),
       not_negative("linear_damping_y", "N m s", 0.0, "damping torque over rate about body y"),
       not_negative("linear_damping_z", "N m s", 0.0, "skin friction: torque over rate about body z"),
-      not_negative("centre_of_pressure", "1", 0.0,
-                   "share of the offset (1 - sin^3 alpha) l/4 of the centre of pressure; with 1, the Munk "
-                   "moment counts attached flow a second time: lower kappa"),
-      not_negative("kappa", "1", 1.0, "factor of the Munk moment (M u_r) x u_r, 0 to 1"),
+      share("centre_of_pressure", 0.0,
+            "share of the offset (1 - sin^3 alpha) l/4 of the centre of pressure; with 1, the Munk "
+            "moment counts attached flow a second time: lower kappa"),
+      share("kappa", 1.0, "factor of the Munk moment (M u_r) x u_r, 0 to 1"),
   };
 }
 

@@ -132,6 +132,11 @@ struct KirchhoffBody {
     return total;
   }
 
+  static std::string problem(const double* p) {
+    if (total_inertia(p).is_positive_definite()) return "";
+    return "mass, inertia and added mass do not make a positive definite inertia";
+  }
+
   template <class S>
   static std::array<Load<S>, kTerms> loads(const Pose<S>& pose, const SpatialInertia<S>& inertia,
                                            const S* p) {

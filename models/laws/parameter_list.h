@@ -23,6 +23,13 @@ inline ParameterInfo not_negative(const char* name, const char* unit, double def
           .lower_inclusive = true};
 }
 
+/// A number from 0 to 1.
+inline ParameterInfo share(const char* name, double default_value, const char* description) {
+  ParameterInfo parameter = not_negative(name, "1", default_value, description);
+  parameter.upper = 1.0;
+  return parameter;
+}
+
 inline ParameterInfo derived(const char* name, const char* unit, const char* formula, const char* description,
                              bool may_vanish) {
   return {.name = name,

@@ -47,6 +47,22 @@ struct SpatialInertia {
     add(4, 5, I[5]);
   }
 
+  /// Whether every motion has a positive energy: the pivots of L D L^T.
+  bool is_positive_definite() const {
+    double L[6][6], D[6];
+    for (int j = 0; j < 6; ++j) {
+      D[j] = entry[j][j];
+      for (int k = 0; k < j; ++k) D[j] -= L[j][k] * L[j][k] * D[k];
+      if (!(D[j] > 0.0)) return false;
+      for (int i = j + 1; i < 6; ++i) {
+        L[i][j] = entry[i][j];
+        for (int k = 0; k < j; ++k) L[i][j] -= L[i][k] * L[j][k] * D[k];
+        L[i][j] /= D[j];
+      }
+    }
+    return true;
+  }
+
   /// Linear and angular momentum at (u, w), as the force and the torque of a Load.
   Load<S> momentum(const Vector3<S>& u, const Vector3<S>& w) const {
     const S v[6] = {u.x, u.y, u.z, w.x, w.y, w.z};

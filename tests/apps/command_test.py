@@ -152,6 +152,12 @@ class Answers(Case):
         self.check_error(run(*fall, "--integrator", "rk4", "--step", "0"), 2, "--step")
         self.check_error(run(*fall, "--integrator", "rkmk", "--step", "0.1"), 2, "quaternion")
 
+    def test_every_model_is_explained_on_few_pages(self):
+        for model in json.loads(run("models", "--json").stdout)["models"]:
+            lines = run("models", model["name"]).stdout.splitlines()
+            self.assertLess(len(lines), 130, model["name"])
+            self.assertLess(max(map(len, lines)), 125, model["name"])
+
     def test_simulate_prints_the_exact_fall(self):
         result = run("simulate", "quadratic_drag_fall", "--set", "C_D=1", "--until", "0.5", "--frames", "6")
         rows = list(csv.reader(result.stdout.splitlines()))

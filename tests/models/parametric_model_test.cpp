@@ -139,3 +139,24 @@ TEST_CASE("free values are checked by name") {
   CHECK_THROWS_WITH(model.check(std::array{1.0}),
                     "1 values were given for the 2 free coordinates (C_D, v(0))");
 }
+
+TEST_CASE("what no single parameter shows is refused too: shares above one, inertia that is none") {
+  const auto card = find_model("immersed_body");
+  const std::map<std::string, double> fixed = {{"a", 0.035}, {"b", 0.02}, {"c", 1e-4}, {"density", 1200.0}};
+  std::map<std::string, double> twice = fixed;
+  twice["kappa"] = 7.0;
+  CHECK_THROWS_WITH(ParametricModel(card, twice, {}), "\"kappa\" is 7; a value from 0 to 1 was expected");
+  std::map<std::string, double> nowhere = fixed;
+  nowhere["qw(0)"] = 0.0;
+  CHECK_THROWS_WITH(ParametricModel(card, nowhere, {}).check({}),
+                    Catch::Contains("initial quaternion") && Catch::Contains("\"qw(0)\""));
+  CHECK_NOTHROW(ParametricModel(card, fixed, {}).check({}));
+  const auto body = find_model("kirchhoff_body");
+  const std::map<std::string, double> box = {{"mass", 1.0}, {"I_xx", 1.0}, {"I_yy", 1.0}, {"I_zz", 1.0}};
+  CHECK_NOTHROW(ParametricModel(body, box, {}).check({}));
+  for (const char* entry : {"I_xy", "K_12"}) {
+    std::map<std::string, double> indefinite = box;
+    indefinite[entry] = 100.0;
+    CHECK_THROWS_WITH(ParametricModel(body, indefinite, {}).check({}), Catch::Contains("positive definite"));
+  }
+}
