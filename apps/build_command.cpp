@@ -30,10 +30,13 @@ int run(const BuildArguments& arguments) {
   std::error_code ignored;
   std::filesystem::remove(options.checkpoint, ignored);
   const codebooks::BuildRecord& record = result.book.build();
-  narrate(fmt::format(
-      "built {} in {:.1f} s: {} rounds, {} Newton iterations, {:.3g} evaluations, grid of {:.3g} nodes",
-      arguments.output, result.book.provenance().build_seconds, record.rounds, record.iterations,
-      record.evaluations, record.grid_size));
+  const std::string counts =
+      record.builder == "sampling"
+          ? fmt::format("{:.6g} trajectories", record.evaluations)
+          : fmt::format("{} Newton iterations, {:.3g} evaluations", record.iterations, record.evaluations);
+  narrate(fmt::format("built {} by {} in {:.1f} s: {} rounds, {}, grid of {:.3g} nodes", arguments.output,
+                      record.builder, result.book.provenance().build_seconds, record.rounds, counts,
+                      record.grid_size));
   print(to_table(*result.book.certificate(), result.book));
   if (result.met) return kDone;
   warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));

@@ -1,6 +1,7 @@
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "commands.h"
 #include "output.h"
@@ -23,17 +24,37 @@ struct Numbers {
 Numbers count(const Codebook& book) {
   Numbers numbers;
   for (const codebooks::Piece& piece : book.pieces()) {
-    for (const pgd::SeparatedField& group : piece.groups) {
+    for (const codebooks::FieldGroup& group : piece.groups) {
       double nodes = 1.0;
-      for (const pgd::Axis& axis : group.axes()) {
-        nodes *= axis.size();
-        numbers.stored += static_cast<double>(axis.size()) * group.rank();
-      }
-      numbers.stored += static_cast<double>(group.output_count()) * group.rank();
+      for (const pgd::Axis& axis : group.axes()) nodes *= axis.size();
+      numbers.stored += static_cast<double>(group.entries());
       numbers.table += nodes * group.output_count();
     }
   }
   return numbers;
+}
+
+/// Of the numbers in memory; in the file they are deflated.
+long bytes_of(const codebooks::FieldGroup& group) {
+  return group.entries() * static_cast<long>(sizeof(double));
+}
+
+/// "12 terms", or "a train of ranks 6, 14, 9": between outputs and time, time and the next axis, ..
+std::string form_of(const codebooks::FieldGroup& group) {
+  if (const pgd::SeparatedField* sum = group.sum()) return fmt::format("{} terms", sum->rank());
+  return fmt::format("a train of ranks {}", fmt::join(group.train()->train().ranks(), ", "));
+}
+
+Json to_json(const codebooks::FieldGroup& group) {
+  Json object = {{"outputs", group.output_count()}, {"bytes", bytes_of(group)}};
+  if (const pgd::SeparatedField* sum = group.sum()) {
+    object["kind"] = "sum_of_products";
+    object["rank"] = sum->rank();
+  } else {
+    object["kind"] = "train";
+    object["ranks"] = group.train()->train().ranks();
+  }
+  return object;
 }
 
 Json to_json(const Codebook& book, const std::string& path) {
@@ -57,8 +78,7 @@ Json to_json(const Codebook& book, const std::string& path) {
     object["outputs"].push_back({{"name", o.name}, {"unit", o.unit}});
   for (const codebooks::Piece& piece : book.pieces()) {
     Json groups = Json::array();
-    for (const pgd::SeparatedField& group : piece.groups)
-      groups.push_back({{"rank", group.rank()}, {"outputs", group.output_count()}});
+    for (const codebooks::FieldGroup& group : piece.groups) groups.push_back(to_json(group));
     Json axes = Json::array();
     for (const pgd::Axis& axis : piece.groups.front().axes()) {
       axes.push_back({{"name", axis.name()},
@@ -88,6 +108,10 @@ Json to_json(const Codebook& book, const std::string& path) {
   return object;
 }
 
+const char* what_was_counted(const codebooks::BuildRecord& build) {
+  return build.builder == "sampling" ? "trajectories" : "evaluations of the right-hand side and its Jacobian";
+}
+
 std::string describe(const Codebook& book, const std::string& path) {
   const Numbers numbers = count(book);
   std::string text = fmt::format("{}{}\nmodel {}: {}\n  {}\n", path,
@@ -107,20 +131,19 @@ std::string describe(const Codebook& book, const std::string& path) {
                           axis.unit(), to_string(axis.role()), to_string(axis.basis()), axis.size(),
                           axis.lower(), axis.upper());
     }
-    for (const pgd::SeparatedField& group : piece.groups) {
+    for (const codebooks::FieldGroup& group : piece.groups) {
       std::string outputs;
       for (const pgd::OutputLabel& o : group.outputs())
         outputs += fmt::format("{}{}{}", outputs.empty() ? "" : ", ", o.name, unit_suffix(o.unit));
-      text += fmt::format("  outputs {}: {} terms\n", outputs, group.rank());
+      text += fmt::format("  outputs {}: {}, {} bytes\n", outputs, form_of(group), bytes_of(group));
     }
   }
   text += fmt::format("size: {} bytes; {:.0f} numbers stand for a table of {:.3g}\n",
                       std::filesystem::file_size(path), numbers.stored, numbers.table);
   const codebooks::BuildRecord& build = book.build();
-  text += fmt::format(
-      "build: {} ({}), {}: {}\n  {:.3g} evaluations of the right-hand side and its Jacobian, grid of {:.3g} "
-      "nodes\n",
-      build.builder, build.strategy, build.status, build.message, build.evaluations, build.grid_size);
+  text += fmt::format("build: {} ({}), {}: {}\n  {:.6g} {}, grid of {:.3g} nodes\n", build.builder,
+                      build.strategy, build.status, build.message, build.evaluations, what_was_counted(build),
+                      build.grid_size);
   text += book.certificate() ? to_table(*book.certificate(), book) : std::string("no certificate\n");
   text += fmt::format("made by {} on {} in {:.1f} s\n", book.provenance().generator,
                       book.provenance().created, book.provenance().build_seconds);

@@ -14,53 +14,18 @@
 #include "samara/base/errors.h"
 #include "samara/base/version.h"
 #include "samara/codebooks/certify.h"
-#include "samara/codebooks/checkpoint.h"
-#include "samara/codebooks/model_system.h"
-#include "samara/pgd/adaptive_evolution.h"
+#include "samara/codebooks/pgd_builder.h"
+#include "samara/codebooks/sampling_builder.h"
 
 namespace samara::codebooks {
 
 namespace {
 
+// What the trials of a plan of kind "auto" may use.
+constexpr long kTrialTrajectories = 5000;
+constexpr long kTrialEvaluations = 50'000;
+
 using Clock = std::chrono::steady_clock;
-
-std::vector<double> box_centre(const Plan& plan) {
-  std::vector<double> centre;
-  for (const BoxEntry& entry : plan.box) centre.push_back(0.5 * (entry.lower + entry.upper));
-  return centre;
-}
-
-pgd::AdaptiveProblem problem_of(const Plan& plan, const models::ParametricModel& model,
-                                const ModelSystem& system) {
-  const models::ModelInfo& info = model.model().info();
-  const models::Scales scales = model.scales(box_centre(plan));
-  pgd::AdaptiveProblem problem;
-  problem.system = &system;
-  problem.time = {"t", models::time_unit(info), pgd::AxisRole::time};
-  problem.end = plan.end;
-  std::vector<double> start(info.states.size());
-  model.initial(box_centre(plan), start);
-  for (std::size_t s = 0; s < info.states.size(); ++s) {
-    problem.states.push_back({info.states[s].name, info.states[s].unit});
-    problem.scales.push_back(models::state_scale(info.states[s], scales));
-    const auto floor = plan.absolute.find(info.states[s].name);
-    problem.scale_floors.push_back(floor == plan.absolute.end() ? 0.0 : floor->second);
-    problem.initial.push_back({start[s], -1});
-  }
-  for (std::size_t k = 0; k < plan.box.size(); ++k) {
-    const models::FreeCoordinate& free = model.free()[k];
-    const pgd::AxisRole role = free.is_initial ? pgd::AxisRole::initial : pgd::AxisRole::parameter;
-    const BoxEntry& entry = plan.box[k];
-    problem.parameters.push_back(
-        {{free.name, free.unit, role, entry.transform}, entry.lower, entry.upper, entry.nodes, entry.basis});
-    if (!free.is_initial) continue;
-    const auto state = static_cast<std::size_t>(free.index);
-    problem.initial[state].axis = static_cast<int>(k);
-    problem.scales[state] =
-        std::max({problem.scales[state], std::abs(plan.box[k].lower), std::abs(plan.box[k].upper)});
-  }
-  return problem;
-}
 
 ModelDescription describe(const models::ParametricModel& model) {
   const models::ModelInfo& info = model.model().info();
@@ -71,23 +36,6 @@ ModelDescription describe(const models::ParametricModel& model) {
   for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
   std::erase_if(units, [&](const auto& item) { return !model.fixed().contains(item.first); });
   return description;
-}
-
-BuildRecord record_of(const pgd::AdaptiveResult& result) {
-  BuildRecord record;
-  record.builder = "pgd";
-  record.strategy = "newton";
-  record.status = result.status == pgd::AdaptiveStatus::converged      ? "converged"
-                  : result.status == pgd::AdaptiveStatus::not_resolved ? "not_resolved"
-                  : result.status == pgd::AdaptiveStatus::max_evaluations
-                      ? "max_calls"
-                      : to_string(result.evolution.status);
-  record.message = result.message;
-  record.evaluations = static_cast<double>(result.state.rhs_evaluations + result.state.jacobian_evaluations);
-  record.grid_size = result.evolution.grid_size;
-  record.iterations = result.state.iterations;
-  record.rounds = result.state.round;
-  return record;
 }
 
 Provenance provenance_of(const Plan& plan, double seconds) {
@@ -122,37 +70,57 @@ std::string sentence(const BuildRecord& record, const Certificate& certificate, 
 
 namespace {
 
-/// Stores the solver's state. A disk that is full must not end a build that needs no disk: it is told once.
-std::function<void(const pgd::SolverState&)> checkpoint_writer(const Plan& plan,
-                                                               const BuildOptions& options) {
-  if (options.checkpoint.empty()) return {};
-  return [&plan, &options, warned = false](const pgd::SolverState& state) mutable {
-    try {
-      save_checkpoint(options.checkpoint, plan.text, state);
-    } catch (const ArgumentError& error) {
-      if (!warned && options.warning) options.warning(fmt::format("no checkpoint: {}", error.what()));
-      warned = true;
-    }
-  };
+/// Whether the plan says how an axis is to be discretised, which sampling does by itself.
+bool prescribes_axes(const Plan& plan) {
+  return std::any_of(plan.box.begin(), plan.box.end(), [](const BoxEntry& entry) {
+    return entry.nodes || entry.basis != pgd::Basis::chebyshev;
+  });
 }
 
-/// A checkpoint of this plan's text that has other axes or states than the plan is no checkpoint of it.
-void check_fits(const pgd::AdaptiveProblem& problem, const pgd::SolverState& state,
-                const std::filesystem::path& checkpoint) {
-  if (state.round == 0) return;
-  bool fits = state.nodes.size() == problem.parameters.size() && state.scales.size() == problem.states.size();
-  for (std::size_t k = 0; fits && k < state.nodes.size(); ++k) {
-    const pgd::AdaptiveAxis& planned = problem.parameters[k];
-    const pgd::Axis& axis = state.field->axes()[k + 1];
-    fits = axis.name() == planned.label.name && axis.lower() == planned.lower &&
-           axis.upper() == planned.upper &&
-           state.nodes[k] <= planned.nodes.value_or(pgd::AdaptiveOptions().max_nodes);
+/// `limit` or the plan's own, whichever is less.
+long at_most(const Plan& plan, long limit) {
+  return plan.builder.max_calls > 0 ? std::min(plan.builder.max_calls, limit) : limit;
+}
+
+Solution chosen(Solution solution, const std::string& reason) {
+  solution.record.message += fmt::format("; chosen because {}", reason);
+  return solution;
+}
+
+/// Kind "auto": sampling, whose cost is known before it is spent, has the first trial, the PGD engine the
+/// second. Both are counted, not timed, so that the choice is the same everywhere.
+Solution solve_by_trial(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
+                        const ProgressCallback& progress, const bool& cancelled) {
+  if (prescribes_axes(plan)) {
+    return chosen(solve_by_pgd(plan, model, options, plan.builder.max_calls, progress),
+                  "the plan prescribes an axis, and sampling chooses its own");
   }
-  if (fits && state.time_elements <= pgd::AdaptiveOptions().max_time_elements &&
-      state.round < pgd::AdaptiveOptions().max_rounds + 1)
-    return;
-  throw InputError(checkpoint.string(),
-                   "axes, nodes, states or rounds of the checkpoint do not fit the plan");
+  Solution first = solve_by_sampling(plan, model, at_most(plan, kTrialTrajectories), progress);
+  const std::string& status = first.record.status;
+  if (status == "converged")
+    return chosen(std::move(first),
+                  fmt::format("it needed no more than the {} trajectories of its trial", kTrialTrajectories));
+  // Where there is no trajectory, no builder finds a solution.
+  if (cancelled || status == "failed" || status == "not_finite") return first;
+  Solution second = solve_by_pgd(plan, model, options, at_most(plan, kTrialEvaluations), progress);
+  const std::string failed = fmt::format("sampling did not converge ({})", status);
+  if (second.record.status == "converged") return chosen(std::move(second), failed);
+  const std::string neither = "neither builder converged in its trial, and the calls of sampling are bounded";
+  if (cancelled || status != "max_calls") return chosen(std::move(first), neither);
+  return chosen(solve_by_sampling(plan, model, at_most(plan, kMostTrajectories), progress), neither);
+}
+
+Solution solve(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
+               const ProgressCallback& progress, const bool& cancelled) {
+  if (plan.builder.kind == "pgd") return solve_by_pgd(plan, model, options, plan.builder.max_calls, progress);
+  if (plan.builder.kind == "auto") return solve_by_trial(plan, model, options, progress, cancelled);
+  if (options.resume && std::filesystem::exists(options.checkpoint)) {
+    throw ArgumentError(fmt::format(
+        "{}: a build by sampling keeps no checkpoint, so it cannot be resumed; remove the file or "
+        "build without --resume",
+        options.checkpoint.string()));
+  }
+  return solve_by_sampling(plan, model, at_most(plan, kMostTrajectories), progress);
 }
 
 }  // namespace
@@ -160,30 +128,16 @@ void check_fits(const pgd::AdaptiveProblem& problem, const pgd::SolverState& sta
 BuildResult build(const Plan& plan, const BuildOptions& options) {
   const Clock::time_point begin = Clock::now();
   const models::ParametricModel model = plan.parametric_model();
-  const ModelSystem system(model);
-  const pgd::AdaptiveProblem problem = problem_of(plan, model, system);
-  pgd::AdaptiveOptions adaptive;
-  adaptive.tolerance = plan.relative;
-  adaptive.max_evaluations = plan.builder.max_calls;
-  adaptive.evolution.seed = plan.builder.seed;
   // Once cancelled, always cancelled: neither solver nor certificate ask again.
   bool cancelled = false;
   ProgressCallback progress;
   if (options.progress) {
     progress = [&](const Progress& report) { return !(cancelled = cancelled || !options.progress(report)); };
   }
-  adaptive.evolution.progress = progress;
-  adaptive.checkpoint = checkpoint_writer(plan, options);
-  pgd::SolverState start;
-  if (options.resume && std::filesystem::exists(options.checkpoint))
-    start = load_checkpoint(options.checkpoint, plan.text);
-  check_fits(problem, start, options.checkpoint);
-  pgd::AdaptiveResult solution = solve_adaptively(problem, adaptive, std::move(start));
-
-  const BuildRecord record = record_of(solution);
+  Solution solution = solve(plan, model, options, progress, cancelled);
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-  Codebook book(describe(model), {Piece{{std::move(solution.evolution.field)}}}, record,
-                provenance_of(plan, seconds), {}, plan.title);
+  Codebook book(describe(model), {std::move(solution.piece)}, solution.record, provenance_of(plan, seconds),
+                {}, plan.title);
   CertifyOptions certify_options;
   certify_options.points = options.certificate_points;
   certify_options.seed = options.certificate_seed;
@@ -192,15 +146,11 @@ BuildResult build(const Plan& plan, const BuildOptions& options) {
   certify_options.threads = plan.builder.threads;
   certify_options.progress = progress;
   Certificate certificate = certify(book, model, certify_options);
-  certificate.met = certificate.met && record.status == "converged";
-  certificate.residual = solution.evolution.residual;
-  for (const pgd::AxisResolution& axis : solution.resolution) {
-    certificate.spent.discretisation = std::max(certificate.spent.discretisation, axis.coefficients);
-  }
-  certificate.spent.compression = solution.evolution.residual;
-  certificate.spent.nonlinearity = solution.evolution.nonlinearity_error;
+  certificate.met = certificate.met && solution.record.status == "converged";
+  certificate.residual = solution.residual;
+  certificate.spent = solution.spent;
   const bool met = certificate.met;
-  std::string message = sentence(record, certificate, cancelled);
+  std::string message = sentence(solution.record, certificate, cancelled);
   if (!options.checkpoint.empty() && !options.keep_checkpoint && !cancelled) {
     std::error_code ignored;
     std::filesystem::remove(options.checkpoint, ignored);

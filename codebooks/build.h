@@ -10,8 +10,8 @@
 #include "samara/codebooks/codebook.h"
 #include "samara/codebooks/plan.h"
 
-/// Builds the codebook of a plan by the PGD engine, without integrating any trajectory, and then certifies it
-/// against one integrator on points that the builder did not see.
+/// Builds the codebook of a plan, by the PGD engine, which integrates no trajectory, or by sampling
+/// trajectories, and then certifies it against one integrator on points that the builder did not see.
 ///
 /// Usage:
 ///   const BuildResult result = build(read_plan("coin.toml"));
@@ -29,7 +29,7 @@ struct BuildOptions {
   /// saved.
   bool keep_checkpoint = false;
   /// Go on from the checkpoint if there is one. The result equals that of an undisturbed build except its
-  /// provenance.
+  /// provenance. Sampling keeps none.
   bool resume = false;
   ProgressCallback progress = {};
   /// Told in one sentence, once, what went wrong beside the build: a checkpoint that cannot be written.
@@ -42,8 +42,8 @@ struct BuildResult {
   std::string message;  ///< one sentence with the numbers
 };
 
-/// @throws ArgumentError as Plan::parametric_model(); InputError for a checkpoint that is broken or of
-/// another plan.
+/// @throws ArgumentError as Plan::parametric_model(); and for a checkpoint beside a plan of sampling
+/// that is to be resumed; InputError for a checkpoint that is broken or of another plan.
 BuildResult build(const Plan& plan, const BuildOptions& options = {});
 
 }  // namespace samara::codebooks

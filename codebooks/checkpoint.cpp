@@ -42,6 +42,13 @@ void check_format(const io::Hdf5Reader& file) {
   }
 }
 
+pgd::SeparatedField read_field(const io::Hdf5Reader& file) {
+  const Piece piece = read_piece(file, "/piece");
+  const pgd::SeparatedField* field = piece.groups.front().sum();
+  if (field == nullptr) throw file.error("/piece/groups/0", "is a train, expected a sum of products");
+  return *field;
+}
+
 /// The field must lie over the axes of the state: time first, then one per number of nodes.
 void check_field(const io::Hdf5Reader& file, const pgd::SolverState& state) {
   if (!state.field) {
@@ -120,7 +127,7 @@ pgd::SolverState load_checkpoint(const std::filesystem::path& path, const std::s
   state.rhs_evaluations = static_cast<long>(count(file, "rhs_evaluations", 0, kMostEvaluations));
   state.jacobian_evaluations = static_cast<long>(count(file, "jacobian_evaluations", 0, kMostEvaluations));
   state.iterations = static_cast<int>(count(file, "iterations", 0, kMost));
-  if (file.has("/piece")) state.field = read_piece(file, "/piece").groups.front();
+  if (file.has("/piece")) state.field = read_field(file);
   check_field(file, state);
   return state;
 }

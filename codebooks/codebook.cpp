@@ -26,7 +26,7 @@ bool same_axis(const pgd::Axis& a, const pgd::Axis& b) {
 
 void check_groups(const Piece& piece) {
   const std::vector<pgd::Axis>& axes = axes_of(piece);
-  for (const pgd::SeparatedField& group : piece.groups) {
+  for (const FieldGroup& group : piece.groups) {
     const bool same =
         std::equal(axes.begin(), axes.end(), group.axes().begin(), group.axes().end(), same_axis);
     if (!same) throw ArgumentError("the groups of a piece of the codebook must have the same axes");
@@ -74,7 +74,7 @@ void sort_pieces(std::vector<Piece>& pieces) {
 
 std::vector<pgd::OutputLabel> outputs_of(const Piece& piece) {
   std::vector<pgd::OutputLabel> outputs;
-  for (const pgd::SeparatedField& group : piece.groups) {
+  for (const FieldGroup& group : piece.groups) {
     outputs.insert(outputs.end(), group.outputs().begin(), group.outputs().end());
   }
   return outputs;

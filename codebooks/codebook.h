@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "samara/codebooks/certificate.h"
-#include "samara/pgd/separated_field.h"
+#include "samara/codebooks/field_group.h"
 
 /// A codebook is the separated solution of a parametric model over time and a box of parameters and initial
 /// values, with a certificate of its error. Coordinates and outputs are in SI units.
@@ -42,19 +42,19 @@ struct Provenance {
 
 /// How the builder went; the same on every machine and after every resume.
 struct BuildRecord {
-  std::string builder;     ///< "pgd"
-  std::string strategy;    ///< "newton"
+  std::string builder;     ///< "pgd" or "sampling"
+  std::string strategy;    ///< "newton" or "cross"
   std::string status;      ///< "converged", or why not
   std::string message;     ///< in one sentence
-  double evaluations = 0;  ///< of the right-hand side and its Jacobian
+  double evaluations = 0;  ///< of the right-hand side and its Jacobian; of sampling: trajectories
   double grid_size = 0;    ///< nodes of time x parameters of the last round
-  int iterations = 0;      ///< of Newton, all rounds
+  int iterations = 0;      ///< of Newton, all rounds; of sampling: none
   int rounds = 0;          ///< of refinement
 };
 
 /// One time slab of one parameter cell: its own axes and field groups, all groups over the same axes.
 struct Piece {
-  std::vector<pgd::SeparatedField> groups;
+  std::vector<FieldGroup> groups;
 };
 
 /// One coordinate of the whole codebook: time first, then parameters and initial values.

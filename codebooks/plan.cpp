@@ -173,11 +173,27 @@ void read_builder(const TomlTable& root, Plan& plan) {
   const auto table = root.optional_table("builder");
   if (!table) return;
   table->expect_keys({"kind", "strategy", "max_calls", "threads", "seed"});
-  plan.builder.kind = one_of(*table, "kind", {"auto", "pgd"});
+  plan.builder.kind = one_of(*table, "kind", {"auto", "pgd", "sampling"});
   plan.builder.strategy = one_of(*table, "strategy", {"auto", "newton"});
   plan.builder.max_calls = integer_in(*table, "max_calls", 0, 0, 1'000'000'000'000);
   plan.builder.threads = static_cast<int>(integer_in(*table, "threads", 0, 0, 1024));
   plan.builder.seed = static_cast<std::uint64_t>(integer_in(*table, "seed", 1, 0, INT64_MAX));
+}
+
+/// Sampling finds nodes by itself, on Chebyshev axes.
+void check_builder_fits(const TomlTable& root, const Plan& plan) {
+  if (plan.builder.kind != "sampling") return;
+  if (plan.builder.strategy != "auto") {
+    throw root.table("builder").error(
+        "strategy", fmt::format("is \"{}\", which is one of the builder \"pgd\", not of \"sampling\"",
+                                plan.builder.strategy));
+  }
+  for (const BoxEntry& entry : plan.box) {
+    if (!entry.nodes && entry.basis == pgd::Basis::chebyshev) continue;
+    throw root.table("box").error(
+        entry.name, fmt::format("prescribes {}, but the builder of kind \"sampling\" chooses that by itself",
+                                entry.nodes ? "nodes" : "a basis"));
+  }
 }
 
 }  // namespace
@@ -221,6 +237,7 @@ Plan parse_plan(const std::string& text, const std::string& name) {
   if (!(plan.end > 0.0)) throw time.error("end", fmt::format("is {}, expected more than 0", plan.end));
   read_tolerance(root, info, plan);
   read_builder(root, plan);
+  check_builder_fits(root, plan);
   try {
     plan.parametric_model();  // required parameters
   } catch (const ArgumentError& error) {

@@ -36,10 +36,12 @@ struct Plan {
   std::map<std::string, double> absolute;  ///< floor per output, SI
 
   struct Builder {
-    std::string kind = "auto";      ///< "auto" or "pgd"
+    std::string kind = "auto";      ///< "auto", "pgd" or "sampling"
     std::string strategy = "auto";  ///< "auto" or "newton"
-    long max_calls = 0;             ///< evaluations of f and its Jacobian; 0: no limit
-    int threads = 0;                ///< 0: all cores
+    /// Of f and its Jacobian; of sampling, trajectories; 0: no limit of the plan's. A trial of "auto" has its
+    /// own.
+    long max_calls = 0;
+    int threads = 0;  ///< 0: all cores
     std::uint64_t seed = 1;
   } builder;
 

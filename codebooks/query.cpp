@@ -15,7 +15,7 @@ Query::Query(const Codebook& book) : book_(book) {
   for (const Piece& piece : book.pieces()) {
     std::vector<Group> groups;
     int next = 0;
-    for (const pgd::SeparatedField& field : piece.groups) {
+    for (const FieldGroup& field : piece.groups) {
       Group group{&field,
                   field.make_workspace(),
                   {},

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "samara/codebooks/codebook.h"
+#include "samara/codebooks/trajectory_part.h"
 
 namespace samara::codebooks {
 
@@ -29,8 +30,8 @@ class Query {
 
  private:
   struct Group {
-    const pgd::SeparatedField* field;
-    pgd::SeparatedField::Workspace workspace;
+    const FieldGroup* field;
+    FieldGroup::Workspace workspace;
     std::vector<int> outputs;  ///< their places in the codebook
     Eigen::VectorXd values;
     Eigen::MatrixXd gradient;
@@ -42,7 +43,7 @@ class Query {
 };
 
 /// Answers at fixed times, for chosen outputs, again and again at other parameters: what a fit asks for. Each
-/// call costs one product of the parameter axes and one small matrix product over the prepared times. Does
+/// call costs one product over the parameter axes and one small matrix product over the prepared times. Does
 /// not allocate after construction; one per thread; the codebook must outlive it.
 class TrajectoryQuery {
  public:
@@ -69,20 +70,13 @@ class TrajectoryQuery {
  private:
   /// The part of one group of one piece: the times it answers for.
   struct Part {
-    const pgd::SeparatedField* field;
-    std::vector<int> rows;           ///< of the times
-    Eigen::MatrixXd time_factors;    ///< those times x rank
-    std::vector<int> field_outputs;  ///< chosen outputs of the field, and where they go
-    std::vector<int> columns;
-    Eigen::MatrixXd weights;  ///< rank x chosen outputs
-    std::vector<pgd::InterpolationStencil> stencils;
-    Eigen::MatrixXd factor_values, factor_derivatives;  ///< rank x parameters
-    Eigen::VectorXd product;
-    Eigen::MatrixXd scaled_weights;  ///< rank x chosen outputs
-    Eigen::MatrixXd result;          ///< those times x chosen outputs
+    std::span<const pgd::Axis> axes;  ///< behind time
+    std::vector<int> rows;            ///< of the times
+    std::vector<int> columns;         ///< of the chosen outputs
+    GroupAtTimes group;
+    Eigen::MatrixXd result;  ///< those times x those outputs
 
-    /// `result` from `product`.
-    void sum_terms();
+    void copy_result(Eigen::Ref<Eigen::MatrixXd> target, Eigen::Index first_column) const;
   };
   void check(std::span<const double> q) const;
 

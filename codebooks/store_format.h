@@ -5,7 +5,8 @@ namespace samara::codebooks::format {
 
 inline constexpr const char* kFormat = "samara-codebook";
 inline constexpr int kMajor = 0;
-inline constexpr int kMinor = 2;
-inline constexpr const char* kGroupKind = "sum_of_products";
+inline constexpr int kMinor = 3;
+inline constexpr const char* kSum = "sum_of_products";
+inline constexpr const char* kTrain = "train";
 
 }  // namespace samara::codebooks::format

@@ -40,22 +40,48 @@ void write_axis(Hdf5Writer& file, const std::string& path, int index, const pgd:
   file.write_numbers_attribute(path, "borders", as_span(axis.borders()));
 }
 
-void write_group(Hdf5Writer& file, const std::string& piece, const std::string& path,
-                 const pgd::SeparatedField& field) {
-  file.create_group(path);
-  file.write_text_attribute(path, "kind", format::kGroupKind);
-  std::vector<std::string> names, units;
-  for (const pgd::OutputLabel& output : field.outputs()) {
-    names.push_back(output.name);
-    units.push_back(output.unit);
-  }
-  file.write_texts(path + "/outputs", names);
-  file.write_texts(path + "/units", units);
+void write_sum(Hdf5Writer& file, const std::string& piece, const std::string& path,
+               const pgd::SeparatedField& field) {
   file.write_matrix(path + "/weights", field.weights());
   for (std::size_t k = 0; k < field.axes().size(); ++k) {
     const std::string& name = field.axes()[k].name();
     file.write_matrix(path + "/factors/" + name, field.factors()[k]);
     file.attach_scale(path + "/factors/" + name, 0, piece + "/axes/" + name);
+  }
+}
+
+void write_train(Hdf5Writer& file, const std::string& piece, const std::string& path,
+                 const pgd::TrainField& field) {
+  std::vector<double> values;
+  for (std::size_t k = 0; k < field.train().cores.size(); ++k) {
+    const pgd::TrainCore& core = field.train().cores[k];
+    const std::string name = fmt::format("{}/cores/{}", path, k);
+    values.clear();
+    for (int l = 0; l < core.left; ++l) {
+      for (int i = 0; i < core.size; ++i) {
+        for (int r = 0; r < core.right; ++r) values.push_back(core.slice(i)(l, r));
+      }
+    }
+    file.write_block(name, {core.left, core.size, core.right}, values);
+    if (k > 0) file.attach_scale(name, 1, piece + "/axes/" + field.axes()[k - 1].name());
+  }
+}
+
+void write_group(Hdf5Writer& file, const std::string& piece, const std::string& path,
+                 const FieldGroup& group) {
+  file.create_group(path);
+  std::vector<std::string> names, units;
+  for (const pgd::OutputLabel& output : group.outputs()) {
+    names.push_back(output.name);
+    units.push_back(output.unit);
+  }
+  file.write_text_attribute(path, "kind", group.train() != nullptr ? format::kTrain : format::kSum);
+  file.write_texts(path + "/outputs", names);
+  file.write_texts(path + "/units", units);
+  if (const pgd::TrainField* train = group.train()) {
+    write_train(file, piece, path, *train);
+  } else {
+    write_sum(file, piece, path, *group.sum());
   }
 }
 
@@ -174,12 +200,7 @@ std::vector<pgd::Axis> read_axes(const Hdf5Reader& file, const std::string& piec
   return axes;
 }
 
-pgd::SeparatedField read_group(const Hdf5Reader& file, const std::string& path,
-                               const std::vector<pgd::Axis>& axes) {
-  const std::string kind = file.text_attribute(path, "kind");
-  if (kind != format::kGroupKind) {
-    throw file.error(path, fmt::format("kind is \"{}\", expected \"{}\"", kind, format::kGroupKind));
-  }
+std::vector<pgd::OutputLabel> read_outputs(const Hdf5Reader& file, const std::string& path) {
   const std::vector<std::string> names = file.texts(path + "/outputs");
   const std::vector<std::string> units = file.texts(path + "/units");
   if (names.size() != units.size() || names.empty()) {
@@ -187,13 +208,69 @@ pgd::SeparatedField read_group(const Hdf5Reader& file, const std::string& path,
   }
   std::vector<pgd::OutputLabel> outputs;
   for (std::size_t o = 0; o < names.size(); ++o) outputs.push_back({names[o], units[o]});
-  Eigen::MatrixXd weights = file.matrix(path + "/weights", {.rows = static_cast<Eigen::Index>(names.size())});
+  return outputs;
+}
+
+pgd::SeparatedField read_sum(const Hdf5Reader& file, const std::string& path,
+                             const std::vector<pgd::Axis>& axes) {
+  std::vector<pgd::OutputLabel> outputs = read_outputs(file, path);
+  Eigen::MatrixXd weights =
+      file.matrix(path + "/weights", {.rows = static_cast<Eigen::Index>(outputs.size())});
   std::vector<Eigen::MatrixXd> factors;
   for (const pgd::Axis& axis : axes) {
     factors.push_back(
         file.matrix(path + "/factors/" + axis.name(), {.rows = axis.size(), .columns = weights.cols()}));
   }
   return pgd::SeparatedField(axes, std::move(outputs), std::move(factors), std::move(weights));
+}
+
+/// @param left, size what the core before and the axis ask for
+pgd::TrainCore read_core(const Hdf5Reader& file, const std::string& path, int left, int size) {
+  const io::Hdf5Block block = file.block(path);
+  if (block.size[0] != left || block.size[1] != size || block.size[2] < 1) {
+    throw file.error(path, fmt::format("has the size {} x {} x {}, expected {} x {} x a rank", block.size[0],
+                                       block.size[1], block.size[2], left, size));
+  }
+  pgd::TrainCore core(left, size, static_cast<int>(block.size[2]));
+  auto value = block.values.begin();
+  for (int l = 0; l < left; ++l) {
+    for (int i = 0; i < size; ++i) {
+      for (int r = 0; r < core.right; ++r)
+        core.data[l + Eigen::Index{left} * (i + Eigen::Index{size} * r)] = *value++;
+    }
+  }
+  return core;
+}
+
+pgd::TrainField read_train(const Hdf5Reader& file, const std::string& path,
+                           const std::vector<pgd::Axis>& axes) {
+  std::vector<pgd::OutputLabel> outputs = read_outputs(file, path);
+  const std::string cores = path + "/cores";
+  const int count = numbered_children(file, cores);
+  if (count != static_cast<int>(axes.size()) + 1) {
+    throw file.error(cores, fmt::format("has {} cores, expected {}: of the outputs, then of every axis",
+                                        count, axes.size() + 1));
+  }
+  pgd::TensorTrain train;
+  int left = 1;
+  for (std::size_t k = 0; k <= axes.size(); ++k) {
+    const int size = k == 0 ? static_cast<int>(outputs.size()) : axes[k - 1].size();
+    train.cores.push_back(read_core(file, fmt::format("{}/{}", cores, k), left, size));
+    left = train.cores.back().right;
+  }
+  if (left != 1) {
+    throw file.error(fmt::format("{}/{}", cores, axes.size()),
+                     fmt::format("ends with the rank {}, expected 1", left));
+  }
+  return pgd::TrainField(axes, std::move(outputs), std::move(train));
+}
+
+FieldGroup read_group(const Hdf5Reader& file, const std::string& path, const std::vector<pgd::Axis>& axes) {
+  const std::string kind = file.text_attribute(path, "kind");
+  if (kind == format::kSum) return read_sum(file, path, axes);
+  if (kind == format::kTrain) return read_train(file, path, axes);
+  throw file.error(
+      path, fmt::format("kind is \"{}\", expected \"{}\" or \"{}\"", kind, format::kSum, format::kTrain));
 }
 
 }  // namespace

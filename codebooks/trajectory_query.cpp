@@ -25,6 +25,12 @@ std::vector<int> columns_of(const Codebook& book, const std::vector<std::string>
   }
   return column;
 }
+
+GroupAtTimes at_times(const FieldGroup& group, const std::vector<double>& times,
+                      const std::vector<int>& outputs) {
+  if (const pgd::TrainField* train = group.train()) return TrainAtTimes(*train, times, outputs);
+  return SumAtTimes(*group.sum(), times, outputs);
+}
 }  // namespace
 
 TrajectoryQuery::TrajectoryQuery(const Codebook& book, std::vector<double> times,
@@ -35,53 +41,39 @@ TrajectoryQuery::TrajectoryQuery(const Codebook& book, std::vector<double> times
   output_count_ = outputs.empty() ? book.output_count() : static_cast<int>(outputs.size());
   for (const Piece& piece : book.pieces()) {
     int output = 0;
-    for (const pgd::SeparatedField& field : piece.groups) {
-      Part part;
-      part.field = &field;
+    for (const FieldGroup& field : piece.groups) {
+      std::vector<int> rows, columns, field_outputs;
       for (int o = 0; o < field.output_count(); ++o, ++output) {
         if (column[static_cast<std::size_t>(output)] < 0) continue;
-        part.field_outputs.push_back(o);
-        part.columns.push_back(column[static_cast<std::size_t>(output)]);
+        field_outputs.push_back(o);
+        columns.push_back(column[static_cast<std::size_t>(output)]);
       }
+      std::vector<double> held;
       for (std::size_t i = 0; i < times_.size(); ++i) {
-        if (field.axes().front().contains(times_[i])) part.rows.push_back(static_cast<int>(i));
+        if (!field.axes().front().contains(times_[i])) continue;
+        rows.push_back(static_cast<int>(i));
+        held.push_back(times_[i]);
       }
-      if (part.columns.empty() || part.rows.empty()) continue;
-      const Eigen::Index rank = field.rank();
-      const auto rows = static_cast<Eigen::Index>(part.rows.size());
-      const auto chosen = static_cast<Eigen::Index>(part.columns.size());
-      pgd::InterpolationStencil stencil = field.axes().front().make_stencil();
-      Eigen::VectorXd factor(rank);
-      part.time_factors.resize(rows, rank);
-      for (Eigen::Index i = 0; i < rows; ++i) {
-        field.factor_values(0, times_[static_cast<std::size_t>(part.rows[static_cast<std::size_t>(i)])],
-                            stencil, factor);
-        part.time_factors.row(i) = factor.transpose();
-      }
-      part.weights = field.weights()(part.field_outputs, Eigen::all).transpose();
-      for (int k = 1; k < field.axis_count(); ++k) {
-        part.stencils.push_back(field.axes()[static_cast<std::size_t>(k)].make_stencil());
-      }
-      part.factor_values.resize(rank, field.axis_count() - 1);
-      part.factor_derivatives.resize(rank, field.axis_count() - 1);
-      part.product.resize(rank);
-      part.scaled_weights.resize(rank, chosen);
-      part.result.resize(rows, chosen);
-      parts_.push_back(std::move(part));
+      if (columns.empty() || rows.empty()) continue;
+      Eigen::MatrixXd result(static_cast<Eigen::Index>(rows.size()),
+                             static_cast<Eigen::Index>(columns.size()));
+      parts_.push_back({std::span(field.axes()).subspan(1), std::move(rows), std::move(columns),
+                        at_times(field, held, field_outputs), std::move(result)});
     }
   }
 }
 
-void TrajectoryQuery::Part::sum_terms() {
-  scaled_weights = weights.array().colwise() * product.array();
-  // Output by output: the product of two matrices would take scratch memory when it is large, and is not
-  // faster for the few outputs there are.
-  for (Eigen::Index o = 0; o < result.cols(); ++o)
-    result.col(o).noalias() = time_factors * scaled_weights.col(o);
-}
-
 void TrajectoryQuery::check(std::span<const double> q) const {
   require_inside(std::span(book_.coordinates()).subspan(1), q);
+}
+
+void TrajectoryQuery::Part::copy_result(Eigen::Ref<Eigen::MatrixXd> target, Eigen::Index first_column) const {
+  for (std::size_t o = 0; o < columns.size(); ++o) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      target(rows[i], first_column + columns[o]) =
+          result(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(o));
+    }
+  }
 }
 
 void TrajectoryQuery::values(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> values) {
@@ -91,21 +83,15 @@ void TrajectoryQuery::values(std::span<const double> q, Eigen::Ref<Eigen::Matrix
   // Pieces are visited from the last to the first, so that at a border the lower piece has the last word.
   for (std::size_t p = parts_.size(); p-- > 0;) {
     Part& part = parts_[p];
-    if (!contains(std::span(part.field->axes()).subspan(1), q)) continue;
-    part.product.setOnes();
-    for (Eigen::Index k = 0; k < part.factor_values.cols(); ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      part.field->factor_values(static_cast<int>(k) + 1, q[i], part.stencils[i], part.factor_values.col(k));
-      part.product.array() *= part.factor_values.col(k).array();
-    }
-    part.sum_terms();
+    if (!contains(part.axes, q)) continue;
+    std::visit(
+        [&](auto& group) {
+          group.load(q, false);
+          group.values(part.result);
+        },
+        part.group);
     for (const int row : part.rows) answered_[static_cast<std::size_t>(row)] = 1;
-    for (std::size_t o = 0; o < part.columns.size(); ++o) {
-      for (std::size_t i = 0; i < part.rows.size(); ++i) {
-        values(part.rows[i], part.columns[o]) =
-            part.result(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(o));
-      }
-    }
+    part.copy_result(values, 0);
   }
   const auto missing = std::find(answered_.begin(), answered_.end(), char{0});
   if (missing == answered_.end()) return;
@@ -119,25 +105,11 @@ void TrajectoryQuery::values(std::span<const double> q, Eigen::Ref<Eigen::Matrix
   this->values(q, values);
   for (std::size_t p = parts_.size(); p-- > 0;) {
     Part& part = parts_[p];
-    if (!contains(std::span(part.field->axes()).subspan(1), q)) continue;
-    for (Eigen::Index k = 0; k < part.factor_values.cols(); ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      part.field->factor_values(static_cast<int>(k) + 1, q[i], part.stencils[i], part.factor_values.col(k),
-                                part.factor_derivatives.col(k));
-    }
-    for (Eigen::Index k = 0; k < part.factor_values.cols(); ++k) {
-      part.product = part.factor_derivatives.col(k);
-      for (Eigen::Index other = 0; other < part.factor_values.cols(); ++other) {
-        if (other != k) part.product.array() *= part.factor_values.col(other).array();
-      }
-      part.sum_terms();
-      for (std::size_t o = 0; o < part.columns.size(); ++o) {
-        const Eigen::Index column = part.columns[o] + Eigen::Index{output_count_} * k;
-        for (std::size_t i = 0; i < part.rows.size(); ++i) {
-          derivatives(part.rows[i], column) =
-              part.result(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(o));
-        }
-      }
+    if (!contains(part.axes, q)) continue;
+    std::visit([&](auto& group) { group.load(q, true); }, part.group);
+    for (Eigen::Index k = 0; k < parameter_count(); ++k) {
+      std::visit([&](auto& group) { group.derivative(k, part.result); }, part.group);
+      part.copy_result(derivatives, output_count_ * k);
     }
   }
 }

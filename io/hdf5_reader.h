@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -26,6 +27,12 @@ struct DatasetExpectation {
   std::optional<Eigen::Index> rows = {};     ///< size of the first dimension
   std::optional<Eigen::Index> columns = {};  ///< size of the second dimension; matrices only
   bool finite = true;                        ///< refuse NaN and infinities
+};
+
+/// Numbers in three dimensions, the last index running fastest.
+struct Hdf5Block {
+  std::array<Eigen::Index, 3> size = {};
+  std::vector<double> values;
 };
 
 /// An open file. It may be shared between threads; all access to HDF5 goes through one lock.
@@ -63,6 +70,8 @@ class Hdf5Reader {
   Eigen::VectorXd vector(const std::string& dataset, const DatasetExpectation& expectation = {}) const;
   /// A dataset of two dimensions, of doubles or single floats.
   Eigen::MatrixXd matrix(const std::string& dataset, const DatasetExpectation& expectation = {}) const;
+  /// A dataset of three dimensions, of doubles or single floats, all finite.
+  Hdf5Block block(const std::string& dataset) const;
   /// A dataset of one dimension of strings of a fixed size.
   std::vector<std::string> texts(const std::string& dataset) const;
 

@@ -285,6 +285,17 @@ void Hdf5Writer::write_matrix(const std::string& path, const Eigen::Ref<const Ei
   impl.write_dataset(hdf5::absolute(path), size, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, rows_first.data());
 }
 
+void Hdf5Writer::write_block(const std::string& path, const std::array<Eigen::Index, 3>& size,
+                             std::span<const double> values) {
+  const Impl& impl = open_file();
+  if (static_cast<Eigen::Index>(values.size()) != size[0] * size[1] * size[2])
+    impl.fail(path, "the block does not have the size that is said of it");
+  const Session session;
+  const std::array<hsize_t, 3> extents = {static_cast<hsize_t>(size[0]), static_cast<hsize_t>(size[1]),
+                                          static_cast<hsize_t>(size[2])};
+  impl.write_dataset(hdf5::absolute(path), extents, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data());
+}
+
 void Hdf5Writer::write_texts(const std::string& path, const std::vector<std::string>& texts) {
   const Impl& impl = open_file();
   std::size_t width = 1;

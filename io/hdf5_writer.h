@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -53,6 +54,9 @@ class Hdf5Writer {
   void write_vector(const std::string& path, const Eigen::Ref<const Eigen::VectorXd>& values);
   /// Two dimensions, rows first, row-major in the file.
   void write_matrix(const std::string& path, const Eigen::Ref<const Eigen::MatrixXd>& values);
+  /// Three dimensions. @param values size[0] x size[1] x size[2] of them, the last index running fastest
+  void write_block(const std::string& path, const std::array<Eigen::Index, 3>& size,
+                   std::span<const double> values);
   /// One dimension of strings. @throws ArgumentError also for a text with a zero byte.
   void write_texts(const std::string& path, const std::vector<std::string>& texts);
 

@@ -15,7 +15,7 @@ namespace {
 
 /// sum_i weight_i slice(first + i), left x right.
 void interpolate_slices(const TrainCore& core, int first, const Eigen::VectorXd& weights,
-                        Eigen::MatrixXd& slice) {
+                        Eigen::Ref<Eigen::MatrixXd> slice) {
   const Eigen::Index left = core.left;
   slice.setZero();
   for (Eigen::Index i = 0; i < weights.size(); ++i) {
@@ -72,20 +72,35 @@ TrainField::Workspace TrainField::make_workspace() const {
     workspace.behind.emplace_back(core.left);
     widest = std::max<Eigen::Index>({widest, core.left, core.right});
   }
-  workspace.before.resize(output_count(), widest);
-  workspace.next.resize(output_count(), widest);
+  workspace.before.resize(widest, output_count());
+  workspace.next.resize(widest, output_count());
+  workspace.through.resize(widest);
   return workspace;
+}
+
+void TrainField::slice(int axis, double x, InterpolationStencil& stencil,
+                       Eigen::Ref<Eigen::MatrixXd> slice) const {
+  const auto k = static_cast<std::size_t>(axis);
+  axes_[k].interpolate(x, stencil, false);
+  interpolate_slices(train_.cores[k + 1], stencil.first, stencil.value, slice);
+}
+
+void TrainField::slice(int axis, double x, InterpolationStencil& stencil, Eigen::Ref<Eigen::MatrixXd> slice,
+                       Eigen::Ref<Eigen::MatrixXd> derivative) const {
+  const auto k = static_cast<std::size_t>(axis);
+  axes_[k].interpolate(x, stencil, true);
+  interpolate_slices(train_.cores[k + 1], stencil.first, stencil.value, slice);
+  interpolate_slices(train_.cores[k + 1], stencil.first, stencil.derivative, derivative);
 }
 
 void TrainField::load(std::span<const double> x, bool with_derivatives, Workspace& workspace) const {
   require_inside(axes_, x);
   for (std::size_t k = 0; k < axes_.size(); ++k) {
-    InterpolationStencil& stencil = workspace.stencils[k];
-    axes_[k].interpolate(x[k], stencil, with_derivatives);
-    const TrainCore& core = train_.cores[k + 1];
-    interpolate_slices(core, stencil.first, stencil.value, workspace.slices[k]);
+    const auto axis = static_cast<int>(k);
     if (with_derivatives) {
-      interpolate_slices(core, stencil.first, stencil.derivative, workspace.derivatives[k]);
+      slice(axis, x[k], workspace.stencils[k], workspace.slices[k], workspace.derivatives[k]);
+    } else {
+      slice(axis, x[k], workspace.stencils[k], workspace.slices[k]);
     }
   }
   // behind[k] = G_k+1 .. G_d, a column: the last rank is 1.
@@ -106,21 +121,24 @@ void TrainField::evaluate(std::span<const double> x, Eigen::Ref<Eigen::VectorXd>
                           Eigen::Ref<Eigen::MatrixXd> gradient, Workspace& workspace) const {
   load(x, true, workspace);
   values.noalias() = train_.cores[0].left_unfolding() * workspace.behind[0];
-  // `before` grows from the left; the derivative of one core stands between it and what is behind.
+  // `before` grows from the left; the derivative of one core stands between it and what is behind. Columns
+  // one by one: a product of large matrices would take scratch memory.
   Eigen::Index width = train_.cores[0].right;
-  workspace.before.leftCols(width) = train_.cores[0].left_unfolding();
+  workspace.before.topRows(width) = train_.cores[0].left_unfolding().transpose();
   for (std::size_t k = 0; k < axes_.size(); ++k) {
-    const Eigen::MatrixXd& slice = workspace.slices[k];
-    const auto before = workspace.before.leftCols(width);
-    const auto column = static_cast<Eigen::Index>(k);
-    auto passed = workspace.next.leftCols(slice.cols());
-    passed.noalias() = before * workspace.derivatives[k];
+    const auto before = workspace.before.topRows(width);
+    auto through = workspace.through.head(width);
     if (k + 1 < axes_.size()) {
-      gradient.col(column).noalias() = passed * workspace.behind[k + 1];
+      through.noalias() = workspace.derivatives[k] * workspace.behind[k + 1];
     } else {
-      gradient.col(column) = passed;
+      through = workspace.derivatives[k].col(0);
     }
-    passed.noalias() = before * slice;
+    gradient.col(static_cast<Eigen::Index>(k)).noalias() = before.transpose() * through;
+    if (k + 1 == axes_.size()) break;
+    const Eigen::MatrixXd& slice = workspace.slices[k];
+    for (Eigen::Index m = 0; m < before.cols(); ++m) {
+      workspace.next.col(m).head(slice.cols()).noalias() = slice.transpose() * before.col(m);
+    }
     width = slice.cols();
     workspace.before.swap(workspace.next);
   }

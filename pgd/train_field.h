@@ -26,8 +26,9 @@ class TrainField {
     std::vector<Eigen::VectorXd> behind;       ///< behind[k] = G_k+1(x) .. G_d(x)
     std::vector<Eigen::MatrixXd> slices;       ///< G_k(x_k)
     std::vector<Eigen::MatrixXd> derivatives;  ///< dG_k/dx_k
-    Eigen::MatrixXd before;                    ///< G_0 .. G_k-1(x)
+    Eigen::MatrixXd before;                    ///< transposed: G_0 .. G_k-1(x), one column per output
     Eigen::MatrixXd next;
+    Eigen::VectorXd through;  ///< dG_k/dx_k behind[k]
   };
 
   /// @param train its mode 0 the outputs, then one mode per axis
@@ -53,6 +54,12 @@ class TrainField {
   /// The same with exact derivatives: gradient(m, k) = du_m/dx_k.
   void evaluate(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values,
                 Eigen::Ref<Eigen::MatrixXd> gradient, Workspace& workspace) const;
+
+  /// G_k(x) of axis k - 1, left rank x right rank. Building block of prepared queries; does not allocate.
+  void slice(int axis, double x, InterpolationStencil& stencil, Eigen::Ref<Eigen::MatrixXd> slice) const;
+  /// The same with its derivative.
+  void slice(int axis, double x, InterpolationStencil& stencil, Eigen::Ref<Eigen::MatrixXd> slice,
+             Eigen::Ref<Eigen::MatrixXd> derivative) const;
 
   /// Convenience form of the first one; allocates.
   Eigen::VectorXd operator()(std::span<const double> x) const;

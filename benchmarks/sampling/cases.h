@@ -33,6 +33,8 @@ SampledErrors errors_of(const SampledCase& sampled, const pgd::SamplingResult& r
 
 /// Borehole, OTL circuit, Black-Scholes.
 void run_functions(const Options& options);
+/// Codebooks of the reference plate and of a vertical fall.
+void run_codebooks(const Options& options);
 /// Peaks, kinks, poles, noise: no success may be silent about an error.
 void run_guard(const Options& options);
 

@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
   try {
     const Options chosen = options(argc, argv);
     run_functions(chosen);
+    run_codebooks(chosen);
     run_guard(chosen);
     run_lorenz(chosen);
   } catch (const std::exception& error) {

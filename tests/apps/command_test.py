@@ -41,6 +41,8 @@ C_D = [0.8, 1.6]
 end = "0.4 s"
 [tolerance]
 relative = 1e-3
+[builder]
+kind = "pgd"
 """
 
 

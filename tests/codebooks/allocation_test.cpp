@@ -42,6 +42,25 @@ TEST_CASE("a query does not allocate after its construction") {
   }
 }
 
+TEST_CASE("queries of a train do not allocate after their construction") {
+  for (const int rank : {1, 7, 60, 300}) {
+    const Codebook book(sample_model(), {random_train_piece({0.0, 1.0, 0.5, 1.0}, 1, rank)});
+    Query query(book);
+    TrajectoryQuery trajectory(book, {0.0, 0.1, 0.5, 0.7, 1.0});
+    Eigen::VectorXd values(3);
+    Eigen::MatrixXd gradient(3, 3), rows(5, 3), derivatives(5, 6);
+    const Eigen::MatrixXd points = random_points(book, 20, 1);
+    CAPTURE(rank);
+    CHECK(allocation_counter::during([&] {
+            for (Eigen::Index j = 0; j < points.cols(); ++j) {
+              query.values(point(points, j), values);
+              query.values(point(points, j), values, gradient);
+              trajectory.values(point(points, j).subspan(1), rows, derivatives);
+            }
+          }) == 0);
+  }
+}
+
 TEST_CASE("a query of several pieces does not allocate after its construction") {
   const Codebook book = four_pieces();
   Query query(book);

@@ -20,8 +20,11 @@ using Catch::Matchers::WithinRel;
 
 namespace {
 
-BuildResult built(const std::string& plan, BuildOptions options = {.certificate_points = 500}) {
-  return build(parse_plan(plan, "plan.toml"), options);
+/// By the PGD engine, which is the subject here.
+BuildResult built(const std::string& text, BuildOptions options = {.certificate_points = 500}) {
+  Plan plan = parse_plan(text, "plan.toml");
+  plan.builder.kind = "pgd";
+  return build(plan, options);
 }
 
 /// Vertical fall of a coin-like body to 1e-3.
@@ -103,7 +106,7 @@ TEST_CASE("the solution of (6.18), u(0) + (rate/k - 1) t, is one term beyond rou
   INFO(result.message);
   CHECK(result.met);
   CHECK(result.book.certificate()->max_error <= 1e-10);
-  const samara::pgd::SeparatedField& field = result.book.pieces().front().groups.front();
+  const samara::pgd::SeparatedField& field = *result.book.pieces().front().groups.front().sum();
   const Eigen::VectorXd sizes = field.weights().cwiseAbs().row(0);
   const double largest = sizes.maxCoeff();
   CHECK((sizes.array() > 1e-14 * largest).count() == 1);
@@ -312,7 +315,7 @@ TEST_CASE("the number of threads changes no byte outside the provenance") {
 }
 
 TEST_CASE("the seed of a plan changes the course of a build, not its quality") {
-  const BuildResult result = built(coin_plan() + "[builder]\nseed = 5\n");
+  const BuildResult result = built(coin_plan() + "seed = 5\n");
   CHECK(result.met);
   CHECK(result.book.build().evaluations != coin_build().book.build().evaluations);
 }
@@ -356,7 +359,7 @@ TEST_CASE("axes are refined round by round until they resolve the solution, to t
   // new axes the field carried over has zero highest coefficients, which must not be taken for resolution.
   const std::string plan =
       "model = \"constant_rate\"\n[box]\nk = [1.0, 100.0]\n[time]\nend = 1.0\n[tolerance]\nrelative = 1e-6\n";
-  const BuildResult result = build(parse_plan(plan, "plan.toml"), {.certificate_points = 200});
+  const BuildResult result = built(plan, {.certificate_points = 200});
   INFO(result.message);
   CHECK(result.met);
   CHECK(result.book.certificate()->spent.discretisation > 1e-12);
@@ -368,7 +371,7 @@ TEST_CASE("an axis that cannot resolve the solution is named, with the nodes it 
   const std::string plan =
       "model = \"constant_rate\"\n[box]\nk = [0.01, 100.0]\n[time]\nend = 1.0\n[tolerance]\nrelative = "
       "1e-6\n";
-  const BuildResult result = build(parse_plan(plan, "plan.toml"), {.certificate_points = 20});
+  const BuildResult result = built(plan, {.certificate_points = 20});
   CHECK_FALSE(result.met);
   CHECK_THAT(result.book.build().message,
              Catch::Matchers::Contains("the axis k does not resolve the solution: with 129 nodes"));

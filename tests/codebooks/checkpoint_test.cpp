@@ -175,7 +175,7 @@ TEST_CASE("a checkpoint of another plan is refused and left alone") {
   const std::string before = content(checkpoint);
   BuildOptions options = options_with(checkpoint);
   options.resume = true;
-  for (const std::string& other : {coin_plan() + "# a remark\n", coin_plan() + "[builder]\nseed = 2\n"}) {
+  for (const std::string& other : {coin_plan() + "# a remark\n", coin_plan() + "seed = 2\n"}) {
     CHECK_THAT(error_text<InputError>([&] { build(parse_plan(other, "other.toml"), options); }),
                Contains(checkpoint.string() + ": /plan: the checkpoint belongs to another plan"));
   }
@@ -254,7 +254,7 @@ TEST_CASE("the solver's state survives a checkpoint to the last bit") {
     REQUIRE(back.field.has_value() == state.field.has_value());
     if (back.field) check_same_field(*back.field, *state.field);
   };
-  const samara::pgd::SeparatedField field = four_pieces().pieces()[1].groups[0];
+  const samara::pgd::SeparatedField field = *four_pieces().pieces()[1].groups[0].sum();
   state.nodes = {7, 129};
   state.nodes.resize(static_cast<std::size_t>(field.axis_count()) - 1, 9);
   state.scales.resize(static_cast<std::size_t>(field.output_count()), 0.25);

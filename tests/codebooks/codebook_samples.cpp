@@ -1,6 +1,7 @@
 // Writes sample codebooks.
 //
-//   codebook_samples reference DIRECTORY   codebooks, DIRECTORY/{pieces,kinds,coin}.h5, each with a table of
+//   codebook_samples reference DIRECTORY   codebooks, DIRECTORY/{pieces,trains,kinds,coin}.h5, each with a
+//   table of
 //                                          reference values beside it (.csv): coordinates, then outputs
 //   codebook_samples golden FILE           the golden file of the present format version (golden_test.cpp);
 //                                          made once per version, then kept for ever
@@ -55,12 +56,13 @@ void write_reference(const Codebook& book, const std::filesystem::path& stem) {
 int main(int count, char** arguments) {
   const std::string verb = count == 3 ? arguments[1] : "";
   if (verb == "golden") {
-    save(all_kinds(), arguments[2]);
+    save(golden_trains(), arguments[2]);
     return 0;
   }
   if (verb == "reference") {
     const std::filesystem::path directory = arguments[2];
     write_reference(four_pieces(), directory / "pieces");
+    write_reference(four_pieces_of_trains(), directory / "trains");
     write_reference(all_kinds(), directory / "kinds");
     write_reference(coin_build().book, directory / "coin");
     return 0;

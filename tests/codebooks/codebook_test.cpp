@@ -83,7 +83,7 @@ TEST_CASE("another certificate leaves everything else as it is") {
   CHECK(book.certificate()->met);
   CHECK_FALSE(other.certificate()->met);
   CHECK(other.title() == book.title());
-  CHECK(other.pieces()[1].groups[0].weights() == book.pieces()[1].groups[0].weights());
+  CHECK(other.pieces()[1].groups[0].sum()->weights() == book.pieces()[1].groups[0].sum()->weights());
 }
 
 TEST_CASE("a codebook has pieces, a piece has groups") {

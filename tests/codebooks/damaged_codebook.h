@@ -128,11 +128,13 @@ inline Codebook certified() {
   return book.with_certificate(sample_certificate(book));
 }
 
-/// What load() says to the four pieces after `damage`. The sentence must begin with the file and be one.
-inline std::string error_after(const std::function<void(Patient&)>& damage) {
+/// What load() says to the four pieces, or another codebook, after `damage`. The sentence must begin with the
+/// file and be one.
+inline std::string error_after(const std::function<void(Patient&)>& damage,
+                               const Codebook& book = certified()) {
   const TemporaryDirectory directory;
   const fs::path path = directory / "book.h5";
-  save(certified(), path);
+  save(book, path);
   {
     Patient patient(path);
     damage(patient);

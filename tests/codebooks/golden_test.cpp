@@ -14,8 +14,10 @@
 using namespace samara::codebooks;
 using Catch::Matchers::WithinAbs;
 
-TEST_CASE("the golden file of format 0.1 loads and evaluates to v0 + C t and v0 t + C t^2/2") {
-  const Codebook book = load(std::filesystem::path(GOLDEN_DIRECTORY) / "codebook_0.1.h5");
+namespace {
+
+/// That the codebook is v0 + C t and v0 t + C t^2/2.
+void check_line_and_parabola(const Codebook& book) {
   Query query(book);
   Eigen::VectorXd values(2);
   Eigen::MatrixXd gradient(2, 3);
@@ -36,6 +38,22 @@ TEST_CASE("the golden file of format 0.1 loads and evaluates to v0 + C t and v0 
   check(2.0, 0.0, 0.5);
   const Eigen::MatrixXd points = random_points(book, 100, 7);
   for (Eigen::Index j = 0; j < points.cols(); ++j) check(points(0, j), points(1, j), points(2, j));
+}
+
+}  // namespace
+
+TEST_CASE("the golden file of format 0.1 loads and evaluates to v0 + C t and v0 t + C t^2/2") {
+  check_line_and_parabola(load(std::filesystem::path(GOLDEN_DIRECTORY) / "codebook_0.1.h5"));
+}
+
+TEST_CASE("the golden file of format 0.3, with a train, evaluates to v0 + C t and v0 t + C t^2/2") {
+  const Codebook book = load(std::filesystem::path(GOLDEN_DIRECTORY) / "codebook_0.3.h5");
+  REQUIRE(book.pieces().size() == 2);
+  CHECK(book.pieces()[0].groups[0].train() != nullptr);
+  CHECK(book.pieces()[1].groups[0].sum() != nullptr);
+  check_same_model(book.model(), sample_model());
+  check_same_certificate(*book.certificate(), sample_certificate(golden_book()));
+  check_line_and_parabola(book);
 }
 
 TEST_CASE("the golden file of format 0.1 holds all texts, numbers and the certificate") {

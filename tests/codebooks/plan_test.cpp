@@ -339,8 +339,8 @@ TEST_CASE("tolerances are between 0 and 1, floors are not negative") {
 }
 
 TEST_CASE("builders, strategies and numbers of the builder are checked") {
-  CHECK_THAT(refusal("kind = \"pgd\"", "kind = \"sampling\""),
-             StartsWith("p.toml:23: [builder] kind: is \"sampling\"") && EndsWith("known: auto, pgd"));
+  CHECK_THAT(refusal("kind = \"pgd\"", "kind = \"dmrg\""),
+             StartsWith("p.toml:23: [builder] kind: is \"dmrg\"") && EndsWith("known: auto, pgd, sampling"));
   CHECK_THAT(refusal("\"newton\"", "\"newtn\""), StartsWith("p.toml:24: [builder] strategy: is \"newtn\"") &&
                                                      EndsWith("did you mean \"newton\"?"));
   CHECK_THAT(refusal("\"newton\"", "\"picard\""), EndsWith("known: auto, newton"));

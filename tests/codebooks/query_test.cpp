@@ -21,16 +21,17 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// All outputs of a piece, group after group, from the fields themselves.
 Eigen::VectorXd values_of(const Piece& piece, std::span<const double> x) {
   std::vector<double> all;
-  for (const samara::pgd::SeparatedField& group : piece.groups) {
-    for (const double value : group(x)) all.push_back(value);
+  for (const FieldGroup& group : piece.groups) {
+    for (const double value : group.train() != nullptr ? (*group.train())(x) : (*group.sum())(x))
+      all.push_back(value);
   }
   return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
 
 Eigen::MatrixXd gradient_of(const Piece& piece, std::span<const double> x) {
   Eigen::MatrixXd all(0, static_cast<Eigen::Index>(x.size()));
-  for (const samara::pgd::SeparatedField& group : piece.groups) {
-    samara::pgd::SeparatedField::Workspace workspace = group.make_workspace();
+  for (const FieldGroup& group : piece.groups) {
+    FieldGroup::Workspace workspace = group.make_workspace();
     Eigen::VectorXd values(group.output_count());
     Eigen::MatrixXd gradient(group.output_count(), group.axis_count());
     group.evaluate(x, values, gradient, workspace);

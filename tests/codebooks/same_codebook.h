@@ -44,6 +44,30 @@ inline void check_same_field(const samara::pgd::SeparatedField& a, const samara:
   CHECK(same_bits(a.weights(), b.weights()));
 }
 
+inline void check_same_field(const samara::pgd::TrainField& a, const samara::pgd::TrainField& b) {
+  REQUIRE(a.axis_count() == b.axis_count());
+  REQUIRE(a.output_count() == b.output_count());
+  for (std::size_t k = 0; k < a.axes().size(); ++k) check_same_axis(a.axes()[k], b.axes()[k]);
+  for (std::size_t o = 0; o < a.outputs().size(); ++o) {
+    CHECK(a.outputs()[o].name == b.outputs()[o].name);
+    CHECK(a.outputs()[o].unit == b.outputs()[o].unit);
+  }
+  for (std::size_t k = 0; k < a.train().cores.size(); ++k) {
+    CHECK(a.train().cores[k].left == b.train().cores[k].left);
+    CHECK(a.train().cores[k].size == b.train().cores[k].size);
+    CHECK(same_bits(a.train().cores[k].data, b.train().cores[k].data));
+  }
+}
+
+inline void check_same_group(const samara::codebooks::FieldGroup& a, const samara::codebooks::FieldGroup& b) {
+  REQUIRE((a.train() == nullptr) == (b.train() == nullptr));
+  if (a.train() != nullptr) {
+    check_same_field(*a.train(), *b.train());
+  } else {
+    check_same_field(*a.sum(), *b.sum());
+  }
+}
+
 inline void check_same_certificate(const samara::codebooks::Certificate& a,
                                    const samara::codebooks::Certificate& b) {
   CHECK(same_bits(a.tolerance, b.tolerance));
@@ -106,7 +130,7 @@ inline void check_same_but_provenance(const samara::codebooks::Codebook& a,
   for (std::size_t p = 0; p < a.pieces().size(); ++p) {
     REQUIRE(a.pieces()[p].groups.size() == b.pieces()[p].groups.size());
     for (std::size_t g = 0; g < a.pieces()[p].groups.size(); ++g)
-      check_same_field(a.pieces()[p].groups[g], b.pieces()[p].groups[g]);
+      check_same_group(a.pieces()[p].groups[g], b.pieces()[p].groups[g]);
   }
   REQUIRE(a.certificate().has_value() == b.certificate().has_value());
   if (a.certificate()) check_same_certificate(*a.certificate(), *b.certificate());

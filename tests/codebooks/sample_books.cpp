@@ -3,6 +3,9 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
+
+#include "samara/pgd/tensor_train.h"
 
 namespace {
 
@@ -11,6 +14,7 @@ using samara::pgd::Axis;
 using samara::pgd::AxisRole;
 using samara::pgd::OutputLabel;
 using samara::pgd::SeparatedField;
+using samara::pgd::TrainField;
 
 std::vector<Axis> sample_axes(const PieceBox& box) {
   const double length = box.t_upper - box.t_lower;
@@ -73,6 +77,8 @@ C_D = [0.8, 1.6]
 end = 0.5
 [tolerance]
 relative = 1e-3
+[builder]
+kind = "pgd"
 )toml";
   return text;
 }
@@ -94,6 +100,63 @@ Codebook four_pieces() {
                                    random_piece({0.0, kSlabBorder, kCellBorder, 2.0}, 2),
                                    random_piece({kSlabBorder, 0.5, 0.5, kCellBorder}, 3),
                                    random_piece({kSlabBorder, 0.5, kCellBorder, 2.0}, 4)});
+}
+
+Piece as_trains(const Piece& piece) {
+  Piece trains;
+  for (const FieldGroup& group : piece.groups) {
+    const SeparatedField& sum = *group.sum();
+    samara::pgd::SeparatedTensor tensor;
+    tensor.weights = Eigen::VectorXd::Ones(sum.rank());
+    tensor.factors.push_back(sum.weights());
+    for (const Eigen::MatrixXd& factor : sum.factors()) tensor.factors.push_back(factor);
+    trains.groups.emplace_back(TrainField(sum.axes(), sum.outputs(), to_train(tensor)));
+  }
+  return trains;
+}
+
+Codebook four_pieces_of_trains() {
+  const Codebook sums = four_pieces();
+  std::vector<Piece> pieces;
+  for (const Piece& piece : sums.pieces()) pieces.push_back(as_trains(piece));
+  return Codebook(sample_model(), std::move(pieces));
+}
+
+Piece random_train_piece(const PieceBox& box, unsigned seed, int rank) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const std::vector<Axis> axes = sample_axes(box);
+  std::vector<OutputLabel> outputs = {{"x", "m"}, {"v", "m/s"}, {"E", "J"}};
+  samara::pgd::TensorTrain train;
+  int left = 1;
+  for (std::size_t k = 0; k <= axes.size(); ++k) {
+    const int size = k == 0 ? static_cast<int>(outputs.size()) : axes[k - 1].size();
+    train.cores.emplace_back(left, size, k == axes.size() ? 1 : rank);
+    for (double& entry : train.cores.back().data) entry = uniform(random);
+    left = rank;
+  }
+  return {{TrainField(axes, std::move(outputs), std::move(train))}};
+}
+
+Codebook golden_trains() {
+  const Piece sums = golden_piece(0.0, 2.0);
+  // v and x over the terms of both.
+  samara::pgd::SeparatedTensor both;
+  both.weights = Eigen::VectorXd::Ones(4);
+  both.factors.push_back((Eigen::MatrixXd(2, 4) << 1, 1, 0, 0, 0, 0, 1, 1).finished());
+  const SeparatedField& v = *sums.groups[0].sum();
+  const SeparatedField& x = *sums.groups[1].sum();
+  for (std::size_t k = 0; k < v.axes().size(); ++k) {
+    Eigen::MatrixXd factor(v.axes()[k].size(), 4);
+    factor << v.factors()[k], x.factors()[k];
+    both.factors.push_back(std::move(factor));
+  }
+  both.factors[0].leftCols(2) *= v.weights().row(0).asDiagonal();
+  both.factors[0].rightCols(2) *= x.weights().row(0).asDiagonal();
+  const TrainField train(v.axes(), {v.outputs()[0], x.outputs()[0]}, to_train(both));
+  const Codebook bare(sample_model(), {Piece{{train}}, golden_piece(2.0, 3.0)}, sample_build(),
+                      sample_provenance(), {}, "the golden codebook");
+  return bare.with_certificate(sample_certificate(bare));
 }
 
 ModelDescription sample_model() {

@@ -43,6 +43,17 @@ samara::codebooks::Certificate sample_certificate(const samara::codebooks::Codeb
 /// certificate.
 samara::codebooks::Codebook golden_book();
 
+/// The same pieces with every group as a train, equal to rounding.
+samara::codebooks::Piece as_trains(const samara::codebooks::Piece& piece);
+samara::codebooks::Codebook four_pieces_of_trains();
+
+/// A random train of these ranks over the axes of a random piece, with outputs x, v and E.
+samara::codebooks::Piece random_train_piece(const PieceBox& box, unsigned seed, int rank);
+
+/// The codebook of the golden file of format 0.3: golden_book() with the first piece as one train of both
+/// outputs.
+samara::codebooks::Codebook golden_trains();
+
 /// The codebook of the golden file of format 0.2: an axis of every kind that a file can hold, and
 ///   u = v(0) sqrt(m) + t log(C_D) cos(2 angle) plies + k^2 / h, exact to round-off, with t in [0, 2]
 ///   (legendre

@@ -69,6 +69,13 @@ TEST_CASE("a trajectory query answers as a query does, at every time of every pi
   for (const auto& q : kParameters) check_against_query(four_pieces(), {}, q);
 }
 
+TEST_CASE("a trajectory query of trains answers as a query does") {
+  for (const auto& q : kParameters) {
+    check_against_query(four_pieces_of_trains(), {}, q);
+    check_against_query(four_pieces_of_trains(), {"E", "x"}, q);
+  }
+}
+
 TEST_CASE("chosen outputs come in the order in which they were chosen") {
   for (const auto& q : kParameters) {
     check_against_query(four_pieces(), {"E", "x"}, q);

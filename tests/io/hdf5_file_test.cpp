@@ -83,6 +83,20 @@ TEST_CASE("a part of a matrix is written as it looks, not as it lies in memory")
   CHECK(file.vector("row") == matrix.row(2).transpose());
 }
 
+TEST_CASE("a block of three dimensions reads back, and nothing else passes for one") {
+  const TemporaryDirectory directory;
+  const std::vector<double> values = {1.0, 2.0, 3.0, 4.0, 5.0, 1.0 / 3.0};
+  const Hdf5Reader file = written(directory, [&](Hdf5Writer& writer) {
+    writer.write_block("b", {1, 3, 2}, values);
+    writer.write_vector("v", Eigen::Vector3d(1.0, 2.0, 3.0));
+    CHECK_THROWS_AS(writer.write_block("c", {2, 3, 2}, values), samara::ArgumentError);
+  });
+  const samara::io::Hdf5Block block = file.block("b");
+  CHECK(block.size == std::array<Eigen::Index, 3>{1, 3, 2});
+  CHECK(block.values == values);
+  CHECK_THROWS_AS(file.block("v"), samara::InputError);
+}
+
 TEST_CASE("attributes of every kind read back, on groups and datasets") {
   const TemporaryDirectory directory;
   const std::string long_text(200000, 'x');

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "samara/codebooks/codebook.h"
+
+namespace samara::codebooks {
+
+/// What a builder hands over, before the certificate.
+struct Solution {
+  Piece piece;
+  BuildRecord record;
+  ErrorBudget spent;
+  double residual = 0.0;  ///< of the equations, in scales of the states; 0 where none was formed
+};
+
+}  // namespace samara::codebooks
