@@ -5,9 +5,8 @@
 
 namespace samara::benchmarks {
 
-models::ParametricModel oblique_card() {
+models::ParametricModel oblique_card(double axis) {
   constexpr double kTilt = 10.0 * std::numbers::pi / 180.0;
-  constexpr double kAxis = 0.6;  // rad, from body x in the plane of the card
   return {models::find_model("immersed_body"),
           {{"a", 0.035},
            {"b", 0.02},
@@ -17,8 +16,8 @@ models::ParametricModel oblique_card() {
            {"C_D0", 0.05},
            {"C_w", 2.0},
            {"qw(0)", std::cos(0.5 * kTilt)},
-           {"qx(0)", std::sin(0.5 * kTilt) * std::cos(kAxis)},
-           {"qy(0)", std::sin(0.5 * kTilt) * std::sin(kAxis)},
+           {"qx(0)", std::sin(0.5 * kTilt) * std::cos(axis)},
+           {"qy(0)", std::sin(0.5 * kTilt) * std::sin(axis)},
            {"qz(0)", 0.0}},
           {"C_D90", "C_T", "C_R"}};
 }
