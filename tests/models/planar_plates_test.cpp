@@ -329,6 +329,49 @@ TEST_CASE("the masses of a rectangle are those of the model sheet") {
       WithinRel(m * (a * a + b * b) / 12.0 + 5.0 * kPi / 256.0 * fluid * std::pow(a * a - b * b, 2), 1e-14));
 }
 
+TEST_CASE("the forces on a rectangle are those of (2.18)-(2.20) with its coefficients") {
+  // Model sheet, section 3, rectangular plates: with v_p = vy - e w at the plate's centre,
+  //   G = -C_T a vx v_p/v + C_R a^2 w/2, lift rho G (-v_p, vx),
+  //   drag -1/2 rho a (C_0 cos^2 + C_pi sin^2) v (vx, v_p),  dissipation -C_tau rho a^4 |w| w/64,
+  // forces at the plate's centre, x' = -e from the centre of mass, which torques are about.
+  const double a = 0.02, rho = 998.2;
+  const double C_T = 4.5, C_R = 1.8, C_0 = 0.2, C_pi = 0.5, C_tau = 1.9;
+  struct Case {
+    double e, vx, vy, w;
+  };
+  for (const Case& at : {Case{0.0, 0.11, -0.23, 4.0}, Case{0.006, -0.17, -0.08, -7.0}}) {
+    INFO("offset " << at.e);
+    const ParametricModel fixed(find_model("falling_rectangle"),
+                                {{"chord", a},
+                                 {"thickness", 0.001},
+                                 {"density", 2700.0},
+                                 {"offset", at.e},
+                                 {"speed_floor", 1e-12}},
+                                {});
+    const ParameterValues p = {fixed.parameters({}), std::vector<char>(13, 1)};
+    const Breakdown b = break_down(fixed.model(), State{at.vx, at.vy, at.w, 0.3, 0.0, 0.0}, p);
+    const double v_p = at.vy - at.e * at.w;
+    const double v = std::hypot(at.vx, v_p);
+    const double alpha = std::atan2(v_p, at.vx);
+    const double drag =
+        0.5 * rho * a * (C_0 * std::pow(std::cos(alpha), 2) + C_pi * std::pow(std::sin(alpha), 2)) * v;
+    const double translation = -C_T * a * at.vx * v_p / v;
+    const double rotation = C_R * a * a * at.w / 2.0;
+    const auto check = [&](const char* name, double x, double y, double torque) {
+      INFO(name);
+      const Wrench& wrench = b.terms[term(fixed.model(), name)];
+      CHECK_THAT(wrench.force.x(), WithinRel(x, 1e-13));
+      CHECK_THAT(wrench.force.y(), WithinRel(y, 1e-13));
+      CHECK_THAT(wrench.torque.z(), WithinAbs(torque, 1e-13 * std::abs(torque)));
+    };
+    check("drag", -drag * at.vx, -drag * v_p, at.e * drag * v_p);
+    check("translational lift", -rho * translation * v_p, rho * translation * at.vx,
+          -at.e * rho * translation * at.vx);
+    check("rotational lift", -rho * rotation * v_p, rho * rotation * at.vx, -at.e * rho * rotation * at.vx);
+    check("dissipation", 0.0, 0.0, -C_tau * rho * std::pow(a, 4) * std::abs(at.w) * at.w / 64.0);
+  }
+}
+
 TEST_CASE("a rectangle heavy at one end falls with this end down") {
   const ParametricModel model(find_model("falling_rectangle"),
                               {{"chord", 0.02}, {"thickness", 0.002}, {"density", 2000.0}, {"offset", 0.006}},
