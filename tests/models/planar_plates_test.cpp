@@ -341,13 +341,10 @@ TEST_CASE("the forces on a rectangle are those of (2.18)-(2.20) with its coeffic
   };
   for (const Case& at : {Case{0.0, 0.11, -0.23, 4.0}, Case{0.006, -0.17, -0.08, -7.0}}) {
     INFO("offset " << at.e);
-    const ParametricModel fixed(find_model("falling_rectangle"),
-                                {{"chord", a},
-                                 {"thickness", 0.001},
-                                 {"density", 2700.0},
-                                 {"offset", at.e},
-                                 {"speed_floor", 1e-12}},
-                                {});
+    const ParametricModel fixed(
+        find_model("falling_rectangle"),
+        {{"chord", a}, {"thickness", 0.001}, {"density", 2700.0}, {"offset", at.e}, {"speed_floor", 1e-12}},
+        {});
     const ParameterValues p = {fixed.parameters({}), std::vector<char>(13, 1)};
     const Breakdown b = break_down(fixed.model(), State{at.vx, at.vy, at.w, 0.3, 0.0, 0.0}, p);
     const double v_p = at.vy - at.e * at.w;
