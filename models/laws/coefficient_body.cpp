@@ -14,18 +14,25 @@ struct FlowAxes {
   S alpha, beta, speed_2;
   Vector3<S> x, y, z;  ///< in body components
 
-  /// @param floor speed below which the angles are smoothed [m/s]
+  /// Angles smoothed below the speed `floor` [m/s], so that they and their derivatives are finite for every
+  /// u, and zero at rest; for flow from the front they err by less than (floor/|u|)^2/2. The axes are unit
+  /// vectors throughout. tan(alpha/2) = u_z / (v + u_x), v = sqrt(u_x^2 + u_z^2 + floor^2), has no quotient
+  /// that vanishes.
   FlowAxes(const Vector3<S>& u, const S& floor) {
+    using std::abs;
     using std::atan2;
+    using std::cos;
+    using std::sin;
     using std::sqrt;
-    const S forward = u.x + floor;
-    const S in_plane = sqrt(forward * forward + u.z * u.z);
-    const S speed = sqrt(in_plane * in_plane + u.y * u.y);
-    const S cos_alpha = forward / in_plane, sin_alpha = u.z / in_plane;
-    const S cos_beta = in_plane / speed, sin_beta = u.y / speed;
-    alpha = atan2(u.z, forward);
+    const S across_2 = u.z * u.z + floor * floor;
+    const S in_plane = sqrt(u.x * u.x + across_2);
+    const S forward = abs(u.x);
+    const S beyond = u.x + forward + across_2 / (in_plane + forward);  // v + u_x, also for u_x near -v
+    alpha = S(2.0) * atan2(u.z, beyond);
     beta = atan2(u.y, in_plane);
     speed_2 = dot(u, u);
+    const S cos_alpha = cos(alpha), sin_alpha = sin(alpha);
+    const S cos_beta = cos(beta), sin_beta = sin(beta);
     x = {cos_alpha * cos_beta, sin_beta, sin_alpha * cos_beta};
     y = {-cos_alpha * sin_beta, cos_beta, -sin_alpha * sin_beta};
     z = {-sin_alpha, S(0.0), cos_alpha};
@@ -168,8 +175,8 @@ struct CoefficientBody {
                             "sideways distance of each propeller from the plane of symmetry")});
     append(list, coefficients());
     list.push_back(with_default(positive("speed_floor", "m/s",
-                                         "added to u_x in the angles of flow, which are "
-                                         "undefined at rest"),
+                                         "speed below which the angles of flow are smoothed: "
+                                         "they are undefined at rest"),
                                 1e-6));
     return list;
   }
