@@ -26,7 +26,7 @@ std::vector<StateInfo> pose_states() {
 }
 
 std::vector<StateGroup> pose_groups() {
-  return {{.kind = StateGroupKind::position, .first = kX},
+  return {{.kind = StateGroupKind::position, .first = kPosition},
           {.kind = StateGroupKind::quaternion, .first = kQw}};
 }
 

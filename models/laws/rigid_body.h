@@ -12,7 +12,7 @@
 namespace samara::models::laws {
 
 /// The states of a body: position of its origin, attitude, velocity and angular velocity in body axes.
-enum PoseState { kX, kQw = 3, kUx = 7, kWx = 10, kPoseStates = 13 };
+enum PoseState { kPosition, kQw = 3, kUx = 7, kWx = 10, kPoseStates = 13 };
 
 std::vector<StateInfo> pose_states();
 std::vector<StateGroup> pose_groups();
@@ -32,7 +32,7 @@ struct Pose {
 /// Rates of position and attitude.
 template <class S>
 void pose_rates(const Pose<S>& pose, const S* x, S* dxdt) {
-  store(pose.R.to_world(pose.u), dxdt + kX);
+  store(pose.R.to_world(pose.u), dxdt + kPosition);
   quaternion_rate(x + kQw, pose.w, dxdt + kQw);
 }
 
