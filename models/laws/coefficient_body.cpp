@@ -75,24 +75,35 @@ struct CoefficientBody {
         .name = "coefficient_body",
         .title = "Body with polynomial lift, drag and moment coefficients, two thrusts and an offset mass",
         .equations =
-            "(P, L) = (M_body + K) (u, w), dP/dt = P x w + F, dL/dt = L x w + P x u + T;  drag q (Cd0 + Cda "
-            "alpha^2 + "
-            "Cdb beta^2), side force q (Cs0 + Csa alpha^2 + Csb beta), lift q (Cl0 + Cla alpha + Clb "
-            "beta^2), moments "
-            "q (Cmx0 + Cmxa alpha + Cmxb beta), q (Cmy0 + Cmya alpha + Cmyb beta^4), q (Cmz0 + Cmza alpha + "
-            "Cmzb "
-            "beta), damping (K1 w_x, K2 w_y, K3 w_z), all along the axes of flow;  q = 1/2 rho area |u|^2, "
-            "alpha = "
-            "atan2(u_z, u_x), beta = asin(u_y/|u|)",
+            "dP/dt = P x w + F;  "
+            "dL/dt = L x w + P x u + T;  "
+            "(P, L) = (M_body + K) (u, w);  "
+            "(x, y, z)' = R u;  "
+            "q' = 1/2 q (0, w);  "
+            "F = E (-drag, side, -lift) + (thrust_left + thrust_right, 0, 0) + (mass + offset_mass - "
+            "displaced_mass) R^T (0, 0, -g);  "
+            "T = E (moments + damping) + (0, (thrust_left + thrust_right) offset_z, (thrust_left - "
+            "thrust_right) thrust_arm) + (mass r_c + offset_mass offset) x R^T (0, 0, -g);  "
+            "drag = q (Cd0 + Cda alpha^2 + Cdb beta^2);  "
+            "side = q (Cs0 + Csa alpha^2 + Csb beta);  "
+            "lift = q (Cl0 + Cla alpha + Clb beta^2);  "
+            "moments = q (Cmx0 + Cmxa alpha + Cmxb beta, Cmy0 + Cmya alpha + Cmyb beta^4, Cmz0 + Cmza "
+            "alpha + Cmzb beta);  "
+            "damping = (K1 w_x, K2 w_y, K3 w_z);  "
+            "q = 1/2 fluid_density area |u|^2 in forces and moments;  "
+            "alpha = 2 atan2(u_z, u_x + v), atan2(u_z, u_x) but for the floor;  "
+            "beta = atan2(u_y, v);  "
+            "v = sqrt(u_x^2 + u_z^2 + speed_floor^2);  "
+            "E: the axes of flow, body x, y, z turned by beta about z, then by -alpha about y;  "
+            "K = diag(M_x, M_y, M_z, J_x, J_y, J_z)",
         .frames =
             "world: z up; body: x forward, y to the right, z down, origin at the centre of buoyancy, so that "
             "level flight along world x has q = (0, 1, 0, 0). Axes of flow: x along u, z down in the plane "
             "of symmetry; drag acts along -x, side force along y, lift along -z. Data with z down (x north, "
             "y east) turn into this world by a half turn about x",
         .source =
-            "Y. Zhu, H. Cheng, F. Zhang, IEEE Robot. Autom. "
-            "Lett. "
-            "9 (2024) 10986-10993, whose fitted coefficients go by these names",
+            "Y. Zhu, H. Cheng, F. Zhang, IEEE Robot. Autom. Lett. 9 (2024) 10986-10993, whose fitted "
+            "coefficients go by these names",
         .validity =
             "flow from the front, angles up to about 0.6; coefficients are those of one body (area and "
             "lengths included). Damping is along the axes of flow, as in the source, and is passive for "

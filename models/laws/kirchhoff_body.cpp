@@ -28,8 +28,13 @@ struct KirchhoffBody {
         .name = "kirchhoff_body",
         .title = "Rigid body of any shape in an ideal fluid at rest",
         .equations =
-            "dP/dt = P x w + F,  dL/dt = L x w + P x u + T,  (P, L) = (M_body + K) (u, w);  F = (m - m_f) "
-            "R^T g,  T = (m r_c - m_f r_b) x R^T g",
+            "dP/dt = P x w + F;  "
+            "dL/dt = L x w + P x u + T;  "
+            "(P, L) = (M_body + K) (u, w);  "
+            "(x, y, z)' = R u;  "
+            "q' = 1/2 q (0, w);  "
+            "F = (mass - displaced_mass) R^T (0, 0, -g);  "
+            "T = (mass r_c - displaced_mass r_b) x R^T (0, 0, -g)",
         .frames =
             "world: z up; body: axes and origin as chosen for K, the inertia and the centres. x, y, z of the "
             "origin in the world; q turns body into world; u (of the origin) and w along body axes",

@@ -32,8 +32,16 @@ struct SphereFlight {
         .name = "sphere_flight",
         .title = "Spinning sphere in flight",
         .equations =
-            "(m + m_a) v' = -1/2 rho A C_D |v| v + 1/2 rho A C_M r w x v + (m - m_f) g,  x' = v,  w' = "
-            "-spin_decay w;  A = pi r^2, r = diameter/2",
+            "(m + m_a) v' = -1/2 rho A C_D V v + 1/2 rho A C_M r w x v + (m - m_f) (0, 0, -g);  "
+            "(x, y, z)' = v;  "
+            "w' = -spin_decay w;  "
+            "V = sqrt(|v|^2 + speed_floor^2);  "
+            "A = pi r^2;  "
+            "r = diameter/2;  "
+            "rho = fluid_density;  "
+            "m = mass;  "
+            "m_a = added_mass;  "
+            "m_f = displaced_mass",
         .frames = "world: z up; all vectors in world axes, forces and torques too",
         .source =
             "R. D. Mehta, Aerodynamics of sports balls, Annu. Rev. Fluid Mech. 17 (1985) 151-189; lift of a "
