@@ -108,7 +108,7 @@ struct CoefficientBody {
             "flow from the front, angles up to about 0.6; coefficients are those of one body (area and "
             "lengths included). Damping is along the axes of flow, as in the source, and is passive for "
             "K <= 0 and small angles only. Buoyancy acts at the origin",
-        .symmetries = symmetries(),
+        .symmetries = upright_symmetries(),
         .states = pose_states(),
         .parameters = parameters(),
         .affine_in = affine_parameters(),
@@ -122,12 +122,6 @@ struct CoefficientBody {
                         {.name = "gravity and buoyancy", .description = "weights at their places"}},
         .groups = pose_groups(),
     };
-  }
-
-  static std::vector<std::string> symmetries() {
-    std::vector<std::string> all = translations();
-    all.push_back("rotation about z");
-    return all;
   }
 
   static Parameters coefficients() {
@@ -282,8 +276,8 @@ struct CoefficientBody {
   static Scales scales(const double* p) {
     const double mass = p[kMass] + p[kOffsetMass];
     const double drive = (mass - p[kDisplacedMass]) * p[kG] + p[kThrustLeft] + p[kThrustRight];
-    const double k = 0.5 * p[kFluidDensity] * p[kArea] * std::max(0.01, std::abs(p[kCd]));
-    return body_scales(std::sqrt(p[kArea]), drive, mass * 9.80665, k);
+    const double k = 0.5 * p[kFluidDensity] * p[kArea] * std::max(kLeastDragCoefficient, std::abs(p[kCd]));
+    return body_scales(std::sqrt(p[kArea]), drive, mass, k);
   }
 };
 

@@ -114,11 +114,9 @@ ModelInfo ImmersedBody::info() {
 }
 
 Scales ImmersedBody::scales(const double* p) {
-  constexpr double kLeastDrag = 0.01;
-  const double C_D = std::max(kLeastDrag, 0.5 * (p[kCD0] + p[kCD90]));
+  const double C_D = std::max(kLeastDragCoefficient, 0.5 * (p[kCD0] + p[kCD90]));
   const double k = 0.5 * p[kFluidDensity] * std::numbers::pi * p[kA] * p[kB] * C_D;
-  return body_scales(2.0 * std::max(p[kA], p[kB]), (p[kMass] - p[kDisplacedMass]) * p[kG], p[kMass] * 9.80665,
-                     k);
+  return body_scales(2.0 * std::max(p[kA], p[kB]), (p[kMass] - p[kDisplacedMass]) * p[kG], p[kMass], k);
 }
 
 template <>
@@ -127,8 +125,7 @@ ModelInfo ImmersedBodyIn<StillFluid>::info() const {
   info.name = "immersed_body";
   info.title = "Body with quasi-steady forces in a fluid at rest";
   info.equations += ";  w_air = 0";
-  info.symmetries = translations();
-  info.symmetries.push_back("rotation about z");
+  info.symmetries = upright_symmetries();
   return info;
 }
 

@@ -56,7 +56,7 @@ struct ImmersedBodyPrinted : EllipsoidBody {
             "vanish (here within the floors); force at p with the velocity of the centre creates energy; "
             "edge-on motion and rotation are undamped; the torque of buoyancy has the wrong sign. Use "
             "immersed_body",
-        .symmetries = symmetries(),
+        .symmetries = upright_symmetries(),
         .states = pose_states(),
         .parameters = parameters(),
         .affine_in = {"C_D", "C_L1", "C_L2"},
@@ -67,12 +67,6 @@ struct ImmersedBodyPrinted : EllipsoidBody {
                         {.name = "gravity and buoyancy", .description = "torque with the printed sign"}},
         .groups = pose_groups(),
     };
-  }
-
-  static std::vector<std::string> symmetries() {
-    std::vector<std::string> all = translations();
-    all.push_back("rotation about z");
-    return all;
   }
 
   static Parameters parameters() {
@@ -157,10 +151,9 @@ struct ImmersedBodyPrinted : EllipsoidBody {
   }
 
   static Scales scales(const double* p) {
-    const double k =
-        0.5 * p[kFluidDensity] * std::numbers::pi * p[kA] * p[kB] * std::max(0.01, std::abs(p[kCD]));
-    return body_scales(2.0 * std::max(p[kA], p[kB]), (p[kMass] - p[kDisplacedMass]) * p[kG],
-                       p[kMass] * 9.80665, k);
+    const double k = 0.5 * p[kFluidDensity] * std::numbers::pi * p[kA] * p[kB] *
+                     std::max(kLeastDragCoefficient, std::abs(p[kCD]));
+    return body_scales(2.0 * std::max(p[kA], p[kB]), (p[kMass] - p[kDisplacedMass]) * p[kG], p[kMass], k);
   }
 };
 

@@ -44,7 +44,7 @@ struct KirchhoffBody {
         .validity =
             "no vorticity, no viscosity: bodies in their first moments after release, or parts of other "
             "models. (M_body + K) must be positive definite",
-        .symmetries = symmetries(),
+        .symmetries = upright_symmetries(),
         .states = pose_states(),
         .parameters = parameters(),
         .affine_in = {"g"},
@@ -52,12 +52,6 @@ struct KirchhoffBody {
                         {.name = "gravity and buoyancy", .description = "weight at r_c, buoyancy at r_b"}},
         .groups = pose_groups(),
     };
-  }
-
-  static std::vector<std::string> symmetries() {
-    std::vector<std::string> all = translations();
-    all.push_back("rotation about z");
-    return all;
   }
 
   static ParameterInfo moment(const char* name) {
@@ -181,7 +175,7 @@ struct KirchhoffBody {
   static Scales scales(const double* p) {
     const double trace = p[kInertia] + p[kInertia + 1] + p[kInertia + 2];
     const double length = std::sqrt(trace / p[kMass]);
-    const double g = std::max(p[kG], 1e-3 * 9.80665);
+    const double g = std::max(p[kG], 1e-3 * kStandardGravity);
     return {.length = length, .time = std::sqrt(length / g), .velocity = std::sqrt(length * g)};
   }
 };
