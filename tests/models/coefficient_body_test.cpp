@@ -130,8 +130,8 @@ TEST_CASE("the coefficient body has finite rates and derivatives at rest and in 
     Values values = blimp();
     values["speed_floor"] = floor;
     const ParameterValues p = parameter_values(*model, values);
-    for (const Eigen::Vector3d u : {Eigen::Vector3d(-floor, 0.0, 0.0), Eigen::Vector3d(0.0, 0.0, 0.0),
-                                    Eigen::Vector3d(-1.0, 0.0, 0.0), Eigen::Vector3d(0.0, 1.0, 0.0)}) {
+    for (const Eigen::Vector3d& u : {Eigen::Vector3d(-floor, 0.0, 0.0), Eigen::Vector3d(0.0, 0.0, 0.0),
+                                     Eigen::Vector3d(-1.0, 0.0, 0.0), Eigen::Vector3d(0.0, 1.0, 0.0)}) {
       INFO("u = " << u.transpose() << ", floor " << floor);
       BodyState state;
       state.u = u;
