@@ -13,12 +13,12 @@ namespace {
 /// The thin falling plate in its own units (fluid density, semi-chord and U are one), as an immersed body.
 ///
 /// Forces of the immersed body are those of the planar law on a span of A/l = pi b/2; mass, added mass,
-/// inertia and damping are given as those of the plane on this span.
-std::map<std::string, double> thin_plate(double I_star) {
-  const double span = pi / 2.0;
+/// inertia and damping are given as those of the plane on this span, whatever the semi-axis b along it.
+std::map<std::string, double> thin_plate(double I_star, double b) {
+  const double span = pi * b / 2.0;
   const double A = 1.4, B = 1.0, mu1 = 0.2, mu2 = 0.2;
   return {{"a", 1.0},
-          {"b", 1.0},
+          {"b", b},
           {"c", 0.01},
           {"density", 1.0},
           {"fluid_density", 1.0},
@@ -64,10 +64,16 @@ TEST_CASE("an immersed body with the masses of the plane follows the planar fall
   start.q = Eigen::AngleAxisd(-pi / 4.0, Eigen::Vector3d::UnitY());
   start.u = {0.001, 0.0, 0.001};
   start.w = {0.0, -0.001, 0.0};
-  for (const Reference& reference : kReferences) {
-    INFO("I* = " << reference.I_star << ", t = " << reference.t);
+  struct Case {
+    double b;
+    Reference reference;
+  };
+  std::vector<Case> cases = {{0.3, kReferences[4]}, {2.5, kReferences[7]}};
+  for (const Reference& reference : kReferences) cases.push_back({1.0, reference});
+  for (const auto& [b, reference] : cases) {
+    INFO("b = " << b << ", I* = " << reference.I_star << ", t = " << reference.t);
     const BodyState end(
-        motion(find_model("immersed_body"), thin_plate(reference.I_star), start, {reference.t}).row(0));
+        motion(find_model("immersed_body"), thin_plate(reference.I_star, b), start, {reference.t}).row(0));
     const auto& [vx, vy, w, theta, x, y] = reference.state;
     CHECK(end.u.x() == Approx(vx).margin(1e-6));
     CHECK(end.u.z() == Approx(vy).margin(1e-6));
