@@ -53,12 +53,6 @@ Values blimp() {
           {"K3", -0.0137}};
 }
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
-  Eigen::Matrix3d matrix;
-  matrix << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
-  return matrix;
-}
-
 using Rates = Eigen::Matrix<double, 6, 1>;
 
 /// The makers' equations of motion, term by term: forces at the origin in body axes, gravity along `down`

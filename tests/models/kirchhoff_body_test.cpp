@@ -42,12 +42,6 @@ Values without_gravity(const KirchhoffBodyData& body) {
   return values;
 }
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
-  Eigen::Matrix3d matrix;
-  matrix << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
-  return matrix;
-}
-
 Matrix6 total_inertia(const KirchhoffBodyData& body) {
   const Eigen::Matrix3d r = cross_matrix(body.centre_of_mass);
   Matrix6 matrix = body.added_mass;
