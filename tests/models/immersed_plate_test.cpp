@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "bodies_in_flow.h"
+#include "planar_references.h"
 
 using namespace samara::models;
 using std::numbers::pi;
@@ -39,23 +40,6 @@ std::map<std::string, double> thin_plate(double I_star, double b) {
           {"rate_floor", 1e-9}};
 }
 
-struct Reference {
-  double I_star, t;
-  std::array<double, 6> state;  ///< vx, vy, w, theta, x, y
-};
-
-const Reference kReferences[] = {
-    {0.5, 2.0, {-1.476582854, -0.022138671, -0.378138544, 0.128098237, -1.687758423, -1.187191236}},
-    {0.5, 5.0, {1.218255113, -0.47781602, 0.706059909, -0.690910794, -3.634967763, -1.949540362}},
-    {0.5, 10.0, {-1.085122751, -0.042274643, -0.309502616, -0.198517326, -2.423651027, -3.567764059}},
-    {1.1, 2.0, {-1.034832844, -0.393098275, -0.659490011, 0.354182728, -0.628413614, -1.107764539}},
-    {1.1, 5.0, {0.755521995, -0.371934127, -0.058302197, -1.602042954, -2.633326975, -1.65421933}},
-    {1.1, 10.0, {1.621435693, -0.105564982, 0.509177154, 0.227895511, 3.002727722, -6.93549973}},
-    {1.4, 2.0, {-0.862387101, -0.44341399, -0.493060572, 0.495056537, -0.408151071, -0.990813595}},
-    {1.4, 5.0, {0.547715606, -0.517482778, -0.246079755, -1.660747703, -2.51938618, -1.952818726}},
-    {1.4, 10.0, {0.970121685, -0.200332812, 0.681021731, 0.932189364, 1.355899349, -5.061766955}},
-};
-
 }  // namespace
 
 TEST_CASE("an immersed body with the masses of the plane follows the planar falling plate") {
@@ -66,10 +50,10 @@ TEST_CASE("an immersed body with the masses of the plane follows the planar fall
   start.w = {0.0, -0.001, 0.0};
   struct Case {
     double b;
-    Reference reference;
+    PlanarReference reference;
   };
-  std::vector<Case> cases = {{0.3, kReferences[4]}, {2.5, kReferences[7]}};
-  for (const Reference& reference : kReferences) cases.push_back({1.0, reference});
+  std::vector<Case> cases = {{0.3, kPlanarReferences[4]}, {2.5, kPlanarReferences[7]}};
+  for (const PlanarReference& reference : kPlanarReferences) cases.push_back({1.0, reference});
   for (const auto& [b, reference] : cases) {
     INFO("b = " << b << ", I* = " << reference.I_star << ", t = " << reference.t);
     const BodyState end(
