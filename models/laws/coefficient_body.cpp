@@ -14,18 +14,25 @@ struct FlowAxes {
   S alpha, beta, speed_2;
   Vector3<S> x, y, z;  ///< in body components
 
-  /// @param floor speed below which the angles are smoothed [m/s]
+  /// Angles smoothed below the speed `floor` [m/s], so that they and their derivatives are finite for every
+  /// u, and zero at rest; for flow from the front they err by less than (floor/|u|)^2/2. The axes are unit
+  /// vectors throughout. tan(alpha/2) = u_z / (v + u_x), v = sqrt(u_x^2 + u_z^2 + floor^2), has no quotient
+  /// that vanishes.
   FlowAxes(const Vector3<S>& u, const S& floor) {
+    using std::abs;
     using std::atan2;
+    using std::cos;
+    using std::sin;
     using std::sqrt;
-    const S forward = u.x + floor;
-    const S in_plane = sqrt(forward * forward + u.z * u.z);
-    const S speed = sqrt(in_plane * in_plane + u.y * u.y);
-    const S cos_alpha = forward / in_plane, sin_alpha = u.z / in_plane;
-    const S cos_beta = in_plane / speed, sin_beta = u.y / speed;
-    alpha = atan2(u.z, forward);
+    const S across_2 = u.z * u.z + floor * floor;
+    const S in_plane = sqrt(u.x * u.x + across_2);
+    const S forward = abs(u.x);
+    const S beyond = u.x + forward + across_2 / (in_plane + forward);  // v + u_x, also for u_x near -v
+    alpha = S(2.0) * atan2(u.z, beyond);
     beta = atan2(u.y, in_plane);
     speed_2 = dot(u, u);
+    const S cos_alpha = cos(alpha), sin_alpha = sin(alpha);
+    const S cos_beta = cos(beta), sin_beta = sin(beta);
     x = {cos_alpha * cos_beta, sin_beta, sin_alpha * cos_beta};
     y = {-cos_alpha * sin_beta, cos_beta, -sin_alpha * sin_beta};
     z = {-sin_alpha, S(0.0), cos_alpha};
@@ -68,29 +75,40 @@ struct CoefficientBody {
         .name = "coefficient_body",
         .title = "Body with polynomial lift, drag and moment coefficients, two thrusts and an offset mass",
         .equations =
-            "(P, L) = (M_body + K) (u, w), dP/dt = P x w + F, dL/dt = L x w + P x u + T;  drag q (Cd0 + Cda "
-            "alpha^2 + "
-            "Cdb beta^2), side force q (Cs0 + Csa alpha^2 + Csb beta), lift q (Cl0 + Cla alpha + Clb "
-            "beta^2), moments "
-            "q (Cmx0 + Cmxa alpha + Cmxb beta), q (Cmy0 + Cmya alpha + Cmyb beta^4), q (Cmz0 + Cmza alpha + "
-            "Cmzb "
-            "beta), damping (K1 w_x, K2 w_y, K3 w_z), all along the axes of flow;  q = 1/2 rho area |u|^2, "
-            "alpha = "
-            "atan2(u_z, u_x), beta = asin(u_y/|u|)",
+            "dP/dt = P x w + F;  "
+            "dL/dt = L x w + P x u + T;  "
+            "(P, L) = (M_body + K) (u, w);  "
+            "(x, y, z)' = R u;  "
+            "q' = 1/2 q (0, w);  "
+            "F = E (-drag, side, -lift) + (thrust_left + thrust_right, 0, 0) + (mass + offset_mass - "
+            "displaced_mass) R^T (0, 0, -g);  "
+            "T = E (moments + damping) + (0, (thrust_left + thrust_right) offset_z, (thrust_left - "
+            "thrust_right) thrust_arm) + (mass r_c + offset_mass offset) x R^T (0, 0, -g);  "
+            "drag = q (Cd0 + Cda alpha^2 + Cdb beta^2);  "
+            "side = q (Cs0 + Csa alpha^2 + Csb beta);  "
+            "lift = q (Cl0 + Cla alpha + Clb beta^2);  "
+            "moments = q (Cmx0 + Cmxa alpha + Cmxb beta, Cmy0 + Cmya alpha + Cmyb beta^4, Cmz0 + Cmza "
+            "alpha + Cmzb beta);  "
+            "damping = (K1 w_x, K2 w_y, K3 w_z);  "
+            "q = 1/2 fluid_density area |u|^2 in forces and moments;  "
+            "alpha = 2 atan2(u_z, u_x + v), atan2(u_z, u_x) but for the floor;  "
+            "beta = atan2(u_y, v);  "
+            "v = sqrt(u_x^2 + u_z^2 + speed_floor^2);  "
+            "E: the axes of flow, body x, y, z turned by beta about z, then by -alpha about y;  "
+            "K = diag(M_x, M_y, M_z, J_x, J_y, J_z)",
         .frames =
             "world: z up; body: x forward, y to the right, z down, origin at the centre of buoyancy, so that "
             "level flight along world x has q = (0, 1, 0, 0). Axes of flow: x along u, z down in the plane "
             "of symmetry; drag acts along -x, side force along y, lift along -z. Data with z down (x north, "
             "y east) turn into this world by a half turn about x",
         .source =
-            "Y. Zhu, H. Cheng, F. Zhang, IEEE Robot. Autom. "
-            "Lett. "
-            "9 (2024) 10986-10993, whose fitted coefficients go by these names",
+            "Y. Zhu, H. Cheng, F. Zhang, IEEE Robot. Autom. Lett. 9 (2024) 10986-10993, whose fitted "
+            "coefficients go by these names",
         .validity =
             "flow from the front, angles up to about 0.6; coefficients are those of one body (area and "
             "lengths included). Damping is along the axes of flow, as in the source, and is passive for "
             "K <= 0 and small angles only. Buoyancy acts at the origin",
-        .symmetries = symmetries(),
+        .symmetries = upright_symmetries(),
         .states = pose_states(),
         .parameters = parameters(),
         .affine_in = affine_parameters(),
@@ -104,12 +122,6 @@ struct CoefficientBody {
                         {.name = "gravity and buoyancy", .description = "weights at their places"}},
         .groups = pose_groups(),
     };
-  }
-
-  static std::vector<std::string> symmetries() {
-    std::vector<std::string> all = translations();
-    all.push_back("rotation about z");
-    return all;
   }
 
   static Parameters coefficients() {
@@ -168,8 +180,8 @@ struct CoefficientBody {
                             "sideways distance of each propeller from the plane of symmetry")});
     append(list, coefficients());
     list.push_back(with_default(positive("speed_floor", "m/s",
-                                         "added to u_x in the angles of flow, which are "
-                                         "undefined at rest"),
+                                         "speed below which the angles of flow are smoothed: "
+                                         "they are undefined at rest"),
                                 1e-6));
     return list;
   }
@@ -269,8 +281,8 @@ struct CoefficientBody {
   static Scales scales(const double* p) {
     const double mass = p[kMass] + p[kOffsetMass];
     const double drive = (mass - p[kDisplacedMass]) * p[kG] + p[kThrustLeft] + p[kThrustRight];
-    const double k = 0.5 * p[kFluidDensity] * p[kArea] * std::max(0.01, std::abs(p[kCd]));
-    return body_scales(std::sqrt(p[kArea]), drive, mass * 9.80665, k);
+    const double k = 0.5 * p[kFluidDensity] * p[kArea] * std::max(kLeastDragCoefficient, std::abs(p[kCd]));
+    return body_scales(std::sqrt(p[kArea]), drive, mass, k);
   }
 };
 

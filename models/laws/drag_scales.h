@@ -7,6 +7,11 @@
 
 namespace samara::models::laws {
 
+constexpr double kStandardGravity = 9.80665;  ///< [m/s^2]
+
+/// Below this drag coefficient the scales no longer follow it: no body in a fluid has less.
+constexpr double kLeastDragCoefficient = 0.01;
+
 /// Characteristic sizes of  v' = a - k |v| v : the terminal speed sqrt(a/k), the time sqrt(1/(a k)) and the
 /// way 1/k on which it is approached.
 ///
@@ -15,13 +20,10 @@ namespace samara::models::laws {
 /// of standard gravity: the sizes stay continuous in the parameters, and are exact in every case of interest.
 /// @param drive a [m/s^2], either sign  @param k, least_k [1/m], least_k > 0
 inline Scales drag_scales(double drive, double k, double least_k) {
-  constexpr double kLeastDrive = 1e-3 * 9.80665;
+  constexpr double kLeastDrive = 1e-3 * kStandardGravity;
   const double a = std::max(std::abs(drive), kLeastDrive);
   const double drag = std::max(k, least_k);
   return {.length = 1.0 / drag, .time = 1.0 / std::sqrt(a * drag), .velocity = std::sqrt(a / drag)};
 }
-
-/// Below this drag coefficient the scales no longer follow it: no body in a fluid has less.
-constexpr double kLeastDragCoefficient = 0.01;
 
 }  // namespace samara::models::laws

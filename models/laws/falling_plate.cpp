@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include "samara/models/added_mass/planar_sections.h"
 #include "samara/models/laws/planar_plate.h"
 
 namespace samara::models::laws {
@@ -115,14 +116,14 @@ struct FallingPlate {
     const S& fluid = p[kFluidDensity];
     const S& solid = p[kDensity];
     const S a2 = a * a;
-    const S b2 = b * b;
-    const S thin = a2 - b2;
+    const S mass = pi * solid * a * b;
+    const added_mass::SectionAddedMass<S> added = added_mass::ellipse_section(a, b, fluid);
     const S lift = S(2.0) * fluid * a;
     const S drag = fluid * a;
     const S damping = pi * fluid * a2 * a;
-    return {.mass_x = pi * b * (solid * a + fluid * b),
-            .mass_y = pi * a * (solid * b + fluid * a),
-            .inertia = pi * (S(0.25) * solid * a * b * (a2 + b2) + S(0.125) * fluid * thin * thin),
+    return {.mass_x = mass + added.m11,
+            .mass_y = mass + added.m22,
+            .inertia = S(0.25) * mass * (a2 + b * b) + added.I_a,
             .weight = pi * a * b * (solid - fluid) * p[kG],
             .flow = {.lift_T = lift * p[kCT],
                      .lift_R = lift * a * p[kCR],

@@ -1,5 +1,4 @@
-#include <numbers>
-
+#include "samara/models/added_mass/planar_sections.h"
 #include "samara/models/laws/planar_plate.h"
 
 namespace samara::models::laws {
@@ -135,17 +134,15 @@ struct FallingRectangle {
     const S& b = p[kThickness];
     const S& fluid = p[kFluidDensity];
     const S a2 = a * a;
-    const S b2 = b * b;
-    const S thin = a2 - b2;
-    const S added = S(3.0 * std::numbers::pi / 8.0) * fluid;
+    const added_mass::SectionAddedMass<S> added = added_mass::rectangle_section(a, b, fluid);
     const S mass = p[kDensity] * a * b;
     const S quarter = S(0.25) * fluid * a;
     return {.offset = p[kOffset],
             .mass = mass,
             .moment = p[kMomentOfInertia],
-            .added_x = added * b2,
-            .added_y = added * a2,
-            .added_moment = S(5.0 * std::numbers::pi / 256.0) * fluid * thin * thin,
+            .added_x = added.m11,
+            .added_y = added.m22,
+            .added_moment = added.I_a,
             .weight = mass * p[kG],
             .buoyancy = fluid * a * b * p[kG],
             // 1/2 (C_0 cos^2 + C_90 sin^2) = 1/4 (C_0 + C_90) - 1/4 (C_90 - C_0) (cos^2 - sin^2)

@@ -61,27 +61,47 @@ std::vector<ForceTermInfo> force_terms() {
 ModelInfo ImmersedBody::info() {
   ModelInfo info;
   info.equations =
-      "d/dt (m u + M u_r) + w x (...) = F,  d/dt (I + J) w + w x (...) = kappa (M u_r) x u_r + T,  "
-      "u_r = u - R^T w_air;  drag -1/2 rho A (C_D0 cos^2 alpha + C_D90 sin^2 alpha) |u_r| u_r,  "
-      "translational "
-      "lift -rho A C_T (e.n) (n - (n.e) e) |u_r|^2,  rotational lift 1/2 rho A l C_R (w_x, w_y, 0) x u_r,  "
-      "damping -1/2 rho C_w (8/15) (a b^3 s w_x, b a^3 s w_y, 0) with s = |(b w_x, a w_y)|,  weight and "
-      "buoyancy "
-      "(m - m_f) R^T g and -m_f r_b x R^T g;  A = pi a b, n = body z, e = u_r/|u_r|, l the chord along u_r";
+      "(m + M) u_r' = ((m + M) u_r) x w + F + R^T (m_f Dw_air/Dt - m dw_air/dt);  "
+      "(I + J) w' = ((I + J) w) x w + kappa (M u_r) x u_r + T;  "
+      "u' = u_r' + d(R^T w_air)/dt;  "
+      "(x, y, z)' = R u;  "
+      "q' = 1/2 q (0, w);  "
+      "u_r = u - R^T w_air;  "
+      "F = drag + translational lift + rotational lift + (m - m_f) R^T (0, 0, -g);  "
+      "T = p x (drag + translational lift + rotational lift) + damping - m_f r_b x R^T (0, 0, -g);  "
+      "drag = -1/2 rho A (1 + Re_drag/Re) (C_D0 (v_x^2 + v_y^2) + C_D90 v_z^2)/U v;  "
+      "translational lift = -rho A C_T/(1 + Re_lift/Re) v_z/U v x (n x v);  "
+      "rotational lift = 1/2 rho A l C_R/(1 + Re_lift/Re) (w_x, w_y, 0) x v;  "
+      "damping = -(4/15 rho C_w a b^3 s_x w_x, 4/15 rho C_w b a^3 s_y w_y, 0) - (linear_damping_x w_x, "
+      "linear_damping_y w_y, linear_damping_z w_z);  "
+      "v = u_r + w x p;  "
+      "U = sqrt(|v|^2 + speed_floor^2);  "
+      "Re = 2 a U/nu;  "
+      "l = 2 a b sqrt(v_x^2 + v_y^2 + speed_floor^2)/h(v);  "
+      "h(v) = sqrt(b^2 v_x^2 + a^2 v_y^2 + a b speed_floor^2);  "
+      "p = centre_of_pressure (1 - sin^3 alpha) (a b/2) (u_rx, u_ry, 0)/h(u_r);  "
+      "sin alpha = |u_rz|/sqrt(|u_r|^2 + speed_floor^2);  "
+      "s_x = i s + (1 - i) b sqrt(w_x^2 + rate_floor^2);  "
+      "s_y = i s + (1 - i) a sqrt(w_y^2 + rate_floor^2);  "
+      "s = sqrt(b^2 w_x^2 + a^2 w_y^2 + a b rate_floor^2);  "
+      "i = damping_isotropy;  "
+      "A = pi a b;  "
+      "n = (0, 0, 1);  "
+      "rho = fluid_density;  "
+      "m = mass;  "
+      "m_f = displaced_mass;  "
+      "dw_air/dt along the path of the body, Dw_air/Dt along that of the fluid";
   info.frames =
-      "world: z up; body: origin at the centre of mass, axes the principal ones, z the normal of the plate. "
-      "x, "
-      "y, z in the world; q turns body into world; u and w along body axes";
+      "world: z up; body: origin at the centre of mass, axes the principal ones, z the normal of the "
+      "plate. x, y, z in the world; q turns body into world; u and w along body axes";
   info.source =
-      "Kirchhoff's equations (H. Lamb, Hydrodynamics, 6th ed., 1932, art. 124); A. Andersen, U. Pesavento, "
-      "Z. "
-      "J. Wang, J. Fluid Mech. 541 (2005) 65-90 for the plane, carried to three dimensions; dissertation "
-      "(5.12)-(5.19), corrected";
+      "Kirchhoff's equations (H. Lamb, Hydrodynamics, 6th ed., 1932, art. 124); A. Andersen, U. "
+      "Pesavento, Z. J. Wang, J. Fluid Mech. 541 (2005) 65-90 for the plane, carried to three dimensions; "
+      "dissertation (5.12)-(5.19), corrected";
   info.validity =
       "flat bodies at Reynolds numbers of about 1e2 to 1e5 with quasi-steady forces: no wake, no history; "
       "unbounded fluid. The lift coefficients are fitted ones. The quaternion is normalised where it is "
-      "used; "
-      "its norm is constant but for the integrator's error";
+      "used; its norm is constant but for the integrator's error";
   info.states = pose_states();
   info.groups = pose_groups();
   info.parameters = EllipsoidBody::parameters();
@@ -94,11 +114,9 @@ ModelInfo ImmersedBody::info() {
 }
 
 Scales ImmersedBody::scales(const double* p) {
-  constexpr double kLeastDrag = 0.01;
-  const double C_D = std::max(kLeastDrag, 0.5 * (p[kCD0] + p[kCD90]));
+  const double C_D = std::max(kLeastDragCoefficient, 0.5 * (p[kCD0] + p[kCD90]));
   const double k = 0.5 * p[kFluidDensity] * std::numbers::pi * p[kA] * p[kB] * C_D;
-  return body_scales(2.0 * std::max(p[kA], p[kB]), (p[kMass] - p[kDisplacedMass]) * p[kG], p[kMass] * 9.80665,
-                     k);
+  return body_scales(2.0 * std::max(p[kA], p[kB]), (p[kMass] - p[kDisplacedMass]) * p[kG], p[kMass], k);
 }
 
 template <>
@@ -106,8 +124,8 @@ ModelInfo ImmersedBodyIn<StillFluid>::info() const {
   ModelInfo info = ImmersedBody::info();
   info.name = "immersed_body";
   info.title = "Body with quasi-steady forces in a fluid at rest";
-  info.symmetries = translations();
-  info.symmetries.push_back("rotation about z");
+  info.equations += ";  w_air = 0";
+  info.symmetries = upright_symmetries();
   return info;
 }
 

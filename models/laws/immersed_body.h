@@ -80,7 +80,7 @@ struct ImmersedBody : EllipsoidBody {
 
   template <class S, class Flow>
   static Ambient<S> ambient(const Flow& flow, const Pose<S>& pose, const S& t, const S* x, const S* p) {
-    return flow.at(t, vector3(x + kX), pose.R.to_world(pose.u), p + kParameters);
+    return flow.at(t, vector3(x + kPosition), pose.R.to_world(pose.u), p + kParameters);
   }
 
   /// u_r' = (m + M)^-1 (sum of forces), and u' = u_r' + d(R^T w_air)/dt.

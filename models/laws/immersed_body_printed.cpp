@@ -26,11 +26,23 @@ struct ImmersedBodyPrinted : EllipsoidBody {
         .name = "immersed_body_printed",
         .title = "Body with the forces of dissertation chapter 5 as printed, for comparison only",
         .equations =
-            "F = 1/2 rho pi a b |u|^2 (-C_D sin^2 alpha e1 + C_L1 sin 2alpha e2 + C_L2 cos 2alpha e3),  T = "
-            "p x F + "
-            "m_f r_b x R^T g,  e1 = u/|u|, e2 = (w x u)/|w x u|, e3 = e2 x e1,  p = (1 - sin^3 alpha) a/4 "
-            "along "
-            "(u_x, u_y, 0);  Kirchhoff's equations with both",
+            "dP/dt = P x w + F + (m - m_f) R^T (0, 0, -g);  "
+            "dL/dt = L x w + P x u + p x F + m_f r_b x R^T (0, 0, -g);  "
+            "P = (m + M) u;  "
+            "L = (I + J) w;  "
+            "(x, y, z)' = R u;  "
+            "q' = 1/2 q (0, w);  "
+            "F = 1/2 rho A (-C_D u_z^2 e1 + 2 C_L1 |u_z| u_t e2 + C_L2 (u_x^2 + u_y^2 - u_z^2) e3);  "
+            "e1 = u/sqrt(|u|^2 + speed_floor^2);  "
+            "e2 = (w x u)/sqrt(|w x u|^2 + speed_floor^2 rate_floor^2);  "
+            "e3 = e2 x e1;  "
+            "p = centre_of_pressure (1 - sin^3 alpha) a/4 (u_x, u_y, 0)/u_t;  "
+            "u_t = sqrt(u_x^2 + u_y^2 + speed_floor^2);  "
+            "sin alpha = |u_z|/sqrt(|u|^2 + speed_floor^2);  "
+            "A = pi a b;  "
+            "rho = fluid_density;  "
+            "m = mass;  "
+            "m_f = displaced_mass",
         .frames =
             "world: z up; body: origin at the centre of mass, axes the principal ones, z the normal of the "
             "plate. x, y, z in the world; q turns body into world; u and w along body axes",
@@ -39,13 +51,12 @@ struct ImmersedBodyPrinted : EllipsoidBody {
             "direction of p taken as that of the tangential velocity; the total inertia that (5.14) leaves "
             "out is put back",
         .validity =
-            "for comparison with the source only: wrong as physics. The second lift points along the axis of "
-            "rotation, so that planar motion leaves its plane; the directions jump where u or w x u vanish "
-            "(here "
-            "within the floors); force at p with the velocity of the centre creates energy; edge-on motion "
-            "and "
-            "rotation are undamped; the torque of buoyancy has the wrong sign. Use immersed_body",
-        .symmetries = symmetries(),
+            "for comparison with the source only: wrong as physics. The second lift points along the axis "
+            "of rotation, so that planar motion leaves its plane; the directions jump where u or w x u "
+            "vanish (here within the floors); force at p with the velocity of the centre creates energy; "
+            "edge-on motion and rotation are undamped; the torque of buoyancy has the wrong sign. Use "
+            "immersed_body",
+        .symmetries = upright_symmetries(),
         .states = pose_states(),
         .parameters = parameters(),
         .affine_in = {"C_D", "C_L1", "C_L2"},
@@ -56,12 +67,6 @@ struct ImmersedBodyPrinted : EllipsoidBody {
                         {.name = "gravity and buoyancy", .description = "torque with the printed sign"}},
         .groups = pose_groups(),
     };
-  }
-
-  static std::vector<std::string> symmetries() {
-    std::vector<std::string> all = translations();
-    all.push_back("rotation about z");
-    return all;
   }
 
   static Parameters parameters() {
@@ -146,10 +151,9 @@ struct ImmersedBodyPrinted : EllipsoidBody {
   }
 
   static Scales scales(const double* p) {
-    const double k =
-        0.5 * p[kFluidDensity] * std::numbers::pi * p[kA] * p[kB] * std::max(0.01, std::abs(p[kCD]));
-    return body_scales(2.0 * std::max(p[kA], p[kB]), (p[kMass] - p[kDisplacedMass]) * p[kG],
-                       p[kMass] * 9.80665, k);
+    const double k = 0.5 * p[kFluidDensity] * std::numbers::pi * p[kA] * p[kB] *
+                     std::max(kLeastDragCoefficient, std::abs(p[kCD]));
+    return body_scales(2.0 * std::max(p[kA], p[kB]), (p[kMass] - p[kDisplacedMass]) * p[kG], p[kMass], k);
   }
 };
 

@@ -28,8 +28,13 @@ struct KirchhoffBody {
         .name = "kirchhoff_body",
         .title = "Rigid body of any shape in an ideal fluid at rest",
         .equations =
-            "dP/dt = P x w + F,  dL/dt = L x w + P x u + T,  (P, L) = (M_body + K) (u, w);  F = (m - m_f) "
-            "R^T g,  T = (m r_c - m_f r_b) x R^T g",
+            "dP/dt = P x w + F;  "
+            "dL/dt = L x w + P x u + T;  "
+            "(P, L) = (M_body + K) (u, w);  "
+            "(x, y, z)' = R u;  "
+            "q' = 1/2 q (0, w);  "
+            "F = (mass - displaced_mass) R^T (0, 0, -g);  "
+            "T = (mass r_c - displaced_mass r_b) x R^T (0, 0, -g)",
         .frames =
             "world: z up; body: axes and origin as chosen for K, the inertia and the centres. x, y, z of the "
             "origin in the world; q turns body into world; u (of the origin) and w along body axes",
@@ -39,7 +44,7 @@ struct KirchhoffBody {
         .validity =
             "no vorticity, no viscosity: bodies in their first moments after release, or parts of other "
             "models. (M_body + K) must be positive definite",
-        .symmetries = symmetries(),
+        .symmetries = upright_symmetries(),
         .states = pose_states(),
         .parameters = parameters(),
         .affine_in = {"g"},
@@ -47,12 +52,6 @@ struct KirchhoffBody {
                         {.name = "gravity and buoyancy", .description = "weight at r_c, buoyancy at r_b"}},
         .groups = pose_groups(),
     };
-  }
-
-  static std::vector<std::string> symmetries() {
-    std::vector<std::string> all = translations();
-    all.push_back("rotation about z");
-    return all;
   }
 
   static ParameterInfo moment(const char* name) {
@@ -181,7 +180,7 @@ struct KirchhoffBody {
   static Scales scales(const double* p) {
     const double trace = p[kInertia] + p[kInertia + 1] + p[kInertia + 2];
     const double length = std::sqrt(trace / p[kMass]);
-    const double g = std::max(p[kG], 1e-3 * 9.80665);
+    const double g = std::max(p[kG], 1e-3 * kStandardGravity);
     return {.length = length, .time = std::sqrt(length / g), .velocity = std::sqrt(length * g)};
   }
 };

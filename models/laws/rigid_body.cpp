@@ -26,7 +26,7 @@ std::vector<StateInfo> pose_states() {
 }
 
 std::vector<StateGroup> pose_groups() {
-  return {{.kind = StateGroupKind::position, .first = kX},
+  return {{.kind = StateGroupKind::position, .first = kPosition},
           {.kind = StateGroupKind::quaternion, .first = kQw}};
 }
 
@@ -34,8 +34,14 @@ std::vector<std::string> translations() {
   return {"translation of x", "translation of y", "translation of z"};
 }
 
-Scales body_scales(double length, double drive, double weight, double k) {
-  const double force = std::max(std::abs(drive), 1e-3 * weight);
+std::vector<std::string> upright_symmetries() {
+  std::vector<std::string> all = translations();
+  all.push_back("rotation about z");
+  return all;
+}
+
+Scales body_scales(double length, double drive, double mass, double k) {
+  const double force = std::max(std::abs(drive), 1e-3 * kStandardGravity * mass);
   const double velocity = std::sqrt(force / k);
   return {.length = length, .time = length / velocity, .velocity = velocity};
 }

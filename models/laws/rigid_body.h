@@ -6,19 +6,22 @@
 
 #include "samara/models/law_model.h"
 #include "samara/models/laws/attitude.h"
+#include "samara/models/laws/drag_scales.h"
 #include "samara/models/laws/vector3.h"
 
 /// What all bodies with a full pose share: their thirteen states, loads, weight and scales.
 namespace samara::models::laws {
 
 /// The states of a body: position of its origin, attitude, velocity and angular velocity in body axes.
-enum PoseState { kX, kQw = 3, kUx = 7, kWx = 10, kPoseStates = 13 };
+enum PoseState { kPosition, kQw = 3, kUx = 7, kWx = 10, kPoseStates = 13 };
 
 std::vector<StateInfo> pose_states();
 std::vector<StateGroup> pose_groups();
 
 /// "translation of x" and so on: f does not depend on the position.
 std::vector<std::string> translations();
+/// These, and "rotation about z": gravity is all that tells directions apart.
+std::vector<std::string> upright_symmetries();
 
 template <class S>
 struct Pose {
@@ -32,7 +35,7 @@ struct Pose {
 /// Rates of position and attitude.
 template <class S>
 void pose_rates(const Pose<S>& pose, const S* x, S* dxdt) {
-  store(pose.R.to_world(pose.u), dxdt + kX);
+  store(pose.R.to_world(pose.u), dxdt + kPosition);
   quaternion_rate(x + kQw, pose.w, dxdt + kQw);
 }
 
@@ -86,8 +89,8 @@ Vector3<S> ellipsoid_inertia(const S& m, const S& a, const S& b, const S& c) {
 }
 
 /// Characteristic sizes of a body of extent `length` [m] that fluid slows by k u^2 [k: kg/m] against the
-/// force `drive` [N]: the speed at which they balance, and the time to move by its length. `weight` [N],
-/// positive, stands for a drive of zero, of which it is a thousandth.
-Scales body_scales(double length, double drive, double weight, double k);
+/// force `drive` [N]: the speed at which they balance, and the time to move by its length. The drive counts
+/// as no less than a thousandth of the standard weight of `mass` [kg], positive.
+Scales body_scales(double length, double drive, double mass, double k);
 
 }  // namespace samara::models::laws

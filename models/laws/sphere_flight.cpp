@@ -32,8 +32,16 @@ struct SphereFlight {
         .name = "sphere_flight",
         .title = "Spinning sphere in flight",
         .equations =
-            "(m + m_a) v' = -1/2 rho A C_D |v| v + 1/2 rho A C_M r w x v + (m - m_f) g,  x' = v,  w' = "
-            "-spin_decay w;  A = pi r^2, r = diameter/2",
+            "(m + m_a) v' = -1/2 rho A C_D V v + 1/2 rho A C_M r w x v + (m - m_f) (0, 0, -g);  "
+            "(x, y, z)' = v;  "
+            "w' = -spin_decay w;  "
+            "V = sqrt(|v|^2 + speed_floor^2);  "
+            "A = pi r^2;  "
+            "r = diameter/2;  "
+            "rho = fluid_density;  "
+            "m = mass;  "
+            "m_a = added_mass;  "
+            "m_f = displaced_mass",
         .frames = "world: z up; all vectors in world axes, forces and torques too",
         .source =
             "R. D. Mehta, Aerodynamics of sports balls, Annu. Rev. Fluid Mech. 17 (1985) 151-189; lift of a "
@@ -43,7 +51,7 @@ struct SphereFlight {
             "r |w| / |v| up to about 0.5, a Reynolds number (diameter) of about 1e3 to 1e5 away from the "
             "drag crisis; smooth spheres at low spin may show the reverse of the Magnus force. At small "
             "Reynolds number C_M = 2 (S. I. Rubinow, J. B. Keller, J. Fluid Mech. 11 (1961) 447-459)",
-        .symmetries = symmetries(),
+        .symmetries = upright_symmetries(),
         .states = states(),
         .parameters = parameters(),
         .affine_in = {"C_D", "C_M", "g", "spin_decay"},
@@ -55,12 +63,6 @@ struct SphereFlight {
                    {.kind = StateGroupKind::vector, .first = kV},
                    {.kind = StateGroupKind::vector, .first = kW}},
     };
-  }
-
-  static std::vector<std::string> symmetries() {
-    std::vector<std::string> all = translations();
-    all.push_back("rotation about z");
-    return all;
   }
 
   static std::vector<StateInfo> states() {
@@ -146,9 +148,9 @@ struct SphereFlight {
   }
 
   static Scales scales(const double* p) {
-    const double k =
-        0.125 * std::numbers::pi * p[kFluidDensity] * p[kDiameter] * p[kDiameter] * std::max(0.01, p[kCD]);
-    return body_scales(p[kDiameter], (p[kMass] - p[kDisplacedMass]) * p[kG], p[kMass] * 9.80665, k);
+    const double k = 0.125 * std::numbers::pi * p[kFluidDensity] * p[kDiameter] * p[kDiameter] *
+                     std::max(kLeastDragCoefficient, p[kCD]);
+    return body_scales(p[kDiameter], (p[kMass] - p[kDisplacedMass]) * p[kG], p[kMass], k);
   }
 };
 

@@ -53,12 +53,6 @@ Values blimp() {
           {"K3", -0.0137}};
 }
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
-  Eigen::Matrix3d matrix;
-  matrix << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
-  return matrix;
-}
-
 using Rates = Eigen::Matrix<double, 6, 1>;
 
 /// The makers' equations of motion, term by term: forces at the origin in body axes, gravity along `down`
@@ -122,6 +116,59 @@ TEST_CASE("with the blimp's published coefficients the body follows its makers' 
     const Rates expected = published_rates(values, state.u, state.w, -state.R().row(2).transpose());
     CHECK((f.tail<6>() - expected).norm() < 1e-10 * expected.norm());
   }
+}
+
+TEST_CASE("the coefficient body has finite rates and derivatives at rest and in flow from behind") {
+  const auto model = find_model("coefficient_body");
+  for (const double floor : {1e-12, 1e-6, 0.02}) {
+    Values values = blimp();
+    values["speed_floor"] = floor;
+    const ParameterValues p = parameter_values(*model, values);
+    for (const Eigen::Vector3d& u : {Eigen::Vector3d(-floor, 0.0, 0.0), Eigen::Vector3d(0.0, 0.0, 0.0),
+                                     Eigen::Vector3d(-1.0, 0.0, 0.0), Eigen::Vector3d(0.0, 1.0, 0.0)}) {
+      INFO("u = " << u.transpose() << ", floor " << floor);
+      BodyState state;
+      state.u = u;
+      state.w = {0.1, -0.2, 0.15};
+      std::vector<double> f(13);
+      Eigen::MatrixXd df_dx(13, 13);
+      Eigen::MatrixXd df_dp(13, static_cast<Eigen::Index>(p.value.size()));
+      model->rhs_with_derivatives(0.0, state.vector(), p, f, df_dx, df_dp);
+      CHECK(Eigen::Map<Eigen::VectorXd>(f.data(), 13).allFinite());
+      CHECK(df_dx.allFinite());
+      CHECK(df_dp.allFinite());
+    }
+  }
+}
+
+TEST_CASE("the angles of flow are exact to the second order of the speed floor") {
+  // With lift q alpha and side force q beta alone, q known, the sizes of these forces are the angles. From
+  // the front they err by less than (floor/|u|)^2/2, in even powers: twice the floor, four times the error,
+  // but for (floor/|u|)^2 ~ 2e-3 of that.
+  const auto model = find_model("coefficient_body");
+  Values values = blimp();
+  for (const char* name : {"Cd0", "Cda", "Cdb", "Cs0", "Csa", "Cl0", "Clb"}) values[name] = 0.0;
+  values["Cla"] = values["Csb"] = 1.0;
+  const Eigen::Vector3d u(0.5, 0.1, 0.2);
+  const double q = 0.5 * values["fluid_density"] * values["area"] * u.squaredNorm();
+  BodyState state;
+  state.u = u;
+  const auto errors = [&](double floor) {
+    values["speed_floor"] = floor;
+    const ParameterValues p = parameter_values(*model, values);
+    std::vector<Wrench> terms(model->info().force_terms.size());
+    model->forces(0.0, state.vector(), p, terms);
+    return Eigen::Vector2d(terms[3].force.norm() / q - std::atan2(u.z(), u.x()),
+                           terms[2].force.norm() / q - std::asin(u.y() / u.norm()));
+  };
+  const double floor = 0.01;
+  const Eigen::Vector2d at_floor = errors(floor);
+  const Eigen::Vector2d at_twice = errors(2.0 * floor);
+  for (int i = 0; i < 2; ++i) {
+    CHECK(std::abs(at_floor[i]) < 0.5 * floor * floor / u.squaredNorm());
+    CHECK_THAT(at_twice[i] / at_floor[i], WithinRel(4.0, 0.01));
+  }
+  CHECK(errors(1e-9).cwiseAbs().maxCoeff() < 1e-15);
 }
 
 TEST_CASE("the blimp glides forward and sinks slowly in trim") {

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "bodies_in_flow.h"
+#include "planar_references.h"
 
 using namespace samara::models;
 using std::numbers::pi;
@@ -13,12 +14,12 @@ namespace {
 /// The thin falling plate in its own units (fluid density, semi-chord and U are one), as an immersed body.
 ///
 /// Forces of the immersed body are those of the planar law on a span of A/l = pi b/2; mass, added mass,
-/// inertia and damping are given as those of the plane on this span.
-std::map<std::string, double> thin_plate(double I_star) {
-  const double span = pi / 2.0;
+/// inertia and damping are given as those of the plane on this span, whatever the semi-axis b along it.
+std::map<std::string, double> thin_plate(double I_star, double b) {
+  const double span = pi * b / 2.0;
   const double A = 1.4, B = 1.0, mu1 = 0.2, mu2 = 0.2;
   return {{"a", 1.0},
-          {"b", 1.0},
+          {"b", b},
           {"c", 0.01},
           {"density", 1.0},
           {"fluid_density", 1.0},
@@ -39,23 +40,6 @@ std::map<std::string, double> thin_plate(double I_star) {
           {"rate_floor", 1e-9}};
 }
 
-struct Reference {
-  double I_star, t;
-  std::array<double, 6> state;  ///< vx, vy, w, theta, x, y
-};
-
-const Reference kReferences[] = {
-    {0.5, 2.0, {-1.476582854, -0.022138671, -0.378138544, 0.128098237, -1.687758423, -1.187191236}},
-    {0.5, 5.0, {1.218255113, -0.47781602, 0.706059909, -0.690910794, -3.634967763, -1.949540362}},
-    {0.5, 10.0, {-1.085122751, -0.042274643, -0.309502616, -0.198517326, -2.423651027, -3.567764059}},
-    {1.1, 2.0, {-1.034832844, -0.393098275, -0.659490011, 0.354182728, -0.628413614, -1.107764539}},
-    {1.1, 5.0, {0.755521995, -0.371934127, -0.058302197, -1.602042954, -2.633326975, -1.65421933}},
-    {1.1, 10.0, {1.621435693, -0.105564982, 0.509177154, 0.227895511, 3.002727722, -6.93549973}},
-    {1.4, 2.0, {-0.862387101, -0.44341399, -0.493060572, 0.495056537, -0.408151071, -0.990813595}},
-    {1.4, 5.0, {0.547715606, -0.517482778, -0.246079755, -1.660747703, -2.51938618, -1.952818726}},
-    {1.4, 10.0, {0.970121685, -0.200332812, 0.681021731, 0.932189364, 1.355899349, -5.061766955}},
-};
-
 }  // namespace
 
 TEST_CASE("an immersed body with the masses of the plane follows the planar falling plate") {
@@ -64,10 +48,16 @@ TEST_CASE("an immersed body with the masses of the plane follows the planar fall
   start.q = Eigen::AngleAxisd(-pi / 4.0, Eigen::Vector3d::UnitY());
   start.u = {0.001, 0.0, 0.001};
   start.w = {0.0, -0.001, 0.0};
-  for (const Reference& reference : kReferences) {
-    INFO("I* = " << reference.I_star << ", t = " << reference.t);
+  struct Case {
+    double b;
+    PlanarReference reference;
+  };
+  std::vector<Case> cases = {{0.3, kPlanarReferences[4]}, {2.5, kPlanarReferences[7]}};
+  for (const PlanarReference& reference : kPlanarReferences) cases.push_back({1.0, reference});
+  for (const auto& [b, reference] : cases) {
+    INFO("b = " << b << ", I* = " << reference.I_star << ", t = " << reference.t);
     const BodyState end(
-        motion(find_model("immersed_body"), thin_plate(reference.I_star), start, {reference.t}).row(0));
+        motion(find_model("immersed_body"), thin_plate(reference.I_star, b), start, {reference.t}).row(0));
     const auto& [vx, vy, w, theta, x, y] = reference.state;
     CHECK(end.u.x() == Approx(vx).margin(1e-6));
     CHECK(end.u.z() == Approx(vy).margin(1e-6));

@@ -42,12 +42,6 @@ Values without_gravity(const KirchhoffBodyData& body) {
   return values;
 }
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
-  Eigen::Matrix3d matrix;
-  matrix << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
-  return matrix;
-}
-
 Matrix6 total_inertia(const KirchhoffBodyData& body) {
   const Eigen::Matrix3d r = cross_matrix(body.centre_of_mass);
   Matrix6 matrix = body.added_mass;
@@ -127,7 +121,7 @@ TEST_CASE("the Kirchhoff check problem has its published invariants and states, 
 }
 
 TEST_CASE("the printed form (4.4) does not conserve energy") {
-  // (4.4) in its first line: M u' = u x (M w), for M w' + ... as in (5.13); by RK4 with h = 1e-3.
+  // (4.4) as printed, M u' + u x (M w) = 0 for M u' + w x (M u) = 0; rotation as in (5.13). RK4, h = 1e-3.
   const Eigen::Vector3d M =
       kFluidMass * Eigen::Vector3d(2.12657071758692307, 2.39817213373437774, 3.5180612775507823);
   const Eigen::Vector3d J =

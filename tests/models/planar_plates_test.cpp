@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "planar_references.h"
 #include "samara/base/errors.h"
 #include "samara/models/integrate.h"
 
@@ -91,36 +92,15 @@ Breakdown break_down(const Model& model, const State& x, const ParameterValues& 
 
 TEST_CASE("the dimensionless plate runs through the reference states of the model sheet") {
   // Thin plate, default coefficients, started at vx = vy = w = 0.001, theta = pi/4; stated to 1e-6.
-  struct Row {
-    double inertia_ratio;
-    std::array<State, 3> at_2_5_10;
-  };
-  const std::array rows = {
-      Row{0.5,
-          {State{-1.476582854, -0.022138671, -0.378138544, 0.128098237, -1.687758423, -1.187191236},
-           State{1.218255113, -0.47781602, 0.706059909, -0.690910794, -3.634967763, -1.949540362},
-           State{-1.085122751, -0.042274643, -0.309502616, -0.198517326, -2.423651027, -3.567764059}}},
-      Row{1.1,
-          {State{-1.034832844, -0.393098275, -0.659490011, 0.354182728, -0.628413614, -1.107764539},
-           State{0.755521995, -0.371934127, -0.058302197, -1.602042954, -2.633326975, -1.65421933},
-           State{1.621435693, -0.105564982, 0.509177154, 0.227895511, 3.002727722, -6.93549973}}},
-      Row{1.4,
-          {State{-0.862387101, -0.44341399, -0.493060572, 0.495056537, -0.408151071, -0.990813595},
-           State{0.547715606, -0.517482778, -0.246079755, -1.660747703, -2.51938618, -1.952818726},
-           State{0.970121685, -0.200332812, 0.681021731, 0.932189364, 1.355899349, -5.061766955}}},
-  };
   const std::map<std::string, double> start = {
       {"vx(0)", 1e-3}, {"vy(0)", 1e-3}, {"w(0)", 1e-3}, {"theta(0)", kPi / 4}, {"beta", 0.0}};
   const ParametricModel model(find_model("falling_plate_nd"), start, {"inertia_ratio"});
-  for (const Row& row : rows) {
-    INFO("I* = " << row.inertia_ratio);
-    const Trajectory trajectory = integrate(model, std::array{row.inertia_ratio}, std::array{2.0, 5.0, 10.0});
+  for (const PlanarReference& reference : kPlanarReferences) {
+    INFO("I* = " << reference.I_star << ", t = " << reference.t);
+    const Trajectory trajectory = integrate(model, std::array{reference.I_star}, std::array{reference.t});
     REQUIRE(trajectory.is_usable());
-    for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t i = 0; i < 6; ++i) {
-        CHECK_THAT(trajectory.states(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)),
-                   WithinAbs(row.at_2_5_10[k][i], 1e-6));
-      }
+    for (std::size_t i = 0; i < 6; ++i) {
+      CHECK_THAT(trajectory.states(0, static_cast<Eigen::Index>(i)), WithinAbs(reference.state[i], 1e-6));
     }
   }
 }
@@ -327,6 +307,46 @@ TEST_CASE("the masses of a rectangle are those of the model sheet") {
   CHECK_THAT(
       inertia(kOmega),
       WithinRel(m * (a * a + b * b) / 12.0 + 5.0 * kPi / 256.0 * fluid * std::pow(a * a - b * b, 2), 1e-14));
+}
+
+TEST_CASE("the forces on a rectangle are those of (2.18)-(2.20) with its coefficients") {
+  // Model sheet, section 3, rectangular plates: with v_p = vy - e w at the plate's centre,
+  //   G = -C_T a vx v_p/v + C_R a^2 w/2, lift rho G (-v_p, vx),
+  //   drag -1/2 rho a (C_0 cos^2 + C_pi sin^2) v (vx, v_p),  dissipation -C_tau rho a^4 |w| w/64,
+  // forces at the plate's centre, x' = -e from the centre of mass, which torques are about.
+  const double a = 0.02, rho = 998.2;
+  const double C_T = 4.5, C_R = 1.8, C_0 = 0.2, C_pi = 0.5, C_tau = 1.9;
+  struct Case {
+    double e, vx, vy, w;
+  };
+  for (const Case& at : {Case{0.0, 0.11, -0.23, 4.0}, Case{0.006, -0.17, -0.08, -7.0}}) {
+    INFO("offset " << at.e);
+    const ParametricModel fixed(
+        find_model("falling_rectangle"),
+        {{"chord", a}, {"thickness", 0.001}, {"density", 2700.0}, {"offset", at.e}, {"speed_floor", 1e-12}},
+        {});
+    const ParameterValues p = {fixed.parameters({}), std::vector<char>(13, 1)};
+    const Breakdown b = break_down(fixed.model(), State{at.vx, at.vy, at.w, 0.3, 0.0, 0.0}, p);
+    const double v_p = at.vy - at.e * at.w;
+    const double v = std::hypot(at.vx, v_p);
+    const double alpha = std::atan2(v_p, at.vx);
+    const double drag =
+        0.5 * rho * a * (C_0 * std::pow(std::cos(alpha), 2) + C_pi * std::pow(std::sin(alpha), 2)) * v;
+    const double translation = -C_T * a * at.vx * v_p / v;
+    const double rotation = C_R * a * a * at.w / 2.0;
+    const auto check = [&](const char* name, double x, double y, double torque) {
+      INFO(name);
+      const Wrench& wrench = b.terms[term(fixed.model(), name)];
+      CHECK_THAT(wrench.force.x(), WithinRel(x, 1e-13));
+      CHECK_THAT(wrench.force.y(), WithinRel(y, 1e-13));
+      CHECK_THAT(wrench.torque.z(), WithinAbs(torque, 1e-13 * std::abs(torque)));
+    };
+    check("drag", -drag * at.vx, -drag * v_p, at.e * drag * v_p);
+    check("translational lift", -rho * translation * v_p, rho * translation * at.vx,
+          -at.e * rho * translation * at.vx);
+    check("rotational lift", -rho * rotation * v_p, rho * rotation * at.vx, -at.e * rho * rotation * at.vx);
+    check("dissipation", 0.0, 0.0, -C_tau * rho * std::pow(a, 4) * std::abs(at.w) * at.w / 64.0);
+  }
 }
 
 TEST_CASE("a rectangle heavy at one end falls with this end down") {
