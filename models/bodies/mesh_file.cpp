@@ -125,8 +125,15 @@ TriangleMesh merged(const Soup& soup, double metres_per_unit, double merge_toler
     high = high.cwiseMax(p);
   }
   CornerMerger merger(low, merge_tolerance * (high - low).norm());
-  std::vector<int> number;
-  for (const Vector3d& p : soup.vertices) number.push_back(merger.number_of(p));
+  // Corners of triangles only: a file may list points that none uses.
+  std::vector<bool> used(soup.vertices.size(), false);
+  for (const Vector3i& t : soup.triangles) {
+    for (const int corner : t) used[static_cast<std::size_t>(corner)] = true;
+  }
+  std::vector<int> number(soup.vertices.size(), -1);
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (used[i]) number[i] = merger.number_of(soup.vertices[i]);
+  }
   std::vector<Vector3i> triangles;
   for (const Vector3i& t : soup.triangles) {
     Vector3i corners;

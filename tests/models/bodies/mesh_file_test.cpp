@@ -143,3 +143,14 @@ TEST_CASE("missing, empty, foreign and broken mesh files are refused with their 
   CHECK_THROWS_AS(read_mesh(files.write("nan.obj", nan), 1.0), samara::InputError);
   CHECK_THROWS_WITH(read_mesh("leaf.stl", 0.0), Contains("metres_per_unit is 0"));
 }
+
+TEST_CASE("points of a mesh file that no triangle uses are left out") {
+  const Files files;
+  TriangleMesh mesh = box_mesh({1.0, 1.0, 1.0}, 1, 1);
+  mesh.vertices.conservativeResize(3, mesh.vertices.cols() + 1);
+  mesh.vertices.rightCols<1>() << 50.0, 0.0, 0.0;
+  for (const std::string& path :
+       {files.write("a.obj", obj_text(mesh)), files.write("d.ply", ply_text(mesh))}) {
+    CHECK(read_mesh(path, 1.0).vertices.cols() == mesh.vertices.cols() - 1);
+  }
+}
