@@ -83,7 +83,8 @@ SixColumns solve(const PanelSystem& system, const PanelOptions& options, PanelAd
   for (Index c = 0; c < 6; ++c) {
     // A motion that moves no fluid (a ball turning) leaves only round-off on the right.
     const double norm = std::max(system.rhs.col(c).norm(), 1e-12 * system.rhs.norm());
-    result.residual = std::max(result.residual, rest.col(c).norm() / norm);
+    const double residual = rest.col(c).norm() / norm;
+    if (std::isnan(residual) || residual > result.residual) result.residual = residual;  // NaN stays
   }
   result.message =
       result.direct
@@ -140,6 +141,12 @@ PanelAddedMass panel_added_mass(const TriangleMesh& mesh, double fluid_density,
   result.matrix = mass * scale.asDiagonal() * result.matrix * scale.asDiagonal();
   const Matrix6d K = added_mass_about(result.matrix, reference_point - unit.centre);
   result.matrix = 0.5 * (K + K.transpose());  // once more: products round each half for itself
+  result.status = PanelStatus::done;
+  if (!result.matrix.allFinite() || !std::isfinite(result.residual)) {
+    result.status = PanelStatus::not_finite;
+    result.message =
+        fmt::format("the added mass is not finite, residual {:.1e}: {}", result.residual, result.message);
+  }
   return result;
 }
 

@@ -55,7 +55,14 @@ struct PanelOptions {
   double max_gigabytes = 8.0;  ///< meshes that need more are refused: 8 n^2 bytes for n corners
 };
 
+enum class PanelStatus {
+  done,
+  not_finite,  ///< the matrix or the residual is infinite or not a number
+  failed,      ///< it was not called
+};
+
 struct PanelAddedMass {
+  PanelStatus status = PanelStatus::failed;
   /// Symmetric; linear motions first; kg, kg m, kg m^2. About the reference point, in the mesh's axes.
   Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();
   /// Largest |K_ij - K_ji| / sqrt(K_ii K_jj) before it was made symmetric: a lower bound on the order of the
@@ -69,6 +76,8 @@ struct PanelAddedMass {
   double assembly_seconds = 0.0;
   double solve_seconds = 0.0;
   std::string message = "panel_added_mass was not called";  ///< how the system was solved, with the numbers
+
+  bool is_usable() const { return status == PanelStatus::done; }
 };
 
 /// The added mass of the body within a closed mesh [m] in a fluid of density `fluid_density` [kg/m^3], about

@@ -270,6 +270,17 @@ class WatchRun {
   int riding_ = 0;
 };
 
+bool are_too_many(std::span<const double> times, double step, long max_steps) {
+  long left = max_steps;
+  double t = 0.0;
+  for (const double time : times) {
+    left -= equal_steps(t, time, step).count;  // at least -2^62: no overflow
+    if (left < 0) return true;
+    t = time;
+  }
+  return false;
+}
+
 /// Calls run(first, last) for tasks of a few packs each.
 template <class Run>
 void in_tasks(const Model& model, Eigen::Index trajectories, int threads, const Run& run) {
@@ -295,6 +306,7 @@ BatchTrajectories integrate_batch(const ParametricModel& model,
                                   const Eigen::Ref<const Eigen::MatrixXd>& points,
                                   std::span<const double> times, const BatchOptions& options) {
   check_step(options.step);
+  check_max_steps(options.max_steps);
   check_times(times);
   check_points(model, points);
   BatchTrajectories result;
@@ -304,6 +316,10 @@ BatchTrajectories integrate_batch(const ParametricModel& model,
   result.tangents.assign(options.tangents.size(), result.states);
   result.status.assign(static_cast<std::size_t>(points.rows()), BatchStatus::done);
   result.reached.setZero(points.rows());
+  if (are_too_many(times, options.step, options.max_steps)) {
+    std::ranges::fill(result.status, BatchStatus::too_many_steps);
+    return result;
+  }
   in_tasks(model.model(), points.rows(), options.threads, TimesRun(model, points, options, result));
   return result;
 }
@@ -312,12 +328,17 @@ WatchedBatch watch_batch(const ParametricModel& model, const Eigen::Ref<const Ei
                          const BatchObserver& observer, const WatchOptions& options) {
   if (!observer) throw ArgumentError("there is no observer; a function was expected");
   check_step(options.step);
+  check_max_steps(options.max_steps);
   check_positive(options.interval, "interval");
   check_positive(options.end, "end");
   check_points(model, points);
   WatchedBatch result;
   result.status.assign(static_cast<std::size_t>(points.rows()), BatchStatus::done);
   result.reached.setZero(points.rows());
+  if (are_too_many(std::span(&options.interval, 1), options.step, options.max_steps)) {
+    std::ranges::fill(result.status, BatchStatus::too_many_steps);
+    return result;
+  }
   in_tasks(model.model(), points.rows(), options.threads, [&](Eigen::Index first, Eigen::Index last) {
     WatchRun(model, points, observer, options, result, first, last)();
   });

@@ -23,13 +23,16 @@ namespace samara::models {
 
 enum class BatchStatus {
   done,
-  stopped,     ///< the observer asked for it
-  not_finite,  ///< a state is infinite or not a number
+  stopped,         ///< the observer asked for it
+  not_finite,      ///< a state is infinite or not a number
+  too_many_steps,  ///< the times or the interval asked for take more than max_steps: not integrated
 };
 
 struct BatchOptions {
   /// Upper bound of the step [s]. Between two times asked for, steps are equal and end exactly on them.
   double step = 1e-3;
+  /// Of a trajectory; where the times take more, nothing is integrated.
+  long max_steps = 100000000;
   int threads = 0;  ///< 0: as many as the machine has
   /// Free coordinates by which derivatives are taken: those of the discrete trajectory, exact but for
   /// round-off.
@@ -65,7 +68,9 @@ struct WatchOptions {
   double step = 1e-3;      ///< upper bound of the step [s]; steps divide the interval
   double interval = 1e-2;  ///< between two calls of the observer [s]; the first is at t = 0
   double end = 1.0;        ///< the last call is at the first multiple of the interval that reaches it [s]
-  int threads = 0;         ///< 0: as many as the machine has
+  /// Of an interval; where it takes more, nothing is integrated and the observer is not called.
+  long max_steps = 100000000;
+  int threads = 0;  ///< 0: as many as the machine has
 };
 
 struct WatchedBatch {

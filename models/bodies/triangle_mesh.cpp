@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Geometry>
+#include <boost/pending/disjoint_sets.hpp>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
@@ -20,6 +22,14 @@ using Eigen::Vector3d;
 /// Sum of squares of edges and so on see the mesh from its first corner: no cancellation far from the origin.
 Vector3d origin_of(const TriangleMesh& mesh) {
   return mesh.vertices.col(mesh.triangles(0, 0));
+}
+
+/// Of the tetrahedron from the origin to a triangle.
+double signed_volume(const TriangleMesh& mesh, Index triangle, const Vector3d& origin) {
+  const Vector3d p = mesh.vertices.col(mesh.triangles(0, triangle)) - origin;
+  const Vector3d q = mesh.vertices.col(mesh.triangles(1, triangle)) - origin;
+  const Vector3d r = mesh.vertices.col(mesh.triangles(2, triangle)) - origin;
+  return p.dot(q.cross(r)) / 6.0;
 }
 
 double size_of(const TriangleMesh& mesh) {
@@ -51,6 +61,16 @@ void require_numbers(const TriangleMesh& mesh) {
   }
 }
 
+/// Integrals over the surface do not see an unused corner; extents and the equations at the corners would.
+void require_used_corners(const TriangleMesh& mesh) {
+  std::vector<bool> used(static_cast<std::size_t>(mesh.vertices.cols()), false);
+  for (const int corner : mesh.triangles.reshaped()) used[static_cast<std::size_t>(corner)] = true;
+  const auto unused = std::ranges::find(used, false);
+  if (unused == used.end()) return;
+  const Index i = unused - used.begin();
+  refuse(fmt::format("corner {} {} belongs to no triangle; drop it", i, place(mesh.vertices.col(i))));
+}
+
 void require_areas(const TriangleMesh& mesh) {
   const double least_height = 1e-12 * size_of(mesh);
   for (Index i = 0; i < mesh.triangles.cols(); ++i) {
@@ -68,6 +88,7 @@ void require_areas(const TriangleMesh& mesh) {
 struct Side {
   int from, to;
   bool forward;  ///< whether the triangle runs through it that way
+  int triangle;
   bool operator<(const Side& other) const { return std::tie(from, to) < std::tie(other.from, other.to); }
   bool same_edge(const Side& other) const { return from == other.from && to == other.to; }
 };
@@ -78,15 +99,14 @@ std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
   for (Index i = 0; i < mesh.triangles.cols(); ++i) {
     for (int k = 0; k < 3; ++k) {
       const int p = mesh.triangles(k, i), q = mesh.triangles((k + 1) % 3, i);
-      sides.push_back({std::min(p, q), std::max(p, q), p < q});
+      sides.push_back({std::min(p, q), std::max(p, q), p < q, static_cast<int>(i)});
     }
   }
   std::sort(sides.begin(), sides.end());
   return sides;
 }
 
-void require_paired_sides(const TriangleMesh& mesh) {
-  const std::vector<Side> sides = sorted_sides(mesh);
+void require_paired_sides(const TriangleMesh& mesh, const std::vector<Side>& sides) {
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t end = i;
     while (end < sides.size() && sides[end].same_edge(sides[i])) ++end;
@@ -102,19 +122,64 @@ void require_paired_sides(const TriangleMesh& mesh) {
   }
 }
 
+/// What hangs together by edges.
+struct Part {
+  Index first = 0;      ///< its first triangle
+  double volume = 0.0;  ///< [m^3]
+  Eigen::AlignedBox3d box;
+};
+
+/// @param sides paired
+std::vector<Part> parts_of(const TriangleMesh& mesh, const std::vector<Side>& sides) {
+  const auto count = static_cast<std::size_t>(mesh.triangles.cols());
+  boost::disjoint_sets_with_storage<> sets(count);
+  for (std::size_t i = 0; i < count; ++i) sets.make_set(i);
+  for (std::size_t i = 0; i < sides.size(); i += 2) {
+    sets.union_set(static_cast<std::size_t>(sides[i].triangle),
+                   static_cast<std::size_t>(sides[i + 1].triangle));
+  }
+  std::vector<Part> parts;
+  std::vector<int> part_of(count, -1);  // by representative
+  for (std::size_t i = 0; i < count; ++i) {
+    int& number = part_of[sets.find_set(i)];
+    if (number < 0) {
+      number = static_cast<int>(parts.size());
+      parts.push_back({.first = static_cast<Index>(i), .volume = 0.0, .box = {}});
+    }
+    Part& part = parts[static_cast<std::size_t>(number)];
+    const Vector3d origin = mesh.vertices.col(mesh.triangles(0, part.first));
+    part.volume += signed_volume(mesh, static_cast<Index>(i), origin);
+    for (const int corner : mesh.triangles.col(static_cast<Index>(i))) {
+      part.box.extend(mesh.vertices.col(corner));
+    }
+  }
+  return parts;
+}
+
+/// Inside out is a part only as the wall of a cavity.
+void require_oriented_parts(const TriangleMesh& mesh, const std::vector<Part>& parts, double no_volume) {
+  const auto is_solid = [&](const Part& part) { return part.volume > no_volume; };
+  if (std::ranges::none_of(parts, is_solid)) return;  // the whole is inside out, or nothing
+  for (const Part& part : parts) {
+    if (!(part.volume < -no_volume)) continue;
+    const bool is_cavity = std::ranges::any_of(
+        parts, [&](const Part& other) { return is_solid(other) && other.box.contains(part.box); });
+    if (is_cavity) continue;
+    refuse(fmt::format(
+        "of its {} separate parts, that of triangle {} at {} is inside out (its volume is "
+        "{:.6g} m^3) and lies within no other; turn its triangles over",
+        parts.size(), part.first, place(mesh.vertices.col(mesh.triangles(0, part.first))), part.volume));
+  }
+}
+
 }  // namespace
 
 double enclosed_volume(const TriangleMesh& mesh) {
   if (mesh.triangles.cols() == 0) return 0.0;
   const Vector3d origin = origin_of(mesh);
-  double six_volumes = 0.0;
-  for (Index i = 0; i < mesh.triangles.cols(); ++i) {
-    const Vector3d p = mesh.vertices.col(mesh.triangles(0, i)) - origin;
-    const Vector3d q = mesh.vertices.col(mesh.triangles(1, i)) - origin;
-    const Vector3d r = mesh.vertices.col(mesh.triangles(2, i)) - origin;
-    six_volumes += p.dot(q.cross(r));
-  }
-  return six_volumes / 6.0;
+  double volume = 0.0;
+  for (Index i = 0; i < mesh.triangles.cols(); ++i) volume += signed_volume(mesh, i, origin);
+  return volume;
 }
 
 TriangleMesh oriented_outward(TriangleMesh mesh) {
@@ -124,11 +189,15 @@ TriangleMesh oriented_outward(TriangleMesh mesh) {
 
 void require_closed(const TriangleMesh& mesh) {
   require_numbers(mesh);
+  require_used_corners(mesh);
   require_areas(mesh);
-  require_paired_sides(mesh);
-  const double volume = enclosed_volume(mesh);
+  const std::vector<Side> sides = sorted_sides(mesh);
+  require_paired_sides(mesh, sides);
   const double size = size_of(mesh);
-  if (std::abs(volume) < 1e-14 * size * size * size) {
+  const double no_volume = 1e-14 * size * size * size;
+  require_oriented_parts(mesh, parts_of(mesh, sides), no_volume);
+  const double volume = enclosed_volume(mesh);
+  if (std::abs(volume) < no_volume) {
     refuse(fmt::format("its volume is {:.3g} m^3 at a size of {:.3g} m: it encloses nothing", volume, size));
   }
   if (volume < 0.0) {

@@ -19,11 +19,14 @@ double enclosed_volume(const TriangleMesh& mesh);
 TriangleMesh oriented_outward(TriangleMesh mesh);
 
 /// Refuses what encloses no volume.
+///
+/// A separate part may be inside out as the wall of a cavity: its bounding box must lie within that of a part
+/// that is not. What is not checked: whether the surface cuts through itself, or parts overlap.
 /// @throws ArgumentError, naming the place, if there are no triangles, a coordinate is not finite, an index
-/// is out
-///   of range, a triangle has no area (its height is below 1e-12 of the mesh's size), an edge is not shared
-///   by exactly two triangles (the surface is open, or folds onto itself), two neighbours have opposite
-///   orientation, the volume vanishes, or the surface is inside out.
+/// is out of range, a corner belongs to no triangle, a triangle has no area (its height is below 1e-12 of the
+///   mesh's size), an edge is not shared by exactly two triangles (the surface is open, or folds onto
+///   itself), two neighbours have opposite orientation, the volume vanishes, or the surface or a separate
+///   part of it is inside out.
 void require_closed(const TriangleMesh& mesh);
 
 }  // namespace samara::models

@@ -135,6 +135,10 @@ struct LieGroupIntegrator::Impl {
 
   /// Steps to the next time. @returns half a sentence if something is in the way
   std::string advance(double t, const EqualSteps& steps, Carried& body, BodyTrajectory& result) const {
+    if (steps.count > options.max_steps - result.steps) {
+      result.status = IntegrateStatus::too_many_steps;
+      return "the next time takes more steps than allowed";
+    }
     for (long step = 0; step < steps.count; ++step) {
       double at = t + static_cast<double>(step) * steps.length;
       for (const double part : substeps) {
@@ -163,6 +167,7 @@ struct LieGroupIntegrator::Impl {
 LieGroupIntegrator::LieGroupIntegrator(const Eigen::Ref<const Eigen::MatrixXd>& inertia,
                                        const LieGroupOptions& options, BodyWrench wrench) {
   check_step(options.step);
+  check_max_steps(options.max_steps);
   if (options.order != 2 && options.order != 4) {
     throw ArgumentError(fmt::format("order is {}; 2 or 4 was expected", options.order));
   }

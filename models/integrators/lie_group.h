@@ -54,10 +54,12 @@ struct LieGroupOptions {
   double step = 1e-2;
   int order = 2;             ///< 2, or 4 at five times the work
   int max_iterations = 100;  ///< of the fixed-point iteration of a step
+  /// Steps of the whole trajectory; it stops at the last time asked for that they reach.
+  long max_steps = 100000000;
 };
 
 struct BodyTrajectory {
-  /// done, not_finite, or failed: the iteration of a step did not converge
+  /// done, too_many_steps, not_finite, or failed: the iteration of a step did not converge
   IntegrateStatus status = IntegrateStatus::failed;
   std::string message;
   double reached = 0.0;             ///< time of the last motion

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "samara/base/errors.h"
 #include "samara/models/batch/model_kernel.h"
 #include "samara/models/integrators/trajectory_tools.h"
 
@@ -37,9 +36,7 @@ struct Rk4Integrator::Impl {
 
 Rk4Integrator::Rk4Integrator(const ParametricModel& model, const Rk4Options& options) {
   check_step(options.step);
-  if (options.max_steps < 1) {
-    throw ArgumentError("max_steps is " + std::to_string(options.max_steps) + "; 1 or more was expected");
-  }
+  check_max_steps(options.max_steps);
   impl_ = std::make_unique<Impl>(model, options);
 }
 Rk4Integrator::~Rk4Integrator() = default;

@@ -99,6 +99,7 @@ struct RkmkIntegrator::Impl {
 
 RkmkIntegrator::RkmkIntegrator(const ParametricModel& model, const RkmkOptions& options) {
   check_step(options.step);
+  check_max_steps(options.max_steps);
   impl_ = std::make_unique<Impl>(model, options);
   if (impl_->places.empty()) {
     throw ArgumentError(
@@ -119,6 +120,11 @@ Trajectory RkmkIntegrator::operator()(std::span<const double> q, std::span<const
   double t = 0.0;
   for (Eigen::Index row = 0; row < result.times.size(); ++row) {
     const EqualSteps steps = equal_steps(t, result.times[row], run.options.step);
+    if (steps.count > run.options.max_steps - result.steps) {
+      result.status = IntegrateStatus::too_many_steps;
+      result.message = "the next time takes more steps than allowed";
+      break;
+    }
     for (long step = 0; step < steps.count; ++step) {
       run.take_step(t + static_cast<double>(step) * steps.length, steps.length, q);
     }

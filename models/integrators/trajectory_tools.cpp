@@ -29,6 +29,15 @@ void check_step(double step) {
   }
 }
 
+void check_max_steps(long max_steps) {
+  if (max_steps < 1) {
+    throw ArgumentError("max_steps is " + std::to_string(max_steps) + "; 1 or more was expected");
+  }
+  if (max_steps > 1L << 53) {
+    throw ArgumentError("max_steps is " + std::to_string(max_steps) + "; 2^53 or less was expected");
+  }
+}
+
 Trajectory unfilled_trajectory(std::span<const double> times, int state_count, int sensitivity_count) {
   Trajectory result;
   result.status = IntegrateStatus::done;
@@ -53,7 +62,8 @@ EqualSteps equal_steps(double from, double to, double step) {
   if (!(to > from)) return {};
   constexpr double kRoundOff = 1e-9;  // of a step: 0.3 is three steps of 0.1
   const double count = std::max(1.0, std::ceil((to - from) / step - kRoundOff));
-  return {static_cast<long>(count), (to - from) / count};
+  constexpr double kBeyondReason = 0x1p62;  // still a long; infinity is not
+  return {static_cast<long>(std::min(count, kBeyondReason)), (to - from) / count};
 }
 
 }  // namespace samara::models

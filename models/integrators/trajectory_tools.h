@@ -14,6 +14,9 @@ void check_times(std::span<const double> times);
 /// @throws ArgumentError unless the step is positive and finite.
 void check_step(double step);
 
+/// @throws ArgumentError unless there is a step to take, and at most 2^53.
+void check_max_steps(long max_steps);
+
 /// A trajectory whose rows are all still NaN.
 Trajectory unfilled_trajectory(std::span<const double> times, int state_count, int sensitivity_count);
 
@@ -28,7 +31,8 @@ struct EqualSteps {
   double length = 0.0;
 };
 
-/// As few equal steps as `step` allows, give or take round-off.
+/// As few equal steps as `step` allows, give or take round-off. Counts beyond all reason are cut at 2^62,
+/// which no limit allows.
 EqualSteps equal_steps(double from, double to, double step);
 
 }  // namespace samara::models

@@ -285,3 +285,24 @@ TEST_CASE("a batch of nothing is nothing") {
   CHECK(batch.states.cols() == 0);
   CHECK(batch.status.empty());
 }
+
+TEST_CASE("batches that take more steps than allowed are not integrated") {
+  const ParametricModel card = falling_card(kFree);
+  const Eigen::MatrixXd points = card_points(3);
+  const auto expect_none = [](const auto& batch) {
+    for (const BatchStatus status : batch.status) CHECK(status == BatchStatus::too_many_steps);
+    CHECK(batch.reached.isZero(0.0));
+  };
+  const auto unseen = [](Eigen::Index, double, std::span<const double>) -> bool {
+    throw std::runtime_error("the observer was called");
+  };
+  for (const double step : {1e-20, 1e-300}) {
+    const BatchTrajectories batch = integrate_batch(card, points, kTimes, {.step = step});
+    expect_none(batch);
+    CHECK(batch.states.array().isNaN().all());
+    expect_none(watch_batch(card, points, unseen, {.step = step}));
+  }
+  expect_none(integrate_batch(card, points, kTimes, {.step = 1e-3, .max_steps = 199}));
+  CHECK(integrate_batch(card, points, kTimes, {.step = 1e-3, .max_steps = 200}).status[0] ==
+        BatchStatus::done);
+}

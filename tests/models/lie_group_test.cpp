@@ -209,3 +209,13 @@ TEST_CASE("the Lie-group integrator refuses inertias, starts and options without
   CHECK_THROWS_AS(LieGroupIntegrator(inertia)(nowhere, std::array{1.0}), samara::ArgumentError);
   CHECK_THROWS_AS(LieGroupIntegrator(inertia)(all_ones(), std::array{-1.0}), samara::ArgumentError);
 }
+
+TEST_CASE("steps beyond count stop the integrator on the group before the first") {
+  for (const double step : {1e-20, 1e-300}) {
+    const LieGroupIntegrator integrator(ellipsoid_421_inertia(), {.step = step});
+    const BodyTrajectory trajectory = integrator(all_ones(), std::array{1.0});
+    CHECK(trajectory.status == IntegrateStatus::too_many_steps);
+    CHECK(trajectory.motions.empty());
+    CHECK(trajectory.steps == 0);
+  }
+}

@@ -120,3 +120,13 @@ TEST_CASE("the fixed-step integrator refuses steps, points and times without mea
   CHECK_THROWS_AS(integrate_rk4(hyperbola(), std::array{1.0}, std::array{1.0}), samara::ArgumentError);
   CHECK_THROWS_AS(integrate_rk4(hyperbola(), {}, std::array{-1.0}), samara::ArgumentError);
 }
+
+TEST_CASE("steps beyond count stop the fixed-step integrator before the first") {
+  for (const double step : {1e-20, 1e-300}) {
+    const Trajectory trajectory = integrate_rk4(hyperbola(), {}, std::array{5.0}, {.step = step});
+    CHECK(trajectory.status == IntegrateStatus::too_many_steps);
+    CHECK(trajectory.message ==
+          "stopped at t = 0 of 5 after 0 steps: the next time takes more steps than allowed");
+    CHECK(std::isnan(trajectory.states(0, 0)));
+  }
+}

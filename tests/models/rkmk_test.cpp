@@ -56,3 +56,15 @@ TEST_CASE("the Runge-Kutta-Munthe-Kaas method refuses models without attitude, a
   CHECK_THROWS_WITH(RkmkIntegrator(fall), Catch::Contains("has no quaternion among its states"));
   CHECK_THROWS_AS(RkmkIntegrator(falling_card({}), {.step = 0.0}), samara::ArgumentError);
 }
+
+TEST_CASE("the Runge-Kutta-Munthe-Kaas method stops where more steps than allowed would be needed") {
+  for (const double step : {1e-20, 1e-300}) {
+    const Trajectory trajectory = integrate_rkmk(falling_card({}), {}, std::array{1.0}, {.step = step});
+    CHECK(trajectory.status == IntegrateStatus::too_many_steps);
+    CHECK(std::isnan(trajectory.states(0, 0)));
+  }
+  const Trajectory part =
+      integrate_rkmk(falling_card({}), {}, std::array{0.05, 0.2}, {.step = 1e-3, .max_steps = 100});
+  CHECK(part.status == IntegrateStatus::too_many_steps);
+  CHECK(part.reached == 0.05);
+}

@@ -188,3 +188,19 @@ TEST_CASE("panels refuse open meshes, fluids without density, odd options and me
   mesh.triangles.conservativeResize(3, mesh.triangles.cols() - 1);
   CHECK_THROWS_WITH(panel_added_mass(mesh, 1.0), Contains("not closed"));
 }
+
+TEST_CASE("an added mass that is not finite has a status that says so") {
+  const TriangleMesh box = box_mesh({10.0, 10.0, 10.0}, 2, 2);
+  CHECK(panel_added_mass(box, 1.0).is_usable());
+  const PanelAddedMass beyond = panel_added_mass(box, 1e308);  // 125 m^3 of it have no finite mass
+  CHECK(beyond.status == PanelStatus::not_finite);
+  CHECK_FALSE(beyond.is_usable());
+  CHECK_THAT(beyond.message, Catch::StartsWith("the added mass is not finite"));
+}
+
+TEST_CASE("a corner of no triangle does not enter the equations of the panels") {
+  TriangleMesh box = box_mesh({1.0, 1.0, 1.0}, 2, 2);
+  box.vertices.conservativeResize(3, box.vertices.cols() + 1);
+  box.vertices.rightCols<1>() << 50.0, 0.0, 0.0;
+  CHECK_THROWS_WITH(panel_added_mass(box, 1.0), Contains("belongs to no triangle"));
+}

@@ -28,6 +28,26 @@ TriangleMesh tetrahedron() {
   return mesh;
 }
 
+/// Both surfaces in one mesh, nothing shared.
+TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, a.vertices.cols() + b.vertices.cols());
+  mesh.vertices << a.vertices, b.vertices;
+  mesh.triangles.resize(3, a.triangles.cols() + b.triangles.cols());
+  mesh.triangles << a.triangles, b.triangles.array() + static_cast<int>(a.vertices.cols());
+  return mesh;
+}
+
+TriangleMesh inside_out(TriangleMesh mesh) {
+  mesh.triangles.row(1).swap(mesh.triangles.row(2));
+  return mesh;
+}
+
+TriangleMesh shifted(TriangleMesh mesh, double along_x) {
+  mesh.vertices.row(0).array() += along_x;
+  return mesh;
+}
+
 }  // namespace
 
 TEST_CASE("a tetrahedron is closed and has its volume, wherever it stands") {
@@ -89,6 +109,30 @@ TEST_CASE("meshes without volume, without area, without triangles or with odd nu
   nan.vertices(1, 2) = std::numeric_limits<double>::quiet_NaN();
   CHECK_THROWS_WITH(require_closed(nan), Contains("corner 2") && Contains("not finite"));
   CHECK_THROWS_AS(require_closed(nan), samara::ArgumentError);
+}
+
+TEST_CASE("a corner of no triangle is refused by its number") {
+  TriangleMesh mesh = tetrahedron();
+  mesh.vertices.conservativeResize(3, 6);
+  mesh.vertices.col(4) << 50.0, 0.0, 0.0;
+  mesh.vertices.col(5) << 60.0, 0.0, 0.0;
+  CHECK_THROWS_WITH(require_closed(mesh), Contains("corner 4 (50, 0, 0) belongs to no triangle"));
+}
+
+TEST_CASE("a separate part inside out is refused, unless it is the wall of a cavity") {
+  const TriangleMesh large = box_mesh({2.0, 2.0, 2.0}, 1, 1), small = box_mesh({1.0, 1.0, 1.0}, 1, 1);
+  CHECK_NOTHROW(require_closed(joined(large, shifted(small, 5.0))));
+  CHECK_THROWS_WITH(require_closed(joined(large, shifted(inside_out(small), 5.0))),
+                    Contains("of its 2 separate parts, that of triangle 12 at ") &&
+                        Contains("is inside out (its volume is -1 m^3)"));
+  // Equal and opposite volumes: the whole encloses none, which is not what is wrong.
+  CHECK_THROWS_WITH(require_closed(joined(inside_out(small), shifted(small, 5.0))),
+                    Contains("that of triangle 0 at "));
+  const TriangleMesh hollow = joined(large, inside_out(small));
+  CHECK_NOTHROW(require_closed(hollow));
+  CHECK_THAT(enclosed_volume(hollow), WithinRel(7.0, 1e-14));
+  CHECK_THROWS_WITH(require_closed(joined(inside_out(large), shifted(inside_out(small), 5.0))),
+                    Contains("oriented_outward"));
 }
 
 TEST_CASE(
