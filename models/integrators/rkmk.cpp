@@ -115,32 +115,13 @@ Trajectory RkmkIntegrator::operator()(std::span<const double> q, std::span<const
   Impl& run = *impl_;
   run.model.check(q);
   check_times(times);
-  Trajectory result = unfilled_trajectory(times, run.model.state_count(), 0);
   run.model.initial(q, run.x);
-  double t = 0.0;
-  for (Eigen::Index row = 0; row < result.times.size(); ++row) {
-    const EqualSteps steps = equal_steps(t, result.times[row], run.options.step);
-    if (steps.count > run.options.max_steps - result.steps) {
-      result.status = IntegrateStatus::too_many_steps;
-      result.message = "the next time takes more steps than allowed";
-      break;
-    }
-    for (long step = 0; step < steps.count; ++step) {
-      run.take_step(t + static_cast<double>(step) * steps.length, steps.length, q);
-    }
-    result.steps += steps.count;
-    if (!all_finite(run.x)) {
-      result.status = IntegrateStatus::not_finite;
-      result.message = "the states are not finite at the next time asked for";
-      break;
-    }
-    t = result.times[row];
-    result.states.row(row) = Eigen::Map<const Eigen::RowVectorXd>(run.x.data(), result.states.cols());
-  }
-  result.reached = t;
-  result.rhs_evaluations = 4 * result.steps;
-  result.message = outcome_sentence(result, times.empty() ? 0.0 : times.back());
-  return result;
+  return fixed_step_trajectory(times, run.options.step, run.options.max_steps, run.x,
+                               [&run, q](double t, const EqualSteps& steps) {
+                                 for (long k = 0; k < steps.count; ++k) {
+                                   run.take_step(t + static_cast<double>(k) * steps.length, steps.length, q);
+                                 }
+                               });
 }
 
 Trajectory integrate_rkmk(const ParametricModel& model, std::span<const double> q,

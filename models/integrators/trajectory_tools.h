@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "samara/models/integrate.h"
 
@@ -34,5 +35,36 @@ struct EqualSteps {
 /// As few equal steps as `step` allows, give or take round-off. Counts beyond all reason are cut at 2^62,
 /// which no limit allows.
 EqualSteps equal_steps(double from, double to, double step);
+
+/// The trajectory of a method with fixed steps, four evaluations of f each.
+/// @param x the states at t = 0, which `advance` moves
+/// @param advance advance(t, steps): from t by steps.count steps of steps.length
+template <class Advance>
+Trajectory fixed_step_trajectory(std::span<const double> times, double step, long max_steps,
+                                 const std::vector<double>& x, const Advance& advance) {
+  Trajectory result = unfilled_trajectory(times, static_cast<int>(x.size()), 0);
+  double t = 0.0;
+  for (Eigen::Index row = 0; row < result.times.size(); ++row) {
+    const EqualSteps steps = equal_steps(t, result.times[row], step);
+    if (steps.count > max_steps - result.steps) {
+      result.status = IntegrateStatus::too_many_steps;
+      result.message = "the next time takes more steps than allowed";
+      break;
+    }
+    advance(t, steps);
+    result.steps += steps.count;
+    if (!all_finite(x)) {
+      result.status = IntegrateStatus::not_finite;
+      result.message = "the states are not finite at the next time asked for";
+      break;
+    }
+    t = result.times[row];
+    result.states.row(row) = Eigen::Map<const Eigen::RowVectorXd>(x.data(), result.states.cols());
+  }
+  result.reached = t;
+  result.rhs_evaluations = 4 * result.steps;
+  result.message = outcome_sentence(result, times.empty() ? 0.0 : times.back());
+  return result;
+}
 
 }  // namespace samara::models

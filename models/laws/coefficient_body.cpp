@@ -2,7 +2,7 @@
 #include <array>
 
 #include "samara/models/laws/parameter_list.h"
-#include "samara/models/laws/spatial_inertia.h"
+#include "samara/models/laws/spatial_body.h"
 
 namespace samara::models::laws {
 
@@ -41,7 +41,7 @@ struct FlowAxes {
   Vector3<S> to_body(const Vector3<S>& s) const { return s.x * x + s.y * y + s.z * z; }
 };
 
-struct CoefficientBody {
+struct CoefficientBody : SpatialBody<CoefficientBody> {
   static constexpr int kStates = kPoseStates;
   enum Parameter {
     kMass,
@@ -232,11 +232,6 @@ struct CoefficientBody {
     return {{sum, S(0.0), S(0.0)}, {S(0.0), sum * p[kOffset + 2], difference * p[kThrustArm]}};
   }
 
-  static std::string problem(const double* p) {
-    if (total_inertia(p).is_positive_definite()) return "";
-    return "masses and moments of inertia do not make a positive definite inertia";
-  }
-
   template <class S>
   static std::array<Load<S>, kTerms> loads(const Pose<S>& pose, const SpatialInertia<S>& inertia,
                                            const S* p) {
@@ -247,36 +242,6 @@ struct CoefficientBody {
     all[kGravity] = weights(pose, p);
     return all;
   }
-
-  template <class S>
-  static void rhs(const S&, const S* x, const S* p, S* dxdt) {
-    const Pose<S> pose(x);
-    const SpatialInertia<S> inertia = total_inertia(p);
-    Load<S> sum;
-    for (const Load<S>& load : loads(pose, inertia, p)) sum = sum + load;
-    const Load<S> rates = inertia.solve(sum);
-    pose_rates(pose, x, dxdt);
-    store(rates.force, dxdt + kUx);
-    store(rates.torque, dxdt + kWx);
-  }
-
-  template <class S>
-  static void forces(const S&, const S* x, const S* p, LawWrench<S>* terms) {
-    const Pose<S> pose(x);
-    const std::array<Load<S>, kTerms> all = loads(pose, total_inertia(p), p);
-    for (std::size_t k = 0; k < all.size(); ++k) terms[k] = wrench(all[k], pose.u, pose.w);
-  }
-
-  /// 1/2 (u . P + w . L)
-  template <class S>
-  static S kinetic_energy(const S&, const S* x, const S* p) {
-    const Pose<S> pose(x);
-    const Load<S> momentum = total_inertia(p).momentum(pose.u, pose.w);
-    return S(0.5) * (dot(pose.u, momentum.force) + dot(pose.w, momentum.torque));
-  }
-
-  template <class S>
-  static void complete(const char*, S*) {}
 
   static Scales scales(const double* p) {
     const double mass = p[kMass] + p[kOffsetMass];

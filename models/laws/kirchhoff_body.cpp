@@ -3,13 +3,13 @@
 
 #include <fmt/format.h>
 
-#include "samara/models/laws/spatial_inertia.h"
+#include "samara/models/laws/spatial_body.h"
 
 namespace samara::models::laws {
 
 namespace {
 
-struct KirchhoffBody {
+struct KirchhoffBody : SpatialBody<KirchhoffBody> {
   static constexpr int kStates = kPoseStates;
   enum Parameter {
     kMass,
@@ -131,11 +131,6 @@ struct KirchhoffBody {
     return total;
   }
 
-  static std::string problem(const double* p) {
-    if (total_inertia(p).is_positive_definite()) return "";
-    return "mass, inertia and added mass do not make a positive definite inertia";
-  }
-
   template <class S>
   static std::array<Load<S>, kTerms> loads(const Pose<S>& pose, const SpatialInertia<S>& inertia,
                                            const S* p) {
@@ -145,35 +140,6 @@ struct KirchhoffBody {
     gravity.torque = gravity.torque + cross(vector3(p + kMassCentre), weight);
     return {gyroscopic_load(inertia.momentum(pose.u, pose.w), pose.u, pose.w), gravity};
   }
-
-  template <class S>
-  static void rhs(const S&, const S* x, const S* p, S* dxdt) {
-    const Pose<S> pose(x);
-    const SpatialInertia<S> inertia = total_inertia(p);
-    const std::array<Load<S>, kTerms> all = loads(pose, inertia, p);
-    const Load<S> rates = inertia.solve(all[kInertial] + all[kGravity]);
-    pose_rates(pose, x, dxdt);
-    store(rates.force, dxdt + kUx);
-    store(rates.torque, dxdt + kWx);
-  }
-
-  template <class S>
-  static void forces(const S&, const S* x, const S* p, LawWrench<S>* terms) {
-    const Pose<S> pose(x);
-    const std::array<Load<S>, kTerms> all = loads(pose, total_inertia(p), p);
-    for (std::size_t k = 0; k < all.size(); ++k) terms[k] = wrench(all[k], pose.u, pose.w);
-  }
-
-  /// 1/2 (u . P + w . L)
-  template <class S>
-  static S kinetic_energy(const S&, const S* x, const S* p) {
-    const Pose<S> pose(x);
-    const Load<S> momentum = total_inertia(p).momentum(pose.u, pose.w);
-    return S(0.5) * (dot(pose.u, momentum.force) + dot(pose.w, momentum.torque));
-  }
-
-  template <class S>
-  static void complete(const char*, S*) {}
 
   /// Nothing resists the motion: the size of the body is its radius of gyration, its speed that of a fall by
   /// it.
