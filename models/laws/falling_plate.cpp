@@ -61,46 +61,17 @@ struct FallingPlate {
     };
   }
 
-  static std::vector<ParameterInfo> parameters() {
-    return {
-        {.name = "semi_chord", .unit = "m", .description = "half the chord, a", .lower = 0.0},
-        {.name = "semi_thickness", .unit = "m", .description = "half the thickness, b", .lower = 0.0},
-        {.name = "density", .unit = "kg/m^3", .description = "density of the solid", .lower = 0.0},
-        {.name = "fluid_density",
-         .unit = "kg/m^3",
-         .default_value = 998.2,
-         .description = "density of the fluid; default: water at 20 degrees C",
-         .lower = 0.0},
-        {.name = "g",
-         .unit = "m/s^2",
-         .default_value = 9.81,
-         .description = "gravitational acceleration",
-         .lower = 0.0},
-        {.name = "C_T", .unit = "1", .default_value = 1.2, .description = "translational lift"},
-        {.name = "C_R", .unit = "1", .default_value = std::numbers::pi, .description = "rotational lift"},
-        {.name = "A",
-         .unit = "1",
-         .default_value = 1.4,
-         .description = "mean drag on the chord: A - B edge-on, A + B broadside"},
-        {.name = "B", .unit = "1", .default_value = 1.0, .description = "drag by the angle of attack"},
-        {.name = "mu1",
-         .unit = "1",
-         .default_value = 0.2,
-         .description = "linear dissipation of rotation",
-         .lower = 0.0,
-         .lower_inclusive = true},
-        {.name = "mu2",
-         .unit = "1",
-         .derived = "mu1",
-         .description = "quadratic dissipation of rotation: freeing mu1 alone moves both",
-         .lower = 0.0,
-         .lower_inclusive = true},
-        {.name = "speed_floor",
-         .unit = "m/s",
-         .derived = "1e-6 U",
-         .description = "least speed v, which keeps the angle of attack defined at rest",
-         .lower = 0.0},
+  static Parameters parameters() {
+    Parameters list = {
+        positive("semi_chord", "m", "half the chord, a"),
+        positive("semi_thickness", "m", "half the thickness, b"),
+        positive("density", "kg/m^3", "density of the solid"),
+        water(),
+        gravity(),
     };
+    append(list, elliptic_plate_coefficients());
+    list.push_back(derived("speed_floor", "m/s", "1e-6 U", kSpeedFloorMeaning, false));
+    return list;
   }
 
   template <class S>

@@ -60,37 +60,17 @@ struct FallingPlateLinearDrag {
     };
   }
 
-  static std::vector<ParameterInfo> parameters() {
+  static Parameters parameters() {
     return {
-        {.name = "A_perp",
-         .unit = "1/s",
-         .default_value = 4.1,
-         .description = "drag along the normal, and of rotation, over mass",
-         .lower = 0.0,
-         .lower_inclusive = true},
-        {.name = "A_par",
-         .unit = "1/s",
-         .default_value = 0.9,
-         .description = "drag along the chord, over mass; defaults: fluttering, dissertation figure 3.4 (a)",
-         .lower = 0.0,
-         .lower_inclusive = true},
-        {.name = "chord", .unit = "m", .description = "full chord", .lower = 0.0},
-        {.name = "mass", .unit = "kg/m", .description = "mass per unit span", .lower = 0.0},
-        {.name = "fluid_density",
-         .unit = "kg/m^3",
-         .default_value = 1.23,
-         .description = "density of the fluid; default: air",
-         .lower = 0.0},
-        {.name = "g",
-         .unit = "m/s^2",
-         .default_value = 9.81,
-         .description = "gravitational acceleration",
-         .lower = 0.0},
-        {.name = "sign_floor",
-         .unit = "m/s",
-         .derived = "0.02 sqrt(g mass/(pi fluid_density chord))",
-         .description = "speed within which k changes its sign",
-         .lower = 0.0},
+        not_negative("A_perp", "1/s", 4.1, "drag along the normal, and of rotation, over mass"),
+        not_negative("A_par", "1/s", 0.9,
+                     "drag along the chord, over mass; defaults: fluttering, dissertation figure 3.4 (a)"),
+        positive("chord", "m", "full chord"),
+        positive("mass", "kg/m", "mass per unit span"),
+        with_default(positive("fluid_density", "kg/m^3", "density of the fluid; default: air"), 1.23),
+        gravity(),
+        derived("sign_floor", "m/s", "0.02 sqrt(g mass/(pi fluid_density chord))",
+                "speed within which k changes its sign", false),
     };
   }
 

@@ -54,44 +54,14 @@ struct FallingPlateNd {
     return states;
   }
 
-  static std::vector<ParameterInfo> parameters() {
-    return {
-        {.name = "inertia_ratio",
-         .unit = "1",
-         .default_value = 1.1,
-         .description = "I* = density b/(fluid_density a)",
-         .lower = 0.0},
-        {.name = "beta",
-         .unit = "1",
-         .default_value = 1.0 / 14.0,
-         .description = "thickness over chord, b/a",
-         .lower = 0.0,
-         .lower_inclusive = true},
-        {.name = "C_T", .unit = "1", .default_value = 1.2, .description = "translational lift"},
-        {.name = "C_R", .unit = "1", .default_value = std::numbers::pi, .description = "rotational lift"},
-        {.name = "A",
-         .unit = "1",
-         .default_value = 1.4,
-         .description = "mean drag: A - B edge-on, A + B broadside"},
-        {.name = "B", .unit = "1", .default_value = 1.0, .description = "drag by the angle of attack"},
-        {.name = "mu1",
-         .unit = "1",
-         .default_value = 0.2,
-         .description = "linear dissipation of rotation",
-         .lower = 0.0,
-         .lower_inclusive = true},
-        {.name = "mu2",
-         .unit = "1",
-         .derived = "mu1",
-         .description = "quadratic dissipation of rotation: freeing mu1 alone moves both",
-         .lower = 0.0,
-         .lower_inclusive = true},
-        {.name = "speed_floor",
-         .unit = "1",
-         .default_value = 1e-6,
-         .description = "least speed v, which keeps the angle of attack defined at rest",
-         .lower = 0.0},
+  static Parameters parameters() {
+    Parameters list = {
+        with_default(positive("inertia_ratio", "1", "I* = density b/(fluid_density a)"), 1.1),
+        not_negative("beta", "1", 1.0 / 14.0, "thickness over chord, b/a"),
     };
+    append(list, elliptic_plate_coefficients());
+    list.push_back(with_default(positive("speed_floor", "1", kSpeedFloorMeaning), 1e-6));
+    return list;
   }
 
   template <class S>

@@ -1,5 +1,7 @@
 #include "samara/models/laws/planar_plate.h"
 
+#include <numbers>
+
 namespace samara::models::laws {
 
 std::vector<ForceTermInfo> planar_force_terms() {
@@ -26,6 +28,26 @@ std::vector<StateInfo> planar_states() {
       {.name = "x", .unit = "m", .description = "horizontal position"},
       {.name = "y", .unit = "m", .description = "height, positive upward"},
   };
+}
+
+Parameters elliptic_plate_coefficients() {
+  return {
+      any_value("C_T", "1", 1.2, "translational lift"),
+      any_value("C_R", "1", std::numbers::pi, "rotational lift"),
+      any_value("A", "1", 1.4, "mean drag on the chord: A - B edge-on, A + B broadside"),
+      any_value("B", "1", 1.0, "drag by the angle of attack"),
+      not_negative("mu1", "1", 0.2, "linear dissipation of rotation"),
+      derived("mu2", "1", "mu1", "quadratic dissipation of rotation: freeing mu1 alone moves both", true),
+  };
+}
+
+ParameterInfo water() {
+  return with_default(
+      positive("fluid_density", "kg/m^3", "density of the fluid; default: water at 20 degrees C"), 998.2);
+}
+
+ParameterInfo gravity() {
+  return with_default(positive("g", "m/s^2", "gravitational acceleration"), 9.81);
 }
 
 }  // namespace samara::models::laws

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "samara/models/law_model.h"
+#include "samara/models/laws/parameter_list.h"
 
 /// What the plates moving in a vertical plane have in common: their states, and the quasi-steady forces of
 /// A. Andersen, U. Pesavento, Z. J. Wang, Unsteady aerodynamics of fluttering and tumbling plates, J. Fluid
@@ -152,5 +153,13 @@ S buoyant_speed(const S& density, const S& fluid_density, const S& g, const S& b
 std::vector<ForceTermInfo> planar_force_terms();
 /// In SI units, at rest with theta = 0.4 rad.
 std::vector<StateInfo> planar_states();
+/// C_T, C_R, A, B, mu1, mu2 of an elliptic plate, in this order, with the published defaults.
+Parameters elliptic_plate_coefficients();
+/// fluid_density, by default that of water.
+ParameterInfo water();
+/// g
+ParameterInfo gravity();
+inline constexpr const char* kSpeedFloorMeaning =
+    "least speed v, which keeps the angle of attack defined at rest";
 
 }  // namespace samara::models::laws
