@@ -1,0 +1,175 @@
+"""Usage: answers_test.py SAMARA [CLASS]
+
+Answers of the command: on stdout, exit code 0.
+"""
+
+import csv
+import json
+import math
+
+from samara_case import LINE_PLAN, FOLDER, Case, book, main, run
+
+
+class Answers(Case):
+    def test_models_lists_every_model_and_explains_one(self):
+        self.assertIn("vertical_fall", run("models").stdout)
+        text = run("models", "vertical_fall").stdout
+        for part in ["C_D", "kg/m^3", "8/3", "source"]:
+            self.assertIn(part, text)
+        models = json.loads(run("models", "--json").stdout)
+        self.assertEqual(models["schema"], "samara-models/1")
+        self.assertIn("quadratic_drag_fall", [m["name"] for m in models["models"]])
+
+    def test_models_says_what_a_force_is_made_of(self):
+        text = run("models", "falling_plate").stdout
+        for part in ["affine in:", "C_T, C_R, A, B, mu1, mu2", "symmetries:", "translation of x", "force term",
+                     "gravity and buoyancy", "(m + m11) vx' = "]:
+            self.assertIn(part, text)
+        self.assertLessEqual(max(len(line) for line in text.splitlines()), 110)
+        model, = json.loads(run("models", "falling_plate", "--json").stdout)["models"]
+        self.assertEqual(model["affine_in"], ["C_T", "C_R", "A", "B", "mu1", "mu2"])
+        self.assertEqual(model["force_units"], {"force": "N/m", "torque": "N", "power": "W/m"})
+        self.assertEqual([term["name"] for term in model["force_terms"]],
+                         ["inertia", "translational lift", "rotational lift", "drag", "dissipation",
+                          "gravity and buoyancy"])
+
+    def test_every_model_is_explained_within_the_width_of_a_page(self):
+        for line in run("models").stdout.splitlines():
+            name = line.split()[0]
+            text = run("models", name).stdout
+            self.assertIn("source:", text)
+            self.assertLessEqual(max(len(row) for row in text.splitlines()), 120, name)
+
+    def test_simulate_runs_the_reference_plate(self):
+        # The model sheet's state of I* = 1.1 at t = 5, thin plate.
+        result = run("simulate", "falling_plate_nd", "--set", "beta=0", "--set", "w(0)=0.001", "--set",
+                     "theta(0)=0.7853981633974483", "--until", "5", "--frames", "2")
+        header, _, last = csv.reader(result.stdout.splitlines())
+        self.assertEqual(header, ["t[1]", "vx[1]", "vy[1]", "w[1]", "theta[1]", "x[1]", "y[1]"])
+        state = [0.755521995, -0.371934127, -0.058302197, -1.602042954, -2.633326975, -1.65421933]
+        for value, expected in zip(last[1:], state):
+            self.assertAlmostEqual(float(value), expected, delta=1e-6)
+
+    def test_simulate_breaks_the_force_down_by_term(self):
+        arguments = ["--set", "semi_chord=7 mm", "--set", "semi_thickness=0.5 mm", "--set", "density=2.7 g/cm^3"]
+        result = run("simulate", "falling_plate", *arguments, "--until", "1", "--frames", "2001", "--forces")
+        rows = list(csv.DictReader(result.stdout.splitlines()))
+        powers = [name for name in rows[0] if name.endswith(".power[W/m]")]
+        self.assertEqual(len(powers), 6)
+        for name in ["drag.Fx[N/m]", "drag.Fy[N/m]", "dissipation.T[N]", "kinetic_energy[J/m]"]:
+            self.assertIn(name, rows[0])
+        # The energy gained is the work of all terms, by the trapezoidal rule: a part in 1e4 at this spacing.
+        work = sum(float(row[name]) for row in rows for name in powers)
+        work -= 0.5 * sum(float(row[name]) for row in (rows[0], rows[-1]) for name in powers)
+        gain = float(rows[-1]["kinetic_energy[J/m]"]) - float(rows[0]["kinetic_energy[J/m]"])
+        self.assertAlmostEqual(work * 1.0 / 2000, gain, delta=1e-4 * abs(gain))
+        # Without the flag nothing but the states.
+        plain = run("simulate", "falling_plate", *arguments, "--until", "1", "--frames", "2").stdout
+        self.assertEqual(len(plain.splitlines()[0].split(",")), 7)
+
+    def test_simulate_by_any_integrator_gives_the_same_fall(self):
+        fall = ["simulate", "falling_plate_nd", "--set", "theta(0)=0.4", "--until", "2", "--frames", "3"]
+        last = {}
+        for integrator in [[], ["--integrator", "adaptive"], ["--integrator", "rk4", "--step", "0.005"]]:
+            result = run(*fall, *integrator)
+            self.assertEqual(result.returncode, 0)
+            last[str(integrator)] = [float(v) for v in result.stdout.splitlines()[-1].split(",")]
+        reference, *others = last.values()
+        for other in others:
+            for a, b in zip(reference, other):
+                self.assertAlmostEqual(a, b, delta=1e-7)
+
+    def test_simulate_refuses_steps_that_do_not_suit_the_integrator(self):
+        fall = ["simulate", "constant_rate", "--set", "k=2"]
+        self.check_error(run(*fall, "--integrator", "rk4"), 2, "--step was expected")
+        self.check_error(run(*fall, "--step", "0.1"), 2, "no --step was expected")
+        self.check_error(run(*fall, "--integrator", "rk4", "--step", "0"), 2, "--step")
+        self.check_error(run(*fall, "--integrator", "rkmk", "--step", "0.1"), 2, "quaternion")
+
+    def test_every_model_is_explained_on_few_pages(self):
+        for model in json.loads(run("models", "--json").stdout)["models"]:
+            lines = run("models", model["name"]).stdout.splitlines()
+            self.assertLess(len(lines), 130, model["name"])
+            self.assertLess(max(map(len, lines)), 125, model["name"])
+
+    def test_simulate_prints_the_exact_fall(self):
+        result = run("simulate", "quadratic_drag_fall", "--set", "C_D=1", "--until", "0.5", "--frames", "6")
+        rows = list(csv.reader(result.stdout.splitlines()))
+        self.assertEqual(rows[0], ["t[s]", "u[m/s]"])
+        speed = math.sqrt(2 * 0.1 * 9.81 / (1.23 * 0.5))
+        for t, u in rows[1:]:
+            self.assertAlmostEqual(float(u), -speed * math.tanh(9.81 * float(t) / speed), delta=1e-8)
+
+    def test_a_density_that_looks_like_grams_per_cubic_centimetre_is_warned_of(self):
+        call = ["simulate", "vertical_fall", "--set", "C_D=1.2", "--set", "area=4.7e-4", "--set", "thickness=2.5e-3",
+                "--until", "0.1"]
+        result = run(*call, "--set", "density=6.3")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("warning: the solid has a density of 6.3 kg/m^3", result.stderr)
+        self.assertEqual(run(*call, "--set", "density=6.3 g/cm^3").stderr, "")
+
+    def test_values_may_carry_units(self):
+        arguments = ["simulate", "vertical_fall", "--set", "C_D=1", "--set", "density=6.3 g/cm^3", "--set", "area=4.7 cm^2",
+                     "--set", "thickness=2.5 mm", "--until", "100 ms", "--frames", "2"]
+        plain = ["simulate", "vertical_fall", "--set", "C_D=1", "--set", "density=6300", "--set", "area=4.7e-4",
+                 "--set", "thickness=2.5e-3", "--until", "0.1", "--frames", "2"]
+        left, right = (list(csv.reader(run(*a).stdout.splitlines())) for a in (arguments, plain))
+        self.assertEqual(left[0], right[0])
+        for a, b in zip(left[2], right[2]):
+            self.assertAlmostEqual(float(a), float(b), delta=1e-14)
+
+    def test_query_gives_values_and_derivatives(self):
+        path = book("line", LINE_PLAN)
+        result = run("query", path, "--set", "k=4", "--at", "7", "2", "--gradient")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr, "")
+        rows = list(csv.reader(result.stdout.splitlines()))
+        self.assertEqual(rows[0], ["t[1]", "k[1]", "u[1]", "du/dt[1]", "du/dk[1]"])
+        # u = (10 / k - 1) t, so du/dt = 1.5 and du/dk = -10 t / k^2.
+        for row, t in zip(rows[1:], [7.0, 2.0]):
+            for got, exact in zip(map(float, row), [t, 4.0, 1.5 * t, 1.5, -10.0 * t / 16.0]):
+                self.assertAlmostEqual(got, exact, delta=1e-6)
+
+    def test_query_as_json_is_one_object_with_a_schema(self):
+        path = book("line", LINE_PLAN)
+        answer = json.loads(run("query", path, "--set", "k=4", "--json", "--gradient").stdout)
+        self.assertEqual(answer["schema"], "samara-query/1")
+        self.assertEqual(len(answer["outputs"][0]["values"]), 11)
+        self.assertEqual(set(answer["outputs"][0]["gradient"]), {"t", "k"})
+        self.assertTrue(answer["certificate_met"])
+
+    def test_clamp_takes_the_nearest_point_and_says_so(self):
+        path = book("line", LINE_PLAN)
+        clamped = run("query", path, "--set", "k=11", "--at", "3", "--clamp")
+        self.assertEqual(clamped.returncode, 0)
+        self.assertIn("k was moved", clamped.stderr)
+        self.assertEqual(clamped.stdout, run("query", path, "--set", "k=10", "--at", "3").stdout)
+
+    def test_answers_go_to_a_file_when_asked(self):
+        path = book("line", LINE_PLAN)
+        target = FOLDER / "answer.csv"
+        result = run("query", path, "--set", "k=4", "-o", target)
+        self.assertEqual(result.stdout, "")
+        self.assertEqual(target.read_text(), run("query", path, "--set", "k=4").stdout)
+
+    def test_info_shows_axes_certificate_and_provenance(self):
+        path = book("line", LINE_PLAN)
+        text = run("info", path).stdout
+        for part in ["constant_rate", "chebyshev", "certificate: met", "made by samara"]:
+            self.assertIn(part, text)
+        info = json.loads(run("info", path, "--json").stdout)
+        self.assertEqual(info["schema"], "samara-info/1")
+        self.assertTrue(info["certificate"]["met"])
+        self.assertGreaterEqual(info["certificate"]["points"], 2000)
+
+    def test_validate_certifies_again_on_other_points(self):
+        path = book("line", LINE_PLAN)
+        a = json.loads(run("validate", path, "--points", "500", "--seed", "3", "--json").stdout)["certificate"]
+        b = json.loads(run("validate", path, "--points", "500", "--seed", "4", "--json").stdout)["certificate"]
+        self.assertTrue(a["met"] and b["met"])
+        self.assertEqual(a["points"], 500)
+        self.assertNotEqual(a["outputs"][0]["worst"], b["outputs"][0]["worst"])
+
+
+if __name__ == "__main__":
+    main()

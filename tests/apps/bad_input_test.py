@@ -1,0 +1,197 @@
+"""Usage: bad_input_test.py SAMARA [CLASS]
+
+What is wrong in plans, captures, codebooks and calls: one sentence on stderr, the documented exit code.
+"""
+
+import subprocess
+
+from samara_case import COIN_PLAN, LINE_PLAN, FOLDER, SAMARA, Case, book, main, run, write
+
+
+class BadPlans(Case):
+    def build(self, text):
+        target = FOLDER / "never.h5"
+        result = run("build", write("bad.toml", text), "-o", target)
+        self.assertFalse(target.exists())
+        return result
+
+    def test_an_unknown_key(self):
+        self.check_error(self.build(LINE_PLAN.replace("[box]", "[bos]")), 3, "bad.toml:2", "bos", "box")
+
+    def test_a_reversed_interval(self):
+        self.check_error(self.build(LINE_PLAN.replace("[1.0, 10.0]", "[10.0, 1.0]")), 3, "bad.toml:3", "k", "lower < upper")
+
+    def test_an_empty_interval(self):
+        self.check_error(self.build(LINE_PLAN.replace("[1.0, 10.0]", "[2.0, 2.0]")), 3, "bad.toml:3", "k", "lower < upper")
+
+    def test_nan(self):
+        self.check_error(self.build(LINE_PLAN.replace("10.0]", "nan]")), 3, "bad.toml:3", "nan")
+
+    def test_a_parameter_of_another_model(self):
+        self.check_error(self.build(LINE_PLAN.replace("k =", "C_D =")), 3, "bad.toml:3", "C_D", "constant_rate")
+
+    def test_an_unknown_model(self):
+        self.check_error(self.build(LINE_PLAN.replace("constant_rate", "constant_rat")), 3, "constant_rate")
+
+    def test_a_missing_plan(self):
+        self.check_error(run("build", FOLDER / "none.toml", "-o", FOLDER / "x.h5"), 3, "none.toml")
+
+    def test_an_output_that_cannot_be_written(self):
+        plan = write("line.toml", LINE_PLAN)
+        self.check_error(run("build", plan, "-o", FOLDER / "nowhere" / "x.h5"), 2, "nowhere")
+
+
+    def test_every_output_that_cannot_be_written_is_refused_before_the_build(self):
+        folder = FOLDER / "folder.h5"
+        folder.mkdir(exist_ok=True)
+        for target, reason in [(folder, "directory"), ("", "names no file"), ("/dev/null", "not a regular file")]:
+            # There is not even a plan: the output is complained about first.
+            self.check_error(run("build", FOLDER / "none.toml", "-o", target), 2, "cannot write", reason)
+
+    def test_a_title_with_control_characters(self):
+        self.check_error(self.build('title = "a\\u0000b"\n' + LINE_PLAN), 3, "bad.toml:1", "title", "\\x00")
+
+
+    def test_control_characters_of_a_file_do_not_reach_the_terminal(self):
+        for code in ["\\u001b[31m", "\\u009b31m", "\\n"]:
+            result = self.build(LINE_PLAN.replace("constant_rate", "constant_rat" + code))
+            self.check_error(result, 3, "bad.toml:1", "\\x")
+            self.assertNotIn("\x1b", result.stderr)
+            self.assertNotIn("\x9b", result.stderr)
+
+
+class BadCaptures(Case):
+    def fit(self, text, sidecar=None):
+        path = write("capture.csv", text)
+        if sidecar is not None:
+            path = write("side.toml", 'file = "capture.csv"\n' + sidecar)
+        return run("fit", book("coin", COIN_PLAN), path)
+
+    ROWS = "".join(f"{i / 60},{0.2 * i / 60}\n" for i in range(12))
+
+    def test_a_missing_column(self):
+        sidecar = '[columns]\ntime = { quantity = "t", unit = "s" }\ndeep = { quantity = "x", unit = "m" }\n'
+        self.check_error(self.fit("time,depth\n" + self.ROWS, sidecar), 3, "deep", "depth")
+
+    def test_a_canonical_table_without_the_column_of_an_output(self):
+        self.check_error(self.fit("t[s],deep[m]\n" + self.ROWS), 3, "capture.csv", "v, x")
+
+    def test_a_canonical_table_with_another_unit(self):
+        self.check_error(self.fit("t[s],x[s]\n" + self.ROWS), 3, "capture.csv", '"x" in s; m')
+
+    def test_pixels_without_a_scale(self):
+        self.check_error(self.fit("t[s],x[px]\n" + self.ROWS), 3, "capture.csv", "px", "[scale]")
+
+    def test_a_config_that_cannot_be(self):
+        capture = write("good.csv", "t[s],x[m]\n" + self.ROWS)
+        for text, word in [("[fixed]\nC_D = 9.0\n", "C_D"), ('shared = ["C_D"]\n[fixed]\nC_D = 1.0\n', "fixed"),
+                           ("[box]\nC_D = [2.0, 1.0]\n", "C_D"), ("[box]\nC_D = [0.1, 1.0]\n", "C_D"),
+                           ('cluster_by = ["drop"]\n', "drop"), ('shared = ["nothing"]\n', "nothing"),
+                           ("starts = 10001\n", "10000")]:
+            config = write("config.toml", text)
+            self.check_error(run("fit", book("coin", COIN_PLAN), capture, "--config", config), 3, "config.toml", word)
+        config = write("config.toml", "[fixed]\ndensity = -1.0\narea = 1e-4\nthickness = 1e-3\n[box]\nC_D = [1.0, 2.0]\n")
+        self.check_error(run("fit", "vertical_fall", capture, "--config", config), 3, "config.toml", "density")
+        self.check_error(run("fit", book("coin", COIN_PLAN), capture, "--window", "-1"), 2, "window")
+
+    def test_a_header_without_units(self):
+        self.check_error(self.fit("t,x\n" + self.ROWS), 3, "capture.csv", "unit")
+
+    def test_times_that_do_not_increase(self):
+        rows = self.ROWS.splitlines(keepends=True)
+        rows[5], rows[6] = rows[6], rows[5]
+        self.check_error(self.fit("t[s],x[m]\n" + "".join(rows)), 3, "capture.csv:8", "increas")
+
+    def test_a_number_that_is_none(self):
+        self.check_error(self.fit("t[s],x[m]\n" + self.ROWS.replace("0.1,", "0.1x,", 1)), 3, "capture.csv:")
+
+    def test_a_missing_file(self):
+        self.check_error(run("fit", book("coin", COIN_PLAN), FOLDER / "none.csv"), 3, "none.csv")
+
+
+class BadCodebooks(Case):
+    def test_a_truncated_file(self):
+        whole = book("line", LINE_PLAN).read_bytes()
+        for part in [0.0, 0.01, 0.5, 0.99]:
+            path = FOLDER / "short.h5"
+            path.write_bytes(whole[: int(part * len(whole))])
+            self.check_error(run("query", path, "--set", "k=4"), 3, "short.h5")
+
+    def test_a_foreign_file(self):
+        self.check_error(run("info", write("foreign.h5", "not HDF5 at all\n" * 100)), 3, "foreign.h5")
+
+    def test_a_missing_file(self):
+        self.check_error(run("validate", FOLDER / "none.h5"), 3, "none.h5")
+
+    def test_a_query_outside_the_box(self):
+        path = book("line", LINE_PLAN)
+        self.check_error(run("query", path, "--set", "k=11"), 5, "k = 11", "[1, 10]")
+        self.check_error(run("query", path, "--set", "k=4", "--at", "10.5"), 5, "t = 10.5", "[0, 10]")
+
+
+class BadCalls(Case):
+    def test_wrong_calls_are_explained_and_exit_with_2(self):
+        path = book("line", LINE_PLAN)
+        self.check_error(run("query", path), 2, "k is not set")
+        self.check_error(run("query", path, "--set", "kk=4"), 2, "kk", "k")
+        self.check_error(run("query", path, "--set", "k"), 2, "NAME=VALUE")
+        self.check_error(run("query", path, "--set", "k=4", "--set", "k=5"), 2, "twice")
+        self.check_error(run("query", path, "--set", "k=nan"), 2, "k", "finite")
+        self.check_error(run("query", path, "--set", "k=4 m"), 2, "k", "4 m")
+        self.check_error(run("simulate", "vertical_fal"), 2, "vertical_fall")
+        self.check_error(run("simulate", "constant_rate", "--set", "k=2", "--until", "-1"), 2, "--until")
+        self.check_error(run("models", "nothing_like_it"), 2, "nothing_like_it")
+        self.check_error(run("simulate", "constant_rate", "--set", "k=2", "--forces"), 2, "--forces",
+                         "constant_rate")
+        self.check_error(run("fit", "vertical_fall", "x.csv"), 2, "--config")
+        for arguments in [[], ["unknown"], ["query"], ["query", path, "--frobnicate"]]:
+            self.assertEqual(run(*arguments).returncode, 2)
+
+    def test_a_word_that_is_no_command_is_named_with_the_nearest(self):
+        self.check_error(run("foo"), 2, '"foo" is not a command', "known: models, simulate, build")
+        self.check_error(run("biuld", "plan.toml"), 2, 'did you mean "build"?')
+
+    def test_what_has_no_effect_or_no_meaning_is_refused(self):
+        self.check_error(run("fit", "vertical_fall", "x.csv", "--reference"), 2, "--reference", "integrated anyway")
+        self.check_error(run("validate", book("line", LINE_PLAN), "--seed", "-1"), 2, "--seed", "-1")
+
+    def test_help_names_every_option_and_exits_with_0(self):
+        self.assertEqual(run("--help").returncode, 0)
+        for command in ["models", "simulate", "build", "info", "query", "validate", "fit"]:
+            result = run(command, "--help")
+            self.assertEqual(result.returncode, 0)
+            self.assertIn("--help", result.stdout)
+
+
+    def test_an_answer_lost_to_a_full_or_closed_stdout_is_told(self):
+        path = book("line", LINE_PLAN)
+        for arguments in [["info", path], ["query", path, "--set", "k=4", "--json"], ["models"], ["--help"], ["--version"]]:
+            with open("/dev/full", "w") as full:
+                result = subprocess.run([SAMARA, *map(str, arguments)], stdout=full, stderr=subprocess.PIPE, text=True)
+            self.assertEqual(result.returncode, 2, arguments)
+            self.assertEqual(result.stderr, "samara: the answer cannot be written to stdout: No space left on device\n")
+        closed = subprocess.run(["sh", "-c", 'exec "$0" info "$1" >&-', SAMARA, path], stderr=subprocess.PIPE, text=True)
+        self.assertEqual(closed.returncode, 2)
+        self.assertIn("stdout", closed.stderr)
+
+    def test_an_output_of_a_fit_is_checked_before_the_fit(self):
+        # The capture does not exist: the output is complained about first.
+        result = run("fit", book("coin", COIN_PLAN), FOLDER / "none.csv", "-o", FOLDER / "nowhere" / "a.json")
+        self.check_error(result, 2, "nowhere")
+
+    def test_an_input_is_not_overwritten_by_the_output(self):
+        path, plan = book("line", LINE_PLAN), write("self.toml", LINE_PLAN)
+        before = path.read_bytes()
+        self.check_error(run("query", path, "--set", "k=4", "-o", path), 2, "overwrite")
+        (FOLDER / "link.h5").unlink(missing_ok=True)
+        (FOLDER / "link.h5").symlink_to(path)
+        self.check_error(run("query", path, "--set", "k=4", "-o", FOLDER / "link.h5"), 2, "overwrite")
+        self.check_error(run("build", plan, "-o", plan), 2, "overwrite")
+        self.assertEqual(plan.read_text(), LINE_PLAN)
+        capture = write("kept.csv", "t[s],x[m]\n")
+        self.check_error(run("fit", path, capture, "-o", capture), 2, "overwrite")
+        self.assertEqual(path.read_bytes(), before)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,82 @@
+"""Usage: builds_test.py SAMARA [CLASS]
+
+Builds that miss, are killed, or find no room.
+"""
+
+import json
+import pathlib
+import resource
+import signal
+import subprocess
+import time
+
+from samara_case import COIN_PLAN, FOLDER, SAMARA, Case, main, run, write
+
+
+class Builds(Case):
+    def test_a_build_that_misses_its_tolerance_is_written_marked_and_exits_with_4(self):
+        plan = COIN_PLAN.replace('"v(0)" = [0.0, 0.4]', '"v(0)" = { range = [0.0, 0.4], nodes = 2 }')
+        path = FOLDER / "missed.h5"
+        result = run("build", write("missed.toml", plan), "-o", path)
+        self.assertEqual(result.returncode, 4)
+        self.assertIn("missed", result.stderr)
+        query = run("query", path, "--set", "C_D=1", "--set", "v(0)=0.1")
+        self.assertEqual(query.returncode, 0)
+        self.assertIn("missed its tolerance", query.stderr)
+        self.assertEqual(run("validate", path).returncode, 4)
+
+    def test_a_killed_build_leaves_no_file_and_resumes_to_the_same_codebook(self):
+        plan = write("kill.toml", COIN_PLAN.replace("1e-3", "1e-4"))
+        whole, killed = FOLDER / "whole.h5", FOLDER / "killed.h5"
+        self.assertEqual(run("build", plan, "-o", whole).returncode, 0)
+        process = subprocess.Popen([SAMARA, "build", plan, "-o", killed], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        checkpoint = pathlib.Path(f"{killed}.checkpoint")
+        while process.poll() is None and not checkpoint.exists():
+            time.sleep(0.001)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        self.assertFalse(killed.exists())
+        self.assertTrue(checkpoint.exists())
+        self.assertEqual(run("build", plan, "-o", killed, "--resume").returncode, 0)
+        self.assertFalse(checkpoint.exists())
+        left, right = (json.loads(run("info", p, "--json").stdout) for p in (whole, killed))
+        for info in (left, right):
+            del info["provenance"]
+        left.pop("bytes"), right.pop("bytes")
+        self.assertEqual(left, right)
+        at = ["--set", "C_D=1.1", "--set", "v(0)=0.13", "--gradient"]
+        self.assertEqual(run("query", whole, *at).stdout, run("query", killed, *at).stdout)
+
+
+    def build_with_files_of_at_most(self, size, plan, target):
+        def limit():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+        return subprocess.run([SAMARA, "build", plan, "-o", target], capture_output=True, text=True, timeout=120, preexec_fn=limit)
+
+    def test_a_full_disk_is_one_sentence_about_the_checkpoint_and_one_about_the_codebook(self):
+        target = FOLDER / "full.h5"
+        result = self.build_with_files_of_at_most(1000, write("full.toml", COIN_PLAN), target)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        warning, *_, error = result.stderr.strip().splitlines()
+        self.assertIn("samara: warning: no checkpoint: cannot write", warning)
+        self.assertIn(f'samara: cannot write "{target}": File too large', error)
+        self.assertEqual(len(result.stderr.strip().splitlines()), 2, result.stderr)
+        self.assertFalse(target.exists())
+
+    def test_a_build_whose_file_cannot_be_written_at_the_end_keeps_its_checkpoint(self):
+        target = FOLDER / "kept.h5"
+        plan = write("kept.toml", COIN_PLAN.replace("1e-3", "1e-4"))
+        checkpoint = pathlib.Path(f"{target}.checkpoint")
+        self.assertEqual(run("build", plan, "-o", target).returncode, 0)
+        # The checkpoints, without certificate, fit where the codebook does not.
+        result = self.build_with_files_of_at_most(target.stat().st_size - 100, plan, target)
+        self.assertEqual(result.returncode, 2)
+        self.assertNotIn("no checkpoint", result.stderr)
+        self.assertTrue(checkpoint.exists())
+        self.assertEqual(run("build", plan, "-o", target, "--resume").returncode, 0)
+        self.assertFalse(checkpoint.exists())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,72 @@
+"""What the tests of the command share: calling it as its users do, plans, and the form of errors."""
+
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SAMARA = sys.argv[1]
+HERE = tempfile.TemporaryDirectory()
+FOLDER = pathlib.Path(HERE.name)
+
+LINE_PLAN = """model = "constant_rate"
+[box]
+k = [1.0, 10.0]
+[time]
+end = 10.0
+[tolerance]
+relative = 1e-9
+"""
+
+COIN_PLAN = """model = "vertical_fall"
+[fixed]
+area = "4.7144e-4 m^2"
+thickness = "2.55 mm"
+density = "6338.5 kg/m^3"
+[box]
+C_D = [0.8, 1.6]
+"v(0)" = [0.0, 0.4]
+[time]
+end = "0.4 s"
+[tolerance]
+relative = 1e-3
+[builder]
+kind = "pgd"
+"""
+
+
+def run(*arguments):
+    return subprocess.run([SAMARA, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+
+
+def write(name, text):
+    path = FOLDER / name
+    path.write_text(text)
+    return path
+
+
+def book(name, plan):
+    path = FOLDER / f"{name}.h5"
+    if not path.exists():
+        result = run("build", write(f"{name}.toml", plan), "-o", path)
+        assert result.returncode == 0, result.stderr
+    return path
+
+
+class Case(unittest.TestCase):
+    def check_error(self, result, code, *parts):
+        """One sentence on stderr that holds the parts, nothing on stdout, the documented exit code."""
+        self.assertEqual(result.returncode, code, result.stderr)
+        self.assertEqual(result.stdout, "")
+        lines = result.stderr.strip().splitlines()
+        self.assertEqual(len(lines), 1, result.stderr)
+        self.assertTrue(lines[0].startswith("samara: "), lines[0])
+        for part in parts:
+            self.assertIn(part, lines[0])
+
+
+def main():
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    unittest.main(module="__main__", argv=[sys.argv[0], *sys.argv[2:]])
