@@ -136,7 +136,7 @@ BuildResult build(const Plan& plan, const BuildOptions& options) {
   }
   Solution solution = solve(plan, model, options, progress, cancelled);
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-  Codebook book(describe(model), {std::move(solution.piece)}, solution.record, provenance_of(plan, seconds),
+  Codebook book(describe(model), std::move(solution.pieces), solution.record, provenance_of(plan, seconds),
                 {}, plan.title);
   CertifyOptions certify_options;
   certify_options.points = options.certificate_points;

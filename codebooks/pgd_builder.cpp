@@ -10,6 +10,7 @@
 #include "samara/codebooks/checkpoint.h"
 #include "samara/codebooks/model_system.h"
 #include "samara/pgd/adaptive_evolution.h"
+#include "samara/pgd/slab_evolution.h"
 
 namespace samara::codebooks {
 
@@ -70,6 +71,19 @@ BuildRecord record_of(const pgd::AdaptiveResult& result) {
   return record;
 }
 
+BuildRecord record_of(const pgd::SlabResult& result) {
+  BuildRecord record;
+  record.builder = "pgd";
+  record.strategy = "slabs";
+  record.status = to_string(result.status);
+  record.message = result.message;
+  record.evaluations = static_cast<double>(result.evaluations);
+  record.grid_size = result.grid_evaluations;
+  record.iterations = 0;
+  record.rounds = result.marches;
+  return record;
+}
+
 /// Stores the solver's state. A disk that is full must not end a build that needs no disk: it is told once.
 std::function<void(const pgd::SolverState&)> checkpoint_writer(const Plan& plan,
                                                                const BuildOptions& options) {
@@ -103,10 +117,26 @@ void check_fits(const pgd::AdaptiveProblem& problem, const pgd::SolverState& sta
                    "axes, nodes, states or rounds of the checkpoint do not fit the plan");
 }
 
-}  // namespace
+Solution solve_by_slabs(const Plan& plan, const models::ParametricModel& model, long max_evaluations,
+                        const ProgressCallback& progress) {
+  const ModelSystem system(model);
+  const pgd::AdaptiveProblem problem = problem_of(plan, model, system);
+  pgd::SlabOptions slabs;
+  slabs.tolerance = plan.relative;
+  slabs.max_evaluations = max_evaluations;
+  slabs.max_cells = plan.builder.max_cells;
+  slabs.seed = plan.builder.seed;
+  slabs.progress = progress;
+  pgd::SlabResult result = pgd::solve_by_slabs(problem, slabs);
+  Solution solution;
+  for (pgd::TrainField& field : result.pieces) solution.pieces.push_back(Piece{{std::move(field)}});
+  solution.record = record_of(result);
+  solution.spent.nonlinearity = result.error;
+  return solution;
+}
 
-Solution solve_by_pgd(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
-                      long max_evaluations, const ProgressCallback& progress) {
+Solution solve_by_newton(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
+                         long max_evaluations, const ProgressCallback& progress) {
   const ModelSystem system(model);
   const pgd::AdaptiveProblem problem = problem_of(plan, model, system);
   pgd::AdaptiveOptions adaptive;
@@ -120,13 +150,24 @@ Solution solve_by_pgd(const Plan& plan, const models::ParametricModel& model, co
     start = load_checkpoint(options.checkpoint, plan.text);
   check_fits(problem, start, options.checkpoint);
   pgd::AdaptiveResult result = solve_adaptively(problem, adaptive, std::move(start));
-  Solution solution{{{std::move(result.evolution.field)}}, record_of(result), {}, result.evolution.residual};
+  Solution solution;
+  solution.pieces.push_back(Piece{{std::move(result.evolution.field)}});
+  solution.record = record_of(result);
+  solution.residual = result.evolution.residual;
   for (const pgd::AxisResolution& axis : result.resolution) {
     solution.spent.discretisation = std::max(solution.spent.discretisation, axis.coefficients);
   }
   solution.spent.compression = result.evolution.residual;
   solution.spent.nonlinearity = result.evolution.nonlinearity_error;
   return solution;
+}
+
+}  // namespace
+
+Solution solve_by_pgd(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
+                      long max_evaluations, const ProgressCallback& progress) {
+  if (plan.builder.strategy == "slabs") return solve_by_slabs(plan, model, max_evaluations, progress);
+  return solve_by_newton(plan, model, options, max_evaluations, progress);
 }
 
 }  // namespace samara::codebooks

@@ -172,10 +172,11 @@ std::int64_t integer_in(const TomlTable& table, const std::string& key, std::int
 void read_builder(const TomlTable& root, Plan& plan) {
   const auto table = root.optional_table("builder");
   if (!table) return;
-  table->expect_keys({"kind", "strategy", "max_calls", "threads", "seed"});
+  table->expect_keys({"kind", "strategy", "max_calls", "max_cells", "threads", "seed"});
   plan.builder.kind = one_of(*table, "kind", {"auto", "pgd", "sampling"});
-  plan.builder.strategy = one_of(*table, "strategy", {"auto", "newton"});
+  plan.builder.strategy = one_of(*table, "strategy", {"auto", "slabs", "newton"});
   plan.builder.max_calls = integer_in(*table, "max_calls", 0, 0, 1'000'000'000'000);
+  plan.builder.max_cells = static_cast<int>(integer_in(*table, "max_cells", 1, 1, 100'000));
   plan.builder.threads = static_cast<int>(integer_in(*table, "threads", 0, 0, 1024));
   plan.builder.seed = static_cast<std::uint64_t>(integer_in(*table, "seed", 1, 0, INT64_MAX));
 }

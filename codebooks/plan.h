@@ -37,7 +37,8 @@ struct Plan {
 
   struct Builder {
     std::string kind = "auto";      ///< "auto", "pgd" or "sampling"
-    std::string strategy = "auto";  ///< "auto" or "newton"
+    std::string strategy = "auto";  ///< "auto", "slabs" or "newton"
+    int max_cells = 1;              ///< of the strategy "slabs"
     /// Of f and its Jacobian; of sampling, trajectories; 0: no limit of the plan's. A trial of "auto" has its
     /// own.
     long max_calls = 0;

@@ -260,8 +260,8 @@ Solution solve_by_sampling(const Plan& plan, const models::ParametricModel& mode
         fmt::format("{}; {} elements of time by {} pilot trajectories, interpolation error {:.3g}{}",
                     result.message, mesh.axis.elements(), pilots, mesh.error,
                     mesh.resolved ? "" : fmt::format(" > {:.3g}", kTimeShare * plan.relative));
-    if (!result.field) return {{{initial_values(plan, model)}}, record, {}, 0.0};
-    return {{{with_time(*result.field, mesh.axis, state_labels(model))}},
+    if (!result.field) return {{Piece{{initial_values(plan, model)}}}, record, {}, 0.0};
+    return {{Piece{{with_time(*result.field, mesh.axis, state_labels(model))}}},
             record,
             {.discretisation = mesh.error, .compression = result.error},
             0.0};
@@ -269,7 +269,7 @@ Solution solve_by_sampling(const Plan& plan, const models::ParametricModel& mode
     record.status = stopped.status;
     record.message = stopped.message;
     record.evaluations = static_cast<double>(trajectories.count());
-    return {{{initial_values(plan, model)}}, record, {}, 0.0};
+    return {{Piece{{initial_values(plan, model)}}}, record, {}, 0.0};
   }
 }
 

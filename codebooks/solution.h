@@ -1,12 +1,14 @@
 #pragma once
 
+#include <vector>
+
 #include "samara/codebooks/codebook.h"
 
 namespace samara::codebooks {
 
 /// What a builder hands over, before the certificate.
 struct Solution {
-  Piece piece;
+  std::vector<Piece> pieces;
   BuildRecord record;
   ErrorBudget spent;
   double residual = 0.0;  ///< of the equations, in scales of the states; 0 where none was formed

@@ -64,32 +64,6 @@ class LimitedSystem : public EvolutionSystem {
   mutable std::atomic<bool> exhausted_ = false;
 };
 
-Axis make_axis(const AdaptiveAxis& axis, int nodes) {
-  switch (axis.basis) {
-    case Basis::p1:
-      return Axis::p1(axis.label, axis.lower, axis.upper, nodes);
-    case Basis::p2:
-      return Axis::p2(axis.label, axis.lower, axis.upper, nodes / 2);
-    case Basis::legendre:
-      return Axis::legendre(axis.label, axis.lower, axis.upper, nodes);
-    case Basis::fourier:
-      return Axis::fourier(axis.label, axis.lower, axis.upper, nodes / 2 * 2 + 1);
-    default:
-      return Axis::chebyshev(axis.label, axis.lower, axis.upper, nodes);
-  }
-}
-
-void check_axis(const AdaptiveAxis& axis) {
-  const bool elements = axis.basis == Basis::p1 || axis.basis == Basis::p2;
-  const bool refined =
-      axis.basis == Basis::chebyshev || axis.basis == Basis::legendre || axis.basis == Basis::fourier;
-  if (refined || (elements && axis.nodes)) return;
-  throw ArgumentError(
-      fmt::format("axis \"{}\" is {}, expected chebyshev, legendre, fourier, or p1 or p2 with "
-                  "a number of nodes",
-                  axis.label.name, to_string(axis.basis)));
-}
-
 class AdaptiveSolver {
  public:
   AdaptiveSolver(const AdaptiveProblem& problem, const AdaptiveOptions& options, SolverState start)
@@ -296,11 +270,7 @@ AdaptiveResult solve_adaptively(const AdaptiveProblem& problem, const AdaptiveOp
                     options.tolerance, options.peak_factor, options.time_points, options.first_time_elements,
                     options.first_nodes, options.max_rounds));
   }
-  if (problem.scale_floors.size() != problem.states.size()) {
-    throw ArgumentError(
-        fmt::format("{} scale floors for {} states", problem.scale_floors.size(), problem.states.size()));
-  }
-  for (const AdaptiveAxis& axis : problem.parameters) check_axis(axis);
+  check_problem(problem);
   return AdaptiveSolver(problem, options, std::move(start)).run();
 }
 

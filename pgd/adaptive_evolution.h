@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "samara/pgd/adaptive_problem.h"
 #include "samara/pgd/evolution.h"
 
 /// The evolution solver with axes refined until they resolve the solution.
@@ -15,29 +16,6 @@
 /// least one Newton step: before it, the field is that of the old axes, and its highest coefficients are
 /// zero.
 namespace samara::pgd {
-
-/// Axis whose nodes the solver chooses (or that the caller fixes). The label may have a transform.
-struct AdaptiveAxis {
-  Axis::Label label;
-  double lower = 0.0;
-  double upper = 1.0;
-  /// Fixed number of nodes; empty: refined as needed. p2 and fourier axes take an odd number: the next one.
-  std::optional<int> nodes = {};
-  /// chebyshev, legendre or fourier; or p1 or p2, which have no measure of what they leave unresolved: their
-  /// nodes must be fixed.
-  Basis basis = Basis::chebyshev;
-};
-
-struct AdaptiveProblem {
-  const EvolutionSystem* system = nullptr;
-  Axis::Label time;
-  double end = 1.0;  ///< time runs from 0
-  std::vector<AdaptiveAxis> parameters;
-  std::vector<OutputLabel> states;
-  std::vector<double> scales;        ///< first guess; replaced by the sampled ranges of the states
-  std::vector<double> scale_floors;  ///< least scale of every state: its absolute tolerance
-  std::vector<InitialValue> initial;
-};
 
 /// Everything a later round depends on: a value that can be stored and taken up again, with the same end
 /// result.

@@ -42,29 +42,34 @@ Eigen::MatrixXd highest_harmonics(int n) {
   return rows;
 }
 
-/// The highest coefficients in every element (or the period) of the columns of a factor matrix.
-std::vector<Eigen::MatrixXd> highest_of_factor(const Axis& axis, const Eigen::MatrixXd& factor) {
-  if (axis.basis() == Basis::fourier) return {highest_harmonics(axis.size()) * factor};
-  std::vector<Eigen::MatrixXd> coefficients;
-  if (!axis.has_elements() || axis.basis() == Basis::p1 || axis.basis() == Basis::p2) return coefficients;
-  const Eigen::MatrixXd rows =
-      to_legendre(axis.element_basis().nodes()).bottomRows(std::min(2, axis.degree()));
-  for (int e = 0; e < axis.elements(); ++e) {
-    coefficients.emplace_back(rows * factor.middleRows(e * axis.degree(), axis.degree() + 1));
-  }
-  return coefficients;
+}  // namespace
+
+Eigen::MatrixXd highest_coefficient_rows(const Eigen::VectorXd& nodes) {
+  return to_legendre(nodes).bottomRows(std::min<Eigen::Index>(2, nodes.size() - 1));
 }
 
-}  // namespace
+Eigen::MatrixXd highest_coefficient_rows(const Axis& axis) {
+  if (axis.basis() == Basis::fourier) return highest_harmonics(axis.size());
+  if (!axis.has_elements() || axis.basis() == Basis::p1 || axis.basis() == Basis::p2)
+    return Eigen::MatrixXd(0, axis.size());
+  const Eigen::MatrixXd element = highest_coefficient_rows(axis.element_basis().nodes());
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(element.rows() * axis.elements(), axis.size());
+  for (int e = 0; e < axis.elements(); ++e) {
+    rows.block(e * element.rows(), e * axis.degree(), element.rows(), element.cols()) = element;
+  }
+  return rows;
+}
 
 double highest_coefficients(const SeparatedField& field, int axis, std::span<const double> scales,
                             int samples, std::uint64_t seed) {
   const auto own = static_cast<std::size_t>(axis);
   // Sum of both coefficients' sizes per element and term would ignore cancellation between terms: terms are
   // summed first, at sampled nodes of the other axes.
-  const std::vector<Eigen::MatrixXd> coefficients =
-      highest_of_factor(field.axes()[own], field.factors()[own]);
-  if (coefficients.empty()) return 0.0;
+  const Eigen::MatrixXd rows = highest_coefficient_rows(field.axes()[own]);
+  if (rows.rows() == 0) return 0.0;
+  const Eigen::MatrixXd coefficients = rows * field.factors()[own];
+  const Eigen::Index together =
+      field.axes()[own].has_elements() ? rows.rows() / field.axes()[own].elements() : rows.rows();
   const Eigen::MatrixXd weights =
       (Eigen::Map<const Eigen::VectorXd>(scales.data(), static_cast<Eigen::Index>(scales.size()))
            .cwiseInverse()
@@ -82,8 +87,9 @@ double highest_coefficients(const SeparatedField& field, int axis, std::span<con
         product.array() *= other.row(random.below(static_cast<int>(other.rows()))).transpose().array();
     }
     const Eigen::MatrixXd outputs = product.asDiagonal() * weights;
-    for (const Eigen::MatrixXd& c : coefficients) {
-      largest = std::max(largest, (c * outputs).cwiseAbs().colwise().sum().maxCoeff());
+    const Eigen::MatrixXd sizes = (coefficients * outputs).cwiseAbs();
+    for (Eigen::Index e = 0; e < sizes.rows(); e += together) {
+      largest = std::max(largest, sizes.middleRows(e, together).colwise().sum().maxCoeff());
     }
   }
   return largest;

@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "samara/pgd/separated_field.h"
 
 namespace samara::pgd {
@@ -15,6 +17,15 @@ namespace samara::pgd {
 /// have no coefficients to spare. O(samples R elements).
 double highest_coefficients(const SeparatedField& field, int axis, std::span<const double> scales,
                             int samples, std::uint64_t seed);
+
+/// Rows that take values at the nodes (on [-1, 1]) to the two highest Legendre coefficients of the polynomial
+/// through them (to one, of two nodes).
+Eigen::MatrixXd highest_coefficient_rows(const Eigen::VectorXd& nodes);
+
+/// Rows that take values at the nodes of an axis to its highest coefficients in the sense of
+/// highest_coefficients(), two of every element or four of a period; none where there is no coefficient to
+/// spare.
+Eigen::MatrixXd highest_coefficient_rows(const Axis& axis);
 
 /// Largest minus smallest value of every output over `samples` seeded random nodes of the axes, of which
 /// every second one per axis is an end of its interval.

@@ -1,0 +1,136 @@
+#include "samara/pgd/slab_cell.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "samara/pgd/nodal_approximation.h"
+#include "samara/pgd/train_algebra.h"
+#include "samara/pgd/train_points.h"
+
+namespace samara::pgd {
+
+namespace {
+
+/// More axes than this have more corners than guard points should cost.
+constexpr int kMostCornerAxes = 5;
+
+std::vector<Axis> axes_with(const AdaptiveProblem& problem, const std::vector<Axis>& intervals,
+                            const std::vector<int>& nodes) {
+  std::vector<Axis> axes;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    AdaptiveAxis axis = problem.parameters[k];
+    axis.lower = intervals[k].lower();
+    axis.upper = intervals[k].upper();
+    axes.push_back(make_axis(axis, nodes[k]));
+  }
+  return axes;
+}
+
+/// x0 over the axes: a sum of a constant and, per state that starts at a coordinate, that coordinate.
+TensorTrain initial_train(const AdaptiveProblem& problem, const Eigen::VectorXd& scales,
+                          const std::vector<Axis>& axes) {
+  const auto states = static_cast<Eigen::Index>(problem.states.size());
+  SeparatedTensor sum;
+  std::vector<int> on_axes;
+  for (const InitialValue& initial : problem.initial) {
+    if (initial.axis >= 0) on_axes.push_back(initial.axis);
+  }
+  const auto terms = static_cast<Eigen::Index>(on_axes.size()) + 1;
+  sum.weights = Eigen::VectorXd::Ones(terms);
+  sum.factors.emplace_back(Eigen::MatrixXd::Zero(states, terms));
+  for (const Axis& axis : axes) sum.factors.emplace_back(Eigen::MatrixXd::Ones(axis.size(), terms));
+  Eigen::Index term = 0;
+  for (Eigen::Index s = 0; s < states; ++s) {
+    const InitialValue& initial = problem.initial[static_cast<std::size_t>(s)];
+    if (initial.axis < 0) {
+      sum.factors[0](s, 0) = initial.value / scales[s];
+      continue;
+    }
+    const auto axis = static_cast<std::size_t>(initial.axis);
+    sum.factors[0](s, ++term) = 1.0 / scales[s];
+    sum.factors[axis + 1].col(term) = axes[axis].nodes();
+  }
+  return rounded(to_train(sum), 1e-14 * norm(sum));
+}
+
+/// Corners of the cell where they are few, then random points.
+Eigen::MatrixXd guard_points(const std::vector<Axis>& axes, int count, Random& random) {
+  const auto d = static_cast<int>(axes.size());
+  const int corners = d <= kMostCornerAxes ? 1 << d : 0;
+  Eigen::MatrixXd points(d, corners + count);
+  for (int j = 0; j < points.cols(); ++j) {
+    for (int k = 0; k < d; ++k) {
+      const Axis& axis = axes[static_cast<std::size_t>(k)];
+      const double along = j < corners ? (j >> k) & 1 : random.uniform();
+      points(k, j) = along == 1.0 ? axis.upper() : axis.lower() + along * axis.length();
+    }
+  }
+  return points;
+}
+
+/// Indices of the sets carried over to axes of other sizes, to the nodes at the same place.
+CrossPivots carried_over(CrossPivots pivots, const std::vector<int>& from, const std::vector<int>& to) {
+  for (std::size_t k = 0; k < pivots.right.size(); ++k) {
+    IndexBatch& set = pivots.right[k];
+    for (Eigen::Index m = 0; m < set.rows(); ++m) {
+      const std::size_t mode = k + static_cast<std::size_t>(m);
+      const double ratio = static_cast<double>(to[mode] - 1) / std::max(1, from[mode] - 1);
+      for (Eigen::Index j = 0; j < set.cols(); ++j)
+        set(m, j) = static_cast<int>(std::lround(set(m, j) * ratio));
+    }
+  }
+  return pivots;
+}
+
+}  // namespace
+
+SlabCell whole_box(const AdaptiveProblem& problem, const Eigen::VectorXd& scales,
+                   const std::vector<int>& nodes, int guards, Random& random) {
+  SlabCell cell;
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    cell.axes.push_back(make_axis(problem.parameters[k], nodes[k]));
+  cell.start = initial_train(problem, scales, cell.axes);
+  cell.guards = guard_points(cell.axes, guards, random);
+  cell.carried = values_at(cell.start, cell.axes, cell.guards);
+  return cell;
+}
+
+void resample(SlabCell& cell, const AdaptiveProblem& problem, const std::vector<int>& nodes) {
+  std::vector<Axis> axes = axes_with(problem, cell.axes, nodes);
+  cell.start = carried_over(std::move(cell.start), cell.axes, axes);
+  cell.pivots = carried_over(std::move(cell.pivots), sizes_of(cell.axes), sizes_of(axes));
+  cell.axes = std::move(axes);
+}
+
+std::vector<SlabCell> halves(const SlabCell& cell, const AdaptiveProblem& problem, int axis, int guards,
+                             Random& random) {
+  const auto split = static_cast<std::size_t>(axis);
+  const Axis& whole = cell.axes[split];
+  const double middle = 0.5 * (whole.lower() + whole.upper());
+  std::vector<SlabCell> result;
+  for (int half = 0; half < 2; ++half) {
+    SlabCell part = cell;
+    part.pivots = {};
+    AdaptiveAxis interval = problem.parameters[split];
+    interval.lower = half == 0 ? whole.lower() : middle;
+    interval.upper = half == 0 ? middle : whole.upper();
+    part.axes[split] = make_axis(interval, whole.size());
+    part.start = carried_over(cell.start, cell.axes, part.axes);
+    // Guard points inside keep their states, and with them the error so far; new ones start on the train.
+    std::vector<int> inside;
+    for (Eigen::Index j = 0; j < cell.guards.cols(); ++j) {
+      if (part.axes[split].contains(cell.guards(axis, j))) inside.push_back(static_cast<int>(j));
+    }
+    const Eigen::MatrixXd fresh = guard_points(part.axes, guards / 2, random);
+    const auto kept = static_cast<Eigen::Index>(inside.size());
+    part.guards.resize(cell.guards.rows(), kept + fresh.cols());
+    part.guards << cell.guards(Eigen::all, inside), fresh;
+    part.carried.resize(cell.carried.rows(), part.guards.cols());
+    part.carried << cell.carried(Eigen::all, inside), values_at(part.start, part.axes, fresh);
+    result.push_back(std::move(part));
+  }
+  return result;
+}
+
+}  // namespace samara::pgd

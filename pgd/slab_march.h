@@ -1,0 +1,96 @@
+#pragma once
+
+#include <chrono>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/pgd/random.h"
+#include "samara/pgd/slab_cell.h"
+#include "samara/pgd/slab_collocation.h"
+#include "samara/pgd/slab_evolution.h"
+
+namespace samara::pgd {
+
+/// One march of all cells from t = 0 to the end at one local tolerance.
+class SlabMarch {
+ public:
+  /// @param scales what errors are measured in; @param local_tolerance of every step of a slab, in scales
+  /// @param evaluations_left of f and J; negative: no limit
+  SlabMarch(const AdaptiveProblem& problem, const SlabOptions& options, const Eigen::VectorXd& scales,
+            double local_tolerance, long evaluations_left);
+
+  void run();
+
+  struct Piece {
+    int cell = 0;
+    double end = 0.0;
+    TrainField field;
+  };
+  const std::vector<Piece>& pieces() const { return pieces_; }
+  const std::vector<SlabRecord>& history() const { return history_; }
+  /// converged if every cell has reached the end.
+  SlabStatus status() const { return status_; }
+  const std::string& message() const { return message_; }
+  const std::vector<double>& where() const { return where_; }
+  /// Time that all cells have reached.
+  double reached() const { return reached_; }
+  int cells() const { return cells_; }
+  long evaluations() const { return evaluations_ + attempt_evaluations_; }
+  double grid_evaluations() const { return grid_evaluations_; }
+  double carried_error() const { return carried_error_; }
+  /// Largest minus smallest value of every state at the guard points so far, in scales.
+  Eigen::VectorXd ranges() const { return largest_ - smallest_; }
+
+ private:
+  /// What an attempt at a slab came to.
+  enum class Outcome { accepted, shorter, refined, split, ended };
+
+  Outcome attempt(SlabCell& cell);
+  Outcome probe(SlabCell& cell, double length, SlabPoints& solved);
+  Outcome shorten(SlabCell& cell, double length, double factor, const SlabPoints& points,
+                  const Eigen::MatrixXd& q);
+  Outcome refine(SlabCell& cell, double length, const TensorTrain& train, const Eigen::VectorXd& errors,
+                 bool ranks);
+  struct Blame {
+    std::vector<double> by_axis;
+    double on_grid = 0.0;
+    IndexBatch entries;  ///< nodes next to the worst guard points
+  };
+  Blame blame(const SlabCell& cell, double length, const TensorTrain& train, const Eigen::VectorXd& errors);
+  CrossResult interpolate_slab(SlabCell& cell, double length, SlabPoints& totals);
+  void accept(SlabCell& cell, double length, const TensorTrain& train, SlabRecord record);
+  Outcome end(SlabStatus status, std::string message, const Eigen::VectorXd& q);
+  bool may_go_on();
+  TrainField field(const SlabCell& cell, double length, const TensorTrain& train) const;
+  double rounding(const TensorTrain& train) const;
+
+  const AdaptiveProblem& problem_;
+  const SlabOptions& options_;
+  const Eigen::VectorXd scales_;
+  const double tolerance_;  ///< local
+  const long evaluations_left_;
+  SlabCollocation collocation_;
+  Random random_;
+  std::deque<SlabCell> cells_to_go_;
+  double next_length_ = 0.0;  ///< that the last probe proposes
+  long attempt_evaluations_ = 0;
+  double attempt_grid_ = 0.0;
+  std::chrono::steady_clock::time_point attempt_begin_;
+
+  std::vector<Piece> pieces_;
+  std::vector<SlabRecord> history_;
+  SlabStatus status_ = SlabStatus::converged;
+  std::string message_;
+  std::vector<double> where_;
+  double reached_ = 0.0;
+  int cells_ = 1;
+  long evaluations_ = 0;
+  double grid_evaluations_ = 0.0;
+  double carried_error_ = 0.0;
+  Eigen::VectorXd smallest_, largest_;
+};
+
+}  // namespace samara::pgd

@@ -1,0 +1,151 @@
+#include <numeric>
+
+#include <catch2/catch.hpp>
+
+#include "samara/base/errors.h"
+#include "slab_systems.h"
+
+using namespace samara::pgd;
+using namespace slab_systems;
+using Catch::Matchers::Contains;
+
+TEST_CASE("slabs meet their tolerance on the coupled products (6.22), at random points off the grid") {
+  const System system = triple_product();
+  const AdaptiveProblem problem = triple_problem(system, 0.8);
+  for (const double tolerance : {1e-3, 1e-6}) {
+    const SlabResult result = solve_by_slabs(problem, {.tolerance = tolerance});
+    CAPTURE(tolerance, result.message);
+    CHECK(result.status == SlabStatus::converged);
+    CHECK(result.reached == 0.8);
+    const double error = largest_error(result, problem, system, 0.8, 2000, 3);
+    CHECK(error <= tolerance);
+    // The error that the guard points carry along is the true one, but for how few they are.
+    CHECK(result.error <= tolerance);
+    CHECK(result.error >= 0.1 * error);
+  }
+}
+
+TEST_CASE("a box in which the solution ends reports when and where, and keeps what is valid") {
+  const System system = triple_product();
+  const AdaptiveProblem problem = triple_problem(system, 1.0);
+  const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-3, .max_cells = 64});
+  CAPTURE(result.message);
+  CHECK(result.status == SlabStatus::ceases);
+  CHECK_THAT(result.message, Contains("grows beyond all bounds"));
+  // From (0, 1, 1) the solution blows up at t = 0.953.
+  CHECK(result.reached == Approx(0.953).margin(0.005));
+  REQUIRE(result.where.size() == 3);
+  CHECK(result.where[0] == Approx(0.0).margin(0.02));
+  CHECK(result.where[1] == Approx(1.0).margin(0.02));
+  CHECK(result.where[2] == Approx(1.0).margin(0.02));
+  REQUIRE(!result.pieces.empty());
+  for (const TrainField& field : result.pieces) CHECK(field.axes()[0].upper() <= result.reached);
+}
+
+TEST_CASE("where neighbours part, cells go on, and without them the march ends with the axis") {
+  const System system = double_well();
+  const AdaptiveProblem problem = well_problem(system, 6.0);
+  const SlabOptions one{.tolerance = 1e-4, .max_nodes = 24};
+  const SlabResult stuck = solve_by_slabs(problem, one);
+  CAPTURE(stuck.message);
+  CHECK(stuck.status == SlabStatus::not_resolved);
+  CHECK_THAT(stuck.message, Contains("24 nodes on the axis x(0)"));
+  CHECK(stuck.reached < 6.0);
+  REQUIRE(!stuck.pieces.empty());
+  CHECK(largest_error(stuck, problem, system, stuck.reached, 500, 1) <= 1e-4);
+
+  SlabOptions many = one;
+  many.max_cells = 32;
+  const SlabResult result = solve_by_slabs(problem, many);
+  CAPTURE(result.message, result.cells);
+  CHECK(result.status == SlabStatus::converged);
+  CHECK(result.cells > 1);
+  CHECK(result.cells <= 32);
+  CHECK(largest_error(result, problem, system, 6.0, 2000, 2) <= 1e-4);
+}
+
+TEST_CASE("a stiff box, on which Picard's iteration does not contract, is solved by Newton's") {
+  // x' = -k (x - 1) with k up to 200: a slab holds many time constants.
+  const System system(
+      1, [](const Vector& x, const Vector& q) { return Vector(-q[0] * (x.array() - 1.0)); },
+      [](const Vector&, const Vector& q) { return Matrix::Constant(1, 1, -q[0]); });
+  AdaptiveProblem problem;
+  problem.system = &system;
+  problem.time = {"t", "s", AxisRole::time};
+  problem.end = 1.0;
+  problem.parameters = {{{"k", "1/s", AxisRole::parameter, Transform::logarithm}, 50.0, 200.0}};
+  problem.states = {{"x", "1"}};
+  problem.scales = {1.0};
+  problem.scale_floors = {0.0};
+  problem.initial = {{0.0, -1}};
+  const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-4});
+  CAPTURE(result.message);
+  CHECK(result.status == SlabStatus::converged);
+  CHECK(largest_error(result, problem, system, 1.0, 300, 4) <= 1e-4);
+  // At the end, slabs are longer than Picard's iteration could bear.
+  CHECK(200.0 * (result.history.back().end - result.history.back().begin) > 10.0);
+}
+
+TEST_CASE("slabs cost far fewer evaluations than their grids where there are many parameters") {
+  // Six oscillators' phases: x' = -q_k coupled in a chain.
+  const System system(
+      2,
+      [](const Vector& x, const Vector& q) {
+        return Vector(Eigen::Vector2d(x[1], -(1.0 + 0.2 * q.sum()) * std::sin(x[0])));
+      },
+      [](const Vector& x, const Vector& q) {
+        return (Matrix(2, 2) << 0.0, 1.0, -(1.0 + 0.2 * q.sum()) * std::cos(x[0]), 0.0).finished();
+      });
+  AdaptiveProblem problem;
+  problem.system = &system;
+  problem.time = {"t", "1", AxisRole::time};
+  problem.end = 3.0;
+  for (const char* name : {"q1", "q2", "q3", "q4", "q5", "q6"})
+    problem.parameters.push_back({{name, "1"}, 0.0, 1.0});
+  problem.states = {{"x", "1"}, {"v", "1"}};
+  problem.scales = {1.0, 1.0};
+  problem.scale_floors = {0.0, 0.0};
+  problem.initial = {{1.0, -1}, {0.0, -1}};
+  const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-3});
+  CAPTURE(result.message);
+  CHECK(result.status == SlabStatus::converged);
+  CHECK(largest_error(result, problem, system, 3.0, 500, 5) <= 1e-3);
+  CHECK(static_cast<double>(result.evaluations) < 0.05 * result.grid_evaluations);
+}
+
+TEST_CASE("a march that may not go on says so: by evaluations, by its caller") {
+  const System system = triple_product();
+  const AdaptiveProblem problem = triple_problem(system, 0.8);
+  const SlabResult few = solve_by_slabs(problem, {.max_evaluations = 20000});
+  CHECK(few.status == SlabStatus::max_evaluations);
+  CHECK_THAT(few.message, Contains("20000 allowed"));
+  int reports = 0;
+  const SlabResult cancelled =
+      solve_by_slabs(problem, {.progress = [&](const samara::Progress&) { return ++reports < 3; }});
+  CHECK(cancelled.status == SlabStatus::cancelled);
+  CHECK(reports == 3);
+}
+
+TEST_CASE("the same march twice gives the same bits") {
+  const System system = triple_product();
+  const AdaptiveProblem problem = triple_problem(system, 0.5);
+  const SlabResult a = solve_by_slabs(problem, {.tolerance = 1e-5});
+  const SlabResult b = solve_by_slabs(problem, {.tolerance = 1e-5});
+  REQUIRE(a.pieces.size() == b.pieces.size());
+  for (std::size_t k = 0; k < a.pieces.size(); ++k) {
+    for (std::size_t c = 0; c < a.pieces[k].train().cores.size(); ++c)
+      CHECK(a.pieces[k].train().cores[c].data == b.pieces[k].train().cores[c].data);
+  }
+}
+
+TEST_CASE("options and problems that make no sense are refused") {
+  const System system = triple_product();
+  AdaptiveProblem problem = triple_problem(system, 0.8);
+  CHECK_THROWS_AS(solve_by_slabs(problem, {.tolerance = 0.0}), samara::ArgumentError);
+  CHECK_THROWS_AS(solve_by_slabs(problem, {.first_nodes = 9, .max_nodes = 8}), samara::ArgumentError);
+  CHECK_THROWS_AS(solve_by_slabs(problem, {.guards = 0}), samara::ArgumentError);
+  problem.scale_floors.clear();
+  CHECK_THROWS_WITH(solve_by_slabs(problem), Contains("0 scale floors"));
+  problem = triple_problem(system, -1.0);
+  CHECK_THROWS_WITH(solve_by_slabs(problem), Contains("positive time"));
+}
