@@ -1,7 +1,9 @@
 #include "samara/models/parametric_model.h"
 
 #include <array>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <catch2/catch.hpp>
 
@@ -48,7 +50,8 @@ TEST_CASE("initial values are the default, the fixed or the free ones") {
 
 TEST_CASE("parameters are completed by defaults and the free values") {
   const std::vector<double> p = fall(kBody, {"m_a", "C_D"}).parameters(std::array{0.25, 1.5});
-  CHECK(p == std::vector<double>{1.5, 2000.0, 998.2, 1e-3, 1e-3, 0.25, 9.81});
+  const double length = 2.0 * std::sqrt(1e-3 / std::numbers::pi);
+  CHECK(p == std::vector<double>{1.5, 2000.0, 998.2, 1e-3, 1e-3, 0.25, 9.81, 0.0, 1.004e-6, length});
 }
 
 TEST_CASE("the derivative by an initial value is zero in the right-hand side, and others find their column") {
@@ -95,7 +98,8 @@ TEST_CASE("an unknown name suggests the nearest, parameters and initial values a
   CHECK_THROWS_WITH(fall(kBody, {"w(0)"}), Catch::Contains("did you mean \"v(0)\"?"));
   CHECK_THROWS_WITH(
       fall(kBody, {"viscosity"}),
-      Catch::Contains("; known: C_D, density, fluid_density, area, thickness, m_a, g, v(0), x(0)"));
+      Catch::Contains(
+          "; known: C_D, density, fluid_density, area, thickness, m_a, g, Re_drag, nu, length, v(0), x(0)"));
 }
 
 TEST_CASE("a name is fixed or free, and free once") {
