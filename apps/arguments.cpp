@@ -1,6 +1,8 @@
 #include "arguments.h"
 
 #include <algorithm>
+#include <charconv>
+#include <limits>
 #include <sstream>
 #include <string_view>
 
@@ -18,6 +20,20 @@ namespace samara::apps {
 namespace {
 
 constexpr const char* kAssignments = "NAME=VALUE, SI or with a unit: C_D=1.2, \"v(0)=10 cm/s\"";
+
+/// "2.5" and "1e3" are no whole numbers, and digits beyond an int are too large: in words, where the parser
+/// would only say that it could not convert.
+CLI::Validator whole_number() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        int value = 0;
+        const auto [rest, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+        if (problem == std::errc() && rest == text.data() + text.size()) return std::string();
+        return fmt::format("is {}, expected a whole number of at most {}", text,
+                           std::numeric_limits<int>::max());
+      },
+      "");
+}
 
 template <class T>
 void on_call(CLI::App* command, std::optional<T>& target, std::shared_ptr<T> values) {
@@ -40,7 +56,9 @@ void add_simulate(CLI::App& app, Arguments& arguments) {
   command->add_option("--set", values->set, kAssignments)->allow_extra_args(false);
   command->add_option("--until", values->until, "end of the trajectory, s or with a unit")
       ->capture_default_str();
-  command->add_option("--frames", values->frames, "rows, equally spaced in time")->capture_default_str();
+  command->add_option("--frames", values->frames, "rows, equally spaced in time")
+      ->capture_default_str()
+      ->check(whole_number());
   command
       ->add_option("--integrator", values->integrator,
                    "cvodes (the reference), adaptive (orders 7 and 8), or with fixed steps: rk4, rkmk (the "
@@ -95,6 +113,7 @@ void add_validate(CLI::App& app, Arguments& arguments) {
   CLI::App* command = app.add_subcommand("validate", "certifies a codebook again, on fresh points");
   command->add_option("BOOK", values->book, "codebook file")->required();
   command->add_option("--points", values->points, "scrambled Sobol' points in the box")
+      ->check(whole_number())
       ->capture_default_str()
       ->check(CLI::Range(1, 100000000));
   command->add_option("--seed", values->seed, "of the scrambling, from 0")

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -96,6 +97,41 @@ Table beside(const Table& left, const Table& right) {
   return both;
 }
 
+/// The last time [the model's unit of time]. No motion is seen within a time so short that round-off is
+/// larger, and integrators give up.
+double end_of(const SimulateArguments& arguments, const models::ParametricModel& parametric) {
+  const std::string unit = models::time_unit(parametric.model().info());
+  const double end = number_or_quantity("--until", arguments.until, unit);
+  if (!(end > 0.0)) throw ArgumentError(fmt::format("--until is {}, expected more than 0", arguments.until));
+  parametric.check({});
+  const double least = 1e-12 * parametric.scales({}).time;
+  if (end < least) {
+    throw ArgumentError(
+        fmt::format("--until is {}, expected at least {:.2g} {}, 1e-12 of the characteristic time of \"{}\"",
+                    arguments.until, least, unit, parametric.model().info().name));
+  }
+  return end;
+}
+
+/// Before anything is allocated.
+void check_frames(const SimulateArguments& arguments, const models::ModelInfo& info) {
+  constexpr int kMostFrames = 10000000;
+  if (arguments.frames < 2 || arguments.frames > kMostFrames) {
+    throw ArgumentError(fmt::format("--frames is {}, expected 2 to {}", arguments.frames, kMostFrames));
+  }
+  // A value lies in the trajectory, in two tables, and as text in the answer.
+  constexpr double kBytesPerValue = 3.0 * sizeof(double) + 24.0;
+  constexpr double kMostBytes = 2e9;
+  const auto columns =
+      static_cast<double>(1 + info.states.size() + (arguments.forces ? 7 * info.force_terms.size() + 1 : 0));
+  const double most = std::floor(kMostBytes / (kBytesPerValue * columns));
+  if (arguments.frames > most) {
+    throw ArgumentError(
+        fmt::format("--frames is {}, which would take {:.1f} GB with {} columns; expected at most {}",
+                    arguments.frames, 1e-9 * kBytesPerValue * columns * arguments.frames, columns, most));
+  }
+}
+
 models::Trajectory trajectory_by(const SimulateArguments& arguments,
                                  const models::ParametricModel& parametric, const Eigen::VectorXd& times) {
   const std::span<const double> list(times.data(), static_cast<std::size_t>(times.size()));
@@ -131,11 +167,8 @@ int run(const SimulateArguments& arguments) {
   for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
   const models::ParametricModel parametric(model, parse_assignments(arguments.set, units), {});
   warn_of_units(*model, parametric.fixed());
-  const double end = number_or_quantity("--until", arguments.until, models::time_unit(info));
-  if (!(end > 0.0)) throw ArgumentError(fmt::format("--until is {}, expected more than 0", arguments.until));
-  if (arguments.frames < 2 || arguments.frames > 10000000) {
-    throw ArgumentError(fmt::format("--frames is {}, expected 2 to 10000000", arguments.frames));
-  }
+  const double end = end_of(arguments, parametric);
+  check_frames(arguments, info);
   const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(arguments.frames, 0.0, end);
   const models::Trajectory trajectory = trajectory_by(arguments, parametric, times);
 

@@ -6,7 +6,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/models/laws/immersed_body.h"
-#include "samara/models/number_text.h"
+#include "samara/models/positive.h"
 
 namespace samara::models {
 
@@ -93,11 +93,7 @@ ModelInfo ImmersedBodyIn<FieldFlow>::info() const {
 
 std::shared_ptr<const Model> immersed_body_in(std::shared_ptr<const AmbientFlow> flow) {
   if (!flow) throw ArgumentError("there is no ambient flow; a flow field was expected");
-  const double length = flow->length();
-  if (!(length > 0.0 && std::isfinite(length))) {
-    throw ArgumentError("the length of the ambient flow is " + number_text(length) +
-                        "; a positive finite value was expected");
-  }
+  require_positive(flow->length(), "the length of the ambient flow");
   using Law = laws::ImmersedBodyIn<laws::FieldFlow>;
   constexpr bool kCompiled = false;  // a field answers for one place at a time
   return std::make_shared<LawModel<Law, kCompiled>>(Law{.flow = {.field = std::move(flow)}});

@@ -6,6 +6,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/models/number_text.h"
+#include "samara/models/positive.h"
 
 namespace samara::models {
 
@@ -24,11 +25,7 @@ void need_finite(std::initializer_list<Named> list) {
 }
 
 void need_positive(std::initializer_list<Named> list) {
-  need_finite(list);
-  for (const auto& [name, value] : list) {
-    if (value > 0.0) continue;
-    throw ArgumentError(std::string(name) + " is " + number_text(value) + "; more than 0 was expected");
-  }
+  for (const auto& [name, value] : list) require_positive(value, name);
 }
 
 void check(const SideToSidePath& path) {

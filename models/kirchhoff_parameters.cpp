@@ -6,19 +6,14 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/models/number_text.h"
+#include "samara/models/cross_matrix.h"
+#include "samara/models/positive.h"
 
 namespace samara::models {
 
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
-  Eigen::Matrix3d matrix;
-  matrix << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
-  return matrix;
-}
 
 Matrix6 body_inertia(const KirchhoffBodyData& body) {
   const Eigen::Matrix3d r = cross_matrix(body.centre_of_mass);
@@ -32,14 +27,8 @@ void check(const KirchhoffBodyData& body) {
   const bool finite = body.inertia.allFinite() && body.centre_of_mass.allFinite() &&
                       body.centre_of_buoyancy.allFinite() && body.added_mass.allFinite();
   if (!finite) throw ArgumentError("the data of the Kirchhoff body hold a value that is not finite");
-  if (!(body.mass > 0.0 && std::isfinite(body.mass))) {
-    throw ArgumentError("the mass of the Kirchhoff body is " + number_text(body.mass) +
-                        "; a positive finite value was expected");
-  }
-  if (!(body.displaced_mass >= 0.0 && std::isfinite(body.displaced_mass))) {
-    throw ArgumentError("the displaced mass of the Kirchhoff body is " + number_text(body.displaced_mass) +
-                        "; zero or a positive finite value was expected");
-  }
+  require_positive(body.mass, "the mass of the Kirchhoff body");
+  require_not_negative(body.displaced_mass, "the displaced mass of the Kirchhoff body");
   const Matrix6 total = body_inertia(body) + body.added_mass;
   if (Eigen::LLT<Matrix6>((total + total.transpose()) / 2.0).info() != Eigen::Success) {
     throw ArgumentError("the inertia of the Kirchhoff body, added mass included, is not positive definite");

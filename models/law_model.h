@@ -41,7 +41,7 @@
 ///
 /// The functions may also be members of an object that the law carries (a flow field), info() included.
 ///
-/// Derivatives come from forward automatic differentiation by all states and parameters at once.
+/// Derivatives come from forward automatic differentiation, a few directions at a time.
 /// Include this only in source files: no installed header shows ceres::Jet.
 namespace samara::models {
 
@@ -105,23 +105,80 @@ class LawModel final : public Model {
   void rhs_with_derivatives(double t, std::span<const double> x, const ParameterValues& p,
                             std::span<double> dxdt, Eigen::Ref<Eigen::MatrixXd> df_dx,
                             Eigen::Ref<Eigen::MatrixXd> df_dp) const override {
-    // A jet's infinitesimal parts: first one per state, then one per parameter. A parameter that is not given
-    // is no variable: it is a constant, or a function of those that are given.
-    std::array<Jet, kStates> x_jet;
-    std::array<Jet, kParameters> p_jet;
-    std::array<Jet, kStates> f;
-    for (std::size_t i = 0; i < kStates; ++i) x_jet[i] = Jet(x[i], static_cast<int>(i));
+    std::array<int, kParameters> list;
+    std::size_t count = 0;
     for (std::size_t j = 0; j < kParameters; ++j) {
-      p_jet[j] = p.given[j] ? Jet(p.value[j], static_cast<int>(kStates + j)) : Jet(defaults_[j]);
+      if (p.given[j]) list[count++] = static_cast<int>(j);
     }
-    law_.template complete<Jet>(p.given.data(), p_jet.data());
-    law_.template rhs<Jet>(Jet(t), x_jet.data(), p_jet.data(), f.data());
-    for (std::size_t i = 0; i < kStates; ++i) {
-      const auto row = static_cast<Eigen::Index>(i);
-      dxdt[i] = f[i].a;
-      df_dx.row(row) = f[i].v.template head<kStates>().transpose();
-      df_dp.row(row) = f[i].v.template tail<kParameters>().transpose();
+    const std::span<const int> wanted(list.data(), count);
+    const auto columns = static_cast<Eigen::Index>(count);
+    Columns<Law::kParameters> tangents(static_cast<Eigen::Index>(kParameters), columns);
+    completion_tangents(p, wanted, tangents);
+    Columns<Law::kStates> df_dq(static_cast<Eigen::Index>(kStates), columns);
+    rhs_with_tangents(t, x, complete(p), tangents, dxdt, df_dx, df_dq);
+    df_dp.setZero();
+    for (std::size_t k = 0; k < count; ++k) df_dp.col(list[k]) = df_dq.col(static_cast<Eigen::Index>(k));
+  }
+
+  bool completion_tangents(const ParameterValues& p, std::span<const int> wanted,
+                           Eigen::Ref<Eigen::MatrixXd> tangents) const override {
+    std::array<Jet, kParameters> all;
+    for (std::size_t first = 0; first < wanted.size(); first += kChunk) {
+      const std::size_t size = std::min(kChunk, wanted.size() - first);
+      // A parameter that is not given is no variable: it is a constant, or a function of those that are.
+      for (std::size_t j = 0; j < kParameters; ++j) all[j] = Jet(p.given[j] ? p.value[j] : defaults_[j]);
+      for (std::size_t k = 0; k < size; ++k) {
+        all[static_cast<std::size_t>(wanted[first + k])].v[static_cast<Eigen::Index>(k)] = 1.0;
+      }
+      law_.template complete<Jet>(p.given.data(), all.data());
+      for (std::size_t j = 0; j < kParameters; ++j) {
+        for (std::size_t k = 0; k < size; ++k) {
+          tangents(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(first + k)) =
+              all[j].v[static_cast<Eigen::Index>(k)];
+        }
+      }
     }
+    return true;
+  }
+
+  /// A few directions at a time, first those of the states: a jet of all of them would not fit into
+  /// registers.
+  void rhs_with_tangents(double t, std::span<const double> x, std::span<const double> all,
+                         const Eigen::Ref<const Eigen::MatrixXd>& tangents, std::span<double> dxdt,
+                         Eigen::Ref<Eigen::MatrixXd> df_dx,
+                         Eigen::Ref<Eigen::MatrixXd> df_dq) const override {
+    std::array<Jet, kStates> x_jet, f;
+    std::array<Jet, kParameters> p_jet;
+    for (std::size_t i = 0; i < kStates; ++i) x_jet[i] = Jet(x[i]);
+    for (std::size_t j = 0; j < kParameters; ++j) p_jet[j] = Jet(all[j]);
+    const std::size_t directions = kStates + static_cast<std::size_t>(tangents.cols());
+    for (std::size_t first = 0; first < directions; first += kChunk) {
+      const std::size_t size = std::min(kChunk, directions - first);
+      for (std::size_t i = 0; i < kStates; ++i) {
+        x_jet[i].v.setZero();
+        if (i >= first && i < first + size) x_jet[i].v[static_cast<Eigen::Index>(i - first)] = 1.0;
+      }
+      for (std::size_t k = first < kStates ? std::min(size, kStates - first) : 0; k < size; ++k) {
+        for (std::size_t j = 0; j < kParameters; ++j) {
+          p_jet[j].v[static_cast<Eigen::Index>(k)] =
+              tangents(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(first + k - kStates));
+        }
+      }
+      law_.template rhs<Jet>(Jet(t), x_jet.data(), p_jet.data(), f.data());
+      for (std::size_t k = 0; k < size; ++k) {
+        const std::size_t direction = first + k;
+        for (std::size_t i = 0; i < kStates; ++i) {
+          const auto row = static_cast<Eigen::Index>(i);
+          const double slope = f[i].v[static_cast<Eigen::Index>(k)];
+          if (direction < kStates) {
+            df_dx(row, static_cast<Eigen::Index>(direction)) = slope;
+          } else {
+            df_dq(row, static_cast<Eigen::Index>(direction - kStates)) = slope;
+          }
+        }
+      }
+    }
+    for (std::size_t i = 0; i < kStates; ++i) dxdt[i] = f[i].a;
   }
 
   void forces(double t, std::span<const double> x, const ParameterValues& p,
@@ -164,7 +221,13 @@ class LawModel final : public Model {
  private:
   static constexpr std::size_t kStates = Law::kStates;
   static constexpr std::size_t kParameters = Law::kParameters;
-  using Jet = ceres::Jet<double, Law::kStates + Law::kParameters>;
+  /// Directions of one pass: as many as an evaluation carries at little more than the cost of one.
+  static constexpr std::size_t kChunk = 8;
+  using Jet = ceres::Jet<double, static_cast<int>(kChunk)>;
+  /// On the stack. (A column that may hold one number only would have to be a row, for Eigen: hence the 1.)
+  template <int rows>
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, rows + 1,
+                                static_cast<int>(Law::kParameters) + 1>;
 
   std::array<double, kParameters> complete(const ParameterValues& p) const {
     std::array<double, kParameters> all;

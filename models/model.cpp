@@ -8,6 +8,15 @@
 
 namespace samara::models {
 
+bool Model::completion_tangents(const ParameterValues&, std::span<const int>,
+                                Eigen::Ref<Eigen::MatrixXd>) const {
+  return false;
+}
+
+void Model::rhs_with_tangents(double, std::span<const double>, std::span<const double>,
+                              const Eigen::Ref<const Eigen::MatrixXd>&, std::span<double>,
+                              Eigen::Ref<Eigen::MatrixXd>, Eigen::Ref<Eigen::MatrixXd>) const {}
+
 void Model::forces(double, std::span<const double>, const ParameterValues&, std::span<Wrench>) const {}
 
 std::optional<double> Model::kinetic_energy(double, std::span<const double>, const ParameterValues&) const {

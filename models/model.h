@@ -128,6 +128,19 @@ class Model {
                                     std::span<double> dxdt, Eigen::Ref<Eigen::MatrixXd> df_dx,
                                     Eigen::Ref<Eigen::MatrixXd> df_dp) const = 0;
 
+  /// The same in two parts, for models whose derivatives by all parameters are dear while few are free and
+  /// defaults hold still: first the derivatives of the completed parameters by the given ones that `wanted`
+  /// lists (by index), into `tangents` (parameters x wanted).
+  /// @returns false if the model has no such parts (the default); then rhs_with_tangents is not called.
+  virtual bool completion_tangents(const ParameterValues& p, std::span<const int> wanted,
+                                   Eigen::Ref<Eigen::MatrixXd> tangents) const;
+
+  /// Then f at completed parameters, and its derivatives by the states and along `tangents` of the parameters
+  /// (df_dq: states x columns of tangents). Does not allocate, does not check.
+  virtual void rhs_with_tangents(double t, std::span<const double> x, std::span<const double> all,
+                                 const Eigen::Ref<const Eigen::MatrixXd>& tangents, std::span<double> dxdt,
+                                 Eigen::Ref<Eigen::MatrixXd> df_dx, Eigen::Ref<Eigen::MatrixXd> df_dq) const;
+
   /// The force by term, in the order of ModelInfo::force_terms. Inertial forces (of the body and of the fluid
   /// it sets in motion) are a term like others, so that the sum is what changes the momentum in body axes.
   virtual void forces(double t, std::span<const double> x, const ParameterValues& p,

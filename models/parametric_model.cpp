@@ -96,7 +96,10 @@ ParametricModel::ParametricModel(std::shared_ptr<const Model> model,
     if (std::ranges::count(free_, name, &FreeCoordinate::name) > 0) {
       throw ArgumentError(quoted(name) + " is listed twice among the free coordinates; once was expected");
     }
-    if (!coordinate.is_initial) base.given[static_cast<std::size_t>(coordinate.index)] = 1;
+    if (!coordinate.is_initial) {
+      base.given[static_cast<std::size_t>(coordinate.index)] = 1;
+      free_parameters_.push_back(coordinate.index);
+    }
     free_.push_back(coordinate);
   }
   check_complete(info, base);
@@ -109,7 +112,9 @@ ParametricModel::Workspace ParametricModel::make_workspace() const {
           .df_dp = Eigen::MatrixXd::Zero(state_count(), parameters),
           .complete = *base_,
           .q = std::vector<double>(free_.size()),
-          .base = nullptr};
+          .base = nullptr,
+          .tangents = {},
+          .has_tangents = Workspace::Tangents::unknown};
 }
 
 void ParametricModel::load(std::span<const double> q, ParameterValues& p) const {
@@ -119,32 +124,50 @@ void ParametricModel::load(std::span<const double> q, ParameterValues& p) const 
   }
 }
 
+void ParametricModel::complete(std::span<const double> q, Workspace& workspace) const {
+  if (workspace.base == base_ && std::ranges::equal(q, workspace.q)) return;
+  load(q, workspace.p);
+  workspace.complete.value.resize(base_->value.size());
+  workspace.complete.given.assign(base_->value.size(), 1);
+  model_->complete_into(workspace.p, workspace.complete.value);
+  workspace.q.assign(q.begin(), q.end());
+  workspace.base = base_;
+  workspace.has_tangents = Workspace::Tangents::unknown;
+}
+
 void ParametricModel::rhs(double t, std::span<const double> x, std::span<const double> q,
                           std::span<double> dxdt, Workspace& workspace) const {
-  if (workspace.base != base_ || !std::ranges::equal(q, workspace.q)) {
-    load(q, workspace.p);
-    workspace.complete.value.resize(base_->value.size());
-    workspace.complete.given.assign(base_->value.size(), 1);
-    model_->complete_into(workspace.p, workspace.complete.value);
-    workspace.q.assign(q.begin(), q.end());
-    workspace.base = base_;
-  }
+  complete(q, workspace);
   model_->rhs(t, x, workspace.complete, dxdt);
 }
 
 void ParametricModel::rhs_with_derivatives(double t, std::span<const double> x, std::span<const double> q,
                                            std::span<double> dxdt, RhsDerivatives& derivatives,
                                            Workspace& workspace) const {
-  load(q, workspace.p);
+  using Tangents = Workspace::Tangents;
+  complete(q, workspace);
   derivatives.df_dx.resize(state_count(), state_count());
   derivatives.df_dq.resize(state_count(), free_count());
-  model_->rhs_with_derivatives(t, x, workspace.p, dxdt, derivatives.df_dx, workspace.df_dp);
+  if (workspace.has_tangents == Tangents::unknown) {
+    const auto columns = static_cast<Eigen::Index>(free_parameters_.size());
+    workspace.tangents.resize(static_cast<Eigen::Index>(base_->value.size()), columns);
+    const bool has = model_->completion_tangents(workspace.p, free_parameters_, workspace.tangents);
+    workspace.has_tangents = has ? Tangents::known : Tangents::none;
+  }
+  const bool known = workspace.has_tangents == Tangents::known;
+  if (known) {
+    model_->rhs_with_tangents(t, x, workspace.complete.value, workspace.tangents, dxdt, derivatives.df_dx,
+                              workspace.df_dp.leftCols(workspace.tangents.cols()));
+  } else {
+    model_->rhs_with_derivatives(t, x, workspace.p, dxdt, derivatives.df_dx, workspace.df_dp);
+  }
+  Eigen::Index next = 0;  // of the parameters among the free coordinates
   for (std::size_t j = 0; j < free_.size(); ++j) {
     auto column = derivatives.df_dq.col(static_cast<Eigen::Index>(j));
     if (free_[j].is_initial) {
       column.setZero();
     } else {
-      column = workspace.df_dp.col(free_[j].index);
+      column = workspace.df_dp.col(known ? next++ : free_[j].index);
     }
   }
 }

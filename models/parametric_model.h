@@ -40,6 +40,9 @@ class ParametricModel {
     ParameterValues complete;
     std::vector<double> q;
     std::shared_ptr<const ParameterValues> base;
+    /// Derivatives of all parameters by the free ones, at the same point, where the model has them.
+    Eigen::MatrixXd tangents;
+    enum class Tangents { unknown, known, none } has_tangents = Tangents::unknown;
   };
 
   /// @param fixed values (SI) of parameters and of initial values "s(0)"
@@ -84,11 +87,14 @@ class ParametricModel {
 
  private:
   void load(std::span<const double> q, ParameterValues& p) const;
+  /// Completes the parameters, unless the workspace has them already.
+  void complete(std::span<const double> q, Workspace& workspace) const;
   void check_attitude(std::span<const double> q) const;
 
   std::shared_ptr<const Model> model_;
   std::map<std::string, double> fixed_;
   std::vector<FreeCoordinate> free_;
+  std::vector<int> free_parameters_;  ///< indices of the parameters among them, in their order
   /// Fixed parameters; free ones are marked given. One object of copies, and of no other model: it tells
   /// workspaces whose they are.
   std::shared_ptr<const ParameterValues> base_;

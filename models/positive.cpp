@@ -5,12 +5,25 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/models/number_text.h"
 
 namespace samara::models {
 
+namespace {
+
+[[noreturn]] void refuse(double value, std::string_view what, std::string_view where, const char* expected) {
+  throw ArgumentError(fmt::format("{}{}{} is {}; {} was expected", where, where.empty() ? "" : ": ", what,
+                                  number_text(value), expected));
+}
+
+}  // namespace
+
 void require_positive(double value, std::string_view what, std::string_view where) {
-  if (std::isfinite(value) && value > 0.0) return;
-  throw ArgumentError(fmt::format("{}: {} is {}; a positive number is needed", where, what, value));
+  if (!(std::isfinite(value) && value > 0.0)) refuse(value, what, where, "a positive finite number");
+}
+
+void require_not_negative(double value, std::string_view what, std::string_view where) {
+  if (!(std::isfinite(value) && value >= 0.0)) refuse(value, what, where, "a positive finite number or 0");
 }
 
 }  // namespace samara::models

@@ -4,7 +4,11 @@
 
 namespace samara::models {
 
-/// @throws ArgumentError, naming the quantity, its value and `where`, if it is not a positive number.
-void require_positive(double value, std::string_view what, std::string_view where);
+/// @param what the quantity, with its unit  @param where the function it was given to, or empty
+/// @throws ArgumentError, naming them and the value, if it is not positive and finite.
+void require_positive(double value, std::string_view what, std::string_view where = {});
+
+/// @throws ArgumentError, as above, if the value is negative or not finite.
+void require_not_negative(double value, std::string_view what, std::string_view where = {});
 
 }  // namespace samara::models

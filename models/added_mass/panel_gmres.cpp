@@ -103,7 +103,7 @@ class KrylovSpace {
 }  // namespace
 
 GmresOutcome gmres(const RowMajorMatrix& A, const SixColumns& b, double tolerance, int max_iterations,
-                   SixColumns& x) {
+                   SharedProgress& progress, SixColumns& x) {
   ScaledOperator scaled(A);
   std::vector<KrylovSpace> spaces;
   for (Index c = 0; c < 6; ++c) spaces.emplace_back(scaled.scale().cwiseProduct(b.col(c)), max_iterations);
@@ -112,7 +112,7 @@ GmresOutcome gmres(const RowMajorMatrix& A, const SixColumns& b, double toleranc
                        [&](const KrylovSpace& s) { return s.solved(tolerance); });
   };
   GmresOutcome outcome;
-  while (!(outcome.converged = all_solved()) && outcome.iterations < max_iterations) {
+  while (!(outcome.converged = all_solved()) && outcome.iterations < max_iterations && progress.goes_on()) {
     for (Index c = 0; c < 6; ++c) scaled.set_column(c, spaces[static_cast<std::size_t>(c)].last());
     scaled.apply();
     for (Index c = 0; c < 6; ++c) {
@@ -120,6 +120,7 @@ GmresOutcome gmres(const RowMajorMatrix& A, const SixColumns& b, double toleranc
       if (!space.solved(tolerance)) space.extend(scaled.column(c));
     }
     ++outcome.iterations;
+    progress.count();
   }
   x.resize(b.rows(), 6);
   for (Index c = 0; c < 6; ++c) {

@@ -13,6 +13,7 @@
 #include "samara/models/added_mass/panel_system.h"
 #include "samara/models/added_mass/reference_point.h"
 #include "samara/models/positive.h"
+#include "samara/models/shared_progress.h"
 
 namespace samara::models {
 
@@ -69,14 +70,26 @@ struct Normalised {
   }
 };
 
+PanelAddedMass& cancelled(PanelAddedMass& result, const char* when) {
+  result.status = PanelStatus::cancelled;
+  result.message = fmt::format("cancelled while {} {} unknowns", when, result.unknowns);
+  return result;
+}
+
+/// The potentials; of no use if the result is cancelled.
 SixColumns solve(const PanelSystem& system, const PanelOptions& options, PanelAddedMass& result) {
   SixColumns phi;
   result.direct = result.unknowns <= options.direct_up_to;
   if (!result.direct) {
-    const auto outcome =
-        added_mass::gmres(system.matrix, system.rhs, options.tolerance, options.max_iterations, phi);
+    SharedProgress progress(options.progress, "iterating", options.max_iterations);
+    const auto outcome = added_mass::gmres(system.matrix, system.rhs, options.tolerance,
+                                           options.max_iterations, progress, phi);
     result.iterations = outcome.iterations;
     result.direct = !outcome.converged;
+    if (progress.cancelled()) {
+      cancelled(result, "iterating");
+      return phi;
+    }
   }
   if (result.direct) phi = system.matrix.partialPivLu().solve(system.rhs);
   const SixColumns rest = system.rhs - system.matrix * phi;
@@ -109,11 +122,14 @@ PanelAddedMass solve_unit_problem(const TriangleMesh& mesh, const PanelOptions& 
   result.panels = static_cast<int>(mesh.triangles.cols());
   result.unknowns = static_cast<int>(mesh.vertices.cols());
   const auto start = Clock::now();
-  const PanelSystem system = added_mass::assemble(mesh);
+  SharedProgress progress(options.progress, "assembling", added_mass::assembly_pieces(mesh));
+  const PanelSystem system = added_mass::assemble(mesh, progress);
   result.assembly_seconds = seconds_since(start);
+  if (progress.cancelled()) return cancelled(result, "assembling");
   const auto solve_start = Clock::now();
   const SixColumns phi = solve(system, options, result);
   result.solve_seconds = seconds_since(solve_start);
+  if (result.status == PanelStatus::cancelled) return result;
   const Matrix6d K = -phi.transpose() * system.flux;
   result.asymmetry = asymmetry_of(K);
   result.matrix = 0.5 * (K + K.transpose());
@@ -134,6 +150,7 @@ PanelAddedMass panel_added_mass(const TriangleMesh& mesh, double fluid_density,
   PanelAddedMass result;
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.execute([&] { result = solve_unit_problem(unit.mesh, options); });
+  if (result.status == PanelStatus::cancelled) return result;
   // In units of length: M ~ L^3, coupling ~ L^4, J ~ L^5.
   Eigen::Matrix<double, 6, 1> scale;
   scale << Vector3d::Ones(), Vector3d::Constant(unit.length);

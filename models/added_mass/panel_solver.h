@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "samara/base/progress.h"
 #include "samara/models/bodies/triangle_mesh.h"
 
 /// Added mass of a body of any shape, by panels.
@@ -53,11 +54,14 @@ struct PanelOptions {
   double tolerance = 1e-8;
   int max_iterations = 400;    ///< after which the system is factorised after all
   double max_gigabytes = 8.0;  ///< meshes that need more are refused: 8 n^2 bytes for n corners
+  /// Stages "assembling" and "iterating" (of max_iterations); a factorisation cannot be interrupted.
+  ProgressCallback progress = {};
 };
 
 enum class PanelStatus {
   done,
   not_finite,  ///< the matrix or the residual is infinite or not a number
+  cancelled,   ///< the progress callback asked for it: there is no matrix
   failed,      ///< it was not called
 };
 

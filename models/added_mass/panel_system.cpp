@@ -47,10 +47,15 @@ struct BlockBall {
   }
 };
 
+std::size_t blocks(std::size_t rows) {
+  return (rows + kLanes - 1) / kLanes;
+}
+
 class Assembly {
  public:
-  explicit Assembly(const TriangleMesh& mesh)
+  Assembly(const TriangleMesh& mesh, SharedProgress& progress)
       : mesh_(mesh),
+        progress_(progress),
         n_(static_cast<std::size_t>(mesh.vertices.cols())),
         mass_(Eigen::VectorXd::Zero(mesh.vertices.cols())) {
     for (Index i = 0; i < mesh.triangles.cols(); ++i) {
@@ -68,15 +73,17 @@ class Assembly {
 
   PanelSystem run() {
     add_flux();
-    tbb::parallel_for(std::size_t{0}, blocks(n_), [&](std::size_t block) { set_green_rows(block); });
+    tbb::parallel_for(std::size_t{0}, blocks(n_), [&](std::size_t block) {
+      if (!progress_.goes_on()) return;
+      set_green_rows(block);
+      progress_.count();
+    });
     system_.rhs -= system_.flux;
     add_vortex_loops();
     return std::move(system_);
   }
 
  private:
-  static std::size_t blocks(std::size_t rows) { return (rows + kLanes - 1) / kLanes; }
-
   static FarPanel seen_from_far(const Panel& p) {
     FarPanel far{};
     for (int k = 0; k < 3; ++k) {
@@ -209,9 +216,12 @@ class Assembly {
     // order whatever the number of threads.
     const auto group = 4 * static_cast<std::size_t>(std::max(1, tbb::this_task_arena::max_concurrency()));
     std::vector<LoopLanes> lanes(std::min(group, count));
-    for (std::size_t first = 0; first < count; first += group) {
+    for (std::size_t first = 0; first < count && progress_.goes_on(); first += group) {
       const std::size_t size = std::min(group, count - first);
-      tbb::parallel_for(std::size_t{0}, size, [&](std::size_t k) { see_loops(first + k, lanes[k]); });
+      tbb::parallel_for(std::size_t{0}, size, [&](std::size_t k) {
+        see_loops(first + k, lanes[k]);
+        progress_.count();
+      });
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n_, 256), [&](const auto& range) {
         for (std::size_t k = 0; k < size; ++k) add_loop_rows(first + k, lanes[k], range.begin(), range.end());
       });
@@ -343,6 +353,7 @@ class Assembly {
   }
 
   const TriangleMesh& mesh_;
+  SharedProgress& progress_;
   std::size_t n_;
   std::vector<Panel> panels_;
   std::vector<FarPanel> far_;
@@ -353,8 +364,13 @@ class Assembly {
 
 }  // namespace
 
-PanelSystem assemble(const TriangleMesh& mesh) {
-  return Assembly(mesh).run();
+PanelSystem assemble(const TriangleMesh& mesh, SharedProgress& progress) {
+  return Assembly(mesh, progress).run();
+}
+
+double assembly_pieces(const TriangleMesh& mesh) {
+  return static_cast<double>(blocks(static_cast<std::size_t>(mesh.vertices.cols())) +
+                             blocks(static_cast<std::size_t>(mesh.triangles.cols())));
 }
 
 }  // namespace samara::models::added_mass

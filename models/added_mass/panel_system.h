@@ -6,6 +6,7 @@
 
 #include "samara/models/added_mass/panel_integrals.h"
 #include "samara/models/bodies/triangle_mesh.h"
+#include "samara/models/shared_progress.h"
 
 namespace samara::models::added_mass {
 
@@ -21,6 +22,10 @@ struct PanelSystem {
 };
 
 /// @param mesh closed, of a size of order 1, about the origin
-PanelSystem assemble(const TriangleMesh& mesh);
+/// @returns a system to be thrown away if the progress callback asked to cancel
+PanelSystem assemble(const TriangleMesh& mesh, SharedProgress& progress);
+
+/// Pieces of work that it counts.
+double assembly_pieces(const TriangleMesh& mesh);
 
 }  // namespace samara::models::added_mass

@@ -1,10 +1,5 @@
 #include "samara/models/added_mass/planar.h"
 
-#include <cmath>
-
-#include <fmt/format.h>
-
-#include "samara/base/errors.h"
 #include "samara/models/added_mass/planar_sections.h"
 #include "samara/models/positive.h"
 
@@ -15,10 +10,7 @@ namespace {
 void require_section(double chord, double thickness, double fluid_density, const char* where) {
   require_positive(chord, "chord a [m]", where);
   require_positive(fluid_density, "fluid density [kg/m^3]", where);
-  if (!std::isfinite(thickness) || thickness < 0.0) {
-    throw ArgumentError(
-        fmt::format("{}: thickness b [m] is {}; a positive number or 0 is needed", where, thickness));
-  }
+  require_not_negative(thickness, "thickness b [m]", where);
 }
 
 PlanarAddedMass planar(const added_mass::SectionAddedMass<double>& section) {

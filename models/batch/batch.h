@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "samara/base/progress.h"
 #include "samara/models/parametric_model.h"
 
 /// Thousands of trajectories of one model: the classical Runge-Kutta method with fixed steps
@@ -26,6 +27,7 @@ enum class BatchStatus {
   stopped,         ///< the observer asked for it
   not_finite,      ///< a state is infinite or not a number
   too_many_steps,  ///< the times or the interval asked for take more than max_steps: not integrated
+  cancelled,       ///< the progress callback asked for it before this one was finished
 };
 
 struct BatchOptions {
@@ -37,6 +39,7 @@ struct BatchOptions {
   /// Free coordinates by which derivatives are taken: those of the discrete trajectory, exact but for
   /// round-off.
   std::vector<std::string> tangents = {};
+  ProgressCallback progress = {};  ///< asked between two times
 };
 
 struct BatchTrajectories {
@@ -45,7 +48,8 @@ struct BatchTrajectories {
   /// Per name in BatchOptions::tangents: d(states)/dq, shaped like states.
   std::vector<Eigen::MatrixXd> tangents;
   std::vector<BatchStatus> status;  ///< per trajectory
-  /// Per trajectory, the time up to which its columns are valid; later ones are NaN.
+  /// Per trajectory, the time up to which its columns are valid; later ones are NaN. (Of a
+  /// trajectory that was cancelled nothing is kept.)
   Eigen::VectorXd reached;
 
   Eigen::Index column(Eigen::Index trajectory, Eigen::Index time) const {
@@ -70,7 +74,8 @@ struct WatchOptions {
   double end = 1.0;        ///< the last call is at the first multiple of the interval that reaches it [s]
   /// Of an interval; where it takes more, nothing is integrated and the observer is not called.
   long max_steps = 100000000;
-  int threads = 0;  ///< 0: as many as the machine has
+  int threads = 0;                 ///< 0: as many as the machine has
+  ProgressCallback progress = {};  ///< asked between two intervals
 };
 
 struct WatchedBatch {

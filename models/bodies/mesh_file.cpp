@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/models/positive.h"
 
 namespace samara::models {
 
@@ -191,10 +192,7 @@ TriangleMesh merged(const Soup& soup, double metres_per_unit, double merge_toler
 }  // namespace
 
 TriangleMesh read_mesh(const std::string& path, double metres_per_unit, const MeshFileOptions& options) {
-  if (!(std::isfinite(metres_per_unit) && metres_per_unit > 0.0)) {
-    throw ArgumentError(
-        fmt::format("read_mesh: metres_per_unit is {}; a positive number is needed", metres_per_unit));
-  }
+  require_positive(metres_per_unit, "metres_per_unit", "read_mesh");
   if (!(options.merge_tolerance >= 0.0 && options.merge_tolerance <= 0.1)) {
     throw ArgumentError(fmt::format("read_mesh: merge_tolerance is {}; a number in [0, 0.1] expected",
                                     options.merge_tolerance));

@@ -21,13 +21,8 @@ namespace odeint = boost::numeric::odeint;
 using Fehlberg = odeint::runge_kutta_fehlberg78<std::vector<double>>;
 
 void check_options(const AdaptiveOptions& options) {
-  if (!(options.relative_tolerance > 0.0 && options.relative_tolerance < 1.0)) {
-    throw ArgumentError("relative_tolerance is " + number_text(options.relative_tolerance) +
-                        "; a value between 0 and 1 was expected");
-  }
-  if (options.max_steps < 1) {
-    throw ArgumentError("max_steps is " + std::to_string(options.max_steps) + "; 1 or more was expected");
-  }
+  check_relative_tolerance(options.relative_tolerance);
+  check_max_steps(options.max_steps);
 }
 
 }  // namespace

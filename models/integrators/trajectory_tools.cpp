@@ -6,6 +6,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/models/number_text.h"
+#include "samara/models/positive.h"
 
 namespace samara::models {
 
@@ -24,9 +25,13 @@ void check_times(std::span<const double> times) {
 }
 
 void check_step(double step) {
-  if (!(step > 0.0 && std::isfinite(step))) {
-    throw ArgumentError("step is " + number_text(step) + "; a positive finite time was expected");
-  }
+  require_positive(step, "step");
+}
+
+void check_relative_tolerance(double relative_tolerance) {
+  if (relative_tolerance > 0.0 && relative_tolerance < 1.0) return;
+  throw ArgumentError("relative_tolerance is " + number_text(relative_tolerance) +
+                      "; a value between 0 and 1 was expected");
 }
 
 void check_max_steps(long max_steps) {

@@ -15,6 +15,9 @@ void check_times(std::span<const double> times);
 /// @throws ArgumentError unless the step is positive and finite.
 void check_step(double step);
 
+/// @throws ArgumentError unless it lies between 0 and 1.
+void check_relative_tolerance(double relative_tolerance);
+
 /// @throws ArgumentError unless there is a step to take, and at most 2^53.
 void check_max_steps(long max_steps);
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
 
-#include "samara/models/laws/parameter_list.h"
+#include "samara/models/laws/reynolds.h"
 #include "samara/models/laws/spatial_body.h"
 
 namespace samara::models::laws {
@@ -66,6 +66,10 @@ struct CoefficientBody : SpatialBody<CoefficientBody> {
     kCmz = kCmy + 3,
     kDampingRate = kCmz + 3,
     kSpeedFloor = kDampingRate + 3,
+    kReDrag,
+    kReLift,
+    kNu,
+    kLength,
     kParameters
   };
   enum Term { kInertial, kDrag, kSideForce, kLift, kMoment, kDamping, kThrust, kGravity, kTerms };
@@ -84,13 +88,15 @@ struct CoefficientBody : SpatialBody<CoefficientBody> {
             "displaced_mass) R^T (0, 0, -g);  "
             "T = E (moments + damping) + (0, (thrust_left + thrust_right) offset_z, (thrust_left - "
             "thrust_right) thrust_arm) + (mass r_c + offset_mass offset) x R^T (0, 0, -g);  "
-            "drag = q (Cd0 + Cda alpha^2 + Cdb beta^2);  "
-            "side = q (Cs0 + Csa alpha^2 + Csb beta);  "
-            "lift = q (Cl0 + Cla alpha + Clb beta^2);  "
-            "moments = q (Cmx0 + Cmxa alpha + Cmxb beta, Cmy0 + Cmya alpha + Cmyb beta^4, Cmz0 + Cmza "
+            "drag = q (1 + Re_drag/Re) (Cd0 + Cda alpha^2 + Cdb beta^2);  "
+            "side = q/(1 + Re_lift/Re) (Cs0 + Csa alpha^2 + Csb beta);  "
+            "lift = q/(1 + Re_lift/Re) (Cl0 + Cla alpha + Clb beta^2);  "
+            "moments = q/(1 + Re_lift/Re) (Cmx0 + Cmxa alpha + Cmxb beta, Cmy0 + Cmya alpha + Cmyb beta^4, "
+            "Cmz0 + Cmza "
             "alpha + Cmzb beta);  "
             "damping = (K1 w_x, K2 w_y, K3 w_z);  "
             "q = 1/2 fluid_density area |u|^2 in forces and moments;  "
+            "Re = length sqrt(|u|^2 + speed_floor^2)/nu;  "
             "alpha = 2 atan2(u_z, u_x + v), atan2(u_z, u_x) but for the floor;  "
             "beta = atan2(u_y, v);  "
             "v = sqrt(u_x^2 + u_z^2 + speed_floor^2);  "
@@ -183,6 +189,8 @@ struct CoefficientBody : SpatialBody<CoefficientBody> {
                                          "speed below which the angles of flow are smoothed: "
                                          "they are undefined at rest"),
                                 1e-6));
+    append(list, {Re_drag("Re = length |u|/nu"), Re_lift(), viscosity_of_air(),
+                  derived("length", "m", "sqrt(area)", "of Re", false)});
     return list;
   }
 
@@ -201,19 +209,24 @@ struct CoefficientBody : SpatialBody<CoefficientBody> {
   /// Drag, side force, lift, moment and damping, from `first` on.
   template <class S>
   static void aerodynamic_loads(const Pose<S>& pose, const S* p, Load<S>* first) {
+    using std::sqrt;
     const FlowAxes<S> flow(pose.u, p[kSpeedFloor]);
     const S &alpha = flow.alpha, &beta = flow.beta;
     const S alpha_2 = alpha * alpha, beta_2 = beta * beta;
     const S q = S(0.5) * p[kFluidDensity] * p[kArea] * flow.speed_2;
+    const S U = sqrt(flow.speed_2 + p[kSpeedFloor] * p[kSpeedFloor]);
+    const ReynoldsSpeeds<S> Re = reynolds_speeds(p[kReDrag], p[kReLift], p[kNu], p[kLength]);
+    const S q_drag = q * drag_speed(U, Re.drag) / U;
+    const S q_lift = q * U / (U + Re.lift);
     const auto coefficient = [p](int which, const S& of_alpha, const S& of_beta) {
       return p[which] + p[which + 1] * of_alpha + p[which + 2] * of_beta;
     };
-    first[0].force = -(q * coefficient(kCd, alpha_2, beta_2)) * flow.x;
-    first[1].force = (q * coefficient(kCs, alpha_2, beta)) * flow.y;
-    first[2].force = -(q * coefficient(kCl, alpha, beta_2)) * flow.z;
+    first[0].force = -(q_drag * coefficient(kCd, alpha_2, beta_2)) * flow.x;
+    first[1].force = (q_lift * coefficient(kCs, alpha_2, beta)) * flow.y;
+    first[2].force = -(q_lift * coefficient(kCl, alpha, beta_2)) * flow.z;
     first[3].torque =
-        q * flow.to_body({coefficient(kCmx, alpha, beta), coefficient(kCmy, alpha, beta_2 * beta_2),
-                          coefficient(kCmz, alpha, beta)});
+        q_lift * flow.to_body({coefficient(kCmx, alpha, beta), coefficient(kCmy, alpha, beta_2 * beta_2),
+                               coefficient(kCmz, alpha, beta)});
     first[4].torque = flow.to_body(diagonal_times(vector3(p + kDampingRate), pose.w));
   }
 
@@ -241,6 +254,12 @@ struct CoefficientBody : SpatialBody<CoefficientBody> {
     all[kThrust] = thrust(p);
     all[kGravity] = weights(pose, p);
     return all;
+  }
+
+  template <class S>
+  static void complete(const char* given, S* p) {
+    using std::sqrt;
+    if (!given[kLength]) p[kLength] = sqrt(p[kArea]);
   }
 
   static Scales scales(const double* p) {

@@ -9,7 +9,7 @@ namespace {
 
 struct FallingPlate {
   static constexpr int kStates = kPlanarStates;
-  static constexpr int kParameters = 12;
+  static constexpr int kParameters = 15;
   enum Parameter {
     kSemiChord,
     kSemiThickness,
@@ -22,7 +22,10 @@ struct FallingPlate {
     kB,
     kMu1,
     kMu2,
-    kSpeedFloor
+    kSpeedFloor,
+    kReDrag,
+    kReLift,
+    kNu
   };
 
   static ModelInfo info() {
@@ -34,9 +37,10 @@ struct FallingPlate {
             "(m + m22) vy' = -(m + m11) w vx + fluid_density G vx - (m - m_f) g cos(theta) - Fy,  "
             "(I + I_a) w' = (m11 - m22) vx vy - pi fluid_density a^4 (mu1 U/a + mu2 |w|) w,  theta' = w,  "
             "x' = vx cos(theta) - vy sin(theta),  y' = vx sin(theta) + vy cos(theta),  "
-            "G = -2 C_T a vx vy/v + 2 C_R a^2 w,  "
-            "(Fx, Fy) = fluid_density a (A - B (vx^2 - vy^2)/v^2) v (vx, vy),  "
-            "v = sqrt(vx^2 + vy^2 + speed_floor^2),  U = sqrt(|density/fluid_density - 1| g b),  "
+            "G = (-2 C_T a vx vy/v + 2 C_R a^2 w)/(1 + Re_lift/Re),  "
+            "(Fx, Fy) = fluid_density a (1 + Re_drag/Re) (A - B (vx^2 - vy^2)/v^2) v (vx, vy),  "
+            "v = sqrt(vx^2 + vy^2 + speed_floor^2),  Re = 2 a v/nu,  U = sqrt(|density/fluid_density - 1| g "
+            "b),  "
             "m = pi density a b,  m_f = pi fluid_density a b,  I = m (a^2 + b^2)/4,  "
             "m11 = pi fluid_density b^2,  m22 = pi fluid_density a^2,  "
             "I_a = pi/8 fluid_density (a^2 - b^2)^2,  a = semi_chord,  b = semi_thickness",
@@ -71,6 +75,7 @@ struct FallingPlate {
     };
     append(list, elliptic_plate_coefficients());
     list.push_back(derived("speed_floor", "m/s", "1e-6 U", kSpeedFloorMeaning, false));
+    append(list, {Re_drag("Re = 2 a v/nu"), Re_lift(), viscosity_of_water()});
     return list;
   }
 
@@ -102,7 +107,8 @@ struct FallingPlate {
                      .drag_B = drag * p[kB],
                      .damping = damping * characteristic_speed(p) * p[kMu1],
                      .damping_abs = damping * a * p[kMu2],
-                     .speed_floor = p[kSpeedFloor]}};
+                     .speed_floor = p[kSpeedFloor],
+                     .Re = reynolds_speeds(p[kReDrag], p[kReLift], p[kNu], S(2.0) * a)}};
   }
 
   template <class S>

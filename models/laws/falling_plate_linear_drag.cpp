@@ -36,7 +36,9 @@ struct FallingPlateLinearDrag {
             "a rule for pictures of falling paper: neither added mass nor buoyancy nor quadratic drag. The "
             "source's k is +1 or -1 and jumps where v or vt changes sign; here it does so within "
             "sign_floor. Much smaller than its default the motion may slide along the jump, where "
-            "integrators stop. The lift has its right sign for falling bodies only (v < 0)",
+            "integrators stop. The lift has its right sign for falling bodies only (v < 0). The drag is "
+            "linear "
+            "as it stands: no coefficient depends on a Reynolds number",
         .symmetries = {"translation of x", "translation of y"},
         .states = states(),
         .parameters = parameters(),

@@ -8,8 +8,8 @@ namespace {
 
 struct FallingPlateNd {
   static constexpr int kStates = kPlanarStates;
-  static constexpr int kParameters = 9;
-  enum Parameter { kInertiaRatio, kBeta, kCT, kCR, kA, kB, kMu1, kMu2, kSpeedFloor };
+  static constexpr int kParameters = 12;
+  enum Parameter { kInertiaRatio, kBeta, kCT, kCR, kA, kB, kMu1, kMu2, kSpeedFloor, kReDrag, kReLift, kRe };
 
   static ModelInfo info() {
     return {
@@ -20,7 +20,8 @@ struct FallingPlateNd {
             "(I + 1) vy' = -(I + beta^2) w vx + G vx - cos(theta) - Fy,  "
             "1/4 [I (1 + beta^2) + (1 - beta^2)^2/2] w' = -(1 - beta^2) vx vy - (mu1 + mu2 |w|) w,  "
             "theta' = w,  x' = vx cos(theta) - vy sin(theta),  y' = vx sin(theta) + vy cos(theta),  "
-            "G = 2/pi (-C_T vx vy/v + C_R w),  (Fx, Fy) = 1/pi (A - B (vx^2 - vy^2)/v^2) v (vx, vy),  "
+            "G = 2/pi (-C_T vx vy/v + C_R w)/(1 + Re_lift/(Re v)),  "
+            "(Fx, Fy) = 1/pi (1 + Re_drag/(Re v)) (A - B (vx^2 - vy^2)/v^2) v (vx, vy),  "
             "v = sqrt(vx^2 + vy^2 + speed_floor^2),  I = inertia_ratio",
         .frames =
             "vx, vy in body axes: x' along the chord, y' along the normal, theta the angle of x' above the "
@@ -61,6 +62,9 @@ struct FallingPlateNd {
     };
     append(list, elliptic_plate_coefficients());
     list.push_back(with_default(positive("speed_floor", "1", kSpeedFloorMeaning), 1e-6));
+    append(list,
+           {Re_drag("at the Reynolds number Re v"), Re_lift(),
+            with_default(positive("Re", "1", "Reynolds number of the unit of velocity, 2 a U/nu"), 1e3)});
     return list;
   }
 
@@ -81,7 +85,8 @@ struct FallingPlateNd {
                      .drag_B = drag * p[kB],
                      .damping = p[kMu1],
                      .damping_abs = p[kMu2],
-                     .speed_floor = p[kSpeedFloor]}};
+                     .speed_floor = p[kSpeedFloor],
+                     .Re = reynolds_speeds(p[kReDrag], p[kReLift], S(1.0), p[kRe])}};
   }
 
   template <class S>

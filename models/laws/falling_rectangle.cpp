@@ -7,7 +7,7 @@ namespace {
 
 struct FallingRectangle {
   static constexpr int kStates = kPlanarStates;
-  static constexpr int kParameters = 13;
+  static constexpr int kParameters = 16;
   enum Parameter {
     kChord,
     kThickness,
@@ -21,7 +21,10 @@ struct FallingRectangle {
     kC0,
     kC90,
     kCTau,
-    kSpeedFloor
+    kSpeedFloor,
+    kReDrag,
+    kReLift,
+    kNu
   };
 
   static ModelInfo info() {
@@ -35,9 +38,10 @@ struct FallingRectangle {
             "fluid_density a^4 |w| w/64,  Px = (m + m11) vx,  Py = m vy + m22 v_p,  "
             "L = (moment_of_inertia + I_a) w - offset m22 v_p,  v_p = vy - offset w,  theta' = w,  "
             "x' = vx cos(theta) - vy sin(theta),  y' = vx sin(theta) + vy cos(theta),  "
-            "G = -C_T a vx v_p/v + C_R a^2 w/2,  "
-            "(Fx, Fy) = 1/2 fluid_density a (C_0 vx^2 + C_90 v_p^2)/v (vx, v_p),  "
-            "v = sqrt(vx^2 + v_p^2 + speed_floor^2),  m = density a b,  m_f = fluid_density a b,  "
+            "G = (-C_T a vx v_p/v + C_R a^2 w/2)/(1 + Re_lift/Re),  "
+            "(Fx, Fy) = 1/2 fluid_density a (1 + Re_drag/Re) (C_0 vx^2 + C_90 v_p^2)/v (vx, v_p),  "
+            "v = sqrt(vx^2 + v_p^2 + speed_floor^2),  Re = a v/nu,  m = density a b,  m_f = fluid_density a "
+            "b,  "
             "m11 = 3 pi/8 fluid_density b^2,  m22 = 3 pi/8 fluid_density a^2,  "
             "I_a = 5 pi/256 fluid_density (a^2 - b^2)^2,  a = chord,  b = thickness",
         .frames =
@@ -80,6 +84,9 @@ struct FallingRectangle {
         not_negative("C_tau", "1", 1.9, "dissipation of rotation"),
         derived("speed_floor", "m/s", "1e-6 sqrt(|density/fluid_density - 1| g b)", kSpeedFloorMeaning,
                 false),
+        Re_drag("Re = chord v/nu"),
+        Re_lift(),
+        viscosity_of_water(),
     };
   }
 
@@ -120,7 +127,8 @@ struct FallingRectangle {
                      .drag_B = quarter * (p[kC90] - p[kC0]),
                      .damping = S(0.0),
                      .damping_abs = S(1.0 / 64.0) * fluid * a2 * a2 * p[kCTau],
-                     .speed_floor = p[kSpeedFloor]}};
+                     .speed_floor = p[kSpeedFloor],
+                     .Re = reynolds_speeds(p[kReDrag], p[kReLift], p[kNu], a)}};
   }
 
   /// Forces, with torques about the centre of mass.

@@ -33,9 +33,9 @@ Parameters smoothness_parameters() {
   return {
       with_default(positive("speed_floor", "m/s", "speed below which forces are smoothed"), 0.02),
       with_default(positive("rate_floor", "rad/s", "rate below which damping is smoothed"), 1.0),
-      not_negative("Re_drag", "1", 0.0, "drag coefficients are C (1 + Re_drag / Re), Re = 2 a |u_r| / nu"),
-      not_negative("Re_lift", "1", 0.0, "lift coefficients are C / (1 + Re_lift / Re)"),
-      with_default(positive("nu", "m^2/s", "kinematic viscosity; default: air at 20 degrees C"), 1.516e-5),
+      Re_drag("Re = 2 a |u_r|/nu"),
+      Re_lift(),
+      viscosity_of_air(),
   };
 }
 

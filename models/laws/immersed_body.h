@@ -56,9 +56,7 @@ struct ImmersedBody : EllipsoidBody {
             .speed_floor = p[kSpeedFloor],
             .rate_floor = p[kRateFloor],
             .centre_of_pressure = p[kCentreOfPressure],
-            .Re_drag = p[kReDrag],
-            .Re_lift = p[kReLift],
-            .nu = p[kNu]};
+            .Re = reynolds_speeds(p[kReDrag], p[kReLift], p[kNu], S(2.0) * p[kA])};
   }
 
   template <class S>

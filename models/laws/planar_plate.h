@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "samara/models/law_model.h"
-#include "samara/models/laws/parameter_list.h"
+#include "samara/models/laws/reynolds.h"
 
 /// What the plates moving in a vertical plane have in common: their states, and the quasi-steady forces of
 /// A. Andersen, U. Pesavento, Z. J. Wang, Unsteady aerodynamics of fluttering and tumbling plates, J. Fluid
@@ -46,9 +46,11 @@ struct PlanarFlow {
   S damping;  ///< dissipation, -(damping + damping_abs |w|) w
   S damping_abs;
   S speed_floor;  ///< v = sqrt(vx^2 + vy^2 + speed_floor^2)
+  ReynoldsSpeeds<S> Re;
 };
 
-/// Lifts, drag and dissipation; leaves inertia and weight at zero.
+/// Lifts and drag, which follow the Reynolds number as reynolds.h says, and dissipation; leaves inertia and
+/// weight at zero.
 template <class S>
 PlanarForces<S> flow_forces(const PlanarFlow<S>& flow, const PlanarMotion<S>& at) {
   using std::abs;
@@ -57,9 +59,10 @@ PlanarForces<S> flow_forces(const PlanarFlow<S>& flow, const PlanarMotion<S>& at
   const S vy2 = at.vy * at.vy;
   const S v2 = vx2 + vy2 + flow.speed_floor * flow.speed_floor;
   const S v = sqrt(v2);
-  const S translational = flow.lift_T * at.vx * at.vy / v;
-  const S rotational = flow.lift_R * at.w;
-  const S drag = (flow.drag_A * v2 - flow.drag_B * (vx2 - vy2)) / v;
+  const S over_v = S(1.0) / (v + flow.Re.lift);  // 1/v / (1 + Re_lift/Re)
+  const S translational = flow.lift_T * at.vx * at.vy * over_v;
+  const S rotational = flow.lift_R * at.w * v * over_v;
+  const S drag = (flow.drag_A * v2 - flow.drag_B * (vx2 - vy2)) * drag_speed(v, flow.Re.drag) / v2;
   PlanarForces<S> terms;
   terms[kTranslationalLift] = {translational * at.vy, -translational * at.vx};
   terms[kRotationalLift] = {-rotational * at.vy, rotational * at.vx};

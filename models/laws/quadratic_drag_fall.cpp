@@ -1,5 +1,8 @@
+#include <numbers>
+
 #include "samara/models/law_model.h"
 #include "samara/models/laws/drag_scales.h"
+#include "samara/models/laws/reynolds.h"
 
 namespace samara::models::laws {
 
@@ -7,20 +10,23 @@ namespace {
 
 struct QuadraticDragFall {
   static constexpr int kStates = 1;
-  static constexpr int kParameters = 5;
-  enum Parameter { kCD, kFluidDensity, kG, kArea, kMass };
+  static constexpr int kParameters = 8;
+  enum Parameter { kCD, kFluidDensity, kG, kArea, kMass, kReDrag, kNu, kLength };
 
   static ModelInfo info() {
     return {
         .name = "quadratic_drag_fall",
         .title = "Vertical speed of a heavy body in a light fluid",
-        .equations = "u' = -(fluid_density C_D area / (2 mass)) |u| u - g",
+        .equations =
+            "u' = -(fluid_density C_D area / (2 mass)) (1 + Re_drag/Re) |u| u - g,  "
+            "Re = length |u|/nu",
         .frames = "u is the vertical velocity, positive upward; forces along the third body axis, upward too",
         .source =
             "dissertation, eq. (6.20), which prints u^2 for -|u| u and so holds for u <= 0; from rest "
             "u = -u_T tanh(g t / u_T) with u_T = sqrt(2 mass g / (fluid_density C_D area))",
         .validity =
-            "neither buoyancy nor added mass: bodies much denser than the fluid; constant C_D; no rotation",
+            "neither buoyancy nor added mass: bodies much denser than the fluid; C_D constant, or as Re_drag "
+            "follows Re; no rotation",
         .states = {{.name = "u", .unit = "m/s", .description = "vertical velocity, positive upward"}},
         .parameters = parameters(),
         .affine_in = {"C_D", "g"},
@@ -57,6 +63,9 @@ struct QuadraticDragFall {
          .default_value = 0.1,
          .description = "mass of the body; default as in dissertation chapter 6",
          .lower = 0.0},
+        Re_drag("Re = length |u|/nu"),
+        viscosity_of_air(),
+        derived("length", "m", "2 sqrt(area/pi)", "of Re; default: the diameter of a disc", false),
     };
   }
 
@@ -66,18 +75,23 @@ struct QuadraticDragFall {
     return p[kFluidDensity] * C_D * p[kArea] / (S(2.0) * p[kMass]);
   }
 
+  /// Drag over mass, upward [m/s^2].
+  template <class S>
+  static S drag(const S& u, const S* p) {
+    using std::abs;
+    const ReynoldsSpeeds<S> Re = reynolds_speeds(p[kReDrag], S(0.0), p[kNu], p[kLength]);
+    return -drag_per_mass(p[kCD], p) * drag_speed(abs(u), Re.drag) * u;
+  }
+
   template <class S>
   static void rhs(const S&, const S* x, const S* p, S* dxdt) {
-    using std::abs;
-    const S& u = x[0];
-    dxdt[0] = -drag_per_mass(p[kCD], p) * abs(u) * u - p[kG];
+    dxdt[0] = drag(x[0], p) - p[kG];
   }
 
   template <class S>
   static void forces(const S&, const S* x, const S* p, LawWrench<S>* terms) {
-    using std::abs;
     const S& u = x[0];
-    terms[0].force[2] = -p[kMass] * drag_per_mass(p[kCD], p) * abs(u) * u;
+    terms[0].force[2] = p[kMass] * drag(u, p);
     terms[1].force[2] = -p[kMass] * p[kG];
     for (int k = 0; k < 2; ++k) terms[k].power = terms[k].force[2] * u;
   }
@@ -88,7 +102,10 @@ struct QuadraticDragFall {
   }
 
   template <class S>
-  static void complete(const char*, S*) {}
+  static void complete(const char* given, S* p) {
+    using std::sqrt;
+    if (!given[kLength]) p[kLength] = S(2.0) * sqrt(p[kArea] / S(std::numbers::pi));
+  }
 
   static Scales scales(const double* p) {
     return drag_scales(p[kG], drag_per_mass(p[kCD], p), drag_per_mass(kLeastDragCoefficient, p));

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "samara/models/laws/reynolds.h"
 #include "samara/models/laws/rigid_body.h"
 
 /// Quasi-steady forces of a fluid on a flat body with the outline of an ellipse, normal to body z: drag, the
@@ -31,8 +32,7 @@ struct QuasiSteadyBody {
   S speed_floor;              ///< eps [m/s]
   S rate_floor;               ///< w_eps [rad/s]
   S centre_of_pressure;       ///< share of the quarter-chord offset: 0 none, 1 all
-  S Re_drag, Re_lift;         ///< Reynolds numbers below which drag and lift change
-  S nu;                       ///< kinematic viscosity [m^2/s]
+  ReynoldsSpeeds<S> Re;       ///< of the length 2 a
 };
 
 template <class S>
@@ -101,8 +101,7 @@ Vector3<S> damping_torque(const QuasiSteadyBody<S>& body, const Vector3<S>& w) {
 /// The loads at velocity u and angular velocity w relative to the fluid, body axes. Drag and lifts are taken
 /// at the centre of pressure, from the velocity of that point, so that they stay passive.
 ///
-/// Coefficients and Reynolds number Re = 2 a U / nu: drag C_D (1 + Re_drag / Re), which tends to a drag
-/// linear in u, lifts C / (1 + Re_lift / Re), which tend to none; constant for Re_drag = Re_lift = 0.
+/// Coefficients follow the Reynolds number as reynolds.h says.
 template <class S>
 QuasiSteadyLoads<S> quasi_steady_loads(const QuasiSteadyBody<S>& body, const Vector3<S>& u,
                                        const Vector3<S>& w) {
@@ -110,9 +109,8 @@ QuasiSteadyLoads<S> quasi_steady_loads(const QuasiSteadyBody<S>& body, const Vec
   const Vector3<S> u_p = u + cross(w, p);
   const S U = smooth_norm(u_p, body.speed_floor);
   const S one_over_U = S(1.0) / U;
-  const S speed_of_Re = S(0.5) * body.nu / body.a;  // the speed at which Re = 1
-  const S of_drag = S(1.0) + body.Re_drag * speed_of_Re * one_over_U;
-  const S of_lift = U / (U + body.Re_lift * speed_of_Re);
+  const S of_drag = drag_speed(U, body.Re.drag) * one_over_U;
+  const S of_lift = U / (U + body.Re.lift);
   const S rho_A = S(std::numbers::pi) * body.fluid_density * body.a * body.b;
 
   const S tangential = u_p.x * u_p.x + u_p.y * u_p.y;

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
 
-#include "samara/models/laws/parameter_list.h"
+#include "samara/models/laws/reynolds.h"
 #include "samara/models/laws/rigid_body.h"
 
 namespace samara::models::laws {
@@ -23,6 +23,8 @@ struct SphereFlight {
     kDisplacedMass,
     kAddedMass,
     kInertia,
+    kReDrag,
+    kNu,
     kParameters
   };
   enum Term { kDrag, kMagnus, kDamping, kGravity, kTerms };
@@ -32,10 +34,12 @@ struct SphereFlight {
         .name = "sphere_flight",
         .title = "Spinning sphere in flight",
         .equations =
-            "(m + m_a) v' = -1/2 rho A C_D V v + 1/2 rho A C_M r w x v + (m - m_f) (0, 0, -g);  "
+            "(m + m_a) v' = -1/2 rho A C_D (1 + Re_drag/Re) V v + 1/2 rho A C_M r w x v + (m - m_f) (0, 0, "
+            "-g);  "
             "(x, y, z)' = v;  "
             "w' = -spin_decay w;  "
             "V = sqrt(|v|^2 + speed_floor^2);  "
+            "Re = diameter V/nu;  "
             "A = pi r^2;  "
             "r = diameter/2;  "
             "rho = fluid_density;  "
@@ -50,7 +54,8 @@ struct SphereFlight {
         .validity =
             "r |w| / |v| up to about 0.5, a Reynolds number (diameter) of about 1e3 to 1e5 away from the "
             "drag crisis; smooth spheres at low spin may show the reverse of the Magnus force. At small "
-            "Reynolds number C_M = 2 (S. I. Rubinow, J. B. Keller, J. Fluid Mech. 11 (1961) 447-459)",
+            "Reynolds number Re_drag = 24/C_D gives Stokes' drag, and C_M = 2 (S. I. Rubinow, J. B. Keller, "
+            "J. Fluid Mech. 11 (1961) 447-459): it does not vanish, so that C_M is a constant here",
         .symmetries = upright_symmetries(),
         .states = states(),
         .parameters = parameters(),
@@ -99,6 +104,8 @@ struct SphereFlight {
         derived("displaced_mass", "kg", "pi/6 fluid_density diameter^3", "mass of the displaced fluid", true),
         derived("added_mass", "kg", "displaced_mass / 2", "added mass", true),
         derived("inertia", "kg m^2", "mass diameter^2 / 6", "moment of inertia; default: thin shell", false),
+        Re_drag("Re = diameter |v|/nu"),
+        viscosity_of_air(),
     };
   }
 
@@ -108,8 +115,9 @@ struct SphereFlight {
     const S radius = S(0.5) * p[kDiameter];
     const S half_rho_A = S(0.5 * std::numbers::pi) * p[kFluidDensity] * radius * radius;
     const S speed = sqrt(dot(v, v) + p[kSpeedFloor] * p[kSpeedFloor]);
+    const ReynoldsSpeeds<S> Re = reynolds_speeds(p[kReDrag], S(0.0), p[kNu], p[kDiameter]);
     const Vector3<S> weight = {S(0.0), S(0.0), -(p[kMass] - p[kDisplacedMass]) * p[kG]};
-    return {{{-(half_rho_A * p[kCD] * speed) * v, {}},
+    return {{{-(half_rho_A * p[kCD] * drag_speed(speed, Re.drag)) * v, {}},
              {(half_rho_A * p[kCM] * radius) * cross(w, v), {}},
              {{}, -(p[kInertia] * p[kSpinDecay]) * w},
              {weight, {}}}};

@@ -2,6 +2,7 @@
 
 #include "samara/models/law_model.h"
 #include "samara/models/laws/drag_scales.h"
+#include "samara/models/laws/reynolds.h"
 
 namespace samara::models::laws {
 
@@ -9,16 +10,17 @@ namespace {
 
 struct VerticalFall {
   static constexpr int kStates = 2;
-  static constexpr int kParameters = 7;
+  static constexpr int kParameters = 10;
   enum State { kV, kX };
-  enum Parameter { kCD, kDensity, kFluidDensity, kArea, kThickness, kMa, kG };
+  enum Parameter { kCD, kDensity, kFluidDensity, kArea, kThickness, kMa, kG, kReDrag, kNu, kLength };
 
   static ModelInfo info() {
     return {
         .name = "vertical_fall",
         .title = "Broadside vertical fall or rise of a flat body, with buoyancy and added mass",
         .equations =
-            "(m + m_a) v' = (m - m_f) g - 1/2 fluid_density C_D area |v| v,  x' = v,  "
+            "(m + m_a) v' = (m - m_f) g - 1/2 fluid_density C_D area (1 + Re_drag/Re) |v| v,  "
+            "x' = v,  Re = length |v|/nu,  "
             "m = density area thickness,  m_f = fluid_density area thickness",
         .frames =
             "v and x are vertical, positive downward; x is depth below the release point; forces along the "
@@ -28,10 +30,10 @@ struct VerticalFall {
             "Forces, Naval Civil Engineering Laboratory CR 82.010, 1982) and quadratic drag; added mass of a "
             "disc broadside 8/3 fluid_density a^3 (H. Lamb, Hydrodynamics, 6th ed., 1932, art. 108)",
         .validity =
-            "the body keeps its attitude (broadside) and falls straight; constant C_D, so no history force "
-            "and a Reynolds number of about 1e3 or more; still, unbounded fluid; the derived m_a is that of "
-            "a "
-            "thin circular disc of the same area: give m_a for other outlines",
+            "the body keeps its attitude (broadside) and falls straight; no history force; a Reynolds number "
+            "of "
+            "about 1e3 or more, where C_D is constant, or as Re_drag follows it; still, unbounded fluid; the "
+            "derived m_a is that of a thin circular disc of the same area: give m_a for other outlines",
         .symmetries = {"translation of x"},
         .states = {{.name = "v", .unit = "m/s", .description = "velocity, positive downward"},
                    {.name = "x", .unit = "m", .description = "depth, positive downward"}},
@@ -71,6 +73,9 @@ struct VerticalFall {
          .description = "gravitational acceleration",
          .lower = 0.0,
          .lower_inclusive = true},
+        Re_drag("Re = length |v|/nu"),
+        viscosity_of_water(),
+        derived("length", "m", "2 sqrt(area/pi)", "of Re; default: the diameter of a disc", false),
     };
   }
 
@@ -92,19 +97,25 @@ struct VerticalFall {
     return S(0.5) * p[kFluidDensity] * C_D * p[kArea];
   }
 
+  /// Downward [N].
+  template <class S>
+  static S drag_force(const S& v, const S* p) {
+    using std::abs;
+    const ReynoldsSpeeds<S> Re = reynolds_speeds(p[kReDrag], S(0.0), p[kNu], p[kLength]);
+    return -drag(p[kCD], p) * drag_speed(abs(v), Re.drag) * v;
+  }
+
   template <class S>
   static void rhs(const S&, const S* x, const S* p, S* dxdt) {
-    using std::abs;
     const S& v = x[kV];
-    dxdt[kV] = (weight(p) - drag(p[kCD], p) * abs(v) * v) / inertia(p);
+    dxdt[kV] = (weight(p) + drag_force(v, p)) / inertia(p);
     dxdt[kX] = v;
   }
 
   template <class S>
   static void forces(const S&, const S* x, const S* p, LawWrench<S>* terms) {
-    using std::abs;
     const S& v = x[kV];
-    terms[0].force[2] = -drag(p[kCD], p) * abs(v) * v;
+    terms[0].force[2] = drag_force(v, p);
     terms[1].force[2] = weight(p);
     for (int k = 0; k < 2; ++k) terms[k].power = terms[k].force[2] * v;
   }
@@ -117,10 +128,10 @@ struct VerticalFall {
 
   template <class S>
   static void complete(const char* given, S* p) {
-    if (given[kMa]) return;
     using std::sqrt;
     const S a = sqrt(p[kArea] / S(std::numbers::pi));  // radius of the disc of that area
-    p[kMa] = S(8.0 / 3.0) * p[kFluidDensity] * a * a * a;
+    if (!given[kMa]) p[kMa] = S(8.0 / 3.0) * p[kFluidDensity] * a * a * a;
+    if (!given[kLength]) p[kLength] = S(2.0) * a;
   }
 
   static Scales scales(const double* p) {

@@ -155,6 +155,19 @@ class BadCalls(Case):
         self.check_error(run("fit", "vertical_fall", "x.csv", "--reference"), 2, "--reference", "integrated anyway")
         self.check_error(run("validate", book("line", LINE_PLAN), "--seed", "-1"), 2, "--seed", "-1")
 
+    def test_times_and_frames_that_cannot_be_are_refused_before_any_work(self):
+        line = ["simulate", "constant_rate", "--set", "k=2"]
+        for until in ["1e-300", "1e-320"]:
+            self.check_error(run(*line, "--until", until), 2, f"--until is {until}, expected at least",
+                             "of the characteristic time")
+        self.check_error(run(*line, "--until", "inf"), 2, "--until is inf, expected a finite number")
+        for frames in ["2.5", "1e3", "99999999999999999999", "many"]:
+            self.check_error(run(*line, "--frames", frames), 2, f"--frames: is {frames}, expected a whole number")
+        for frames in ["1", "-5", "10000001"]:
+            self.check_error(run(*line, "--frames", frames), 2, f"--frames is {frames}, expected 2 to 10000000")
+        self.check_error(run("simulate", "sphere_flight", "--forces", "--frames", "10000000"), 2,
+                         "--frames is 10000000, which would take 18.7 GB with 39 columns; expected at most 10683")
+
     def test_help_names_every_option_and_exits_with_0(self):
         self.assertEqual(run("--help").returncode, 0)
         for command in ["models", "simulate", "build", "info", "query", "validate", "fit"]:

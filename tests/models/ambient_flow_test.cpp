@@ -203,5 +203,5 @@ TEST_CASE("a missing flow or one without a length is refused") {
   };
   CHECK_THROWS_WITH(immersed_body_in(nullptr), "there is no ambient flow; a flow field was expected");
   CHECK_THROWS_WITH(immersed_body_in(std::make_shared<Flat>()),
-                    "the length of the ambient flow is 0; a positive finite value was expected");
+                    "the length of the ambient flow is 0; a positive finite number was expected");
 }

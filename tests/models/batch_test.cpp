@@ -275,9 +275,9 @@ TEST_CASE("batches refuse points, names and options without meaning") {
   CHECK_THROWS_AS(watch_batch(card, points, {}), samara::ArgumentError);
   const auto go_on = [](Eigen::Index, double, std::span<const double>) { return true; };
   CHECK_THROWS_WITH(watch_batch(card, points, go_on, {.interval = 0.0}),
-                    "interval is 0; a positive finite time was expected");
+                    "interval is 0; a positive finite number was expected");
   CHECK_THROWS_WITH(watch_batch(card, points, go_on, {.end = std::nan("")}),
-                    "end is nan; a positive finite time was expected");
+                    "end is nan; a positive finite number was expected");
 }
 
 TEST_CASE("a batch of nothing is nothing") {

@@ -9,6 +9,7 @@
 
 #include <Eigen/Dense>
 
+#include "samara/models/cross_matrix.h"
 #include "samara/models/integrate.h"
 
 /// What the tests of bodies with a full pose share: states 0-2 position, 3-6 quaternion, 7-9 velocity and
@@ -31,13 +32,6 @@ struct BodyState {
   }
   Eigen::Matrix3d R() const { return q.normalized().toRotationMatrix(); }
 };
-
-/// [r]x: the matrix of s -> r x s.
-inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
-  Eigen::Matrix3d matrix;
-  matrix << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
-  return matrix;
-}
 
 inline Eigen::Vector3d random_vector(std::mt19937& random, double size) {
   std::normal_distribution<double> normal(0.0, size);

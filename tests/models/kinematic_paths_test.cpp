@@ -147,7 +147,7 @@ TEST_CASE("paths refuse numbers without meaning") {
   CHECK_THROWS_WITH(at(path, 0.0), "modulation is nan; a finite number was expected");
   path = kHelix;
   path.angular_frequency = 0.0;
-  CHECK_THROWS_WITH(at(path, 0.0), "angular_frequency is 0; more than 0 was expected");
+  CHECK_THROWS_WITH(at(path, 0.0), "angular_frequency is 0; a positive finite number was expected");
   CHECK_THROWS_AS(at(kHelix, std::numeric_limits<double>::infinity()), samara::ArgumentError);
   CHECK_THROWS_AS(segment_ends(kLeaf, 1e9), samara::ArgumentError);
   CHECK_THROWS_AS(initial_amplitude(0.1, 0.4, 0.0, 6.0), samara::ArgumentError);

@@ -307,7 +307,7 @@ TEST_CASE("data that make no body are refused") {
   KirchhoffBodyData body = ellipsoid_421();
   body.mass = 0.0;
   CHECK_THROWS_WITH(kirchhoff_parameters(body),
-                    "the mass of the Kirchhoff body is 0; a positive finite value was expected");
+                    "the mass of the Kirchhoff body is 0; a positive finite number was expected");
   body = ellipsoid_421();
   body.displaced_mass = -1.0;
   CHECK_THROWS_AS(kirchhoff_parameters(body), samara::ArgumentError);

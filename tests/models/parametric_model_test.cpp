@@ -1,10 +1,13 @@
 #include "samara/models/parametric_model.h"
 
 #include <array>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <catch2/catch.hpp>
 
+#include "falling_card.h"
 #include "samara/base/errors.h"
 
 using namespace samara::models;
@@ -48,7 +51,8 @@ TEST_CASE("initial values are the default, the fixed or the free ones") {
 
 TEST_CASE("parameters are completed by defaults and the free values") {
   const std::vector<double> p = fall(kBody, {"m_a", "C_D"}).parameters(std::array{0.25, 1.5});
-  CHECK(p == std::vector<double>{1.5, 2000.0, 998.2, 1e-3, 1e-3, 0.25, 9.81});
+  const double length = 2.0 * std::sqrt(1e-3 / std::numbers::pi);
+  CHECK(p == std::vector<double>{1.5, 2000.0, 998.2, 1e-3, 1e-3, 0.25, 9.81, 0.0, 1.004e-6, length});
 }
 
 TEST_CASE("the derivative by an initial value is zero in the right-hand side, and others find their column") {
@@ -95,7 +99,8 @@ TEST_CASE("an unknown name suggests the nearest, parameters and initial values a
   CHECK_THROWS_WITH(fall(kBody, {"w(0)"}), Catch::Contains("did you mean \"v(0)\"?"));
   CHECK_THROWS_WITH(
       fall(kBody, {"viscosity"}),
-      Catch::Contains("; known: C_D, density, fluid_density, area, thickness, m_a, g, v(0), x(0)"));
+      Catch::Contains(
+          "; known: C_D, density, fluid_density, area, thickness, m_a, g, Re_drag, nu, length, v(0), x(0)"));
 }
 
 TEST_CASE("a name is fixed or free, and free once") {
@@ -158,5 +163,46 @@ TEST_CASE("what no single parameter shows is refused too: shares above one, iner
     std::map<std::string, double> indefinite = box;
     indefinite[entry] = 100.0;
     CHECK_THROWS_WITH(ParametricModel(body, indefinite, {}).check({}), Catch::Contains("positive definite"));
+  }
+}
+
+TEST_CASE("derivatives by the free coordinates are those by all parameters, derived defaults included") {
+  // "a" moves mass, inertia and added mass; "C_T" nothing but itself; more directions than one pass carries.
+  const ParametricModel card = falling_card({"a", "ux(0)", "C_T", "density", "fluid_density", "b"});
+  std::map<std::string, double> fixed = card_values();
+  for (const FreeCoordinate& coordinate : card.free()) fixed.erase(coordinate.name);
+  std::vector<std::string> names;
+  for (const FreeCoordinate& coordinate : card.free()) names.push_back(coordinate.name);
+  // The same without the derivatives in parts.
+  const ParametricModel plain(std::make_shared<PlainModel>(card.shared_model()), fixed, names);
+  ParametricModel::Workspace workspace = card.make_workspace(), plain_workspace = plain.make_workspace();
+  RhsDerivatives derivatives, plain_derivatives;
+  std::vector<double> x(13), f(13), plain_f(13);
+  for (const std::vector<double>& q :
+       {std::vector{0.035, 0.05, 1.8, 1200.0, 1.2, 0.02}, std::vector{0.045, 0.07, 1.2, 900.0, 1.1, 0.03}}) {
+    card.initial(q, x);
+    card.rhs_with_derivatives(0.0, x, q, f, derivatives, workspace);
+    plain.rhs_with_derivatives(0.0, x, q, plain_f, plain_derivatives, plain_workspace);
+    CHECK(f == plain_f);
+    CHECK(derivatives.df_dx == plain_derivatives.df_dx);
+    for (Eigen::Index j = 0; j < 6; ++j) {
+      const Eigen::VectorXd column = derivatives.df_dq.col(j);
+      const Eigen::VectorXd expected = plain_derivatives.df_dq.col(j);
+      INFO(names[static_cast<std::size_t>(j)]);
+      CHECK((column - expected).norm() <= 1e-13 * expected.norm());
+    }
+    CHECK(derivatives.df_dq.col(1).isZero());
+    CHECK(!derivatives.df_dq.col(0).isZero());
+    // Forces grow with the fluid's density and the mass does not: a slope of the whole, by differences.
+    const double h = 1e-6 * q[4];
+    std::vector<double> above = q, below = q, f_above(13), f_below(13);
+    above[4] += h;
+    below[4] -= h;
+    card.rhs(0.0, x, above, f_above, workspace);
+    card.rhs(0.0, x, below, f_below, workspace);
+    for (std::size_t i = 7; i < 13; ++i) {
+      const double slope = (f_above[i] - f_below[i]) / (2.0 * h);
+      CHECK(derivatives.df_dq(static_cast<Eigen::Index>(i), 4) == Approx(slope).epsilon(1e-6).margin(1e-6));
+    }
   }
 }

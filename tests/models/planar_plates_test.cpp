@@ -108,7 +108,7 @@ TEST_CASE("the dimensionless plate runs through the reference states of the mode
 TEST_CASE("the reference plate starts and stands where the model sheet puts it") {
   const auto model = find_model("falling_plate_nd");
   const std::vector<double> p = model->completed(all_default(*model));
-  const std::vector<double> expected = {1.1, 1.0 / 14.0, 1.2, kPi, 1.4, 1.0, 0.2, 0.2, 1e-6};
+  const std::vector<double> expected = {1.1, 1.0 / 14.0, 1.2, kPi, 1.4, 1.0, 0.2, 0.2, 1e-6, 0.0, 0.0, 1e3};
   CHECK(p == expected);
   const std::array<double, 6> start = {1e-3, 1e-3, 0.0, 0.4, 0.0, 0.0};
   for (std::size_t i = 0; i < 6; ++i) CHECK(model->info().states[i].default_initial == start[i]);

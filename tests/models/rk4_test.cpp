@@ -113,9 +113,9 @@ TEST_CASE("fixed steps stop where more than allowed would be needed") {
 
 TEST_CASE("the fixed-step integrator refuses steps, points and times without meaning") {
   CHECK_THROWS_WITH(Rk4Integrator(hyperbola(), {.step = 0.0}),
-                    "step is 0; a positive finite time was expected");
+                    "step is 0; a positive finite number was expected");
   CHECK_THROWS_WITH(Rk4Integrator(hyperbola(), {.step = std::nan("")}),
-                    "step is nan; a positive finite time was expected");
+                    "step is nan; a positive finite number was expected");
   CHECK_THROWS_WITH(Rk4Integrator(hyperbola(), {.max_steps = 0}), "max_steps is 0; 1 or more was expected");
   CHECK_THROWS_AS(integrate_rk4(hyperbola(), std::array{1.0}, std::array{1.0}), samara::ArgumentError);
   CHECK_THROWS_AS(integrate_rk4(hyperbola(), {}, std::array{-1.0}), samara::ArgumentError);

@@ -198,6 +198,29 @@ TEST_CASE("an added mass that is not finite has a status that says so") {
   CHECK_THAT(beyond.message, Catch::StartsWith("the added mass is not finite"));
 }
 
+TEST_CASE("the panel solver reports its progress, and may be cancelled in each of its stages") {
+  const TriangleMesh mesh = icosahedral_ellipsoid_mesh({2.0, 1.0, 0.5}, 8);
+  std::vector<std::string> stages;
+  PanelOptions options;
+  options.progress = [&](const samara::Progress& progress) {
+    CHECK(progress.fraction >= 0.0);
+    CHECK(progress.fraction <= 1.0);
+    if (stages.empty() || stages.back() != progress.stage) stages.push_back(progress.stage);
+    return true;
+  };
+  const PanelAddedMass whole = panel_added_mass(mesh, 1.0, Eigen::Vector3d::Zero(), options);
+  CHECK(whole.is_usable());
+  CHECK(stages == std::vector<std::string>{"assembling", "iterating"});
+  CHECK(whole.matrix == panel_added_mass(mesh, 1.0).matrix);
+  for (const std::string& stage : stages) {
+    options.progress = [&](const samara::Progress& progress) { return progress.stage != stage; };
+    const PanelAddedMass K = panel_added_mass(mesh, 1.0, Eigen::Vector3d::Zero(), options);
+    CHECK(K.status == PanelStatus::cancelled);
+    CHECK(K.message == "cancelled while " + stage + " " + std::to_string(K.unknowns) + " unknowns");
+    CHECK(K.matrix.isZero());
+  }
+}
+
 TEST_CASE("a corner of no triangle does not enter the equations of the panels") {
   TriangleMesh box = box_mesh({1.0, 1.0, 1.0}, 2, 2);
   box.vertices.conservativeResize(3, box.vertices.cols() + 1);
