@@ -121,10 +121,11 @@ Chain::Impl::Impl(const Codebook& codebook) : book(codebook), query(codebook) {
     parameters.push_back(c);
     parameter_places.push_back(static_cast<int>(k));
   }
-  window = book.coordinates().front().upper;
-  if (book.coordinates().front().lower != 0.0) {
-    throw ArgumentError(fmt::format("a chain needs a codebook from t = 0 on; this one begins at {}",
-                                    book.coordinates().front().lower));
+  const Coordinate& time = book.time("a chain");
+  window = time.upper;
+  if (time.lower != 0.0) {
+    throw ArgumentError(
+        fmt::format("a chain needs a codebook from t = 0 on; this one begins at {}", time.lower));
   }
   const std::vector<double> f = rate(model, middle, 0.0, 0, 0.0);
   if (!nearly_equal(f, rate(model, middle, 0.37 * window, 0, 0.0))) {
