@@ -99,7 +99,7 @@ Eigen::MatrixXd OffGridCheck::suspicious_points(int count, const TrainField& lat
 }
 
 void OffGridCheck::call(const Eigen::MatrixXd& points) {
-  const Eigen::MatrixXd values = function_(points);
+  const Eigen::MatrixXd values = function_.recalled(points);
   for (Eigen::Index j = points.cols() / 2; j < points.cols(); ++j) uniform_.push_back(points_.cols() + j);
   for (Eigen::Index j = 0; j < points.cols(); ++j) called_.insert(bytes_of(points.col(j)));
   append_columns(points_, points);

