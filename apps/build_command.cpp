@@ -18,7 +18,7 @@ int run(const BuildArguments& arguments) {
   check_output(arguments.output, {arguments.plan});
   { const io::PendingFile probe(arguments.output); }
   const codebooks::Plan plan = codebooks::read_plan(arguments.plan);
-  warn_of_units(*models::find_model(plan.model), plan.fixed);
+  if (!plan.command) warn_of_units(*models::find_model(plan.model), plan.fixed);
   codebooks::BuildOptions options;
   options.checkpoint = arguments.output + ".checkpoint";
   options.keep_checkpoint = true;
@@ -27,12 +27,15 @@ int run(const BuildArguments& arguments) {
   options.warning = [](const std::string& sentence) { warn(sentence); };
   const codebooks::BuildResult result = codebooks::build(plan, options);
   codebooks::save(result.book, arguments.output);
-  std::error_code ignored;
-  std::filesystem::remove(options.checkpoint, ignored);
+  if (!result.resumable) {
+    std::error_code ignored;
+    std::filesystem::remove(options.checkpoint, ignored);
+  }
   const codebooks::BuildRecord& record = result.book.build();
   const std::string counts =
       record.builder == "sampling"
-          ? fmt::format("{:.6g} trajectories", record.evaluations)
+          ? fmt::format("{:.6g} {}", record.evaluations,
+                        result.book.is_of_command() ? "calls" : "trajectories")
           : fmt::format("{} Newton iterations, {:.3g} evaluations", record.iterations, record.evaluations);
   narrate(fmt::format("built {} by {} in {:.1f} s: {} rounds, {}, grid of {:.3g} nodes", arguments.output,
                       record.builder, result.book.provenance().build_seconds, record.rounds, counts,
@@ -40,6 +43,10 @@ int run(const BuildArguments& arguments) {
   print(to_table(*result.book.certificate(), result.book));
   if (result.met) return kDone;
   warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
+  if (result.resumable) {
+    warn(fmt::format("the calls that were answered are kept in {}: --resume goes on from there",
+                     options.checkpoint.string()));
+  }
   return kToleranceMissed;
 }
 

@@ -108,8 +108,10 @@ Json to_json(const Codebook& book, const std::string& path) {
   return object;
 }
 
-const char* what_was_counted(const codebooks::BuildRecord& build) {
-  return build.builder == "sampling" ? "trajectories" : "evaluations of the right-hand side and its Jacobian";
+const char* what_was_counted(const Codebook& book) {
+  if (book.is_of_command()) return "calls";
+  return book.build().builder == "sampling" ? "trajectories"
+                                            : "evaluations of the right-hand side and its Jacobian";
 }
 
 std::string describe(const Codebook& book, const std::string& path) {
@@ -142,7 +144,7 @@ std::string describe(const Codebook& book, const std::string& path) {
                       std::filesystem::file_size(path), numbers.stored, numbers.table);
   const codebooks::BuildRecord& build = book.build();
   text += fmt::format("build: {} ({}), {}: {}\n  {:.6g} {}, grid of {:.3g} nodes\n", build.builder,
-                      build.strategy, build.status, build.message, build.evaluations, what_was_counted(build),
+                      build.strategy, build.status, build.message, build.evaluations, what_was_counted(book),
                       build.grid_size);
   text += book.certificate() ? to_table(*book.certificate(), book) : std::string("no certificate\n");
   text += fmt::format("made by {} on {} in {:.1f} s\n", book.provenance().generator,

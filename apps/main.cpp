@@ -25,6 +25,9 @@ int guarded(int argc, const char* const* argv) {
   } catch (const OutsideBoxError& error) {
     complain(error.what());
     return kOutsideBox;
+  } catch (const NoResultError& error) {
+    complain(error.what());
+    return kToleranceMissed;
   } catch (const InputError& error) {
     complain(error.what());
     return kBadInput;

@@ -91,14 +91,17 @@ std::string shown(double value, const char* format, const std::string& suffix = 
 
 std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook& book) {
   std::string text =
-      fmt::format("certificate: {}, largest error {} (asked for {:.3g}) at {} points x {} times\n",
-                  c.met ? "met" : "MISSED", shown(c.max_error, "{:.3g}"), c.tolerance, c.points, c.times);
+      fmt::format("certificate: {}, largest error {} (asked for {:.3g}) at {} points{}\n",
+                  c.met ? "met" : "MISSED", shown(c.max_error, "{:.3g}"), c.tolerance, c.points,
+                  book.has_time() ? fmt::format(" x {} times", c.times) : std::string());
   if (c.failed_points > 0) {
-    text += fmt::format("  {} points could not be integrated{}{}\n", c.failed_points,
+    text += fmt::format("  {} points {}{}{}\n", c.failed_points,
+                        book.is_of_command() ? "have no answer" : "could not be integrated",
                         c.failure.empty() ? "" : ", the first with: ", c.failure);
   }
-  text += fmt::format("  against {}, relative tolerance {:.0e}; seed {}\n", c.integrator,
-                      c.integrator_tolerance, c.seed);
+  text += book.is_of_command() ? fmt::format("  against {}; seed {}\n", c.integrator, c.seed)
+                               : fmt::format("  against {}, relative tolerance {:.0e}; seed {}\n",
+                                             c.integrator, c.integrator_tolerance, c.seed);
   text += fmt::format("  {:<10} {:>10} {:>10} {:>10} {:>10} {:>14}  {}\n", "output", "max", "95 %", "mean",
                       "rms", "max in SI", "worst at");
   for (const codebooks::OutputError& o : c.outputs) {

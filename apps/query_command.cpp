@@ -20,8 +20,10 @@ using codebooks::Codebook;
 /// Why the certificate of a codebook is not met.
 std::string miss_of(const Codebook& book) {
   const codebooks::Certificate& c = *book.certificate();
-  if (c.failed_points > 0)
-    return fmt::format("{} of {} integrations of its certificate failed", c.failed_points, c.points);
+  if (c.failed_points > 0) {
+    return fmt::format("{} of {} {} of its certificate failed", c.failed_points, c.points,
+                       book.is_of_command() ? "points" : "integrations");
+  }
   if (c.max_error > c.tolerance)
     return fmt::format("largest error {:.3g} > {:.3g} ({})", c.max_error, c.tolerance, book.build().message);
   if (book.build().status == "converged") return "its certificate is marked so";
@@ -35,7 +37,7 @@ struct Points {
 };
 
 std::vector<double> times_of(const Codebook& book, const std::vector<std::string>& at) {
-  const codebooks::Coordinate& time = book.coordinates().front();
+  const codebooks::Coordinate& time = book.time("--at");
   std::vector<double> times;
   for (const std::string& text : at) times.push_back(number_or_quantity("--at", text, time.unit));
   if (times.empty()) {
@@ -47,14 +49,16 @@ std::vector<double> times_of(const Codebook& book, const std::vector<std::string
 
 Points points_of(const Codebook& book, const QueryArguments& arguments) {
   std::map<std::string, std::string> units;
-  for (std::size_t k = 1; k < book.coordinates().size(); ++k)
-    units[book.coordinates()[k].name] = book.coordinates()[k].unit;
+  for (const codebooks::Coordinate& c : book.parameters()) units[c.name] = c.unit;
   const std::map<std::string, double> values = parse_assignments(arguments.set, units);
-  const std::vector<double> times = times_of(book, arguments.at);
   Points points;
-  points.x.resize(static_cast<Eigen::Index>(times.size()), book.coordinate_count());
-  points.x.col(0) = Eigen::Map<const Eigen::VectorXd>(times.data(), points.x.rows());
-  for (int k = 1; k < book.coordinate_count(); ++k) {
+  points.x.resize(1, book.coordinate_count());
+  if (book.has_time() || !arguments.at.empty()) {
+    const std::vector<double> times = times_of(book, arguments.at);
+    points.x.resize(static_cast<Eigen::Index>(times.size()), book.coordinate_count());
+    points.x.col(0) = Eigen::Map<const Eigen::VectorXd>(times.data(), points.x.rows());
+  }
+  for (int k = book.has_time() ? 1 : 0; k < book.coordinate_count(); ++k) {
     const codebooks::Coordinate& c = book.coordinates()[static_cast<std::size_t>(k)];
     const auto value = values.find(c.name);
     if (value == values.end()) {
@@ -120,8 +124,8 @@ Json to_json(const Codebook& book, const Points& points, const Eigen::MatrixXd& 
                  {"coordinates", Json::object()},
                  {"outputs", Json::array()},
                  {"clamped", points.clamped}};
-  object["coordinates"][book.coordinates()[0].name] = list(points.x.col(0));
-  for (int k = 1; k < book.coordinate_count(); ++k) {
+  if (book.has_time()) object["coordinates"][book.coordinates()[0].name] = list(points.x.col(0));
+  for (int k = book.has_time() ? 1 : 0; k < book.coordinate_count(); ++k) {
     object["coordinates"][book.coordinates()[static_cast<std::size_t>(k)].name] = points.x(0, k);
   }
   Eigen::Index column = book.output_count();

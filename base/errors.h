@@ -37,4 +37,11 @@ class OutsideBoxError : public Error {
   using Error::Error;
 };
 
+/// Work ended before there was any result to give: the sentence says why. (Where there is one, its status
+/// says so instead.)
+class NoResultError : public Error {
+ public:
+  using Error::Error;
+};
+
 }  // namespace samara

@@ -9,11 +9,14 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include "samara/base/errors.h"
 #include "samara/base/version.h"
+#include "samara/codebooks/call_memory.h"
 #include "samara/codebooks/certify.h"
+#include "samara/codebooks/certify_calls.h"
 #include "samara/codebooks/pgd_builder.h"
 #include "samara/codebooks/sampling_builder.h"
 
@@ -38,6 +41,21 @@ ModelDescription describe(const models::ParametricModel& model) {
   return description;
 }
 
+/// Of a command: its call stands for the equations.
+ModelDescription describe(const Plan& plan) {
+  ModelDescription description;
+  description.name = kCommandModel;
+  description.title = "what a program answers";
+  description.equations = fmt::format("{}", fmt::join(plan.command->run, " "));
+  description.frames = "those of the program";
+  description.source = "the plan";
+  description.fixed = plan.fixed;
+  for (const CommandQuantity& input : plan.command->inputs) {
+    if (plan.fixed.contains(input.name)) description.fixed_units[input.name] = input.unit;
+  }
+  return description;
+}
+
 Provenance provenance_of(const Plan& plan, double seconds) {
   std::array<char, 256> host{};
   gethostname(host.data(), host.size() - 1);
@@ -45,7 +63,8 @@ Provenance provenance_of(const Plan& plan, double seconds) {
           fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))), host.data(), seconds};
 }
 
-std::string sentence(const BuildRecord& record, const Certificate& certificate, bool cancelled) {
+std::string sentence(const BuildRecord& record, const Certificate& certificate, bool of_command,
+                     bool cancelled) {
   if (cancelled) {
     return fmt::format("the build was cancelled; its certificate covers {} of {} points",
                        certificate.points - certificate.failed_points, certificate.points);
@@ -55,8 +74,8 @@ std::string sentence(const BuildRecord& record, const Certificate& certificate, 
                        certificate.tolerance, certificate.points);
   }
   if (certificate.failed_points > 0) {
-    return fmt::format("the certificate is incomplete: {} of {} integrations failed{}{}",
-                       certificate.failed_points, certificate.points,
+    return fmt::format("the certificate is incomplete: {} of {} {}{}{}", certificate.failed_points,
+                       certificate.points, of_command ? "points have no answer" : "integrations failed",
                        certificate.failure.empty() ? "" : ", the first with: ", certificate.failure);
   }
   const std::string error = fmt::format("largest error {:.3g} at {} points, tolerance {:.3g}",
@@ -65,10 +84,6 @@ std::string sentence(const BuildRecord& record, const Certificate& certificate, 
     return fmt::format("the build missed its tolerance: {}; {}", record.message, error);
   return fmt::format("the build missed its tolerance: {}", error);
 }
-
-}  // namespace
-
-namespace {
 
 /// Whether the plan says how an axis is to be discretised, which sampling does by itself.
 bool prescribes_axes(const Plan& plan) {
@@ -87,6 +102,30 @@ Solution chosen(Solution solution, const std::string& reason) {
   return solution;
 }
 
+/// The calls of a build by sampling, with those of its checkpoint if it is resumed. A disk that is full must
+/// not end a build that needs no disk: it is told once.
+CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& options) {
+  std::vector<CallSheet> known;
+  if (options.resume && std::filesystem::exists(options.checkpoint))
+    known = load_calls(options.checkpoint, plan.text);
+  CallMemory::Save save;
+  if (!options.checkpoint.empty()) {
+    save = [&plan, &options, warned = false](const std::vector<CallSheet>& calls) mutable {
+      try {
+        save_calls(options.checkpoint, plan.text, calls, plan.box.size());
+      } catch (const ArgumentError& error) {
+        if (!warned && options.warning) options.warning(fmt::format("no checkpoint: {}", error.what()));
+        warned = true;
+      }
+    };
+  }
+  try {
+    return CallMemory(std::move(source), std::move(known), std::move(save));
+  } catch (const ArgumentError& error) {
+    throw InputError(options.checkpoint.string(), error.what());
+  }
+}
+
 /// Kind "auto": sampling, whose cost is known before it is spent, has the first trial, the PGD engine the
 /// second. Both are counted, not timed, so that the choice is the same everywhere.
 Solution solve_by_trial(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
@@ -95,7 +134,8 @@ Solution solve_by_trial(const Plan& plan, const models::ParametricModel& model, 
     return chosen(solve_by_pgd(plan, model, options, plan.builder.max_calls, progress),
                   "the plan prescribes an axis, and sampling chooses its own");
   }
-  Solution first = solve_by_sampling(plan, model, at_most(plan, kTrialTrajectories), progress);
+  CallMemory calls = calls_of(plan, model_source(plan, model), options);
+  Solution first = solve_by_sampling(plan, calls, at_most(plan, kTrialTrajectories), progress);
   const std::string& status = first.record.status;
   if (status == "converged")
     return chosen(std::move(first),
@@ -107,55 +147,99 @@ Solution solve_by_trial(const Plan& plan, const models::ParametricModel& model, 
   if (second.record.status == "converged") return chosen(std::move(second), failed);
   const std::string neither = "neither builder converged in its trial, and the calls of sampling are bounded";
   if (cancelled || status != "max_calls") return chosen(std::move(first), neither);
-  return chosen(solve_by_sampling(plan, model, at_most(plan, kMostTrajectories), progress), neither);
+  return chosen(solve_by_sampling(plan, calls, at_most(plan, kMostSampledCalls), progress), neither);
 }
 
 Solution solve(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
                const ProgressCallback& progress, const bool& cancelled) {
   if (plan.builder.kind == "pgd") return solve_by_pgd(plan, model, options, plan.builder.max_calls, progress);
   if (plan.builder.kind == "auto") return solve_by_trial(plan, model, options, progress, cancelled);
-  if (options.resume && std::filesystem::exists(options.checkpoint)) {
-    throw ArgumentError(fmt::format(
-        "{}: a build by sampling keeps no checkpoint, so it cannot be resumed; remove the file or "
-        "build without --resume",
-        options.checkpoint.string()));
-  }
-  return solve_by_sampling(plan, model, at_most(plan, kMostTrajectories), progress);
+  CallMemory calls = calls_of(plan, model_source(plan, model), options);
+  return solve_by_sampling(plan, calls, at_most(plan, kMostSampledCalls), progress);
+}
+
+CertifyOptions certify_options(const Plan& plan, const BuildOptions& options,
+                               const ProgressCallback& progress) {
+  CertifyOptions result;
+  result.points = plan.command ? plan.command->certificate_points : options.certificate_points;
+  result.seed = options.certificate_seed;
+  result.tolerance = plan.relative;
+  result.absolute = plan.absolute;
+  result.threads = plan.builder.threads;
+  result.progress = progress;
+  return result;
+}
+
+/// A codebook that waits for its certificate.
+struct Uncertified {
+  Codebook book;
+  double residual = 0.0;
+  ErrorBudget spent;
+};
+
+Uncertified book_of(const Plan& plan, ModelDescription model, Solution solution, Clock::time_point begin) {
+  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  return {Codebook(std::move(model), std::move(solution.pieces), std::move(solution.record),
+                   provenance_of(plan, seconds), {}, plan.title),
+          solution.residual, solution.spent};
+}
+
+BuildResult finished(const Uncertified& built, Certificate certificate, bool cancelled) {
+  const BuildRecord& record = built.book.build();
+  certificate.met = certificate.met && record.status == "converged";
+  certificate.residual = built.residual;
+  certificate.spent = built.spent;
+  const bool met = certificate.met;
+  const bool of_command = built.book.is_of_command();
+  std::string message = sentence(record, certificate, of_command, cancelled);
+  const bool has_failed = of_command && (record.status == "failed" || certificate.failed_points > 0);
+  return {built.book.with_certificate(std::move(certificate)), met, std::move(message),
+          cancelled || has_failed};
+}
+
+BuildResult build_of_model(const Plan& plan, const BuildOptions& options, const ProgressCallback& progress,
+                           const bool& cancelled) {
+  const Clock::time_point begin = Clock::now();
+  const models::ParametricModel model = plan.parametric_model();
+  const Uncertified built =
+      book_of(plan, describe(model), solve(plan, model, options, progress, cancelled), begin);
+  Certificate certificate = certify(built.book, model, certify_options(plan, options, progress));
+  return finished(built, std::move(certificate), cancelled);
+}
+
+/// A command that has failed is not called again for the certificate.
+BuildResult build_of_command(const Plan& plan, const BuildOptions& options, const ProgressCallback& progress,
+                             const bool& cancelled) {
+  const Clock::time_point begin = Clock::now();
+  CallMemory calls = calls_of(plan, command_source(plan), options);
+  const Uncertified built =
+      book_of(plan, describe(plan),
+              solve_by_sampling(plan, calls, at_most(plan, kMostSampledCalls), progress), begin);
+  const BuildRecord& record = built.book.build();
+  CertifyOptions certify_by = certify_options(plan, options, progress);
+  if (record.status == "failed") certify_by.progress = [](const Progress&) { return false; };
+  Certificate certificate = certify(built.book, calls, certify_by);
+  calls.save();
+  if (record.status == "failed") certificate.failure = record.message;
+  return finished(built, std::move(certificate), cancelled);
 }
 
 }  // namespace
 
 BuildResult build(const Plan& plan, const BuildOptions& options) {
-  const Clock::time_point begin = Clock::now();
-  const models::ParametricModel model = plan.parametric_model();
   // Once cancelled, always cancelled: neither solver nor certificate ask again.
   bool cancelled = false;
   ProgressCallback progress;
   if (options.progress) {
     progress = [&](const Progress& report) { return !(cancelled = cancelled || !options.progress(report)); };
   }
-  Solution solution = solve(plan, model, options, progress, cancelled);
-  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-  Codebook book(describe(model), std::move(solution.pieces), solution.record, provenance_of(plan, seconds),
-                {}, plan.title);
-  CertifyOptions certify_options;
-  certify_options.points = options.certificate_points;
-  certify_options.seed = options.certificate_seed;
-  certify_options.tolerance = plan.relative;
-  certify_options.absolute = plan.absolute;
-  certify_options.threads = plan.builder.threads;
-  certify_options.progress = progress;
-  Certificate certificate = certify(book, model, certify_options);
-  certificate.met = certificate.met && solution.record.status == "converged";
-  certificate.residual = solution.residual;
-  certificate.spent = solution.spent;
-  const bool met = certificate.met;
-  std::string message = sentence(solution.record, certificate, cancelled);
-  if (!options.checkpoint.empty() && !options.keep_checkpoint && !cancelled) {
+  BuildResult result = plan.command ? build_of_command(plan, options, progress, cancelled)
+                                    : build_of_model(plan, options, progress, cancelled);
+  if (!options.checkpoint.empty() && !options.keep_checkpoint && !result.resumable) {
     std::error_code ignored;
     std::filesystem::remove(options.checkpoint, ignored);
   }
-  return {book.with_certificate(std::move(certificate)), met, std::move(message)};
+  return result;
 }
 
 }  // namespace samara::codebooks

@@ -11,7 +11,8 @@
 #include "samara/codebooks/plan.h"
 
 /// Builds the codebook of a plan, by the PGD engine, which integrates no trajectory, or by sampling
-/// trajectories, and then certifies it against one integrator on points that the builder did not see.
+/// trajectories, and then certifies it against one integrator on points that the builder did not see. A
+/// command is sampled, and certified against itself.
 ///
 /// Usage:
 ///   const BuildResult result = build(read_plan("coin.toml"));
@@ -20,16 +21,16 @@
 namespace samara::codebooks {
 
 struct BuildOptions {
-  int certificate_points = 2000;
+  int certificate_points = 2000;  ///< of models; a plan of a command has its own
   std::uint64_t certificate_seed = 2026;
-  /// Where to keep the solver's state between rounds; empty: nowhere. The file is removed when the build is
-  /// done; a build that was cancelled leaves it.
+  /// Where to keep the engine's state between rounds and the calls of sampling; empty: nowhere. The file is
+  /// removed when the build is done; one that was cancelled leaves it, and one whose command failed.
   std::filesystem::path checkpoint = {};
   /// Leave the checkpoint of a build that is done, too: for a caller that removes it when the codebook is
   /// saved.
   bool keep_checkpoint = false;
   /// Go on from the checkpoint if there is one. The result equals that of an undisturbed build except its
-  /// provenance. Sampling keeps none.
+  /// provenance; calls that it holds are not made again.
   bool resume = false;
   ProgressCallback progress = {};
   /// Told in one sentence, once, what went wrong beside the build: a checkpoint that cannot be written.
@@ -40,10 +41,13 @@ struct BuildResult {
   Codebook book;        ///< always valid, marked by its certificate if it missed the tolerance
   bool met = false;     ///< the certificate's word
   std::string message;  ///< one sentence with the numbers
+  /// Whether another build may go on where this one was stopped, by the caller or by a command that failed.
+  bool resumable = false;
 };
 
-/// @throws ArgumentError as Plan::parametric_model(); and for a checkpoint beside a plan of sampling
-/// that is to be resumed; InputError for a checkpoint that is broken or of another plan.
+/// @throws ArgumentError as Plan::parametric_model(); InputError for a checkpoint that is broken or of
+/// another plan; NoResultError if a command fails, or may not be called often enough, before there is any
+/// result.
 BuildResult build(const Plan& plan, const BuildOptions& options = {});
 
 }  // namespace samara::codebooks

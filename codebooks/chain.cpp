@@ -75,7 +75,7 @@ struct Chain::Impl {
   Eigen::MatrixXd gradient;
 
   explicit Impl(const Codebook& codebook);
-  Carried carry(const models::ModelInfo& info, std::size_t state, bool no_notice_of_turns) const;
+  Carried carry(const models::ModelInfo& info, std::size_t state, bool is_angle) const;
   void check(std::span<const double> start, std::span<const double> q, std::span<const double> times) const;
   /// Loads the start of a window. @returns the state that is outside the box, if one is
   std::optional<std::size_t> load(const Eigen::VectorXd& x, std::vector<double>& shift);
@@ -86,7 +86,7 @@ struct Chain::Impl {
            ChainResult& result);
 };
 
-Carried Chain::Impl::carry(const models::ModelInfo& info, std::size_t state, bool no_notice_of_turns) const {
+Carried Chain::Impl::carry(const models::ModelInfo& info, std::size_t state, bool is_angle) const {
   const std::string& name = info.states[state].name;
   Carried result;
   const std::optional<int> output = find_name(book.outputs(), name);
@@ -97,8 +97,7 @@ Carried Chain::Impl::carry(const models::ModelInfo& info, std::size_t state, boo
     const Coordinate& axis = book.coordinates()[static_cast<std::size_t>(*result.coordinate)];
     result.lower = axis.lower;
     result.upper = axis.upper;
-    result.wraps =
-        no_notice_of_turns && axis.unit == "rad" && axis.upper - axis.lower >= kTurn * (1.0 - 1e-9);
+    result.wraps = is_angle && axis.upper - axis.lower >= kTurn * (1.0 - 1e-9);
     return result;
   }
   if (std::ranges::count(info.symmetries, "translation of " + name) == 0) {
@@ -121,10 +120,11 @@ Chain::Impl::Impl(const Codebook& codebook) : book(codebook), query(codebook) {
     parameters.push_back(c);
     parameter_places.push_back(static_cast<int>(k));
   }
-  window = book.coordinates().front().upper;
-  if (book.coordinates().front().lower != 0.0) {
-    throw ArgumentError(fmt::format("a chain needs a codebook from t = 0 on; this one begins at {}",
-                                    book.coordinates().front().lower));
+  const Coordinate& time = book.time("a chain");
+  window = time.upper;
+  if (time.lower != 0.0) {
+    throw ArgumentError(
+        fmt::format("a chain needs a codebook from t = 0 on; this one begins at {}", time.lower));
   }
   const std::vector<double> f = rate(model, middle, 0.0, 0, 0.0);
   if (!nearly_equal(f, rate(model, middle, 0.37 * window, 0, 0.0))) {
@@ -133,7 +133,9 @@ Chain::Impl::Impl(const Codebook& codebook) : book(codebook), query(codebook) {
   for (std::size_t i = 0; i < info.states.size(); ++i) {
     states.push_back(info.states[i].name);
     units.push_back(info.states[i].unit);
-    carried.push_back(carry(info, i, nearly_equal(f, rate(model, middle, 0.0, i, kTurn))));
+    // The unit does not tell: of dimensionless models it is 1.
+    const auto notices = [&](double turn) { return !nearly_equal(f, rate(model, middle, 0.0, i, turn)); };
+    carried.push_back(carry(info, i, notices(1.0) && !notices(kTurn)));
   }
   point.resize(book.coordinates().size());
   values.resize(book.output_count());

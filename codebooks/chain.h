@@ -18,7 +18,7 @@
 ///
 /// Needed: a model that is autonomous, and for every state s either an axis "s(0)" beside the output s, or
 /// the symmetry "translation of s": its displacement over a window does not depend on where it starts. Angles
-/// (unit rad) whose axis is a full turn wide, of a model that does not notice full turns, are wrapped.
+/// (of which the model notices turns, but no full ones) are wrapped where their axis is a full turn wide.
 ///
 ///   Chain chain(book);
 ///   const ChainResult fall = chain.run(start, parameters, times);

@@ -1,7 +1,9 @@
 #include "samara/codebooks/checkpoint.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -14,7 +16,7 @@ namespace samara::codebooks {
 
 namespace {
 constexpr const char* kFormat = "samara-checkpoint";
-constexpr std::int64_t kVersion = 1;
+constexpr std::int64_t kVersion = 2;
 
 /// Checkpoints go on to the last bit, which only the program that wrote them does.
 std::string generator() {
@@ -86,34 +88,17 @@ std::vector<double> read_scales(const io::Hdf5Reader& file) {
   return scales;
 }
 
-}  // namespace
-
-void save_checkpoint(const std::filesystem::path& path, const std::string& plan,
-                     const pgd::SolverState& state) {
-  io::Hdf5Writer file(path);
-  file.write_text_attribute("/", "format", kFormat);
-  file.write_integer_attribute("/", "format_version", kVersion);
-  file.write_text_attribute("/", "generator", generator());
-  file.write_texts("/plan", {plan});
-  file.write_integer_attribute("/", "round", state.round);
-  file.write_integer_attribute("/", "time_elements", state.time_elements);
-  const std::vector<double> nodes(state.nodes.begin(), state.nodes.end());
-  file.write_numbers_attribute("/", "nodes", nodes);
-  file.write_numbers_attribute("/", "scales", state.scales);
-  file.write_number_attribute("/", "coarseness", state.coarseness);
-  file.write_integer_attribute("/", "rhs_evaluations", state.rhs_evaluations);
-  file.write_integer_attribute("/", "jacobian_evaluations", state.jacobian_evaluations);
-  file.write_integer_attribute("/", "iterations", state.iterations);
-  if (state.field) write_piece(file, "/piece", Piece{{*state.field}});
-  file.commit();
+void check_belongs(const io::Hdf5Reader& file, const std::string& plan) {
+  check_format(file);
+  if (file.texts("/plan") == std::vector<std::string>{plan}) return;
+  throw file.error("/plan", "the checkpoint belongs to another plan; remove it or build without --resume");
 }
 
-pgd::SolverState load_checkpoint(const std::filesystem::path& path, const std::string& plan) {
-  const io::Hdf5Reader file(path);
-  check_format(file);
-  if (file.texts("/plan") != std::vector<std::string>{plan}) {
-    throw file.error("/plan", "the checkpoint belongs to another plan; remove it or build without --resume");
-  }
+bool has_state(const io::Hdf5Reader& file) {
+  return file.has_attribute("/", "round") || !file.has("/calls");
+}
+
+pgd::SolverState read_state(const io::Hdf5Reader& file) {
   pgd::SolverState state;
   constexpr std::int64_t kMost = 1'000'000;  // rounds, elements, iterations: more than any build does
   constexpr std::int64_t kMostEvaluations = 1'000'000'000'000'000;
@@ -130,6 +115,121 @@ pgd::SolverState load_checkpoint(const std::filesystem::path& path, const std::s
   if (file.has("/piece")) state.field = read_field(file);
   check_field(file, state);
   return state;
+}
+
+void write_state(io::Hdf5Writer& file, const pgd::SolverState& state) {
+  file.write_integer_attribute("/", "round", state.round);
+  file.write_integer_attribute("/", "time_elements", state.time_elements);
+  const std::vector<double> nodes(state.nodes.begin(), state.nodes.end());
+  file.write_numbers_attribute("/", "nodes", nodes);
+  file.write_numbers_attribute("/", "scales", state.scales);
+  file.write_number_attribute("/", "coarseness", state.coarseness);
+  file.write_integer_attribute("/", "rhs_evaluations", state.rhs_evaluations);
+  file.write_integer_attribute("/", "jacobian_evaluations", state.jacobian_evaluations);
+  file.write_integer_attribute("/", "iterations", state.iterations);
+  if (state.field) write_piece(file, "/piece", Piece{{*state.field}});
+}
+
+/// Calls as the file holds them: a row per call.
+struct CallTable {
+  Eigen::VectorXd times;
+  Eigen::MatrixXd points, values;
+};
+
+CallSheet sheet_of(const CallTable& table) {
+  const Eigen::MatrixXd points = table.points.transpose(), values = table.values.transpose();
+  return {{table.times.begin(), table.times.end()},
+          {points.data(), points.data() + points.size()},
+          {values.data(), values.data() + values.size()}};
+}
+
+CallTable table_of(const CallSheet& sheet, std::size_t coordinates) {
+  const auto calls = static_cast<Eigen::Index>(sheet.points.size() / coordinates);
+  const auto times = static_cast<Eigen::Index>(sheet.times.size());
+  const auto rows = static_cast<Eigen::Index>(sheet.values.size()) / std::max<Eigen::Index>(1, calls);
+  using Columns = Eigen::Map<const Eigen::MatrixXd>;
+  return {Eigen::Map<const Eigen::VectorXd>(sheet.times.data(), times),
+          Columns(sheet.points.data(), static_cast<Eigen::Index>(coordinates), calls).transpose(),
+          Columns(sheet.values.data(), rows, calls).transpose()};
+}
+
+std::vector<CallTable> read_calls(const io::Hdf5Reader& file) {
+  std::vector<CallTable> tables;
+  if (!file.has("/calls")) return tables;
+  const int count = numbered_children(file, "/calls");
+  for (int s = 0; s < count; ++s) {
+    const std::string path = fmt::format("/calls/{}", s);
+    CallTable table;
+    if (file.has(path + "/times")) table.times = file.vector(path + "/times");
+    table.points = file.matrix(path + "/points");
+    table.values = file.matrix(path + "/values", {.rows = table.points.rows()});
+    tables.push_back(std::move(table));
+  }
+  return tables;
+}
+
+/// What else is in the file. One that is broken or of another plan gives nothing: it is replaced.
+template <class Part, class Read>
+Part kept_part(const std::filesystem::path& path, const std::string& plan, const Read& read) {
+  if (!std::filesystem::exists(path)) return {};
+  try {
+    const io::Hdf5Reader file(path);
+    check_belongs(file, plan);
+    return read(file);
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+void write_checkpoint(const std::filesystem::path& path, const std::string& plan,
+                      const std::optional<pgd::SolverState>& state, const std::vector<CallTable>& calls) {
+  io::Hdf5Writer file(path);
+  file.write_text_attribute("/", "format", kFormat);
+  file.write_integer_attribute("/", "format_version", kVersion);
+  file.write_text_attribute("/", "generator", generator());
+  file.write_texts("/plan", {plan});
+  if (state) write_state(file, *state);
+  int s = 0;
+  for (const CallTable& table : calls) {
+    if (table.points.size() == 0) continue;
+    const std::string group = fmt::format("/calls/{}", s++);
+    if (table.times.size() > 0) file.write_vector(group + "/times", table.times);
+    file.write_matrix(group + "/points", table.points);
+    file.write_matrix(group + "/values", table.values);
+  }
+  file.commit();
+}
+
+}  // namespace
+
+void save_checkpoint(const std::filesystem::path& path, const std::string& plan,
+                     const pgd::SolverState& state) {
+  write_checkpoint(path, plan, state, kept_part<std::vector<CallTable>>(path, plan, read_calls));
+}
+
+void save_calls(const std::filesystem::path& path, const std::string& plan,
+                const std::vector<CallSheet>& calls, std::size_t coordinates) {
+  using State = std::optional<pgd::SolverState>;
+  const State state = kept_part<State>(path, plan, [](const io::Hdf5Reader& file) {
+    return file.has_attribute("/", "round") ? State(read_state(file)) : State();
+  });
+  std::vector<CallTable> tables;
+  for (const CallSheet& sheet : calls) tables.push_back(table_of(sheet, coordinates));
+  write_checkpoint(path, plan, state, tables);
+}
+
+pgd::SolverState load_checkpoint(const std::filesystem::path& path, const std::string& plan) {
+  const io::Hdf5Reader file(path);
+  check_belongs(file, plan);
+  return has_state(file) ? read_state(file) : pgd::SolverState();
+}
+
+std::vector<CallSheet> load_calls(const std::filesystem::path& path, const std::string& plan) {
+  const io::Hdf5Reader file(path);
+  check_belongs(file, plan);
+  std::vector<CallSheet> sheets;
+  for (const CallTable& table : read_calls(file)) sheets.push_back(sheet_of(table));
+  return sheets;
 }
 
 }  // namespace samara::codebooks

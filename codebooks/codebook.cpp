@@ -34,18 +34,22 @@ void check_groups(const Piece& piece) {
 }
 
 /// Smallest box around all pieces, which must have the same coordinates in the same order.
-std::vector<Coordinate> common_coordinates(const std::vector<Piece>& pieces) {
+std::vector<Coordinate> common_coordinates(const std::vector<Piece>& pieces, bool needs_time) {
   std::vector<Coordinate> coordinates;
   for (const pgd::Axis& axis : axes_of(pieces.front())) {
     coordinates.push_back({axis.name(), axis.unit(), axis.role(), axis.lower(), axis.upper()});
   }
-  if (coordinates.front().role != pgd::AxisRole::time) {
+  const bool has_time = coordinates.front().role == pgd::AxisRole::time;
+  if (needs_time && !has_time) {
     throw ArgumentError(fmt::format("the first axis of a codebook is \"{}\" with role {}, expected time",
                                     coordinates.front().name, to_string(coordinates.front().role)));
   }
+  const auto is_time = [](const Coordinate& c) { return c.role == pgd::AxisRole::time; };
+  if (std::any_of(coordinates.begin() + 1, coordinates.end(), is_time))
+    throw ArgumentError("an axis of a codebook behind the first one is time, expected time first");
   for (const Piece& piece : pieces) {
     const std::vector<pgd::Axis>& axes = axes_of(piece);
-    if (!axes.front().has_elements()) {
+    if (has_time && !axes.front().has_elements()) {
       throw ArgumentError(fmt::format("the time axis of a codebook is {}, expected one made of elements",
                                       to_string(axes.front().basis())));
     }
@@ -112,7 +116,7 @@ Codebook::Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecor
   if (pieces_.empty()) throw ArgumentError("a codebook needs at least one piece");
   for (const Piece& piece : pieces_) check_groups(piece);
   sort_pieces(pieces_);
-  coordinates_ = common_coordinates(pieces_);
+  coordinates_ = common_coordinates(pieces_, !is_of_command());
   outputs_ = outputs_of(pieces_.front());
   check_distinct(outputs_);
   for (const Piece& piece : pieces_) {
@@ -129,6 +133,11 @@ int Codebook::coordinate_index(const std::string& name) const {
 }
 int Codebook::output_index(const std::string& name) const {
   return index_of(outputs_, name, "output");
+}
+
+const Coordinate& Codebook::time(const char* what) const {
+  if (has_time()) return coordinates_.front();
+  throw ArgumentError(fmt::format("{} needs time, which this codebook does not have", what));
 }
 
 Codebook Codebook::with_certificate(Certificate certificate) const {

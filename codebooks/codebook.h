@@ -11,7 +11,8 @@
 #include "samara/codebooks/field_group.h"
 
 /// A codebook is the separated solution of a parametric model over time and a box of parameters and initial
-/// values, with a certificate of its error. Coordinates and outputs are in SI units.
+/// values, or the separated form of what a program answers over a box of its inputs (and time, if it knows
+/// one), with a certificate of its error. Coordinates and outputs are in SI units.
 ///
 /// Usage:
 ///   const Codebook book = load("coin.h5");
@@ -20,7 +21,10 @@
 ///   query.values({{0.3, 1.15, 0.0}}, values);        // t, C_D, v(0)
 namespace samara::codebooks {
 
-/// What the codebook is a solution of, enough to integrate it again.
+/// Stands for the name of a model where a program was sampled.
+inline constexpr const char* kCommandModel = "command";
+
+/// What the codebook is a solution of, enough to integrate it again; of a program, its call as "equations".
 struct ModelDescription {
   std::string name;
   std::string title;
@@ -46,7 +50,7 @@ struct BuildRecord {
   std::string strategy;    ///< "newton" or "cross"
   std::string status;      ///< "converged", or why not
   std::string message;     ///< in one sentence
-  double evaluations = 0;  ///< of the right-hand side and its Jacobian; of sampling: trajectories
+  double evaluations = 0;  ///< of the right-hand side and its Jacobian; of sampling: trajectories, or calls
   double grid_size = 0;    ///< nodes of time x parameters of the last round
   int iterations = 0;      ///< of Newton, all rounds; of sampling: none
   int rounds = 0;          ///< of refinement
@@ -57,7 +61,7 @@ struct Piece {
   std::vector<FieldGroup> groups;
 };
 
-/// One coordinate of the whole codebook: time first, then parameters and initial values.
+/// One coordinate of the whole codebook: time first, if it has time, then parameters and initial values.
 struct Coordinate {
   std::string name;
   std::string unit;
@@ -70,7 +74,8 @@ class Codebook {
  public:
   /// Keeps the pieces in the order of their lower corners.
   /// @throws ArgumentError if there is no piece, pieces differ in their coordinates or outputs, groups of a
-  /// piece in their axes, two outputs have one name, or time is not first or not made of elements.
+  /// piece in their axes, two outputs have one name, or time is not first or not made of elements, or missing
+  /// where the codebook is one of a model.
   Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecord build = {},
            Provenance provenance = {}, std::optional<Certificate> certificate = {}, std::string title = {});
 
@@ -78,6 +83,16 @@ class Codebook {
   const std::vector<pgd::OutputLabel>& outputs() const { return outputs_; }
   int coordinate_count() const { return static_cast<int>(coordinates_.size()); }
   int output_count() const { return static_cast<int>(outputs_.size()); }
+  /// Whether the first coordinate is time; if not, there is none.
+  bool has_time() const { return coordinates_.front().role == pgd::AxisRole::time; }
+  /// Time. @throws ArgumentError if there is none, saying that `what` needs it.
+  const Coordinate& time(const char* what) const;
+  /// The coordinates that are not time.
+  std::span<const Coordinate> parameters() const {
+    return std::span(coordinates_).subspan(has_time() ? 1 : 0);
+  }
+  /// Whether a program was sampled, not a model solved.
+  bool is_of_command() const { return model_.name == kCommandModel; }
   const std::vector<Piece>& pieces() const { return pieces_; }
   const ModelDescription& model() const { return model_; }
   const BuildRecord& build() const { return build_; }

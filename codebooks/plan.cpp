@@ -11,6 +11,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/codebooks/plan_command.h"
 #include "samara/io/toml_document.h"
 
 namespace samara::codebooks {
@@ -19,30 +20,57 @@ namespace {
 
 using io::TomlTable;
 
-/// Units of everything a plan may fix or free: parameters, and initial values "s(0)".
-std::map<std::string, std::string> settable_units(const models::ModelInfo& info) {
-  std::map<std::string, std::string> units;
-  for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;
-  for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
-  return units;
+/// What a plan is about, a model or a command: the names it may use, with their units.
+struct Subject {
+  std::string name;  ///< for messages
+  std::shared_ptr<const models::Model> model;
+  std::string what_settable, what_output;       ///< what it calls them, for messages
+  std::map<std::string, std::string> settable;  ///< what may be fixed or free
+  std::map<std::string, std::string> outputs;
+  std::string time_unit = "s";
+};
+
+/// Parameters, and initial values "s(0)".
+Subject subject_of(std::shared_ptr<const models::Model> model) {
+  const models::ModelInfo& info = model->info();
+  Subject subject{fmt::format("the model \"{}\"", info.name),
+                  model,
+                  "parameter or initial value",
+                  "state",
+                  {},
+                  {},
+                  models::time_unit(info)};
+  for (const auto& parameter : info.parameters) subject.settable[parameter.name] = parameter.unit;
+  for (const auto& state : info.states) {
+    subject.settable[state.name + "(0)"] = state.unit;
+    subject.outputs[state.name] = state.unit;
+  }
+  return subject;
 }
 
-/// @param what the model calls such things, for the message
+Subject subject_of(const PlannedCommand& command) {
+  Subject subject{"the command", nullptr, "input", "output", {}, {}};
+  for (const CommandQuantity& input : command.inputs) subject.settable[input.name] = input.unit;
+  for (const CommandQuantity& output : command.outputs) subject.outputs[output.name] = output.unit;
+  return subject;
+}
+
+/// @param what the subject calls such things, for the message
 const std::string& unit_of(const TomlTable& table, const std::string& key,
-                           const std::map<std::string, std::string>& units, const std::string& model,
-                           const char* what = "parameter or initial value") {
+                           const std::map<std::string, std::string>& units, const Subject& subject,
+                           const std::string& what) {
   const auto it = units.find(key);
   if (it != units.end()) return it->second;
   std::vector<std::string> known;
   for (const auto& [name, unit] : units) known.push_back(name);
-  throw table.error(
-      key, fmt::format("the model \"{}\" has no {} of this name{}", model, what, suggestion(key, known)));
+  throw table.error(key,
+                    fmt::format("{} has no {} of this name{}", subject.name, what, suggestion(key, known)));
 }
 
 /// Whether the value respects the bound of the parameter's meaning; initial values have none.
-void check_meaning(const TomlTable& table, const std::string& key, const models::ModelInfo& info,
-                   double value) {
-  for (const models::ParameterInfo& parameter : info.parameters) {
+void check_meaning(const TomlTable& table, const std::string& key, const Subject& subject, double value) {
+  if (!subject.model) return;
+  for (const models::ParameterInfo& parameter : subject.model->info().parameters) {
     if (parameter.name != key || models::in_meaning(parameter, value)) continue;
     if (value > parameter.upper) {
       throw table.error(key, fmt::format("is {}, expected at most {}", value, parameter.upper));
@@ -137,7 +165,7 @@ BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::str
   return entry;
 }
 
-void read_tolerance(const TomlTable& root, const models::ModelInfo& info, Plan& plan) {
+void read_tolerance(const TomlTable& root, const Subject& subject, Plan& plan) {
   const auto table = root.optional_table("tolerance");
   if (!table) return;
   table->expect_keys({"relative", "absolute"});
@@ -153,10 +181,9 @@ void read_tolerance(const TomlTable& root, const models::ModelInfo& info, Plan& 
   }
   const auto absolute = table->optional_table("absolute");
   if (!absolute) return;
-  std::map<std::string, std::string> units;
-  for (const auto& state : info.states) units[state.name] = state.unit;
   for (const std::string& key : absolute->keys()) {
-    const double value = absolute->quantity(key, unit_of(*absolute, key, units, info.name, "state"));
+    const std::string& unit = unit_of(*absolute, key, subject.outputs, subject, subject.what_output);
+    const double value = absolute->quantity(key, unit);
     if (!(value >= 0.0)) throw absolute->error(key, fmt::format("is {}, expected at least 0", value));
     plan.absolute[key] = value;
   }
@@ -181,9 +208,13 @@ void read_builder(const TomlTable& root, Plan& plan) {
   plan.builder.seed = static_cast<std::uint64_t>(integer_in(*table, "seed", 1, 0, INT64_MAX));
 }
 
-/// Sampling finds nodes by itself, on Chebyshev axes.
+/// Sampling finds nodes by itself, on Chebyshev axes. Commands can only be sampled.
 void check_builder_fits(const TomlTable& root, const Plan& plan) {
-  if (plan.builder.kind != "sampling") return;
+  if (plan.command && plan.builder.kind == "pgd") {
+    throw root.table("builder").error(
+        "kind", "is \"pgd\", which solves the equations of a model: a command can only be sampled");
+  }
+  if (plan.builder.kind != "sampling" && !plan.command) return;
   if (plan.builder.strategy != "auto") {
     throw root.table("builder").error(
         "strategy", fmt::format("is \"{}\", which is one of the builder \"pgd\", not of \"sampling\"",
@@ -197,9 +228,59 @@ void check_builder_fits(const TomlTable& root, const Plan& plan) {
   }
 }
 
+/// What is given for a coordinate, fixed or free.
+void read_coordinates(const TomlTable& root, const Subject& subject, Plan& plan) {
+  if (const auto fixed = root.optional_table("fixed")) {
+    for (const std::string& key : fixed->keys()) {
+      plan.fixed[key] =
+          fixed->quantity(key, unit_of(*fixed, key, subject.settable, subject, subject.what_settable));
+      check_meaning(*fixed, key, subject, plan.fixed[key]);
+    }
+  }
+  const TomlTable box = root.table("box");
+  for (const std::string& key : box.keys()) {
+    const std::string& unit = unit_of(box, key, subject.settable, subject, subject.what_settable);
+    if (plan.fixed.count(key) > 0)
+      throw box.error(key, "is fixed in [fixed] and free in [box], expected one of them");
+    plan.box.push_back(read_entry(box, key, unit));
+    check_meaning(box, key, subject, plan.box.back().lower);
+  }
+  if (plan.box.empty())
+    throw root.error("box", fmt::format("is empty, expected at least one free {}", subject.what_settable));
+}
+
+/// A command may do without time.
+void read_time(const TomlTable& root, const Subject& subject, Plan& plan) {
+  if (plan.command && !root.has("time")) return;
+  const TomlTable time = root.table("time");
+  time.expect_keys({"end"});
+  plan.end = time.quantity("end", subject.time_unit);
+  if (!(plan.end > 0.0)) throw time.error("end", fmt::format("is {}, expected more than 0", plan.end));
+}
+
+/// Nothing that the model or the command asks for may be missing.
+void check_complete(const TomlTable& root, const Plan& plan) {
+  if (plan.command) {
+    for (const CommandQuantity& input : plan.command->inputs) {
+      const bool is_free = std::any_of(plan.box.begin(), plan.box.end(),
+                                       [&](const BoxEntry& entry) { return entry.name == input.name; });
+      if (is_free || plan.fixed.contains(input.name)) continue;
+      throw root.table("command").table("inputs").error(
+          input.name, "is given no values, expected an interval in [box] or a number in [fixed]");
+    }
+    return;
+  }
+  try {
+    plan.parametric_model();  // required parameters
+  } catch (const ArgumentError& error) {
+    throw InputError(plan.source, root.line("model"), error.what());
+  }
+}
+
 }  // namespace
 
 models::ParametricModel Plan::parametric_model() const {
+  if (command) throw ArgumentError(fmt::format("the plan {} is one of a command and has no model", source));
   std::vector<std::string> free;
   for (const BoxEntry& entry : box) free.push_back(entry.name);
   return models::ParametricModel(models::find_model(model), fixed, free);
@@ -207,43 +288,23 @@ models::ParametricModel Plan::parametric_model() const {
 
 Plan parse_plan(const std::string& text, const std::string& name) {
   const TomlTable root = TomlTable::parse(text, name);
-  root.expect_keys({"model", "title", "fixed", "box", "time", "tolerance", "builder"});
+  root.expect_keys({"model", "command", "title", "fixed", "box", "time", "tolerance", "builder"});
   Plan plan;
   plan.source = name;
   plan.text = text;
-  const std::shared_ptr<const models::Model> model = read_model(root);
-  const models::ModelInfo& info = model->info();
-  plan.model = info.name;
+  if (const auto command = root.optional_table("command")) {
+    if (root.has("model")) throw root.error("command", "stands beside a model, expected one of the two");
+    plan.command = read_command(*command);
+  }
+  const Subject subject = plan.command ? subject_of(*plan.command) : subject_of(read_model(root));
+  if (subject.model) plan.model = subject.model->info().name;
   plan.title = read_title(root);
-  const std::map<std::string, std::string> units = settable_units(info);
-  if (const auto fixed = root.optional_table("fixed")) {
-    for (const std::string& key : fixed->keys()) {
-      plan.fixed[key] = fixed->quantity(key, unit_of(*fixed, key, units, plan.model));
-      check_meaning(*fixed, key, info, plan.fixed[key]);
-    }
-  }
-  const TomlTable box = root.table("box");
-  for (const std::string& key : box.keys()) {
-    const std::string& unit = unit_of(box, key, units, plan.model);
-    if (plan.fixed.count(key) > 0)
-      throw box.error(key, "is fixed in [fixed] and free in [box], expected one of them");
-    plan.box.push_back(read_entry(box, key, unit));
-    check_meaning(box, key, info, plan.box.back().lower);
-  }
-  if (plan.box.empty())
-    throw root.error("box", "is empty, expected at least one free parameter or initial value");
-  const TomlTable time = root.table("time");
-  time.expect_keys({"end"});
-  plan.end = time.quantity("end", models::time_unit(info));
-  if (!(plan.end > 0.0)) throw time.error("end", fmt::format("is {}, expected more than 0", plan.end));
-  read_tolerance(root, info, plan);
+  read_coordinates(root, subject, plan);
+  read_time(root, subject, plan);
+  read_tolerance(root, subject, plan);
   read_builder(root, plan);
   check_builder_fits(root, plan);
-  try {
-    plan.parametric_model();  // required parameters
-  } catch (const ArgumentError& error) {
-    throw InputError(name, root.line("model"), error.what());
-  }
+  check_complete(root, plan);
   return plan;
 }
 

@@ -15,7 +15,7 @@ namespace samara::codebooks {
 /// The least relative tolerance a plan may ask for: the integrator at its tightest is not surely better.
 inline constexpr double kLeastTolerance = 1e-10;
 
-/// One free coordinate of a plan: a parameter or an initial value "s(0)".
+/// One free coordinate of a plan: a parameter, an initial value "s(0)", or an input of a command.
 struct BoxEntry {
   std::string name;
   double lower = 0.0;  ///< SI
@@ -25,13 +25,33 @@ struct BoxEntry {
   pgd::Transform transform = pgd::Transform::none;
 };
 
-/// A plan of a build (PLAN.toml): a model, what is fixed, the box, the time, the tolerance, the builder.
+/// A number that a command takes or gives.
+struct CommandQuantity {
+  std::string name;
+  std::string unit;  ///< an SI unit: numbers go to the program and come back as they are
+};
+
+/// A program instead of a model, see command_function.h for how it is talked to. A line holds the inputs in
+/// order and, if the plan has a time, the times at which it wants the outputs; the answer holds the outputs
+/// in order, at the first time, then at the second, ..
+struct PlannedCommand {
+  std::vector<std::string> run;  ///< program and arguments
+  std::vector<CommandQuantity> inputs;
+  std::vector<CommandQuantity> outputs;
+  double timeout = 60.0;         ///< s, of one start of the program
+  int batch = 1000;              ///< most points for one start
+  int certificate_points = 200;  ///< points at which the certificate calls it
+};
+
+/// A plan of a build (PLAN.toml): a model or a command, what is fixed, the box, the time, the tolerance, the
+/// builder.
 struct Plan {
-  std::string model;
+  std::string model;                      ///< empty where there is a command
+  std::optional<PlannedCommand> command;  ///< instead of a model
   std::string title;
   std::map<std::string, double> fixed;     ///< SI
   std::vector<BoxEntry> box;               ///< in the order of the file
-  double end = 0.0;                        ///< s; time runs from 0
+  double end = 0.0;                        ///< s; time runs from 0; 0: there is no time (commands only)
   double relative = 1e-3;                  ///< of each output's range over box and time
   std::map<std::string, double> absolute;  ///< floor per output, SI
 
@@ -39,8 +59,8 @@ struct Plan {
     std::string kind = "auto";      ///< "auto", "pgd" or "sampling"
     std::string strategy = "auto";  ///< "auto", "slabs" or "newton"
     int max_cells = 1;              ///< of the strategy "slabs"
-    /// Of f and its Jacobian; of sampling, trajectories; 0: no limit of the plan's. A trial of "auto" has its
-    /// own.
+    /// Of f and its Jacobian; of sampling, trajectories, or points given to the command; 0: no limit of the
+    /// plan's. A trial of "auto" has its own.
     long max_calls = 0;
     int threads = 0;  ///< 0: all cores
     std::uint64_t seed = 1;
@@ -50,7 +70,7 @@ struct Plan {
   std::string text;    ///< the plan as read
 
   /// The model with the plan's fixed and free coordinates.
-  /// @throws ArgumentError as models::find_model() and ParametricModel do.
+  /// @throws ArgumentError as models::find_model() and ParametricModel do, and for a plan of a command.
   models::ParametricModel parametric_model() const;
 };
 

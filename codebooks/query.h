@@ -49,8 +49,8 @@ class TrajectoryQuery {
  public:
   /// @param times s, inside the box
   /// @param outputs names; empty: all
-  /// @throws ArgumentError for an unknown output or one named twice; OutsideBoxError for a time outside the
-  /// box.
+  /// @throws ArgumentError for an unknown output or one named twice, or a codebook without time;
+  /// OutsideBoxError for a time outside the box.
   TrajectoryQuery(const Codebook& book, std::vector<double> times,
                   const std::vector<std::string>& outputs = {});
 

@@ -1,19 +1,14 @@
 #include "samara/codebooks/sampling_builder.h"
 
 #include <algorithm>
-#include <functional>
-#include <span>
-#include <stdexcept>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
+#include "samara/base/errors.h"
 #include "samara/codebooks/time_mesh.h"
-#include "samara/models/integrate.h"
+#include "samara/pgd/field_rounding.h"
 #include "samara/pgd/random.h"
 #include "samara/pgd/sampling.h"
 
@@ -24,48 +19,13 @@ namespace {
 // Shares of the plan's tolerance. The mesh of time has three times its own left for what pilots do not see.
 constexpr double kTimeShare = 0.1;
 constexpr double kSamplingShare = 0.5;
+constexpr double kSamplingShareWithoutTime = 0.8;
+constexpr double kRoundingShare = 0.1;  // and what the cross did not use of its own
 
-/// Ends the pilots from inside.
-struct PilotsStopped {
+/// Ends a build from inside, before there is a field.
+struct BuildStopped {
   std::string status;
   std::string message;
-};
-
-/// Noise of the integrator would be taken for structure: far below the tolerance.
-double integrator_tolerance(const Plan& plan) {
-  return std::clamp(1e-4 * plan.relative, 1e-13, 1e-8);
-}
-
-/// Trajectories of the model at many points at a time.
-class Trajectories {
- public:
-  Trajectories(const Plan& plan, const models::ParametricModel& model)
-      : arena_(plan.builder.threads > 0 ? std::min(plan.builder.threads, tbb::info::default_concurrency())
-                                        : tbb::info::default_concurrency()),
-        integrators_([tolerance = integrator_tolerance(plan), &model] {
-          return models::Integrator(model, {.relative_tolerance = tolerance}, false);
-        }) {}
-
-  /// In the order of the points (coordinates x points). Those that cannot be integrated say so themselves.
-  std::vector<models::Trajectory> operator()(const Eigen::MatrixXd& points,
-                                             const std::vector<double>& times) {
-    std::vector<models::Trajectory> results(static_cast<std::size_t>(points.cols()));
-    arena_.execute([&] {
-      tbb::parallel_for(Eigen::Index{0}, points.cols(), [&](Eigen::Index j) {
-        const std::span<const double> q(points.col(j).data(), static_cast<std::size_t>(points.rows()));
-        results[static_cast<std::size_t>(j)] = integrators_.local()(q, times);
-      });
-    });
-    count_ += points.cols();
-    return results;
-  }
-
-  long count() const { return count_; }
-
- private:
-  tbb::task_arena arena_;
-  tbb::enumerable_thread_specific<models::Integrator> integrators_;
-  long count_ = 0;
 };
 
 /// Corners of the box (all of them for up to three coordinates) and random points.
@@ -87,118 +47,98 @@ Eigen::MatrixXd pilot_points(const Plan& plan) {
   return points;
 }
 
-std::string described(const models::ParametricModel& model, const Eigen::VectorXd& q) {
+std::string described(const SampledSource& source, const Eigen::VectorXd& point) {
   std::string text;
-  for (std::size_t k = 0; k < model.free().size(); ++k)
-    text += fmt::format("{}{} = {:.9g}", k == 0 ? "" : ", ", model.free()[k].name,
-                        q[static_cast<Eigen::Index>(k)]);
+  for (std::size_t k = 0; k < source.coordinates.size(); ++k)
+    text += fmt::format("{}{} = {:.9g}", k == 0 ? "" : ", ", source.coordinates[k].name,
+                        point[static_cast<Eigen::Index>(k)]);
   return text;
 }
 
-TimeMesh mesh_by_pilots(const Plan& plan, const models::ParametricModel& model, Trajectories& trajectories,
-                        long max_trajectories, const ProgressCallback& progress) {
-  const Eigen::MatrixXd points = pilot_points(plan);
-  const PilotTrajectories pilots = [&](const std::vector<double>& times) {
-    if (trajectories.count() + points.cols() > max_trajectories) {
-      throw PilotsStopped{"max_calls",
-                          fmt::format("{} trajectories of the {} allowed were used, {} more were needed for "
-                                      "the axis of time",
-                                      trajectories.count(), max_trajectories, points.cols())};
-    }
-    if (progress && !progress({"pilots", 0.0})) throw PilotsStopped{"cancelled", "cancelled"};
-    std::vector<Eigen::MatrixXd> states;
-    const std::vector<models::Trajectory> results = trajectories(points, times);
-    for (std::size_t j = 0; j < results.size(); ++j) {
-      if (!results[j].is_usable()) {
-        throw PilotsStopped{"failed", fmt::format("no trajectory at {}: {}",
-                                                  described(model, points.col(static_cast<Eigen::Index>(j))),
-                                                  results[j].message)};
-      }
-      states.push_back(results[j].states);
-    }
-    return states;
-  };
-  const models::ModelInfo& info = model.model().info();
-  TimeMeshOptions options;
-  options.tolerance = kTimeShare * plan.relative;
-  options.floors = Eigen::VectorXd::Zero(model.state_count());
-  for (std::size_t s = 0; s < info.states.size(); ++s) {
-    const auto floor = plan.absolute.find(info.states[s].name);
-    if (floor != plan.absolute.end()) options.floors[static_cast<Eigen::Index>(s)] = floor->second;
+/// Least ranges of the outputs.
+Eigen::VectorXd floors_of(const Plan& plan, const SampledSource& source) {
+  Eigen::VectorXd floors = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(source.outputs.size()));
+  for (std::size_t o = 0; o < source.outputs.size(); ++o) {
+    const auto floor = plan.absolute.find(source.outputs[o].name);
+    if (floor != plan.absolute.end()) floors[static_cast<Eigen::Index>(o)] = floor->second;
   }
-  return mesh_time({"t", models::time_unit(info), pgd::AxisRole::time}, plan.end, pilots, options);
+  return floors;
 }
 
-/// The outputs at the nodes of time as a function of points. The sampler, told of an exception, asks again
-/// for the points one by one: those of a batch that failed are kept for that.
-class SampledTrajectories {
- public:
-  SampledTrajectories(Trajectories& trajectories, const pgd::Axis& time)
-      : trajectories_(trajectories), times_(time.nodes().begin(), time.nodes().end()) {}
-
-  void operator()(const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
-    std::vector<models::Trajectory> results = known(points);
-    if (results.empty()) results = trajectories_(points, times_);
-    for (std::size_t j = 0; j < results.size(); ++j) {
-      if (!results[j].is_usable()) {
-        const std::string message = results[j].message;
-        failed_points_ = points;
-        failed_ = std::move(results);
-        throw std::runtime_error(message);
-      }
-      // Outputs fastest, then times.
-      const Eigen::MatrixXd states = results[j].states.transpose();
-      values.col(static_cast<Eigen::Index>(j)) = states.reshaped();
-    }
-  }
-
- private:
-  std::vector<models::Trajectory> known(const Eigen::MatrixXd& points) const {
-    if (points.cols() != 1) return {};
-    for (Eigen::Index j = 0; j < failed_points_.cols(); ++j) {
-      if (failed_points_.col(j) == points.col(0)) return {failed_[static_cast<std::size_t>(j)]};
-    }
-    return {};
-  }
-
-  Trajectories& trajectories_;
-  std::vector<double> times_;
-  Eigen::MatrixXd failed_points_;
-  std::vector<models::Trajectory> failed_;
+/// The axis of time, and how many calls it took.
+struct PilotedMesh {
+  TimeMesh mesh;
+  long calls = 0;
 };
 
-std::vector<pgd::OutputLabel> state_labels(const models::ParametricModel& model) {
+PilotedMesh mesh_by_pilots(const Plan& plan, CallMemory& calls, long max_calls,
+                           const ProgressCallback& progress) {
+  const Eigen::MatrixXd points = pilot_points(plan);
+  const SampledSource& source = calls.source();
+  const auto outputs = static_cast<Eigen::Index>(source.outputs.size());
+  long used = 0;
+  const PilotTrajectories pilots = [&](const std::vector<double>& times) {
+    if (used + points.cols() > max_calls) {
+      throw BuildStopped{"max_calls", fmt::format("{} calls of the {} allowed were used, {} more were "
+                                                  "needed for the axis of time",
+                                                  used, max_calls, points.cols())};
+    }
+    if (progress && !progress({"pilots", 0.0})) throw BuildStopped{"cancelled", "cancelled"};
+    used += points.cols();
+    std::vector<Eigen::MatrixXd> answers;
+    try {
+      const Eigen::MatrixXd values = calls(points, times);
+      for (Eigen::Index j = 0; j < values.cols(); ++j)
+        answers.push_back(values.col(j).reshaped(outputs, values.rows() / outputs).transpose());
+    } catch (const CallFailed& failed) {
+      throw BuildStopped{"failed", fmt::format("no {} at {}: {}", source.answers_name,
+                                               described(source, failed.point), failed.what())};
+    }
+    return answers;
+  };
+  TimeMeshOptions options;
+  options.tolerance = kTimeShare * plan.relative;
+  options.floors = floors_of(plan, source);
+  return {mesh_time({"t", source.time_unit, pgd::AxisRole::time}, plan.end, pilots, options), used};
+}
+
+/// What the sampler is told of the outputs: with time, all at every node.
+struct SampledOutputs {
   std::vector<pgd::OutputLabel> labels;
-  for (const auto& state : model.model().info().states) labels.push_back({state.name, state.unit});
-  return labels;
+  std::vector<double> times;
+  Eigen::VectorXd floors;
+};
+
+SampledOutputs outputs_of(const Plan& plan, const SampledSource& source,
+                          const std::optional<TimeMesh>& mesh) {
+  if (!mesh) return {source.outputs, {}, floors_of(plan, source)};
+  SampledOutputs outputs;
+  outputs.times.assign(mesh->axis.nodes().begin(), mesh->axis.nodes().end());
+  for (const double t : outputs.times) {
+    for (const pgd::OutputLabel& output : source.outputs)
+      outputs.labels.push_back({fmt::format("{} at t = {:.6g}", output.name, t), output.unit});
+  }
+  // Errors of an output count by its range over all times, not by that at the one time.
+  outputs.floors = mesh->scale.replicate(mesh->axis.size(), 1);
+  return outputs;
 }
 
-pgd::Axis::Label label_of(const Plan& plan, const models::ParametricModel& model, std::size_t k) {
-  const models::FreeCoordinate& free = model.free()[k];
-  return {free.name, free.unit, free.is_initial ? pgd::AxisRole::initial : pgd::AxisRole::parameter,
-          plan.box[k].transform};
-}
-
-pgd::SamplingResult sample_trajectories(const Plan& plan, const models::ParametricModel& model,
-                                        const TimeMesh& mesh, Trajectories& trajectories,
-                                        long max_trajectories, const ProgressCallback& progress) {
+pgd::SamplingResult sample_calls(const Plan& plan, CallMemory& calls, const std::optional<TimeMesh>& mesh,
+                                 long max_calls, const ProgressCallback& progress) {
   std::vector<pgd::SampledCoordinate> coordinates;
   for (std::size_t k = 0; k < plan.box.size(); ++k)
-    coordinates.push_back({label_of(plan, model, k), plan.box[k].lower, plan.box[k].upper});
-  std::vector<pgd::OutputLabel> outputs;
-  for (const double t : mesh.axis.nodes()) {
-    for (const pgd::OutputLabel& state : state_labels(model))
-      outputs.push_back({fmt::format("{} at t = {:.6g}", state.name, t), state.unit});
-  }
+    coordinates.push_back({calls.source().coordinates[k], plan.box[k].lower, plan.box[k].upper});
+  const SampledOutputs outputs = outputs_of(plan, calls.source(), mesh);
   pgd::SamplingOptions options;
-  options.tolerance = kSamplingShare * plan.relative;
-  // Errors of an output count by its range over all times, not by that at the one time.
-  options.absolute = mesh.scale.replicate(mesh.axis.size(), 1);
-  options.max_calls = std::max(1L, max_trajectories - trajectories.count());
+  options.tolerance = (mesh ? kSamplingShare : kSamplingShareWithoutTime) * plan.relative;
+  options.absolute = outputs.floors;
+  options.max_calls = std::max(1L, max_calls);
   options.seed = plan.builder.seed;
   options.progress = progress;
-  SampledTrajectories function(trajectories, mesh.axis);
-  return pgd::sample(coordinates, outputs, std::ref(function), options);
+  const auto function = [&](const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
+    values = calls(points, outputs.times);
+  };
+  return pgd::sample(coordinates, outputs.labels, function, options);
 }
 
 /// The core over (outputs, times) becomes one of the outputs, the identity, and one of time: the same numbers
@@ -218,58 +158,100 @@ pgd::TrainField with_time(const pgd::TrainField& sampled, const pgd::Axis& time,
   return {std::move(axes), outputs, std::move(train)};
 }
 
-/// The initial values in the middle of the box, for all times and points: where there is nothing better.
-pgd::TrainField initial_values(const Plan& plan, const models::ParametricModel& model) {
-  std::vector<double> centre;
-  std::vector<pgd::Axis> axes = {pgd::Axis::chebyshev(
-      {"t", models::time_unit(model.model().info()), pgd::AxisRole::time}, 0.0, plan.end, 2)};
-  for (std::size_t k = 0; k < plan.box.size(); ++k) {
-    centre.push_back(0.5 * (plan.box[k].lower + plan.box[k].upper));
-    axes.push_back(pgd::Axis::chebyshev(label_of(plan, model, k), plan.box[k].lower, plan.box[k].upper, 2));
-  }
+/// Per output, what its errors are divided by: its range, at least the floor; of a constant, one.
+Eigen::VectorXd scale_of(const pgd::SamplingResult& result, const Plan& plan, const SampledSource& source,
+                         const std::optional<TimeMesh>& mesh) {
+  if (mesh) return mesh->scale;
+  const Eigen::VectorXd scale = result.range.cwiseMax(floors_of(plan, source));
+  return (scale.array() > 0.0).select(scale, 1.0);
+}
+
+pgd::RoundedField rounded_field(const pgd::SamplingResult& result, const Plan& plan,
+                                const SampledSource& source, const std::optional<TimeMesh>& mesh) {
+  const pgd::TrainField field = mesh ? with_time(*result.field, mesh->axis, source.outputs) : *result.field;
+  const double of_cross = mesh ? kSamplingShare : kSamplingShareWithoutTime;
+  const double share =
+      kRoundingShare * plan.relative + std::max(0.0, of_cross * plan.relative - result.error);
+  return pgd::rounded(field, scale_of(result, plan, source, mesh), share, plan.builder.seed);
+}
+
+/// The stand-in of the source, for all times and points: where there is nothing better.
+pgd::TrainField stand_in(const Plan& plan, const SampledSource& source) {
+  std::vector<pgd::Axis> axes;
+  if (plan.end > 0.0)
+    axes.push_back(pgd::Axis::chebyshev({"t", source.time_unit, pgd::AxisRole::time}, 0.0, plan.end, 2));
+  for (std::size_t k = 0; k < plan.box.size(); ++k)
+    axes.push_back(pgd::Axis::chebyshev(source.coordinates[k], plan.box[k].lower, plan.box[k].upper, 2));
   pgd::TensorTrain train;
-  pgd::TrainCore& outputs = train.cores.emplace_back(1, model.state_count(), 1);
-  model.initial(centre, {outputs.data.data(), static_cast<std::size_t>(model.state_count())});
+  train.cores.emplace_back(1, static_cast<int>(source.outputs.size()), 1).data = *source.stand_in;
   for (const pgd::Axis& axis : axes) {
     train.cores.emplace_back(1, axis.size(), 1);
     train.cores.back().data.setOnes();
   }
-  return {std::move(axes), state_labels(model), std::move(train)};
+  return {std::move(axes), source.outputs, std::move(train)};
+}
+
+Solution without_field(const Plan& plan, const SampledSource& source, BuildRecord record) {
+  if (!source.stand_in)
+    throw NoResultError(fmt::format("the build ended before it had a result: {}", record.message));
+  return {{Piece{{stand_in(plan, source)}}}, std::move(record), {}, 0.0};
+}
+
+std::string status_of(const pgd::SamplingResult& result, bool mesh_is_resolved) {
+  if (!result.tolerance_met()) return to_string(result.status);
+  return mesh_is_resolved ? "converged" : "not_resolved";
+}
+
+std::string described(const TimeMesh& mesh, long pilots, double tolerance) {
+  return fmt::format("; {} elements of time by {} calls of pilots, interpolation error {:.3g}{}",
+                     mesh.axis.elements(), pilots, mesh.error,
+                     mesh.resolved ? "" : fmt::format(" > {:.3g}", tolerance));
+}
+
+Solution solve(const Plan& plan, CallMemory& calls, long max_calls, const ProgressCallback& progress) {
+  BuildRecord record;
+  record.builder = "sampling";
+  record.strategy = "cross";
+  std::optional<TimeMesh> mesh;
+  long pilots = 0;
+  if (plan.end > 0.0) {
+    try {
+      PilotedMesh piloted = mesh_by_pilots(plan, calls, max_calls, progress);
+      mesh.emplace(std::move(piloted.mesh));
+      pilots = piloted.calls;
+    } catch (const BuildStopped& stopped) {
+      record.status = stopped.status;
+      record.message = stopped.message;
+      return without_field(plan, calls.source(), std::move(record));
+    }
+  }
+  const pgd::SamplingResult result = sample_calls(plan, calls, mesh, max_calls - pilots, progress);
+  record.evaluations = static_cast<double>(pilots + result.calls);
+  record.grid_size = result.grid_size * (mesh ? mesh->axis.size() : 1);
+  record.rounds = static_cast<int>(result.history.size());
+  record.status = status_of(result, !mesh || mesh->resolved);
+  record.message = result.message;
+  if (mesh) record.message += described(*mesh, pilots, kTimeShare * plan.relative);
+  if (!result.field) return without_field(plan, calls.source(), std::move(record));
+  pgd::RoundedField field = rounded_field(result, plan, calls.source(), mesh);
+  record.message +=
+      fmt::format("; rounded from {} numbers to {}", result.field->entries(), field.field.entries());
+  const ErrorBudget spent{.discretisation = mesh ? mesh->error : 0.0,
+                          .compression = result.error + field.error};
+  return {{Piece{{std::move(field.field)}}}, std::move(record), spent, 0.0};
 }
 
 }  // namespace
 
-Solution solve_by_sampling(const Plan& plan, const models::ParametricModel& model, long max_trajectories,
+Solution solve_by_sampling(const Plan& plan, CallMemory& calls, long max_calls,
                            const ProgressCallback& progress) {
-  Trajectories trajectories(plan, model);
-  BuildRecord record;
-  record.builder = "sampling";
-  record.strategy = "cross";
   try {
-    const TimeMesh mesh = mesh_by_pilots(plan, model, trajectories, max_trajectories, progress);
-    const long pilots = trajectories.count();
-    const pgd::SamplingResult result =
-        sample_trajectories(plan, model, mesh, trajectories, max_trajectories, progress);
-    record.evaluations = static_cast<double>(trajectories.count());
-    record.grid_size = result.grid_size * mesh.axis.size();
-    record.rounds = static_cast<int>(result.history.size());
-    record.status = !result.tolerance_met() ? to_string(result.status)
-                    : mesh.resolved         ? "converged"
-                                            : "not_resolved";
-    record.message =
-        fmt::format("{}; {} elements of time by {} pilot trajectories, interpolation error {:.3g}{}",
-                    result.message, mesh.axis.elements(), pilots, mesh.error,
-                    mesh.resolved ? "" : fmt::format(" > {:.3g}", kTimeShare * plan.relative));
-    if (!result.field) return {{Piece{{initial_values(plan, model)}}}, record, {}, 0.0};
-    return {{Piece{{with_time(*result.field, mesh.axis, state_labels(model))}}},
-            record,
-            {.discretisation = mesh.error, .compression = result.error},
-            0.0};
-  } catch (const PilotsStopped& stopped) {
-    record.status = stopped.status;
-    record.message = stopped.message;
-    record.evaluations = static_cast<double>(trajectories.count());
-    return {{Piece{{initial_values(plan, model)}}}, record, {}, 0.0};
+    Solution solution = solve(plan, calls, max_calls, progress);
+    calls.save();
+    return solution;
+  } catch (const NoResultError&) {
+    calls.save();
+    throw;
   }
 }
 

@@ -1,26 +1,28 @@
 #pragma once
 
 #include "samara/base/progress.h"
+#include "samara/codebooks/call_memory.h"
 #include "samara/codebooks/plan.h"
 #include "samara/codebooks/solution.h"
-#include "samara/models/parametric_model.h"
 
 namespace samara::codebooks {
 
-/// Trajectories that a build by sampling may ask for where the plan sets no limit.
-inline constexpr long kMostTrajectories = 100'000;
+/// Calls that a build by sampling may make where the plan sets no limit.
+inline constexpr long kMostSampledCalls = 100'000;
 
-/// Solves a plan by sampling trajectories of the reference integrator (pgd/sampling.h).
+/// Solves a plan by sampling (pgd/sampling.h) the trajectories of a model, or a command.
 ///
-/// Pilots, in corners and inside of the box, choose the time axis: interpolation between its nodes follows
-/// them to 0.1 of the tolerance. Then every call integrates one trajectory and gives all outputs at all nodes
-/// of time; the cross is built to half the tolerance. The first core of the train, over outputs and times, is
-/// split into one of the outputs and one of time.
+/// With time, pilots, in corners and inside of the box, choose its axis: interpolation between its nodes
+/// follows them to 0.1 of the tolerance. Then every call gives all outputs at all nodes of time; the cross is
+/// built to half the tolerance (0.8 of it without time). The first core of the train, over outputs and times,
+/// is split into one of the outputs and one of time, and the train rounded to 0.1 of the tolerance and
+/// what the cross did not use of its share.
 ///
-/// A trajectory that cannot be integrated ends the build with the status "failed" and the point; the best so
-/// far, or else the initial values for all times, is the piece.
-/// @param max_trajectories pilots included
-Solution solve_by_sampling(const Plan& plan, const models::ParametricModel& model, long max_trajectories,
+/// A point without an answer ends the build with the status "failed" and the point; the best so far, or else
+/// the source's stand-in for all times, is the piece. All calls are stored in the end.
+/// @param max_calls pilots included; answers remembered from an earlier build count as if they were made
+/// @throws NoResultError if there is neither a best nor a stand-in
+Solution solve_by_sampling(const Plan& plan, CallMemory& calls, long max_calls,
                            const ProgressCallback& progress);
 
 }  // namespace samara::codebooks

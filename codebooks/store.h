@@ -4,7 +4,7 @@
 
 #include "samara/codebooks/codebook.h"
 
-/// The codebook file (HDF5), format "samara-codebook" version 0.3; docs/codebook_file.md describes every
+/// The codebook file (HDF5), format "samara-codebook" version 0.4; docs/codebook_file.md describes every
 /// dataset.
 namespace samara::codebooks {
 

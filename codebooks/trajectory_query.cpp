@@ -36,6 +36,7 @@ GroupAtTimes at_times(const FieldGroup& group, const std::vector<double>& times,
 TrajectoryQuery::TrajectoryQuery(const Codebook& book, std::vector<double> times,
                                  const std::vector<std::string>& outputs)
     : book_(book), times_(std::move(times)), answered_(times_.size()) {
+  book.time("a query of trajectories");
   for (const double t : times_) require_inside(std::span(book.coordinates()).first(1), std::span(&t, 1));
   const std::vector<int> column = columns_of(book, outputs);
   output_count_ = outputs.empty() ? book.output_count() : static_cast<int>(outputs.size());

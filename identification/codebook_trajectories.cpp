@@ -13,7 +13,7 @@ namespace {
 FamilyInfo describe(const codebooks::Codebook& book) {
   FamilyInfo info{.model = book.model().name, .source = "codebook", .fixed = book.model().fixed};
   const auto& coordinates = book.coordinates();
-  info.end_time = coordinates.front().upper;
+  info.end_time = book.time("a fit").upper;
   for (std::size_t k = 1; k < coordinates.size(); ++k) {
     const codebooks::Coordinate& c = coordinates[k];
     info.coordinates.push_back({c.name, c.unit, c.role == pgd::AxisRole::initial, c.lower, c.upper});

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/codebooks/certify.h"
 #include "samara/identification/model_symmetry.h"
 #include "samara/models/parametric_model.h"
 
@@ -124,6 +125,7 @@ std::unique_ptr<TrajectoryFamily> reference_trajectories(std::shared_ptr<const m
 
 std::unique_ptr<TrajectoryFamily> reference_trajectories(const codebooks::Codebook& book,
                                                          const models::IntegrateOptions& options) {
+  codebooks::model_of(book);  // a command has none, and is told apart from an unknown model
   std::map<std::string, Interval> box;
   for (const codebooks::Coordinate& c : book.coordinates()) {
     if (c.role != pgd::AxisRole::time) box[c.name] = {c.lower, c.upper};

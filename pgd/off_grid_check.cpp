@@ -21,6 +21,11 @@ std::span<const double> column(const Eigen::MatrixXd& points, Eigen::Index j) {
   return {points.col(j).data(), static_cast<std::size_t>(points.rows())};
 }
 
+std::string bytes_of(const Eigen::VectorXd& point) {
+  return {reinterpret_cast<const char*>(point.data()),
+          static_cast<std::size_t>(point.size()) * sizeof(double)};
+}
+
 /// Differences of two interpolants over the scales, the largest output.
 Eigen::VectorXd disagreement(const TrainField& a, const TrainField& b, const Eigen::MatrixXd& points,
                              const Eigen::VectorXd& scale) {
@@ -83,13 +88,20 @@ Eigen::MatrixXd OffGridCheck::suspicious_points(int count, const TrainField& lat
   const Eigen::MatrixXd pool = candidates(std::max(kCandidates, count), pivots);
   const std::vector<Eigen::Index> order =
       descending_order(disagreement(latest, before, pool, function_.scale()));
-  for (Eigen::Index j = 0; j < count / 2; ++j) points.col(j) = pool.col(order[static_cast<std::size_t>(j)]);
+  // Candidates beyond the box were moved to its border: many are the same corner.
+  std::set<std::string> taken = called_;
+  Eigen::Index j = 0;
+  for (const Eigen::Index place : order) {
+    if (j == count / 2) break;
+    if (taken.insert(bytes_of(pool.col(place))).second) points.col(j++) = pool.col(place);
+  }
   return points;
 }
 
 void OffGridCheck::call(const Eigen::MatrixXd& points) {
-  const Eigen::MatrixXd values = function_(points);
+  const Eigen::MatrixXd values = function_.recalled(points);
   for (Eigen::Index j = points.cols() / 2; j < points.cols(); ++j) uniform_.push_back(points_.cols() + j);
+  for (Eigen::Index j = 0; j < points.cols(); ++j) called_.insert(bytes_of(points.col(j)));
   append_columns(points_, points);
   append_columns(values_, values);
 }

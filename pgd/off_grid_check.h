@@ -1,5 +1,7 @@
 #pragma once
 
+#include <set>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,7 +34,7 @@ class OffGridCheck {
 
   /// Half of them uniform in the box. The other half are those of many candidates at which the latest two
   /// interpolants differ most: uniform ones, and ones near pivots in most coordinates. So narrow features are
-  /// looked at where they are.
+  /// looked at where they are. No point is given twice, of those that were called before neither.
   Eigen::MatrixXd suspicious_points(int count, const TrainField& latest, const TrainField& before,
                                     const Eigen::MatrixXd& pivots);
 
@@ -55,6 +57,7 @@ class OffGridCheck {
   SampledFunction& function_;
   Random random_;
   Eigen::MatrixXd points_, values_;
+  std::set<std::string> called_;       ///< points by their bytes
   std::vector<Eigen::Index> uniform_;  ///< columns of points that were uniform
 };
 

@@ -30,7 +30,7 @@ Eigen::VectorXd climb(const std::vector<SampledCoordinate>& coordinates, Sampled
                       Eigen::Index m, double ground, Eigen::VectorXd x) {
   constexpr int kSweeps = 6;
   double step = 0.25;  // of the intervals
-  double height = std::abs(function(x)(m, 0) - ground);
+  double height = std::abs(function.recalled(x)(m, 0) - ground);
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     bool gained = false;
     for (Eigen::Index k = 0; k < x.size(); ++k) {
@@ -40,7 +40,7 @@ Eigen::VectorXd climb(const std::vector<SampledCoordinate>& coordinates, Sampled
       sides(k, 0) = std::max(x[k] - way, c.lower);
       sides(k, 1) = std::min(x[k] + way, c.upper);
       Eigen::Index side = 0;
-      const double higher = (function(sides).row(m).array() - ground).abs().maxCoeff(&side);
+      const double higher = (function.recalled(sides).row(m).array() - ground).abs().maxCoeff(&side);
       if (!(higher > height)) continue;
       height = higher;
       x = sides.col(side);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -126,6 +127,26 @@ Eigen::MatrixXd SampledFunction::operator()(const Eigen::MatrixXd& points) {
     smallest_ = smallest_.cwiseMin(values.rowwise().minCoeff());
     largest_ = largest_.cwiseMax(values.rowwise().maxCoeff());
   }
+  return values;
+}
+
+Eigen::MatrixXd SampledFunction::recalled(const Eigen::MatrixXd& points) {
+  const auto key = [&](Eigen::Index j) {
+    return std::string(reinterpret_cast<const char*>(points.col(j).data()),
+                       static_cast<std::size_t>(points.rows()) * sizeof(double));
+  };
+  std::vector<Eigen::Index> missing;
+  std::set<std::string> keys;
+  for (Eigen::Index j = 0; j < points.cols(); ++j) {
+    if (!recalled_.contains(key(j)) && keys.insert(key(j)).second) missing.push_back(j);
+  }
+  if (!missing.empty()) {
+    const Eigen::MatrixXd values = (*this)(points(Eigen::all, missing));
+    for (std::size_t i = 0; i < missing.size(); ++i)
+      recalled_[key(missing[i])] = values.col(static_cast<Eigen::Index>(i));
+  }
+  Eigen::MatrixXd values(outputs(), points.cols());
+  for (Eigen::Index j = 0; j < points.cols(); ++j) values.col(j) = recalled_.at(key(j));
   return values;
 }
 

@@ -31,6 +31,10 @@ class SampledFunction {
   /// Values at points (coordinates x points). @throws SamplingStopped
   Eigen::MatrixXd operator()(const Eigen::MatrixXd& points);
 
+  /// The same, but points that came through here before are not called again: for points off the grid, of
+  /// which searches ask for some twice.
+  Eigen::MatrixXd recalled(const Eigen::MatrixXd& points);
+
   long calls() const { return calls_; }
   double seconds() const;
   /// Per output, largest less smallest value seen.
@@ -56,6 +60,7 @@ class SampledFunction {
   long calls_ = 0;
   double fraction_ = 0.0;
   Eigen::VectorXd smallest_, largest_;
+  std::unordered_map<std::string, Eigen::VectorXd> recalled_;  ///< by the bytes of the point
 };
 
 /// One coordinate as [-1, 1], through its transform.

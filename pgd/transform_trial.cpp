@@ -31,24 +31,32 @@ Eigen::MatrixXd coefficient_matrix() {
   return vandermonde.inverse();
 }
 
+/// Values along one coordinate, line by line, at some of the nodes.
+Eigen::MatrixXd values_on_lines(const Eigen::MatrixXd& bases, Eigen::Index k, const CoordinateMap& map,
+                                SampledFunction& function, const std::vector<int>& nodes) {
+  const auto count = static_cast<Eigen::Index>(nodes.size());
+  Eigen::MatrixXd points(bases.rows(), kLines * count);
+  for (Eigen::Index j = 0; j < points.cols(); ++j) {
+    points.col(j) = bases.col(j / count);
+    points(k, j) = map.from_unit(lobatto_node(nodes[static_cast<std::size_t>(j % count)]));
+  }
+  return function(points);
+}
+
 /// Size of the last two coefficients along the coordinate, over the scales of the outputs, in root mean
 /// square over the lines.
-double tail(const Eigen::MatrixXd& bases, Eigen::Index k, const CoordinateMap& map,
-            SampledFunction& function) {
+/// @param ends values at both ends of the lines, which all maps share
+double tail(const Eigen::MatrixXd& bases, Eigen::Index k, const CoordinateMap& map, SampledFunction& function,
+            const Eigen::MatrixXd& ends) {
   static const Eigen::MatrixXd coefficients = coefficient_matrix();
-  Eigen::MatrixXd points(bases.rows(), kLines * kNodes);
-  for (int line = 0; line < kLines; ++line) {
-    for (int i = 0; i < kNodes; ++i) {
-      points.col(line * kNodes + i) = bases.col(line);
-      points(k, line * kNodes + i) = map.from_unit(lobatto_node(i));
-    }
-  }
-  const Eigen::MatrixXd values = function(points);
+  constexpr int kInner = kNodes - 2;
+  const Eigen::MatrixXd inner = values_on_lines(bases, k, map, function, {1, 2, kNodes - 2});
   double sum = 0.0;
   for (int line = 0; line < kLines; ++line) {
-    const Eigen::MatrixXd on_line = function.scale().cwiseInverse().asDiagonal() *
-                                    values.middleCols(line * kNodes, kNodes) *
-                                    coefficients.bottomRows(2).transpose();
+    Eigen::MatrixXd values(inner.rows(), kNodes);
+    values << ends.col(2 * line), inner.middleCols(line * kInner, kInner), ends.col(2 * line + 1);
+    const Eigen::MatrixXd on_line =
+        function.scale().cwiseInverse().asDiagonal() * values * coefficients.bottomRows(2).transpose();
     sum += on_line.rowwise().squaredNorm().maxCoeff();
   }
   return std::sqrt(sum / kLines);
@@ -76,9 +84,11 @@ std::vector<Transform> try_transforms(const std::vector<SampledCoordinate>& coor
     best.push_back(c.label.transform);
     if (!is_worth_trying(c)) continue;
     const auto row = static_cast<Eigen::Index>(k);
-    double least = kClearly * tail(bases, row, {c.lower, c.upper, Transform::none}, function);
+    const CoordinateMap linear(c.lower, c.upper, Transform::none);
+    const Eigen::MatrixXd ends = values_on_lines(bases, row, linear, function, {0, kNodes - 1});
+    double least = kClearly * tail(bases, row, linear, function, ends);
     for (const Transform transform : {Transform::logarithm, Transform::reciprocal, Transform::square_root}) {
-      const double with = tail(bases, row, {c.lower, c.upper, transform}, function);
+      const double with = tail(bases, row, {c.lower, c.upper, transform}, function, ends);
       if (!(with < least)) continue;
       least = with;
       best.back() = transform;

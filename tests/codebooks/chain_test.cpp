@@ -130,3 +130,64 @@ TEST_CASE("codebooks that cannot be chained, and calls that make no sense, are r
   CHECK_THROWS_WITH(chain.run(start, C_D, std::vector<double>{-0.1}), Contains("-0.1 after 0"));
   CHECK_THROWS_AS(chain.run(start, std::vector<double>{3.0}, times), samara::OutsideBoxError);
 }
+
+namespace {
+
+/// The flow map of a plate over a tenth of a time unit, all attitudes; x and y are only displaced.
+const BuildResult& plate_window() {
+  static const BuildResult result = build(parse_plan(R"toml(model = "falling_plate_nd"
+[box]
+"w(0)" = [-2.5, 0.5]
+"theta(0)" = [-3.14159265358979324, 3.14159265358979324]
+"vx(0)" = [0.3, 2.0]
+"vy(0)" = [-1.2, -0.2]
+[time]
+end = 0.1
+[tolerance]
+relative = 1e-4
+[builder]
+kind = "sampling"
+)toml",
+                                                     "window.toml"),
+                                          {.certificate_points = 100});
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("a chain of windows of trains carries a tumbling plate over full turns, with derivatives") {
+  INFO(plate_window().message);
+  REQUIRE(plate_window().met);
+  const Codebook& book = plate_window().book;
+  REQUIRE(book.pieces()[0].groups[0].train() != nullptr);
+  Chain chain(book);
+  CHECK(chain.states() == std::vector<std::string>{"vx", "vy", "w", "theta", "x", "y"});
+  // Two turns below the box: the angle is wrapped at the first window, and again where it leaves the box.
+  const std::vector<double> start = {1.0, -0.6, -1.5, -4.0 * 3.14159265358979 - 3.1, 5.0, -7.0};
+  const std::vector<double> times = steps(0.4, 8);
+  const ChainResult result = chain.run(start, {}, times, true);
+  INFO(result.message);
+  REQUIRE(result.status == ChainStatus::done);
+  const samara::models::ParametricModel model(samara::models::find_model("falling_plate_nd"), {},
+                                              {"vx(0)", "vy(0)", "w(0)", "theta(0)", "x(0)", "y(0)"});
+  const samara::models::Trajectory exact = samara::models::integrate(model, start, times, {}, true);
+  CHECK(exact.states(8, 3) < start[3] - 0.1);  // it goes on turning downward, through -pi of the box
+  // Four windows, each good to 1e-4 of ranges up to 6; what is carried grows by less than e^(0.4 * 3).
+  CHECK((result.states - exact.states).cwiseAbs().maxCoeff() < 4 * 6e-4 * 3.3);
+  for (std::size_t k = 0; k < start.size(); ++k) {
+    // Slopes of errors of 1e-4 in polynomials of degree 10 or so.
+    const Eigen::VectorXd slopes = result.derivatives[8].col(static_cast<Eigen::Index>(k));
+    CHECK((slopes - exact.sensitivities[k].row(8).transpose()).cwiseAbs().maxCoeff() < 0.05);
+  }
+}
+
+TEST_CASE("a chain of trains that leaves its box says when and which state") {
+  Chain chain(plate_window().book);
+  const std::vector<double> start = {1.9, -0.3, -0.5, -2.0, 0.0, 0.0};
+  const ChainResult result = chain.run(start, {}, steps(10.0, 100));
+  CHECK(result.status == ChainStatus::left_box);
+  CHECK_FALSE(result.left.empty());
+  CHECK(result.reached < 10.0);
+  CHECK_THAT(result.message, Contains("the chain left the box at t = ") && Contains(result.left + " = "));
+  CHECK(std::isnan(result.states(100, 0)));
+}

@@ -90,3 +90,22 @@ TEST_CASE("the golden file of format 0.2 loads with axes of every kind and evalu
     CHECK_THAT(gradient(0, 7), WithinAbs(-k * k / h / h, 1e-12));
   }
 }
+
+TEST_CASE("the golden file of format 0.4, of a command without time, evaluates to a b and 1 + a") {
+  const Codebook book = load(std::filesystem::path(GOLDEN_DIRECTORY) / "codebook_0.4.h5");
+  check_same_codebook(book, golden_command());
+  CHECK(book.is_of_command());
+  CHECK_FALSE(book.has_time());
+  Query query(book);
+  Eigen::VectorXd values(2);
+  Eigen::MatrixXd gradient(2, 2);
+  const Eigen::MatrixXd points = random_points(book, 50, 3);
+  for (Eigen::Index j = 0; j < points.cols(); ++j) {
+    const double a = points(0, j), b = points(1, j);
+    query.values(point(points, j), values, gradient);
+    // A few products of numbers up to 3.
+    CHECK_THAT(values[0], WithinAbs(a * b, 1e-14));
+    CHECK_THAT(values[1], WithinAbs(1.0 + a, 1e-14));
+    CHECK((gradient - (Eigen::Matrix2d() << b, a, 1.0, 0.0).finished()).cwiseAbs().maxCoeff() < 1e-13);
+  }
+}

@@ -159,6 +159,37 @@ Codebook golden_trains() {
   return bare.with_certificate(sample_certificate(bare));
 }
 
+Codebook golden_command() {
+  const std::vector<Axis> axes = {Axis::chebyshev({"a", "m"}, -1.0, 2.0, 3),
+                                  Axis::chebyshev({"b", "kg"}, 0.0, 1.0, 2)};
+  // Outputs (a, 1) by a and b: u = a b, v = a + 1.
+  samara::pgd::TensorTrain train;
+  samara::pgd::TrainCore& outputs = train.cores.emplace_back(1, 2, 2);
+  outputs.left_unfolding().setIdentity();
+  samara::pgd::TrainCore& by_a = train.cores.emplace_back(2, 3, 2);
+  samara::pgd::TrainCore& by_b = train.cores.emplace_back(2, 2, 1);
+  for (int i = 0; i < 3; ++i) {
+    const double a = axes[0].nodes()[i];
+    by_a.data[0 + 2 * i] = a;              // u: a times the first of b
+    by_a.data[1 + 2 * (i + 3)] = a + 1.0;  // v: a + 1 times the second
+  }
+  for (int i = 0; i < 2; ++i) {
+    by_b.data[0 + 2 * i] = axes[1].nodes()[i];
+    by_b.data[1 + 2 * i] = 1.0;
+  }
+  ModelDescription model;
+  model.name = kCommandModel;
+  model.title = "what a program answers";
+  model.equations = "python3 product.py --fast";
+  model.fixed = {{"c", 1.0 / 3.0}};
+  model.fixed_units = {{"c", "m/s"}};
+  const TrainField field(axes, {{"u", "m kg"}, {"v", "m"}}, std::move(train));
+  const Codebook bare(model, {Piece{{field}}}, sample_build(), sample_provenance(), {}, "the golden command");
+  Certificate certificate = sample_certificate(bare);
+  certificate.times = 0;
+  return bare.with_certificate(certificate);
+}
+
 ModelDescription sample_model() {
   ModelDescription model;
   model.name = "vertical_fall";

@@ -50,6 +50,10 @@ samara::codebooks::Codebook four_pieces_of_trains();
 /// A random train of these ranks over the axes of a random piece, with outputs x, v and E.
 samara::codebooks::Piece random_train_piece(const PieceBox& box, unsigned seed, int rank);
 
+/// The codebook of the golden file of format 0.4: a command without time, u = a b and v = 1 + a, exact to
+/// round-off, for a in [-1, 2] and b in [0, 1], as one train.
+samara::codebooks::Codebook golden_command();
+
 /// The codebook of the golden file of format 0.3: golden_book() with the first piece as one train of both
 /// outputs.
 samara::codebooks::Codebook golden_trains();

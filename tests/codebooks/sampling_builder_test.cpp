@@ -1,13 +1,16 @@
 #include <cmath>
+#include <optional>
 
 #include <catch2/catch.hpp>
 
 #include "../io/error_text.h"
 #include "../io/temporary_directory.h"
 #include "samara/codebooks/certify.h"
+#include "samara/codebooks/checkpoint.h"
 #include "samara/codebooks/query.h"
 #include "samara/codebooks/store.h"
 #include "samara/models/integrate.h"
+#include "samara/pgd/random.h"
 #include "same_codebook.h"
 #include "sample_books.h"
 
@@ -86,7 +89,7 @@ void check_sampled(const BuildResult& result, double tolerance) {
   const ErrorBudget& spent = result.book.certificate()->spent;
   CHECK(spent.discretisation <= 0.1 * tolerance);
   CHECK(spent.compression > 0.0);
-  CHECK(spent.compression <= 0.5 * tolerance);
+  CHECK(spent.compression <= 0.6 * tolerance);  // of the cross 0.5, of rounding 0.1
   CHECK(own_error(result.book, 100, 17) <= tolerance);
 }
 
@@ -224,14 +227,89 @@ TEST_CASE("a build by sampling that is cancelled says so, asks no more, and give
   }
 }
 
-TEST_CASE("a build by sampling is not resumed, and says so before it begins") {
+TEST_CASE("a build by sampling that is killed again and again ends in the same codebook") {
+  struct Killed {};
+  // Of the kind auto the trial misses, and the engine has its own part of the checkpoint.
+  for (const std::string builder : {"kind = \"sampling\"\n", "kind = \"auto\"\nmax_calls = 120\n"}) {
+    const TemporaryDirectory directory;
+    const std::string plan = coin_plan_of(builder);
+    BuildOptions options{.certificate_points = 20, .checkpoint = directory / "c", .resume = true};
+    const Codebook whole = built(plan, {.certificate_points = 20}).book;
+    samara::pgd::Random random(11);
+    int kills = 0;
+    std::optional<BuildResult> result;
+    while (!result) {
+      int reports = kills < 12 ? 1 + random.below(4 + 4 * kills) : 1'000'000;
+      options.progress = [&](const samara::Progress&) -> bool {
+        return --reports > 0 ? true : throw Killed();
+      };
+      try {
+        result = built(plan, options);
+      } catch (const Killed&) {
+        ++kills;
+      }
+    }
+    INFO(builder << kills << " kills");
+    CHECK(kills >= 3);
+    check_same_but_provenance(result->book, whole);
+    CHECK_FALSE(std::filesystem::exists(options.checkpoint));
+  }
+}
+
+TEST_CASE("a build by sampling that was cancelled leaves its calls, which are not made again") {
   const TemporaryDirectory directory;
-  BuildOptions options{.certificate_points = 20, .checkpoint = directory / "book.checkpoint", .resume = true};
   const std::string plan = coin_plan_of("kind = \"sampling\"\n");
-  CHECK(built(plan, options).met);  // there is nothing to resume
+  BuildOptions options{.certificate_points = 20, .checkpoint = directory / "c"};
+  options.progress = [](const samara::Progress& report) { return report.stage != "certificate"; };
+  const BuildResult cancelled = built(plan, options);
+  CHECK(cancelled.resumable);
+  const std::vector<CallSheet> calls = load_calls(options.checkpoint, plan);
+  std::size_t count = 0;
+  for (const CallSheet& sheet : calls) count += sheet.points.size() / 2;
+  // Corners may be called on the grid and off it.
+  CHECK(static_cast<double>(count) <= cancelled.book.build().evaluations);
+  CHECK(static_cast<double>(count) >= cancelled.book.build().evaluations - 4.0);
+  // As many calls as there are, all of them known: none is made, and the same codebook comes out.
+  options.progress = {};
+  options.resume = true;
+  const BuildResult resumed = built(plan, options);
+  check_same_but_provenance(resumed.book, built(plan, {.certificate_points = 20}).book);
+}
+
+TEST_CASE("a checkpoint that is none, or holds calls of another box, is refused") {
+  const TemporaryDirectory directory;
+  const std::string plan = coin_plan_of("kind = \"sampling\"\n");
+  const BuildOptions options{.certificate_points = 20, .checkpoint = directory / "c", .resume = true};
   put_content(options.checkpoint, "state");
-  CHECK_THAT(error_text<samara::ArgumentError>([&] { built(plan, options); }),
-             Contains("book.checkpoint") && Contains("keeps no checkpoint") && EndsWith("without --resume"));
+  CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }), Contains("not an HDF5 file"));
+  save_calls(options.checkpoint, "another plan", {{{}, {1.0, 2.0}, {3.0}}}, 2);
+  CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }), EndsWith("without --resume"));
+  save_calls(options.checkpoint, plan, {{{0.0, 0.1}, {1.0, 2.0}, {3.0}}}, 2);
+  CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }),
+             Contains("other coordinates or outputs than the plan"));
+}
+
+TEST_CASE("calls and the engine's state keep each other in one checkpoint") {
+  const TemporaryDirectory directory;
+  const auto file = directory / "c";
+  const std::vector<CallSheet> calls = {{{}, {1.0, 2.0, 3.0, 4.0}, {5.0, 6.0}},
+                                        {{0.0, 0.5}, {7.0, 8.0}, {9.0, 10.0}}};
+  save_calls(file, "plan", calls, 2);
+  CHECK(load_checkpoint(file, "plan").round == 0);
+  samara::pgd::SolverState state;
+  state.iterations = 17;
+  save_checkpoint(file, "plan", state);
+  save_calls(file, "plan", calls, 2);
+  CHECK(load_checkpoint(file, "plan").iterations == 17);
+  const std::vector<CallSheet> loaded = load_calls(file, "plan");
+  REQUIRE(loaded.size() == 2);
+  for (std::size_t s = 0; s < 2; ++s) {
+    CHECK(loaded[s].times == calls[s].times);
+    CHECK(loaded[s].points == calls[s].points);
+    CHECK(loaded[s].values == calls[s].values);
+  }
+  save_calls(file, "another", calls, 2);  // whose state this is not
+  CHECK(load_checkpoint(file, "another").iterations == 0);
 }
 
 TEST_CASE("the kind auto chooses sampling where its trial suffices, and says why") {

@@ -21,6 +21,9 @@ class Excerpts(unittest.TestCase):
     def test_sidecar_of_the_coin(self):
         self.assertIn(f"```toml\n{text('examples/coin/coin.toml')}```", text("docs/captures.md"))
 
+    def test_plan_of_a_command(self):
+        self.assertIn(f"```toml\n{text('examples/command/settling.toml')}```", text("docs/plans.md"))
+
     def test_own_model(self):
         self.assertIn(f"```cpp\n{text('examples/own_model/own_model.cpp')}```", text("docs/models.md"))
 

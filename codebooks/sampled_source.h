@@ -1,0 +1,43 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/codebooks/plan.h"
+#include "samara/models/parametric_model.h"
+#include "samara/pgd/axis.h"
+#include "samara/pgd/separated_field.h"
+
+namespace samara::codebooks {
+
+/// What a source says at some points.
+struct SampledAnswers {
+  /// A column for every point before the first that failed: outputs fastest, then times.
+  Eigen::MatrixXd values;
+  std::string failure;  ///< why the point behind the last column has no answer; empty: all have one
+};
+
+/// What a build by sampling calls: the trajectories of a model, or a command.
+struct SampledSource {
+  std::vector<pgd::Axis::Label> coordinates;  ///< of the box, in its order
+  std::vector<pgd::OutputLabel> outputs;
+  std::string time_unit = "s";
+  std::string answers_name;  ///< what it gives, for messages: "trajectory"
+  /// At points (coordinates x points) and times, which are empty where there is no time.
+  std::function<SampledAnswers(const Eigen::MatrixXd& points, const std::vector<double>& times)> answers;
+  int batch = 1;  ///< points that are asked for at a time
+  /// The outputs where a build ends before it has any: the initial values of a model. Commands have none.
+  std::optional<Eigen::VectorXd> stand_in;
+};
+
+/// Trajectories of the reference integrator, by the plan's number of threads. The model must outlive it.
+SampledSource model_source(const Plan& plan, const models::ParametricModel& model);
+
+/// The plan's command, fixed inputs included.
+SampledSource command_source(const Plan& plan);
+
+}  // namespace samara::codebooks
