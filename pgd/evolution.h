@@ -22,6 +22,8 @@
 /// never visited; the number of evaluations is reported.
 namespace samara::pgd {
 
+class PolynomialSystem;
+
 /// What the engine must know of the equations: f and df/dx at batches of points. Implementations must be
 /// const-safe.
 class EvolutionSystem {
@@ -35,6 +37,10 @@ class EvolutionSystem {
   /// @param jacobian column j holds df/dx at point j, states x states, column after column
   virtual void jacobian(const Eigen::VectorXd& t, const Eigen::MatrixXd& x, const Eigen::MatrixXd& q,
                         Eigen::MatrixXd& jacobian) const = 0;
+  /// Whether f = f_0 + sum_k q_k f_k with f_k independent of q, for all parameters together.
+  virtual bool affine_in_parameters() const { return false; }
+  /// The same system term by term if its f is a polynomial; null: it is not, or is not known to be.
+  virtual const PolynomialSystem* polynomial() const { return nullptr; }
 };
 
 /// x0 of one state: a number, or the coordinate of one of the parameter axes.

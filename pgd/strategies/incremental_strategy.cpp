@@ -1,0 +1,88 @@
+#include <utility>
+
+#include "samara/pgd/strategies/polynomial_system.h"
+#include "samara/pgd/strategies/separated_rates.h"
+#include "samara/pgd/strategies/strategy.h"
+#include "samara/pgd/train_algebra.h"
+
+namespace samara::pgd {
+
+namespace {
+
+/// f of an iterate, one monomial after the other, by products of the states' own trains.
+class Products {
+ public:
+  Products(const StrategySlab& slab, const TensorTrain& iterate, double tolerance)
+      : slab_(slab), at_points_(slab.at_points(iterate)), tolerance_(tolerance) {}
+
+  TensorTrain sum_of(const std::vector<Monomial>& terms) const {
+    TensorTrain total;
+    for (const Monomial& monomial : terms) {
+      if (monomial.coefficient == 0.0) continue;
+      TensorTrain one = term(monomial);
+      total = total.cores.empty()
+                  ? std::move(one)
+                  : slab_.compressed(sum(total, one), tolerance_ / static_cast<double>(terms.size()));
+    }
+    return total.cores.empty() ? scaled(at_points_, 0.0) : total;
+  }
+
+ private:
+  /// One state alone: its first mode the Radau points.
+  TensorTrain state(int m) const {
+    Eigen::MatrixXd selection = Eigen::MatrixXd::Zero(slab_.points(), slab_.rows());
+    for (int i = 0; i < slab_.points(); ++i) selection(i, m + slab_.states() * i) = slab_.scales()[m];  // SI
+    return applied(at_points_, 0, selection);
+  }
+
+  TensorTrain ones() const {
+    TensorTrain result;
+    result.cores.emplace_back(1, slab_.points(), 1);
+    for (const int size : slab_.sizes()) result.cores.emplace_back(1, size, 1);
+    for (TrainCore& core : result.cores) core.data.setOnes();
+    return result;
+  }
+
+  TensorTrain term(const Monomial& monomial) const {
+    TensorTrain product =
+        scaled(ones(), monomial.coefficient * slab_.length() / slab_.scales()[monomial.state]);
+    for (std::size_t k = 0; k < monomial.parameter_powers.size(); ++k) {
+      if (monomial.parameter_powers[k] > 0)
+        product =
+            slab_.times_coordinate(std::move(product), static_cast<int>(k), monomial.parameter_powers[k]);
+    }
+    for (int m = 0; m < slab_.states(); ++m) {
+      for (int p = 0; p < monomial.state_powers[static_cast<std::size_t>(m)]; ++p)
+        product = slab_.product(product, state(m), tolerance_);
+    }
+    Eigen::MatrixXd placed = Eigen::MatrixXd::Zero(slab_.rows(), slab_.points());
+    for (int i = 0; i < slab_.points(); ++i) placed(monomial.state + slab_.states() * i, i) = 1.0;
+    return applied(std::move(product), 0, placed);
+  }
+
+  const StrategySlab& slab_;
+  TensorTrain at_points_;
+  double tolerance_;
+};
+
+class Incremental final : public Strategy {
+ public:
+  std::string name() const override { return "incremental linearisation"; }
+
+  LinearSlab linearise(const StrategySlab& slab, const TensorTrain& iterate, std::optional<double>) override {
+    if (const PolynomialSystem* polynomial = slab.problem().system->polynomial())
+      return {{}, Products(slab, iterate, kSourceShare * slab.tolerance()).sum_of(polynomial->terms())};
+    return {{}, separated_rates(slab, iterate, pivots_)};
+  }
+
+ private:
+  CrossPivots pivots_;
+};
+
+}  // namespace
+
+std::unique_ptr<Strategy> incremental_strategy() {
+  return std::make_unique<Incremental>();
+}
+
+}  // namespace samara::pgd
