@@ -166,7 +166,16 @@ Solution solve_by_newton(const Plan& plan, const models::ParametricModel& model,
 
 Solution solve_by_pgd(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
                       long max_evaluations, const ProgressCallback& progress) {
-  if (plan.builder.strategy == "slabs") return solve_by_slabs(plan, model, max_evaluations, progress);
+  if (plan.builder.strategy == "slabs") {
+    if (options.resume && std::filesystem::exists(options.checkpoint)) {
+      throw ArgumentError(
+          fmt::format("{}: a build in slabs keeps no checkpoint, so it cannot be resumed; remove the file or "
+                      "build without "
+                      "--resume",
+                      options.checkpoint.string()));
+    }
+    return solve_by_slabs(plan, model, max_evaluations, progress);
+  }
   return solve_by_newton(plan, model, options, max_evaluations, progress);
 }
 

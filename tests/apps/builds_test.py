@@ -13,6 +13,23 @@ import time
 from samara_case import COIN_PLAN, FOLDER, SAMARA, Case, main, run, write
 
 
+PLATE_PLAN = """model = "falling_plate_nd"
+[fixed]
+"theta(0)" = 0.4
+[box]
+C_T = [0.8, 1.4]
+C_R = [2.0, 4.0]
+A = [1.0, 1.8]
+[time]
+end = 3.0
+[tolerance]
+relative = 1e-3
+[builder]
+kind = "pgd"
+strategy = "slabs"
+"""
+
+
 class Builds(Case):
     def test_a_build_that_misses_its_tolerance_is_written_marked_and_exits_with_4(self):
         plan = COIN_PLAN.replace('"v(0)" = [0.0, 0.4]', '"v(0)" = { range = [0.0, 0.4], nodes = 2 }')
@@ -47,6 +64,22 @@ class Builds(Case):
         at = ["--set", "C_D=1.1", "--set", "v(0)=0.13", "--gradient"]
         self.assertEqual(run("query", whole, *at).stdout, run("query", killed, *at).stdout)
 
+    def test_a_plate_that_turns_is_built_in_slabs_and_certified(self):
+        path = FOLDER / "plate.h5"
+        result = run("build", write("plate.toml", PLATE_PLAN), "-o", path)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        info = json.loads(run("info", path, "--json").stdout)
+        self.assertEqual(info["build"]["strategy"], "slabs")
+        self.assertTrue(info["certificate"]["met"])
+        at = ["--set", "C_T=1.1", "--set", "C_R=2.7", "--set", "A=1.3"]
+        self.assertEqual(run("query", path, *at, "--at", "0", "1.7", "3").returncode, 0)
+
+    def test_a_build_in_slabs_refuses_to_resume_from_a_checkpoint_it_did_not_write(self):
+        path = FOLDER / "slabs.h5"
+        pathlib.Path(f"{path}.checkpoint").write_text("")
+        result = run("build", write("slabs.toml", PLATE_PLAN), "-o", path, "--resume")
+        self.check_error(result, 2, "keeps no checkpoint")
+        self.assertFalse(path.exists())
 
     def build_with_files_of_at_most(self, size, plan, target):
         def limit():
