@@ -13,6 +13,7 @@
 #include "samara/pgd/entry_table.h"
 #include "samara/pgd/max_volume.h"
 #include "samara/pgd/random.h"
+#include "samara/pgd/train_points.h"
 
 namespace samara::pgd {
 
@@ -195,15 +196,7 @@ class Cross {
     const IndexBatch entries = random_entries(0, options_.guard_entries);
     const Eigen::MatrixXd exact = table_.fetch(entries);
     if (!table_.bad_entry().empty()) return std::numeric_limits<double>::infinity();
-    Eigen::VectorXd error = Eigen::VectorXd::Zero(entries.cols());
-    std::vector<int> index(modes() + 1);
-    for (Eigen::Index j = 0; j < entries.cols(); ++j) {
-      std::copy(entries.col(j).begin(), entries.col(j).end(), index.begin() + 1);
-      for (int m = 0; m < outputs_; ++m) {
-        index[0] = m;
-        error[j] = std::max(error[j], std::abs(train.entry(index) - exact(m, j)));
-      }
-    }
+    const Eigen::VectorXd error = (values_at(train, entries) - exact).cwiseAbs().colwise().maxCoeff();
     std::vector<int> order(static_cast<std::size_t>(entries.cols()));
     std::iota(order.begin(), order.end(), 0);
     const auto kept = std::min<std::ptrdiff_t>(kGuardPivots, static_cast<std::ptrdiff_t>(order.size()));

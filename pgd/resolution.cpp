@@ -42,11 +42,13 @@ Eigen::MatrixXd highest_harmonics(int n) {
   return rows;
 }
 
-}  // namespace
-
+/// Rows that take values at the nodes (on [-1, 1]) to the two highest Legendre coefficients of the polynomial
+/// through them (to one, of two nodes).
 Eigen::MatrixXd highest_coefficient_rows(const Eigen::VectorXd& nodes) {
   return to_legendre(nodes).bottomRows(std::min<Eigen::Index>(2, nodes.size() - 1));
 }
+
+}  // namespace
 
 Eigen::MatrixXd highest_coefficient_rows(const Axis& axis) {
   if (axis.basis() == Basis::fourier) return highest_harmonics(axis.size());

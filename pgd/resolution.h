@@ -18,10 +18,6 @@ namespace samara::pgd {
 double highest_coefficients(const SeparatedField& field, int axis, std::span<const double> scales,
                             int samples, std::uint64_t seed);
 
-/// Rows that take values at the nodes (on [-1, 1]) to the two highest Legendre coefficients of the polynomial
-/// through them (to one, of two nodes).
-Eigen::MatrixXd highest_coefficient_rows(const Eigen::VectorXd& nodes);
-
 /// Rows that take values at the nodes of an axis to its highest coefficients in the sense of
 /// highest_coefficients(), two of every element or four of a period; none where there is no coefficient to
 /// spare.

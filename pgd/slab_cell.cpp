@@ -112,6 +112,7 @@ std::vector<SlabCell> halves(const SlabCell& cell, const AdaptiveProblem& proble
   for (int half = 0; half < 2; ++half) {
     SlabCell part = cell;
     part.pivots = {};
+    part.slab.reset();
     AdaptiveAxis interval = problem.parameters[split];
     interval.lower = half == 0 ? whole.lower() : middle;
     interval.upper = half == 0 ? middle : whole.upper();

@@ -12,17 +12,29 @@
 
 namespace samara::pgd {
 
+/// A slab of a cell as the guard points found it: elements of time that polynomials follow.
+struct ProbedSlab {
+  std::vector<double> borders;  ///< of the elements
+  Eigen::MatrixXd values;       ///< of SlabPoints, at the guard points
+  double next_length = 0.0;     ///< proposed for the first element of the next slab
+
+  double end() const { return borders.back(); }
+};
+
 /// A cell of the parameter box on its march through time: the state at the start of its next slab.
 struct SlabCell {
   std::vector<Axis> axes;
   double time = 0.0;
-  double length = 0.0;      ///< of the next slab, as proposed by the last
-  TensorTrain start;        ///< states over their scales, then one mode per axis
-  CrossPivots pivots;       ///< of the last slab, on these axes
-  Eigen::MatrixXd guards;   ///< axes x points: corners of the cell, then random ones
-  Eigen::MatrixXd carried;  ///< states x points: those of the guard points, over the scales
+  double length = 0.0;             ///< of the next element, as proposed by the last
+  std::optional<ProbedSlab> slab;  ///< the next one, if it was probed
+  TensorTrain start;               ///< states over their scales, then one mode per axis
+  CrossPivots pivots;              ///< of the last slab, on these axes
+  Eigen::MatrixXd guards;          ///< axes x points: corners of the cell, then random ones
+  Eigen::MatrixXd carried;         ///< states x points: those of the guard points, over the scales
   /// Factor on the tolerances of cross and rounding, below one where they have missed something.
   double strictness = 1.0;
+  double usual_length = 0.0;  ///< of elements that polynomials follow well
+  double leniency = 1.0;      ///< factor on all tolerances of the next slab
   int number = 0;
 };
 

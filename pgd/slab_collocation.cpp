@@ -10,7 +10,6 @@
 
 #include "samara/pgd/axis.h"
 #include "samara/pgd/lagrange.h"
-#include "samara/pgd/resolution.h"
 
 namespace samara::pgd {
 
@@ -31,7 +30,13 @@ SlabTime::SlabTime(int points) {
   nodes = axis.nodes();
   // On [-1, 1] the derivative of a polynomial that vanishes at the start; its inverse integrates.
   integration = 0.5 * axis.element_basis().differentiation().bottomRightCorner(points, points).inverse();
-  highest = highest_coefficient_rows(axis.element_basis().nodes());
+  at_halves.resize(2 * points, points + 1);
+  Eigen::VectorXd row(points + 1);
+  for (int i = 0; i < 2 * points; ++i) {
+    const double place = 0.5 * nodes[1 + i % points] + (i < points ? 0.0 : 0.5);
+    axis.element_basis().values(2.0 * place - 1.0, row);
+    at_halves.row(i) = row;
+  }
 }
 
 int SlabPoints::first_failed() const {
@@ -43,19 +48,51 @@ int SlabPoints::first_failed() const {
 SlabCollocation::SlabCollocation(const EvolutionSystem& system, Eigen::VectorXd scales, int time_points)
     : system_(system), scales_(std::move(scales)), time_(time_points) {}
 
-/// Points that are iterated together. Columns p * s + i of `x` hold point p at Radau point i, in SI units.
+/// Points that are iterated together on one element. Columns p * s + i of `x` hold point p at Radau point i,
+/// in SI units.
 struct SlabCollocation::Chunk {
-  double length = 0.0;
+  Chunk(const Eigen::MatrixXd& all_q, SlabPoints& slab) : parameters(all_q), answer(slab) {}
+
+  const Eigen::MatrixXd& parameters;  ///< of all points
+  SlabPoints& answer;                 ///< values and status of all points; the sums below are its own
+  int element = 0;
+  double begin = 0.0, length = 0.0;
   Eigen::VectorXd t;
   Eigen::MatrixXd start, x, q, f;
-  std::vector<int> point;  ///< which points are still iterated, as columns of the answer
-  std::vector<SlabPointStatus>* status = nullptr;
-  Eigen::MatrixXd* values = nullptr;  ///< of the answer
-  std::vector<double> correction;     ///< last one of every point
-  std::vector<int> failed;            ///< points that Picard leaves to Newton
+  std::vector<int> point;          ///< which points are still iterated, as columns of the answer
+  std::vector<double> correction;  ///< last one of every point
+  std::vector<int> failed;         ///< points that Picard leaves to Newton
   long evaluations = 0, iterations = 0;
   double contraction = 0.0;
 };
+
+/// Fills the working matrices for the given points: their starts are where the element before has ended.
+void SlabCollocation::load(Chunk& chunk, const std::vector<int>& points) const {
+  const int s = time_.points();
+  const auto count = static_cast<Eigen::Index>(points.size());
+  chunk.point = points;
+  chunk.t = (chunk.begin + chunk.length * time_.nodes.tail(s).array()).matrix().replicate(count, 1);
+  chunk.start.resize(states(), count);
+  chunk.x.resize(states(), count * s);
+  chunk.q.resize(chunk.parameters.rows(), count * s);
+  for (Eigen::Index p = 0; p < count; ++p) {
+    const int point = points[static_cast<std::size_t>(p)];
+    chunk.start.col(p) = scales_.cwiseProduct(
+        chunk.answer.values.col(point).segment(Eigen::Index{states()} * s * chunk.element, states()));
+    chunk.x.middleCols(p * s, s) = chunk.start.col(p).replicate(1, s);
+    chunk.q.middleCols(p * s, s) = chunk.parameters.col(point).replicate(1, s);
+  }
+  chunk.correction.assign(points.size(), std::numeric_limits<double>::infinity());
+}
+
+/// The solution of a point at the Radau points of the present element.
+void SlabCollocation::store(Chunk& chunk, int point, const Eigen::Ref<const Eigen::MatrixXd>& x) const {
+  const int s = time_.points();
+  const Eigen::Index first = Eigen::Index{states()} * (s * chunk.element + 1);
+  chunk.answer.values.col(point).segment(first, Eigen::Index{states()} * s) =
+      (scales_.cwiseInverse().asDiagonal() * x).reshaped();
+  chunk.answer.status[static_cast<std::size_t>(point)] = SlabPointStatus::solved;
+}
 
 void SlabCollocation::picard(Chunk& chunk, double tolerance) const {
   const int s = time_.points();
@@ -83,10 +120,7 @@ void SlabCollocation::picard(Chunk& chunk, double tolerance) const {
         chunk.contraction = std::max(chunk.contraction, ratio);
       // What is left of a contracting iteration is about ratio / (1 - ratio) of its last correction.
       if (finite && ratio < 0.5 && correction * ratio <= 0.5 * tolerance) {
-        Eigen::Map<Eigen::MatrixXd> answer(chunk.values->col(column).data(), n, s + 1);
-        answer.col(0) = weight.cwiseProduct(chunk.start.col(p));
-        answer.rightCols(s) = weight.asDiagonal() * next;
-        (*chunk.status)[static_cast<std::size_t>(column)] = SlabPointStatus::solved;
+        store(chunk, column, next);
         continue;
       }
       if (!finite || correction > kLargest || (iteration > 4 && ratio > kSlowest)) {
@@ -112,7 +146,7 @@ void SlabCollocation::newton(Chunk& chunk, double tolerance) const {
   const Eigen::Index n = states();
   const Eigen::MatrixXd integration = chunk.length * time_.integration;
   const auto column = chunk.point.front();
-  SlabPointStatus& status = (*chunk.status)[static_cast<std::size_t>(column)];
+  SlabPointStatus& status = chunk.answer.status[static_cast<std::size_t>(column)];
   Eigen::MatrixXd x = chunk.start.col(0).replicate(1, s);
   Eigen::MatrixXd jacobians;
   status = SlabPointStatus::no_contraction;
@@ -145,52 +179,44 @@ void SlabCollocation::newton(Chunk& chunk, double tolerance) const {
       return;
     }
     if (correction > tolerance) continue;
-    Eigen::Map<Eigen::MatrixXd> answer(chunk.values->col(column).data(), n, s + 1);
-    answer.col(0) = scales_.cwiseInverse().cwiseProduct(chunk.start.col(0));
-    answer.rightCols(s) = scales_.cwiseInverse().asDiagonal() * x;
-    status = SlabPointStatus::solved;
+    store(chunk, column, x);
     return;
   }
 }
 
-SlabPoints SlabCollocation::solve(double t, double length, const Eigen::MatrixXd& start,
+/// Solves the element at the points loaded; those that have failed before are left alone.
+void SlabCollocation::solve_element(Chunk& chunk, double tolerance) const {
+  picard(chunk, tolerance);
+  for (const int point : std::exchange(chunk.failed, {})) {
+    load(chunk, {point});
+    newton(chunk, tolerance);
+  }
+}
+
+SlabPoints SlabCollocation::solve(const std::vector<double>& borders, const Eigen::MatrixXd& start,
                                   const Eigen::MatrixXd& q, double tolerance) const {
   const Eigen::Index points = start.cols();
-  const int s = time_.points();
+  const auto elements = static_cast<int>(borders.size()) - 1;
   SlabPoints answer;
-  answer.values = Eigen::MatrixXd::Constant(Eigen::Index{states()} * (s + 1), points,
+  answer.values = Eigen::MatrixXd::Constant(Eigen::Index{states()} * (elements * time_.points() + 1), points,
                                             std::numeric_limits<double>::quiet_NaN());
-  answer.status.assign(static_cast<std::size_t>(points), SlabPointStatus::no_contraction);
+  answer.values.topRows(states()) = start;
+  answer.status.assign(static_cast<std::size_t>(points), SlabPointStatus::solved);
   const Eigen::Index chunks = (points + kChunk - 1) / kChunk;
-  std::vector<Chunk> work(static_cast<std::size_t>(chunks));
-  const auto load = [&](Chunk& chunk, const std::vector<int>& columns) {
-    const auto count = static_cast<Eigen::Index>(columns.size());
-    chunk.length = length;
-    chunk.status = &answer.status;
-    chunk.values = &answer.values;
-    chunk.t = (t + length * time_.nodes.tail(s).array()).matrix().replicate(count, 1);
-    chunk.start.resize(states(), count);
-    chunk.x.resize(states(), count * s);
-    chunk.q.resize(q.rows(), count * s);
-    chunk.point = columns;
-    for (Eigen::Index p = 0; p < count; ++p) {
-      const int column = columns[static_cast<std::size_t>(p)];
-      chunk.start.col(p) = scales_.cwiseProduct(start.col(column));
-      chunk.x.middleCols(p * s, s) = chunk.start.col(p).replicate(1, s);
-      chunk.q.middleCols(p * s, s) = q.col(column).replicate(1, s);
-    }
-    chunk.correction.assign(columns.size(), std::numeric_limits<double>::infinity());
-  };
+  std::vector<Chunk> work(static_cast<std::size_t>(chunks), Chunk(q, answer));
   tbb::parallel_for(Eigen::Index{0}, chunks, [&](Eigen::Index c) {
     Chunk& chunk = work[static_cast<std::size_t>(c)];
-    std::vector<int> columns;
-    for (Eigen::Index p = c * kChunk; p < std::min(points, (c + 1) * kChunk); ++p)
-      columns.push_back(static_cast<int>(p));
-    load(chunk, columns);
-    picard(chunk, tolerance);
-    for (const int column : std::exchange(chunk.failed, {})) {
-      load(chunk, {column});
-      newton(chunk, tolerance);
+    for (int e = 0; e < elements; ++e) {
+      std::vector<int> columns;
+      for (Eigen::Index p = c * kChunk; p < std::min(points, (c + 1) * kChunk); ++p) {
+        if (answer.status[static_cast<std::size_t>(p)] == SlabPointStatus::solved)
+          columns.push_back(static_cast<int>(p));
+      }
+      chunk.element = e;
+      chunk.begin = borders[static_cast<std::size_t>(e)];
+      chunk.length = borders[static_cast<std::size_t>(e) + 1] - chunk.begin;
+      load(chunk, columns);
+      solve_element(chunk, tolerance);
     }
   });
   for (const Chunk& chunk : work) {

@@ -24,21 +24,25 @@ constexpr double kCoarse = 0.03;
 constexpr double kFirstShare = 0.2;
 /// Guard points are few; what they see is held this far below the wanted error.
 constexpr double kSeen = 0.5;
+/// The error falls about like this power of the local tolerance.
+constexpr double kOrder = 0.85;
 
 void validate(const SlabOptions& options) {
-  if (!(options.tolerance > 0.0) || options.time_points < 2 || !(options.largest_slab > 0.0) ||
-      !(options.largest_slab <= 1.0) || !(options.least_slab > 0.0) ||
+  if (!(options.tolerance > 0.0) || options.time_points < 2 || options.max_elements < 1 ||
+      !(options.largest_slab > 0.0) || !(options.largest_slab <= 1.0) || !(options.least_slab > 0.0) ||
       !(options.least_slab < options.largest_slab) || options.first_nodes < 2 ||
       options.max_nodes < options.first_nodes || options.max_rank < 1 || options.max_cells < 1 ||
       options.guards < 1 || options.max_marches < 1) {
     throw ArgumentError(fmt::format(
-        "SlabOptions: tolerance {}, time_points {}, largest_slab {}, least_slab {}, first_nodes {}, "
+        "SlabOptions: tolerance {}, time_points {}, max_elements {}, largest_slab {}, least_slab {}, "
+        "first_nodes {}, "
         "max_nodes "
         "{}, max_rank {}, max_cells {}, guards {}, max_marches {}; expected a positive tolerance, slabs "
         "within "
         "(0, 1], at least 2 time points and nodes, and positive numbers",
-        options.tolerance, options.time_points, options.largest_slab, options.least_slab, options.first_nodes,
-        options.max_nodes, options.max_rank, options.max_cells, options.guards, options.max_marches));
+        options.tolerance, options.time_points, options.max_elements, options.largest_slab,
+        options.least_slab, options.first_nodes, options.max_nodes, options.max_rank, options.max_cells,
+        options.guards, options.max_marches));
   }
 }
 
@@ -67,7 +71,13 @@ Eigen::VectorXd scales_of(const AdaptiveProblem& problem, const Eigen::VectorXd&
 TrainField shortened(const TrainField& field, double end) {
   std::vector<Axis> axes = field.axes();
   const Axis& time = axes[0];
-  axes[0] = Axis::radau({time.name(), time.unit(), time.role()}, time.lower(), end, 1, time.degree());
+  std::vector<double> borders(time.borders().begin(), time.borders().end());
+  while (borders[borders.size() - 2] >= end) borders.pop_back();
+  borders.back() = end;
+  axes[0] = Axis::radau(
+      {time.name(), time.unit(), time.role()},
+      Eigen::Map<const Eigen::VectorXd>(borders.data(), static_cast<Eigen::Index>(borders.size())),
+      time.degree());
   TensorTrain train = carried_over(field.train(), field.axes(), axes);
   return {std::move(axes), field.outputs(), std::move(train)};
 }
@@ -103,7 +113,8 @@ SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& opt
   const Eigen::VectorXd first = Eigen::Map<const Eigen::VectorXd>(
       problem.scales.data(), static_cast<Eigen::Index>(problem.scales.size()));
   Eigen::VectorXd scales = first;
-  double local = std::max(kCoarse, kFirstShare * options.tolerance);
+  const double share = kFirstShare * options.tolerance;
+  LocalTolerance local = {std::max(kCoarse, share), share};
   SlabResult result;
   while (true) {
     const long left = options.max_evaluations == 0 ? -1 : options.max_evaluations - result.evaluations;
@@ -117,15 +128,22 @@ SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& opt
     // Errors of this march in the ranges it has found.
     result.error = march.carried_error() * scales.cwiseQuotient(next).maxCoeff();
     const bool met = result.error <= kSeen * options.tolerance;
-    const bool stopped =
-        march.status() == SlabStatus::cancelled || march.status() == SlabStatus::max_evaluations;
+    // Where the second march ends early, a third would end there too.
+    const bool stopped = march.status() == SlabStatus::cancelled ||
+                         march.status() == SlabStatus::max_evaluations ||
+                         (march.status() != SlabStatus::converged && result.marches > 1);
     if (met || stopped || result.marches >= options.max_marches) {
       take(march, met, next, result);
       break;
     }
-    local = result.marches == 1
-                ? std::min(local, kFirstShare * options.tolerance)
-                : local * std::clamp(0.7 * kSeen * options.tolerance / result.error, 0.05, 0.5);
+    if (result.marches == 1) {
+      local.wanted = std::min(local.wanted, local.largest);
+    } else {
+      const double ratio = 0.7 * kSeen * options.tolerance / result.error;
+      const double factor = std::clamp(std::pow(ratio, 1.0 / kOrder), 0.05, 0.5);
+      local.wanted *= factor;
+      local.largest *= std::max(std::sqrt(factor), 0.5);
+    }
     scales = next;
   }
   result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();

@@ -19,10 +19,10 @@
 /// The state at the start of a slab is a train over the parameters. On the slab the equations are collocated
 /// in time, and the collocation's solution, a function of the parameters, is interpolated by crosses: at the
 /// parameter entries that the cross asks for, and only there, f is evaluated and the slab's equations are
-/// solved. The train is rounded, and its end starts the next slab. Slabs are as long as a polynomial of the
-/// given degree follows the motion; parameter axes get more nodes when random points off the grid disagree;
-/// where nodes or ranks run out, the box is split, and each cell goes on by itself. No trajectory enters the
-/// solution.
+/// solved. The train is rounded, and its end starts the next slab. Slabs have a few elements of time, each as
+/// long as a polynomial of the given degree follows the motion; parameter axes get more nodes when random
+/// points off the grid disagree; where nodes or ranks run out, the box is split, and each cell goes on by
+/// itself. No trajectory enters the solution.
 ///
 /// A small set of random *guard* points per cell carries its own states from slab to slab: what separates
 /// them from the train is the error of the train, accumulated and amplified as the motion does it. The march
@@ -32,9 +32,12 @@ namespace samara::pgd {
 struct SlabOptions {
   /// Wanted largest error over the box, in ranges of the states.
   double tolerance = 1e-4;
-  int time_points = 8;  ///< Radau points of a slab
-  /// Slabs are at most this part of the whole time, and the shortest that are tried `least_slab` of it.
+  int time_points = 8;   ///< Radau points of an element
+  int max_elements = 8;  ///< of a slab
+  /// Slabs are at most this part of the whole time, and the shortest elements that are tried `least_slab` of
+  /// it.
   double largest_slab = 0.125;
+  double joint_slab = 0.03;  ///< the longest slab of more than one element, likewise
   double least_slab = 2e-4;
   int first_nodes = 7;
   int max_nodes = 96;  ///< of a parameter axis in a cell
@@ -62,6 +65,7 @@ struct SlabRecord {
   int cell = 0;
   double begin = 0.0;
   double end = 0.0;
+  int elements = 0;  ///< of time
   std::vector<int> nodes;
   std::vector<int> ranks;
   double contraction = 0.0;     ///< largest ratio of successive corrections

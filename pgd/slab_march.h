@@ -14,13 +14,20 @@
 
 namespace samara::pgd {
 
+/// What a slab may add to the error, in scales: slabs with features that no polynomial follows, which are
+/// few, may err by more than the smooth ones, which are many and cost little.
+struct LocalTolerance {
+  double wanted = 0.0;
+  double largest = 0.0;
+};
+
 /// One march of all cells from t = 0 to the end at one local tolerance.
 class SlabMarch {
  public:
-  /// @param scales what errors are measured in; @param local_tolerance of every step of a slab, in scales
+  /// @param scales what errors are measured in
   /// @param evaluations_left of f and J; negative: no limit
   SlabMarch(const AdaptiveProblem& problem, const SlabOptions& options, const Eigen::VectorXd& scales,
-            double local_tolerance, long evaluations_left);
+            LocalTolerance tolerance, long evaluations_left);
 
   void run();
 
@@ -48,34 +55,44 @@ class SlabMarch {
   /// What an attempt at a slab came to.
   enum class Outcome { accepted, shorter, refined, split, ended };
 
+  // slab_march.cpp: one slab.
   Outcome attempt(SlabCell& cell);
-  Outcome probe(SlabCell& cell, double length, SlabPoints& solved);
-  Outcome shorten(SlabCell& cell, double length, double factor, const SlabPoints& points,
-                  const Eigen::MatrixXd& q);
-  Outcome refine(SlabCell& cell, double length, const TensorTrain& train, const Eigen::VectorXd& errors,
-                 bool ranks);
+  CrossResult interpolate_slab(SlabCell& cell, SlabPoints& totals);
+  double rounding(const SlabCell& cell, const TensorTrain& train) const;
+  TrainField field(const SlabCell& cell, const TensorTrain& train) const;
+  void accept(SlabCell& cell, const TensorTrain& train, SlabRecord record);
+  double carry_on(SlabCell& cell, const TensorTrain& train);
+  bool may_go_on();
+  Outcome end(SlabStatus status, std::string message, const Eigen::VectorXd& q);
+  /// What iterations may leave, in scales.
+  double iteration_tolerance() const { return 0.01 * tolerance_; }
+
+  // slab_march_time.cpp: how long it is.
+  Outcome probe(SlabCell& cell);
+  double error_in_time(const SlabPoints& element, double begin, double end, const Eigen::MatrixXd& q);
+  Outcome shorten(SlabCell& cell, const SlabPoints& points, const Eigen::MatrixXd& q);
+  Outcome give_up(const SlabCell& cell, double length, const SlabPoints& points, const Eigen::MatrixXd& q);
+  bool moves_by_its_size(double t, const Eigen::VectorXd& element, const Eigen::VectorXd& q,
+                         double length) const;
+
+  // slab_march_refine.cpp: what is done about errors.
   struct Blame {
     std::vector<double> by_axis;
     double on_grid = 0.0;
     IndexBatch entries;  ///< nodes next to the worst guard points
   };
-  Blame blame(const SlabCell& cell, double length, const TensorTrain& train, const Eigen::VectorXd& errors);
-  CrossResult interpolate_slab(SlabCell& cell, double length, SlabPoints& totals);
-  void accept(SlabCell& cell, double length, const TensorTrain& train, SlabRecord record);
-  Outcome end(SlabStatus status, std::string message, const Eigen::VectorXd& q);
-  bool may_go_on();
-  TrainField field(const SlabCell& cell, double length, const TensorTrain& train) const;
-  double rounding(const TensorTrain& train) const;
+  Blame blame(const SlabCell& cell, const TensorTrain& train, const Eigen::VectorXd& errors);
+  Outcome refine(SlabCell& cell, const TensorTrain& train, const Eigen::VectorXd& errors, bool ranks);
 
   const AdaptiveProblem& problem_;
   const SlabOptions& options_;
   const Eigen::VectorXd scales_;
   const double tolerance_;  ///< local
+  const double most_lenient_;
   const long evaluations_left_;
   SlabCollocation collocation_;
   Random random_;
   std::deque<SlabCell> cells_to_go_;
-  double next_length_ = 0.0;  ///< that the last probe proposes
   long attempt_evaluations_ = 0;
   double attempt_grid_ = 0.0;
   std::chrono::steady_clock::time_point attempt_begin_;

@@ -53,7 +53,7 @@ TrainingStates train_along(const EvolutionProblem& problem, int samples, double 
   for (int part = 0; part < problem.time.elements() * samples && q.cols() > 0; ++part) {
     const double length = (borders[part / samples + 1] - borders[part / samples]) / samples;
     const double begin = borders[part / samples] + length * (part % samples);
-    const SlabPoints solved = collocation.solve(begin, length, x, q, tolerance);
+    const SlabPoints solved = collocation.solve({begin, begin + length}, x, q, tolerance);
     evaluations += solved.evaluations;
     std::vector<int> alive;
     for (Eigen::Index j = 0; j < q.cols(); ++j) {

@@ -86,6 +86,44 @@ TEST_CASE("a stiff box, on which Picard's iteration does not contract, is solved
   CHECK(200.0 * (result.history.back().end - result.history.back().begin) > 10.0);
 }
 
+TEST_CASE("a kink that sweeps through the box gets elements of its own length, and few slabs") {
+  // A clock, and x' that turns from -1 to 1 within a thousandth of the whole time, when the clock shows q.
+  constexpr double kWidth = 1e-3;
+  const System system(
+      2,
+      [](const Vector& x, const Vector& q) {
+        return Vector(Eigen::Vector2d(1.0, std::tanh((x[0] - q[0]) / kWidth)));
+      },
+      [](const Vector& x, const Vector& q) {
+        const double tanh = std::tanh((x[0] - q[0]) / kWidth);
+        return Matrix{{0.0, 0.0}, {(1.0 - tanh * tanh) / kWidth, 0.0}};
+      });
+  AdaptiveProblem problem;
+  problem.system = &system;
+  problem.time = {"t", "s", AxisRole::time};
+  problem.end = 1.0;
+  problem.parameters = {{{"q", "s", AxisRole::parameter}, 0.45, 0.55}};
+  problem.states = {{"clock", "s"}, {"x", "s"}};
+  problem.scales = {1.0, 1.0};
+  problem.scale_floors = {0.0, 0.0};
+  problem.initial = {{0.0, -1}, {0.0, -1}};
+  const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-3});
+  CAPTURE(result.message);
+  CHECK(result.status == SlabStatus::converged);
+  CHECK(largest_error(result, problem, system, 1.0, 1000, 7) <= 1e-3);
+  // Elements of the kink's width all over its range, as many as that takes; outside of it, slabs are long.
+  double longest_outside = 0.0;
+  int elements_inside = 0;
+  for (const SlabRecord& slab : result.history) {
+    if (slab.end < 0.44 || slab.begin > 0.56)
+      longest_outside = std::max(longest_outside, slab.end - slab.begin);
+    if (slab.begin > 0.45 && slab.end < 0.55) elements_inside += slab.elements;
+  }
+  CHECK(longest_outside >= 0.1);
+  CHECK(elements_inside >= 10);
+  CHECK(result.history.size() <= 40);
+}
+
 TEST_CASE("slabs cost far fewer evaluations than their grids where there are many parameters") {
   // Six oscillators' phases: x' = -q_k coupled in a chain.
   const System system(
