@@ -93,8 +93,6 @@ class StrategySlab {
 
   /// Entry by entry a * b, compressed at once.
   TensorTrain product(const TensorTrain& a, const TensorTrain& b, double tolerance) const;
-  /// Times a power of the coordinate of a parameter axis.
-  TensorTrain times_coordinate(TensorTrain train, int axis, int power = 1) const;
 
   /// The rows of an iterate at the Radau points.
   TensorTrain at_points(const TensorTrain& iterate) const;
