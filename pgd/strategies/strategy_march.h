@@ -26,6 +26,8 @@ struct StrategyMarchOptions {
   /// A strategy that gives the first iterate of every slab, by so many of its iterations.
   Strategy* first = nullptr;
   int first_iterations = 2;
+  /// Of f and J, preparation included; no iteration begins beyond it. 0: no limit.
+  long max_evaluations = 0;
   std::uint64_t seed = 1;
   ProgressCallback progress = {};
 };

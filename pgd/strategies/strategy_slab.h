@@ -19,6 +19,7 @@ enum class StrategyStatus {
   diverged,    ///< corrections grow: the strategy does not contract on a slab of this length
   not_finite,  ///< f or its Jacobian is not finite somewhere
   rank_limit,  ///< a cross interpolation does not meet its tolerance within the allowed ranks
+  max_evaluations,
   cancelled,
 };
 
