@@ -37,14 +37,23 @@ Built build_and_measure(const codebooks::Plan& plan, int certificate_points) {
     built.status = book.build().status;
     built.message = book.build().message;
     std::set<std::vector<double>> corners;
+    double nodes = 0.0, nodes_14 = 0.0;
     for (const codebooks::Piece& piece : book.pieces()) {
       std::vector<double> corner;
-      for (std::size_t k = 1; k < piece.groups.front().axes().size(); ++k)
-        corner.push_back(piece.groups.front().axes()[k].lower());
+      double own = 1.0, of_14 = 1.0;
+      for (std::size_t k = 1; k < piece.groups.front().axes().size(); ++k) {
+        const pgd::Axis& axis = piece.groups.front().axes()[k];
+        corner.push_back(axis.lower());
+        own *= axis.size();
+        of_14 *= 14.0;
+      }
       corners.insert(corner);
+      nodes += own;
+      nodes_14 += of_14;
       for (const codebooks::FieldGroup& group : piece.groups)
         built.rank = std::max(built.rank, rank_of(group));
     }
+    built.evaluation_fraction_14 = built.evaluation_fraction * nodes / nodes_14;
     built.cells = static_cast<int>(corners.size());
   } catch (const Error& error) {
     built.certificate_max = std::nan("");

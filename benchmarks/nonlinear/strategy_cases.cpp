@@ -21,6 +21,7 @@ struct StrategyProblem {
   const char* name;
   Problem problem;
   int slabs, nodes;
+  double tolerance = 1e-7;
 };
 
 std::vector<std::pair<std::string, std::unique_ptr<Strategy>>> strategies() {
@@ -29,7 +30,7 @@ std::vector<std::pair<std::string, std::unique_ptr<Strategy>>> strategies() {
   all.emplace_back("polynomial", polynomial_strategy());
   all.emplace_back("asymptotic", asymptotic_strategy());
   all.emplace_back("empirical", empirical_strategy());
-  all.emplace_back("piecewise_linear", piecewise_linear_strategy({.weight_tolerance = 1e-4}));
+  all.emplace_back("piecewise_linear", piecewise_linear_strategy({.weight_tolerance = 2e-2}));
   all.emplace_back("cross", cross_strategy());
   return all;
 }
@@ -37,8 +38,13 @@ std::vector<std::pair<std::string, std::unique_ptr<Strategy>>> strategies() {
 void run(const StrategyProblem& at, Strategy& strategy, const std::string& name, int points) {
   const std::string test_case = fmt::format("strategies_{}", at.name);
   const EvolutionProblem problem = at.problem.on(at.slabs, 8, at.nodes);
-  const StrategyResult result =
-      solve_by_strategy(problem, strategy, {.tolerance = 1e-7, .max_evaluations = 20'000'000});
+  StrategyMarchOptions options{.tolerance = at.tolerance, .max_evaluations = 20'000'000};
+  // It is wrong by about a per cent by nature, and its weights have no separated form to much less.
+  if (name == "piecewise_linear") {
+    options.tolerance = 5e-3;
+    options.max_rank = 250;
+  }
+  const StrategyResult result = solve_by_strategy(problem, strategy, options);
   // The status by its number and, as the unit, its word.
   print({kNonlinear, test_case, name + "_status", static_cast<double>(result.status),
          to_string(result.status)});
@@ -59,7 +65,7 @@ void run_strategies(const Options& options) {
   problems.push_back({"quadratic_drag", quadratic_drag(1.0), 10, 16});
   problems.push_back({"triple_product", triple_product(0.8), 10, 14});
   problems.push_back({"plate3_t2", plate3(2.0), 10, 12});
-  problems.push_back({"plate3_t5", plate3(5.0), 25, 18});
+  problems.push_back({"plate3_t5", plate3(5.0), 25, 18, 1e-5});
   problems.push_back({"kirchhoff", kirchhoff(0.4), 4, 8});
   for (const StrategyProblem& problem : problems) {
     if (!options.wants(fmt::format("strategies_{}", problem.name))) continue;

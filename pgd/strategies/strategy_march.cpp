@@ -111,10 +111,14 @@ class SlabIteration {
   const TensorTrain& iterate() const { return iterate_; }
   const std::string& message() const { return message_; }
 
-  /// A few iterations of another strategy, whether they converge or not.
+  /// A few iterations of another strategy, whether they converge or not; one that fails leaves the start.
   void first_iterate(Strategy& strategy) {
-    strategy.begin(slab_);
-    for (int k = 0; k < options_.first_iterations; ++k) (void)step(strategy);
+    try {
+      strategy.begin(slab_);
+      for (int k = 0; k < options_.first_iterations; ++k) (void)step(strategy);
+    } catch (const StrategyFailure&) {
+      iterate_ = slab_.constant();
+    }
     record_.corrections.clear();
     growths_ = 0;
   }
