@@ -16,7 +16,7 @@ void run_piecewise_linear(const Options& options) {
     if (!options.wants(name)) continue;
     const Problem problem = plate3(5.0);
     // What is approximated is wrong by per cents: neither weights nor solution deserve more.
-    const EvolutionProblem grid = problem.on(20, 6, 8);
+    const EvolutionProblem grid = problem.on(20, 6, 10);
     const auto strategy = piecewise_linear_strategy({.points = points, .weight_tolerance = 2e-2});
     const StrategyResult result = solve_by_strategy(grid, *strategy, {.tolerance = 5e-3, .max_rank = 250});
     print({kNonlinear, name, "status", static_cast<double>(result.status), to_string(result.status)});

@@ -79,7 +79,8 @@ class SlabDecoupling {
     for (const SeparatedTensor& values : start) {
       start_.push_back(applied(values, 0, Eigen::MatrixXd(Eigen::MatrixXd::Ones(grid_.sizes()[0], 1))));
       unknowns_.push_back(SeparatedTensor::zero(grid_.sizes()));
-      states_.push_back(to_train(start_.back()));
+      initial_.push_back(rounded(to_train(start_.back()), 1e-3 * options.tolerance * root_entries_));
+      states_.push_back(initial_.back());
     }
   }
 
@@ -105,11 +106,15 @@ class SlabDecoupling {
     std::vector<SeparatedTensor> result;
     Eigen::MatrixXd last = Eigen::MatrixXd::Zero(1, grid_.sizes()[0]);
     last(0, last.cols() - 1) = 1.0;
+    const double tolerance = kCarried * options_.tolerance * entries;
     for (std::size_t m = 0; m < unknowns_.size(); ++m) {
+      if (options_.form == DecoupledForm::trains) {
+        result.push_back(to_separated(rounded(applied(states_[m], 0, last), tolerance), 0.1 * tolerance));
+        continue;
+      }
       SeparatedTensor whole = unknowns_[m];
       whole.append(start_[m]);
-      result.push_back(
-          compress(applied(std::move(whole), 0, last), kCarried * options_.tolerance * entries).tensor);
+      result.push_back(compress(applied(std::move(whole), 0, last), tolerance).tensor);
     }
     return result;
   }
@@ -129,7 +134,6 @@ class SlabDecoupling {
       const auto state = static_cast<std::size_t>(m);
       record.correction =
           std::max(record.correction, distance(states_[state], before[state]) / root_entries_);
-      record.terms.push_back(unknowns_[state].rank());
     }
     if (iterations_++ > 0) {
       // Corrections that are lost in what the linear problems leave tell nothing.
@@ -150,13 +154,41 @@ class SlabDecoupling {
     return std::clamp(kInexact * ratio * last.correction, floor, last.accuracy);
   }
 
-  /// The linear problem of one unknown, (I - S a) W = S (a x0 + g).
   void solve(int m, DecouplingRecord& record) {
+    if (options_.form == DecoupledForm::trains) {
+      integrate(m, record);
+    } else {
+      enrich_unknown(m, record);
+    }
+  }
+
+  /// Nothing to solve: the next field is x0 + S g.
+  void integrate(int m, DecouplingRecord& record) {
     const auto state = static_cast<std::size_t>(m);
-    LinearProblem linear{own_operator(m), source(m), {}};
+    const TensorTrain increment = source(m);
+    states_[state] = increment.cores.empty() ? initial_[state]
+                                             : rounded(sum(initial_[state], increment),
+                                                       kProductShare * accuracy_ * root_entries_);
+    const std::vector<int> ranks = states_[state].ranks();
+    record.terms.push_back(*std::max_element(ranks.begin(), ranks.end()));
+    if (record.terms.back() > options_.max_rank)
+      record.linear_residual = std::numeric_limits<double>::infinity();
+  }
+
+  /// The linear problem of one unknown, (I - S a) W = S (a x0 + g).
+  void enrich_unknown(int m, DecouplingRecord& record) {
+    const auto state = static_cast<std::size_t>(m);
+    const TensorTrain sources = source(m);
+    SeparatedTensor rhs = sources.cores.empty()
+                              ? SeparatedTensor::zero(grid_.sizes())
+                              : to_separated(sources, kProductShare * accuracy_ * root_entries_);
+    const LinearProblem linear{own_operator(m), std::move(rhs), {}};
     record.source_terms = std::max(record.source_terms, linear.rhs.rank());
     const double size = norm(linear.rhs);
-    if (size == 0.0) return;
+    if (size == 0.0) {
+      record.terms.push_back(0);
+      return;
+    }
     EnrichOptions enrichment;
     enrichment.projection = options_.projection;
     enrichment.residual_tolerance = std::min(0.9, accuracy_ * root_entries_ / size);
@@ -171,6 +203,7 @@ class SlabDecoupling {
     SeparatedTensor whole = unknowns_[state];
     whole.append(start_[state]);
     states_[state] = rounded(to_train(whole), 0.1 * accuracy_ * root_entries_);
+    record.terms.push_back(unknowns_[state].rank());
   }
 
   SeparatedOperator own_operator(int m) const {
@@ -193,7 +226,7 @@ class SlabDecoupling {
   }
 
   /// S (a x0 + g) by products of the last known fields.
-  SeparatedTensor source(int m) const {
+  TensorTrain source(int m) const {
     const double tolerance = kProductShare * accuracy_ * root_entries_;
     const int times = grid_.sizes()[0];
     const auto product = [&](const TensorTrain& a, const TensorTrain& b) {
@@ -202,18 +235,17 @@ class SlabDecoupling {
     TensorTrain total;
     for (const Monomial& term : terms_) {
       if (term.state != m || term.coefficient == 0.0) continue;
-      const bool own = is_own_linear(term);
+      const bool own = options_.form == DecoupledForm::sums && is_own_linear(term);
       const auto state = [&](int k) {
         const auto index = static_cast<std::size_t>(k);
-        return scaled(own ? to_train(start_[index]) : states_[index], scale(k));
+        return scaled(own ? initial_[index] : states_[index], scale(k));
       };
       TensorTrain one = monomial_product(term, term.coefficient * grid_.duration() / scale(m), times,
                                          problem_.parameters, state, product);
       total = total.cores.empty() ? std::move(one) : rounded(sum(total, one), tolerance);
     }
-    if (total.cores.empty()) return SeparatedTensor::zero(grid_.sizes());
-    total = rounded(applied(std::move(total), 0, grid_.integration()), tolerance);
-    return to_separated(total, tolerance);
+    if (total.cores.empty()) return total;
+    return rounded(applied(std::move(total), 0, grid_.integration()), tolerance);
   }
 
   bool converged() {
@@ -310,16 +342,24 @@ class SlabDecoupling {
     return at;
   }
 
+  /// W as a sum of products.
+  SeparatedTensor increment_of(std::size_t state) const {
+    if (options_.form == DecoupledForm::sums) return unknowns_[state];
+    const double tolerance = kCarried * options_.tolerance * root_entries_;
+    return to_separated(rounded(sum(states_[state], initial_[state], -1.0), tolerance), tolerance);
+  }
+
   /// x0 + W in SI units.
   SeparatedField field(int m) const {
     const auto state = static_cast<std::size_t>(m);
-    SeparatedTensor whole = unknowns_[state];
+    const SeparatedTensor increment = increment_of(state);
+    SeparatedTensor whole = increment;
     whole.append(start_[state]);
     std::vector<Axis> axes = {problem_.time};
     axes.insert(axes.end(), problem_.parameters.begin(), problem_.parameters.end());
     std::vector<Eigen::MatrixXd> factors = whole.factors;
     factors[0].resize(problem_.time.size(), whole.rank());
-    factors[0].row(0).head(unknowns_[state].rank()).setZero();  // W vanishes at the start
+    factors[0].row(0).head(increment.rank()).setZero();  // W vanishes at the start
     factors[0].row(0).tail(start_[state].rank()) = start_[state].factors[0].row(0);
     factors[0].bottomRows(problem_.time.size() - 1) = whole.factors[0];
     return SeparatedField(std::move(axes), {problem_.states[state]}, std::move(factors),
@@ -334,6 +374,7 @@ class SlabDecoupling {
   DecouplingResult& result_;
   double root_entries_ = 1.0;
   std::vector<SeparatedTensor> start_;     ///< x0 of every unknown
+  std::vector<TensorTrain> initial_;       ///< the same as trains
   std::vector<SeparatedTensor> unknowns_;  ///< W
   std::vector<TensorTrain> states_;        ///< x0 + W, rounded
   std::vector<TensorTrain> before_;        ///< the same an iteration ago

@@ -29,6 +29,16 @@
 ///   if (result.status != DecouplingStatus::converged) report(result.message);
 namespace samara::pgd {
 
+/// How unknowns are held between iterations.
+enum class DecoupledForm {
+  /// Sums of products, found by enrichment, as in the dissertation.
+  sums,
+  /// Trains. What an unknown does to itself is a source like the rest, so that there is nothing to solve:
+  /// the collocation's integration of the sources is the next field. Much faster where accuracy asks for many
+  /// terms; the fields handed out are sums again, of more terms.
+  trains,
+};
+
 struct DecouplingOptions {
   /// Root mean square over the nodes of the box, in scales, of what another iteration would still change;
   /// largest errors are some ten times that.
@@ -36,7 +46,8 @@ struct DecouplingOptions {
   /// Parts of the time axis that are solved one after the other; its elements are shared out among them.
   int slabs = 1;
   int max_iterations = 60;  ///< per slab
-  int max_rank = 300;       ///< terms of one unknown
+  DecoupledForm form = DecoupledForm::sums;
+  int max_rank = 300;  ///< terms of one unknown, or ranks of its train
   /// Of the linear problems: their integral form is the identity plus a smoothing operator, for which both
   /// are safe.
   Projection projection = Projection::galerkin;
@@ -63,7 +74,7 @@ struct DecouplingRecord {
   double contraction = 0.0;
   double accuracy = 0.0;       ///< asked of products and linear problems
   double linear_residual = 0;  ///< largest of the linear problems, root mean square in scales
-  std::vector<int> terms;      ///< of every unknown
+  std::vector<int> terms;      ///< of every unknown; of trains, its largest rank
   int source_terms = 0;        ///< largest number of products in a source after compression
   double seconds = 0.0;
 };

@@ -61,16 +61,29 @@ double products_error(const DecouplingResult& result, double end) {
 
 }  // namespace
 
-TEST_CASE("decoupled, the products (6.22) are solved to 1e-6 over the box in eight iterations a slab") {
+TEST_CASE("decoupled, the products (6.22) are solved to 1e-5 over the box in eight iterations a slab") {
   const PolynomialSystem system = products();
   const EvolutionProblem problem = products_problem(system, 0.8, 8, 12);
-  const DecouplingResult result = solve_decoupled(problem, {.tolerance = 4e-7, .slabs = 8});
+  const DecouplingResult result = solve_decoupled(problem, {.tolerance = 3e-6, .slabs = 8});
   CAPTURE(result.message);
   CHECK(result.status == DecouplingStatus::converged);
   CHECK(result.reached == 0.8);
-  CHECK(products_error(result, 0.8) <= 1e-6);
+  CHECK(products_error(result, 0.8) <= 1e-5);
   CHECK(result.largest_iterations() <= 8);
   CHECK(result.largest_contraction() < 0.5);
+}
+
+TEST_CASE("unknowns held as trains meet the same, over the whole time axis at once, too") {
+  const PolynomialSystem system = products();
+  const EvolutionProblem problem = products_problem(system, 0.8, 4, 14);
+  for (const int slabs : {1, 4}) {
+    const DecouplingResult result =
+        solve_decoupled(problem, {.tolerance = 1e-7, .slabs = slabs, .form = DecoupledForm::trains});
+    CAPTURE(slabs, result.message);
+    CHECK(result.status == DecouplingStatus::converged);
+    CHECK(products_error(result, 0.8) <= 1e-6);
+    CHECK(result.largest_contraction() < 0.7);
+  }
 }
 
 TEST_CASE("decoupling contracts over a whole time axis, too, and either projection leads there") {
