@@ -1,5 +1,7 @@
 #include "samara/codebooks/model_system.h"
 
+#include <algorithm>
+
 namespace samara::codebooks {
 
 namespace {
@@ -28,6 +30,13 @@ void ModelSystem::jacobian(const Eigen::VectorXd& t, const Eigen::MatrixXd& x, c
     model_.rhs_with_derivatives(t[j], column(x, j), column(q, j), f, derivatives, workspace);
     jacobian.col(j) = derivatives.df_dx.reshaped();
   }
+}
+
+bool ModelSystem::affine_in_parameters() const {
+  const std::vector<std::string>& affine = model_.model().info().affine_in;
+  return std::ranges::all_of(model_.free(), [&](const models::FreeCoordinate& free) {
+    return free.is_initial || std::ranges::find(affine, free.name) != affine.end();
+  });
 }
 
 }  // namespace samara::codebooks

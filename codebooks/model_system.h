@@ -16,6 +16,8 @@ class ModelSystem final : public pgd::EvolutionSystem {
            Eigen::MatrixXd& f) const override;
   void jacobian(const Eigen::VectorXd& t, const Eigen::MatrixXd& x, const Eigen::MatrixXd& q,
                 Eigen::MatrixXd& jacobian) const override;
+  /// Whether the model says so of all free parameters; initial values do not enter f.
+  bool affine_in_parameters() const override;
 
  private:
   const models::ParametricModel& model_;

@@ -9,6 +9,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/checkpoint.h"
 #include "samara/codebooks/model_system.h"
+#include "samara/codebooks/strategy_builder.h"
 #include "samara/pgd/adaptive_evolution.h"
 #include "samara/pgd/slab_evolution.h"
 
@@ -166,6 +167,10 @@ Solution solve_by_newton(const Plan& plan, const models::ParametricModel& model,
 
 Solution solve_by_pgd(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
                       long max_evaluations, const ProgressCallback& progress) {
+  if (is_marched(plan.builder.strategy)) {
+    const ModelSystem system(model);
+    return solve_by_strategy(plan, problem_of(plan, model, system), options, max_evaluations, progress);
+  }
   if (plan.builder.strategy == "slabs") {
     if (options.resume && std::filesystem::exists(options.checkpoint)) {
       throw ArgumentError(

@@ -201,7 +201,9 @@ void read_builder(const TomlTable& root, Plan& plan) {
   if (!table) return;
   table->expect_keys({"kind", "strategy", "max_calls", "max_cells", "threads", "seed"});
   plan.builder.kind = one_of(*table, "kind", {"auto", "pgd", "sampling"});
-  plan.builder.strategy = one_of(*table, "strategy", {"auto", "slabs", "newton"});
+  plan.builder.strategy = one_of(*table, "strategy",
+                                 {"auto", "slabs", "newton", "incremental", "polynomial", "asymptotic",
+                                  "empirical", "piecewise_linear", "cross"});
   plan.builder.max_calls = integer_in(*table, "max_calls", 0, 0, 1'000'000'000'000);
   plan.builder.max_cells = static_cast<int>(integer_in(*table, "max_cells", 1, 1, 100'000));
   plan.builder.threads = static_cast<int>(integer_in(*table, "threads", 0, 0, 1024));

@@ -57,7 +57,8 @@ struct Plan {
 
   struct Builder {
     std::string kind = "auto";      ///< "auto", "pgd" or "sampling"
-    std::string strategy = "auto";  ///< "auto", "slabs" or "newton"
+    /// "auto", "slabs", "newton", or one of is_marched() in strategy_builder.h
+    std::string strategy = "auto";
     int max_cells = 1;              ///< of the strategy "slabs"
     /// Of f and its Jacobian; of sampling, trajectories, or points given to the command; 0: no limit of the
     /// plan's. A trial of "auto" has its own.

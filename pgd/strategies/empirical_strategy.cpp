@@ -132,10 +132,10 @@ class Empirical final : public Strategy {
                          kSourceShare * slab.tolerance() / basis.amplification, pivots_, "f");
   }
 
-  EmpiricalOptions options_;
-  IndexBatch training_;
-  CrossPivots pivots_;
   StrategyDetail detail_;
+  CrossPivots pivots_;
+  IndexBatch training_;
+  EmpiricalOptions options_;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "samara/pgd/strategies/monomial_product.h"
 #include "samara/pgd/strategies/polynomial_system.h"
 #include "samara/pgd/strategies/separated_rates.h"
 #include "samara/pgd/strategies/strategy.h"
@@ -35,26 +36,11 @@ class Products {
     return applied(at_points_, 0, selection);
   }
 
-  TensorTrain ones() const {
-    TensorTrain result;
-    result.cores.emplace_back(1, slab_.points(), 1);
-    for (const int size : slab_.sizes()) result.cores.emplace_back(1, size, 1);
-    for (TrainCore& core : result.cores) core.data.setOnes();
-    return result;
-  }
-
   TensorTrain term(const Monomial& monomial) const {
-    TensorTrain product =
-        scaled(ones(), monomial.coefficient * slab_.length() / slab_.scales()[monomial.state]);
-    for (std::size_t k = 0; k < monomial.parameter_powers.size(); ++k) {
-      if (monomial.parameter_powers[k] > 0)
-        product =
-            slab_.times_coordinate(std::move(product), static_cast<int>(k), monomial.parameter_powers[k]);
-    }
-    for (int m = 0; m < slab_.states(); ++m) {
-      for (int p = 0; p < monomial.state_powers[static_cast<std::size_t>(m)]; ++p)
-        product = slab_.product(product, state(m), tolerance_);
-    }
+    TensorTrain product = monomial_product(
+        monomial, monomial.coefficient * slab_.length() / slab_.scales()[monomial.state], slab_.points(),
+        slab_.problem().parameters, [this](int m) { return state(m); },
+        [this](const TensorTrain& a, const TensorTrain& b) { return slab_.product(a, b, tolerance_); });
     Eigen::MatrixXd placed = Eigen::MatrixXd::Zero(slab_.rows(), slab_.points());
     for (int i = 0; i < slab_.points(); ++i) placed(monomial.state + slab_.states() * i, i) = 1.0;
     return applied(std::move(product), 0, placed);

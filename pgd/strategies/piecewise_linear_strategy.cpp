@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/pgd/strategies/monomial_product.h"
 #include "samara/pgd/strategies/piecewise_linear_system.h"
 #include "samara/pgd/strategies/separated_rates.h"
 #include "samara/pgd/strategies/strategy.h"
@@ -123,7 +124,10 @@ class PiecewiseLinear final : public Strategy {
                    coefficients.cols()) = coefficients;
     }
     TensorTrain term = applied(weights, 0, matrix);
-    if (k > 0) term = slab.times_coordinate(std::move(term), k - 1);
+    if (k > 0) {
+      const Axis& axis = slab.problem().parameters[static_cast<std::size_t>(k) - 1];
+      term = times_nodes(std::move(term), k, axis.nodes());
+    }
     total = slab.compressed(total.cores.empty() ? std::move(term) : sum(total, term), tolerance);
   }
 

@@ -77,7 +77,7 @@ struct PolynomialOptions {
   std::optional<Eigen::VectorXd> state = {};
 };
 /// The error is that of the expansion: of the power order + 1 of the distance to the state. Converges to the
-/// solution of other equations; SlabDefect of the records tells how far they are.
+/// solution of other equations; StrategyRecord::defect tells how far they are.
 std::unique_ptr<Strategy> polynomial_strategy(const PolynomialOptions& options = {});
 
 /// ANM, (6.28)-(6.29): X = X_0 + lambda X_1 + .. from the equations linearised about the start of the slab

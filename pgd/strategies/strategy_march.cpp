@@ -98,16 +98,27 @@ double defect_of(const StrategySlab& slab, const TensorTrain& solution) {
 /// The iteration on one slab.
 class SlabIteration {
  public:
-  SlabIteration(const StrategySlab& slab, const StrategyMarchOptions& options, StrategyRecord& record)
-      : slab_(slab), options_(options), record_(record), iterate_(slab.constant()) {}
+  /// @param evaluations before this slab @param counts of this slab, as they come
+  SlabIteration(const StrategySlab& slab, const StrategyMarchOptions& options, long evaluations,
+                const StrategyCounts& counts, StrategyRecord& record)
+      : slab_(slab),
+        options_(options),
+        evaluations_(evaluations),
+        counts_(counts),
+        record_(record),
+        iterate_(slab.constant()) {}
 
   const TensorTrain& iterate() const { return iterate_; }
   const std::string& message() const { return message_; }
 
-  /// A few iterations of another strategy, whether they converge or not.
+  /// A few iterations of another strategy, whether they converge or not; one that fails leaves the start.
   void first_iterate(Strategy& strategy) {
-    strategy.begin(slab_);
-    for (int k = 0; k < options_.first_iterations; ++k) (void)step(strategy);
+    try {
+      strategy.begin(slab_);
+      for (int k = 0; k < options_.first_iterations; ++k) (void)step(strategy);
+    } catch (const StrategyFailure&) {
+      iterate_ = slab_.constant();
+    }
     record_.corrections.clear();
     growths_ = 0;
   }
@@ -118,6 +129,12 @@ class SlabIteration {
     while (true) {
       if (options_.progress && !options_.progress({fmt::format("slab {}", slab_.number() + 1), fraction()}))
         return ended(StrategyStatus::cancelled, "cancelled");
+      if (options_.max_evaluations > 0 &&
+          evaluations_ + counts_.rhs + counts_.jacobian >= options_.max_evaluations) {
+        return ended(StrategyStatus::max_evaluations,
+                     fmt::format("the {} evaluations of f and its Jacobian allowed are used up",
+                                 options_.max_evaluations));
+      }
       const double correction = step(strategy);
       ++record_.iterations;
       if (converged(correction)) return StrategyStatus::converged;
@@ -183,6 +200,8 @@ class SlabIteration {
 
   const StrategySlab& slab_;
   const StrategyMarchOptions& options_;
+  const long evaluations_;  ///< before this slab
+  const StrategyCounts& counts_;
   StrategyRecord& record_;
   TensorTrain iterate_;
   CrossPivots pivots_;
@@ -200,12 +219,13 @@ void validate(const EvolutionProblem& problem, const StrategyMarchOptions& optio
                     problem.parameters.size(), to_string(problem.time.basis())));
   }
   if (options.tolerance > 0.0 && options.max_iterations > 0 && options.max_rank > 0 &&
-      options.first_iterations > 0)
+      options.first_iterations > 0 && options.max_evaluations >= 0)
     return;
   throw ArgumentError(
       fmt::format("StrategyMarchOptions: tolerance {}, max_iterations {}, max_rank {}, "
-                  "first_iterations {}; expected positive numbers",
-                  options.tolerance, options.max_iterations, options.max_rank, options.first_iterations));
+                  "first_iterations {}, max_evaluations {}; expected positive numbers, the last may be 0",
+                  options.tolerance, options.max_iterations, options.max_rank, options.first_iterations,
+                  options.max_evaluations));
 }
 
 double grid_evaluations(const StrategySlab& slab, int iterations) {
@@ -216,8 +236,10 @@ double grid_evaluations(const StrategySlab& slab, int iterations) {
 
 /// One slab; the state at its end becomes the start of the next.
 void advance(const StrategySlab& slab, Strategy& strategy, const StrategyMarchOptions& options,
-             TensorTrain& start, StrategyRecord& record, StrategyResult& result) {
-  SlabIteration iteration(slab, options, record);
+             const StrategyCounts& counts, TensorTrain& start, StrategyRecord& record,
+             StrategyResult& result) {
+  SlabIteration iteration(slab, options, result.rhs_evaluations + result.jacobian_evaluations, counts,
+                          record);
   try {
     if (options.first != nullptr) iteration.first_iterate(*options.first);
     record.status = iteration.run(strategy);
@@ -265,7 +287,7 @@ StrategyResult solve_by_strategy(const EvolutionProblem& problem, Strategy& stra
     StrategyCounts counts;
     const StrategySlab slab(problem, number, start, options.tolerance, options.max_rank, random, counts);
     StrategyRecord record{.begin = slab.begin(), .end = slab.begin() + slab.length()};
-    advance(slab, strategy, options, start, record, result);
+    advance(slab, strategy, options, counts, start, record, result);
     record.rhs_evaluations = counts.rhs;
     record.jacobian_evaluations = counts.jacobian;
     record.grid_evaluations = grid_evaluations(slab, record.iterations);
@@ -320,8 +342,8 @@ Eigen::VectorXd StrategyResult::value_at(std::span<const double> x) const {
 }
 
 std::string to_string(StrategyStatus status) {
-  static constexpr std::array names = {"converged",  "max_iterations", "diverged",
-                                       "not_finite", "rank_limit",     "cancelled"};
+  static constexpr std::array names = {"converged",  "max_iterations",  "diverged", "not_finite",
+                                       "rank_limit", "max_evaluations", "cancelled"};
   return names[static_cast<std::size_t>(status)];
 }
 

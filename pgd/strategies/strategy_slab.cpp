@@ -186,17 +186,6 @@ TensorTrain StrategySlab::product(const TensorTrain& a, const TensorTrain& b, do
   return rounded_hadamard(a, b, norm_of(tolerance, a));
 }
 
-TensorTrain StrategySlab::times_coordinate(TensorTrain train, int axis, int power) const {
-  TrainCore& core = train.cores[static_cast<std::size_t>(axis) + 1];
-  const Eigen::ArrayXd factors =
-      problem_.parameters[static_cast<std::size_t>(axis)].nodes().array().pow(power);
-  for (int r = 0; r < core.right; ++r) {
-    for (int i = 0; i < core.size; ++i)
-      core.data.segment(core.left * (i + Eigen::Index{core.size} * r), core.left) *= factors[i];
-  }
-  return train;
-}
-
 TensorTrain StrategySlab::at_points(const TensorTrain& iterate) const {
   TensorTrain result = iterate;
   TrainCore core(1, rows(), iterate.cores[0].right);

@@ -19,6 +19,7 @@ enum class StrategyStatus {
   diverged,    ///< corrections grow: the strategy does not contract on a slab of this length
   not_finite,  ///< f or its Jacobian is not finite somewhere
   rank_limit,  ///< a cross interpolation does not meet its tolerance within the allowed ranks
+  max_evaluations,
   cancelled,
 };
 
@@ -93,8 +94,6 @@ class StrategySlab {
 
   /// Entry by entry a * b, compressed at once.
   TensorTrain product(const TensorTrain& a, const TensorTrain& b, double tolerance) const;
-  /// Times a power of the coordinate of a parameter axis.
-  TensorTrain times_coordinate(TensorTrain train, int axis, int power = 1) const;
 
   /// The rows of an iterate at the Radau points.
   TensorTrain at_points(const TensorTrain& iterate) const;

@@ -7,8 +7,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "samara/pgd/strategies/polynomial_system.h"
 #include "../slab_systems.h"
+#include "samara/pgd/strategies/polynomial_system.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;

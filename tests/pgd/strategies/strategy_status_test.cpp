@@ -1,0 +1,191 @@
+// How marches of strategies end, and what their iterations are worth.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "../slab_systems.h"
+#include "samara/base/errors.h"
+#include "samara/pgd/strategies/polynomial_system.h"
+#include "samara/pgd/strategies/strategy_march.h"
+
+using namespace samara::pgd;
+using Catch::Matchers::Contains;
+using slab_systems::Matrix;
+using slab_systems::Vector;
+
+namespace {
+
+/// x' = q x - x^2: the logistic equation, x = q x0 / (x0 + (q - x0) exp(-q t)).
+PolynomialSystem logistic() {
+  return {1, 1, {{0, 1.0, {1}, {1}}, {0, -1.0, {}, {2}}}};
+}
+
+EvolutionProblem logistic_problem(const EvolutionSystem& system, double end, int slabs) {
+  return {&system,
+          Axis::radau({"t", "s", AxisRole::time}, 0.0, end, slabs, 9),
+          {Axis::chebyshev({"q"}, 1.0, 2.0, 12)},
+          {{"x"}},
+          {1.0},
+          {{0.2, -1}}};
+}
+
+double logistic_error(const StrategyResult& result, double end) {
+  double largest = 0.0;
+  Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    const double t = end * random.uniform();
+    const double q = 1.0 + random.uniform();
+    const double exact = 0.2 * q / (0.2 + (q - 0.2) * std::exp(-q * t));
+    largest = std::max(largest, std::abs(result.value_at(std::vector{t, q})[0] - exact));
+  }
+  return largest;
+}
+
+slab_systems::System pendulum() {
+  return {2,
+          [](const Vector& x, const Vector& q) {
+            return Vector(Eigen::Vector2d(x[1], -q[1] * std::sin(x[0]) - q[0] * x[1]));
+          },
+          [](const Vector& x, const Vector& q) {
+            return (Matrix(2, 2) << 0.0, 1.0, -q[1] * std::cos(x[0]), -q[0]).finished();
+          }};
+}
+
+EvolutionProblem pendulum_problem(const EvolutionSystem& system) {
+  return {&system,
+          Axis::radau({"t"}, 0.0, 2.0, 2, 8),
+          {Axis::chebyshev({"c"}, 0.1, 0.4, 9), Axis::chebyshev({"k"}, 0.8, 1.2, 9)},
+          {{"theta"}, {"omega"}},
+          {1.0, 1.0},
+          {{1.5, -1}, {0.0, -1}}};
+}
+
+}  // namespace
+
+TEST_CASE("corrections of incremental linearisation fall factorially, those of Newton quadratically") {
+  const PolynomialSystem system = logistic();
+  const EvolutionProblem problem = logistic_problem(system, 0.5, 1);
+  const auto incremental = incremental_strategy();
+  const StrategyResult picard = solve_by_strategy(problem, *incremental, {.tolerance = 1e-9});
+  REQUIRE(picard.status == StrategyStatus::converged);
+  CHECK(logistic_error(picard, 0.5) <= 1e-7);
+  // Iteration n adds a term of about (L t)^n / n!: ratios of corrections fall like 1/n.
+  const std::vector<double>& steps = picard.history[0].corrections;
+  REQUIRE(steps.size() >= 7);
+  CHECK(steps[5] / steps[4] < 0.75 * steps[2] / steps[1]);
+
+  const auto newton = cross_strategy();
+  const StrategyResult quadratic = solve_by_strategy(problem, *newton, {.tolerance = 1e-9});
+  REQUIRE(quadratic.status == StrategyStatus::converged);
+  CHECK(logistic_error(quadratic, 0.5) <= 1e-7);
+  const std::vector<double>& newton_steps = quadratic.history[0].corrections;
+  REQUIRE(newton_steps.size() >= 3);
+  // |x''| / 2 = 1: the next correction is about the square of the last.
+  CHECK(newton_steps[1] <= 2.0 * newton_steps[0] * newton_steps[0]);
+  CHECK(newton_steps[2] <= 2.0 * newton_steps[1] * newton_steps[1] + 1e-9);
+}
+
+TEST_CASE("terms of the asymptotic series fall geometrically, faster on shorter slabs") {
+  const PolynomialSystem system = logistic();
+  std::vector<double> ratios;
+  for (const int slabs : {1, 2}) {
+    const auto strategy = asymptotic_strategy();
+    const StrategyResult result =
+        solve_by_strategy(logistic_problem(system, 0.8, slabs), *strategy, {.tolerance = 1e-8});
+    CAPTURE(slabs, result.message);
+    REQUIRE(result.status == StrategyStatus::converged);
+    CHECK(logistic_error(result, 0.8) <= 1e-6);
+    ratios.push_back(result.history[0].contraction);
+  }
+  CHECK(ratios[1] < ratios[0]);
+}
+
+TEST_CASE("piecewise linear values as a first iterate save Newton iterations, and the end is the same") {
+  const slab_systems::System system = pendulum();
+  const EvolutionProblem problem = pendulum_problem(system);
+  const auto newton = cross_strategy();
+  const auto first = piecewise_linear_strategy({.points = 60, .weight_tolerance = 1e-3});
+  const StrategyResult alone = solve_by_strategy(problem, *newton, {.tolerance = 1e-6});
+  const StrategyResult helped =
+      solve_by_strategy(problem, *newton, {.tolerance = 1e-6, .first = first.get()});
+  REQUIRE(alone.status == StrategyStatus::converged);
+  REQUIRE(helped.status == StrategyStatus::converged);
+  int alone_iterations = 0, helped_iterations = 0;
+  for (const StrategyRecord& record : alone.history) alone_iterations += record.iterations;
+  for (const StrategyRecord& record : helped.history) helped_iterations += record.iterations;
+  CHECK(helped_iterations < alone_iterations);
+  for (const double t : {0.5, 1.3, 2.0}) {
+    const std::vector<double> x = {t, 0.22, 1.13};
+    // Each within its tolerance, carried over two slabs.
+    CHECK((alone.value_at(x) - helped.value_at(x)).cwiseAbs().maxCoeff() <= 1e-5);
+  }
+}
+
+TEST_CASE("a march ends with the status of what stopped it, and names the place") {
+  // f is not finite beyond x = 0.5, which a part of the box reaches.
+  const slab_systems::System wall(
+      1, [](const Vector& x, const Vector& q) { return Vector(q.array() * (0.5 - x.array()).sqrt()); },
+      [](const Vector& x, const Vector& q) {
+        return Matrix::Constant(1, 1, -0.5 * q[0] / std::sqrt(0.5 - x[0]));
+      });
+  const auto picard = cross_strategy({.newton = false});
+  const StrategyResult beyond =
+      solve_by_strategy(logistic_problem(wall, 4.0, 1), *picard, {.tolerance = 1e-6});
+  CAPTURE(beyond.message);
+  CHECK(beyond.status == StrategyStatus::not_finite);
+  CHECK_THAT(beyond.message, Contains("f is not finite") && Contains("q = "));
+  REQUIRE(beyond.where.size() == 1);
+
+  const slab_systems::System swing = pendulum();
+  const auto newton = cross_strategy();
+  const StrategyResult few =
+      solve_by_strategy(pendulum_problem(swing), *newton, {.tolerance = 1e-8, .max_rank = 2});
+  CAPTURE(few.message);
+  CHECK(few.status == StrategyStatus::rank_limit);
+  CHECK_THAT(few.message, Contains("ranks up to 2"));
+
+  const StrategyResult bounded =
+      solve_by_strategy(pendulum_problem(swing), *newton, {.tolerance = 1e-6, .max_evaluations = 500});
+  CHECK(bounded.status == StrategyStatus::max_evaluations);
+  CHECK_THAT(bounded.message, Contains("500 evaluations"));
+
+  int reports = 0;
+  StrategyMarchOptions stopping{.tolerance = 1e-6};
+  stopping.progress = [&](const samara::Progress& report) {
+    CHECK(report.stage.starts_with("slab "));
+    return ++reports < 3;
+  };
+  CHECK(solve_by_strategy(pendulum_problem(swing), *newton, stopping).status == StrategyStatus::cancelled);
+  CHECK(reports == 3);
+}
+
+TEST_CASE(
+    "the Jacobian of a polynomial system is that of its differences, and its split that of its powers") {
+  const PolynomialSystem system(3, 2,
+                                {{0, 2.0, {1, 0}, {2, 0, 1}},
+                                 {0, -1.0, {}, {0, 3, 0}},
+                                 {1, 0.5, {0, 1}, {1, 1, 1}},
+                                 {2, 4.0, {0, 0}, {0, 0, 0}}});
+  CHECK(system.affine_in_parameters());
+  CHECK_FALSE(PolynomialSystem(1, 2, {{0, 1.0, {1, 1}, {0}}}).affine_in_parameters());
+  CHECK(system.polynomial() == &system);
+  const Vector t = Vector::Zero(1);
+  const Matrix x = (Matrix(3, 1) << 0.7, -1.2, 0.4).finished();
+  const Matrix q = (Matrix(2, 1) << 1.5, -0.8).finished();
+  Matrix jacobian, above, below;
+  system.jacobian(t, x, q, jacobian);
+  constexpr double kStep = 1e-5;
+  for (int k = 0; k < 3; ++k) {
+    Matrix shifted = x;
+    shifted(k, 0) += kStep;
+    system.rhs(t, shifted, q, above);
+    shifted(k, 0) -= 2.0 * kStep;
+    system.rhs(t, shifted, q, below);
+    // Differences of cubics err by step^2 and by rounding over the step.
+    CHECK(((above - below) / (2.0 * kStep) - jacobian.middleRows(3 * k, 3)).cwiseAbs().maxCoeff() < 1e-9);
+  }
+  CHECK_THROWS_WITH(PolynomialSystem(1, 1, {{1, 1.0}}), Contains("one of 1 states"));
+  CHECK_THROWS_WITH(PolynomialSystem(1, 1, {{0, 1.0, {1, 2}}}), Contains("parameter powers"));
+}
