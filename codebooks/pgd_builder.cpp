@@ -141,7 +141,8 @@ pgd::AdaptiveResult adaptive_result(const pgd::AdaptiveProblem& problem, const p
   try {
     return solve_adaptively(problem, options, std::move(start));
   } catch (const ArgumentError& error) {
-    throw NoResultError(fmt::format("the separated engine cannot solve this plan, sampling may: {}", error.what()));
+    throw NoResultError(
+        fmt::format("the separated engine cannot solve this plan, sampling may: {}", error.what()));
   }
 }
 
