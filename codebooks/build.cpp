@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <ctime>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -24,8 +25,8 @@ namespace samara::codebooks {
 
 namespace {
 
-// What the trials of a plan of kind "auto" may use.
-constexpr long kTrialTrajectories = 5000;
+// What the trials of a plan of kind "auto" may use: both take about as long.
+constexpr long kTrialTrajectories = 20'000;
 constexpr long kTrialEvaluations = 50'000;
 
 using Clock = std::chrono::steady_clock;
@@ -126,6 +127,16 @@ CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& 
   }
 }
 
+/// Nothing where the engine has no result: that of sampling must not be lost for it.
+std::optional<Solution> engine_trial(const Plan& plan, const models::ParametricModel& model,
+                                     const BuildOptions& options, const ProgressCallback& progress) {
+  try {
+    return solve_by_pgd(plan, model, options, at_most(plan, kTrialEvaluations), progress);
+  } catch (const NoResultError&) {
+    return std::nullopt;
+  }
+}
+
 /// Kind "auto": sampling, whose cost is known before it is spent, has the first trial, the PGD engine the
 /// second. Both are counted, not timed, so that the choice is the same everywhere.
 Solution solve_by_trial(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
@@ -142,9 +153,9 @@ Solution solve_by_trial(const Plan& plan, const models::ParametricModel& model, 
                   fmt::format("it needed no more than the {} trajectories of its trial", kTrialTrajectories));
   // Where there is no trajectory, no builder finds a solution.
   if (cancelled || status == "failed" || status == "not_finite") return first;
-  Solution second = solve_by_pgd(plan, model, options, at_most(plan, kTrialEvaluations), progress);
+  std::optional<Solution> second = engine_trial(plan, model, options, progress);
   const std::string failed = fmt::format("sampling did not converge ({})", status);
-  if (second.record.status == "converged") return chosen(std::move(second), failed);
+  if (second && second->record.status == "converged") return chosen(std::move(*second), failed);
   const std::string neither = "neither builder converged in its trial, and the calls of sampling are bounded";
   if (cancelled || status != "max_calls") return chosen(std::move(first), neither);
   return chosen(solve_by_sampling(plan, calls, at_most(plan, kMostSampledCalls), progress), neither);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -62,8 +63,9 @@ Eigen::MatrixXd CallMemory::operator()(const Eigen::MatrixXd& points, const std:
   const std::size_t coordinates = source_.coordinates.size();
   const auto key = [&](Eigen::Index j) { return key_of(points.col(j).data(), coordinates); };
   std::vector<Eigen::Index> missing;
+  std::set<std::string> asked;
   for (Eigen::Index j = 0; j < points.cols(); ++j) {
-    if (!places_[sheet].contains(key(j))) missing.push_back(j);
+    if (!places_[sheet].contains(key(j)) && asked.insert(key(j)).second) missing.push_back(j);
   }
   for (std::size_t first = 0; first < missing.size(); first += static_cast<std::size_t>(source_.batch)) {
     const std::size_t end = std::min(first + static_cast<std::size_t>(source_.batch), missing.size());

@@ -13,6 +13,7 @@
 #include "samara/codebooks/box.h"
 #include "samara/codebooks/certify.h"
 #include "samara/codebooks/query.h"
+#include "samara/codebooks/reduced_attitude.h"
 #include "samara/models/parametric_model.h"
 
 namespace samara::codebooks {
@@ -24,7 +25,8 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 /// How a state goes from window to window.
 struct Carried {
   int output = 0;                 ///< place in the codebook's outputs
-  std::optional<int> coordinate;  ///< of "s(0)"; none: the state is only displaced
+  std::optional<int> coordinate;  ///< of "s(0)"; none: the state is only displaced, or held
+  bool held = false;              ///< the same at the start of every window: of a reduced attitude
   double origin = 0.0;            ///< initial value in the codebook, of a state that is only displaced
   double lower = 0.0, upper = 0.0;
   bool wraps = false;  ///< an angle whose axis is a full turn wide
@@ -34,6 +36,37 @@ std::optional<int> find_name(const auto& list, const std::string& name) {
   const auto found = std::ranges::find_if(list, [&](const auto& item) { return item.name == name; });
   if (found == list.end()) return std::nullopt;
   return static_cast<int>(found - list.begin());
+}
+
+/// Fixed or default.
+double initial_value(const Codebook& book, const models::StateInfo& state) {
+  const auto fixed = book.model().fixed.find(state.name + "(0)");
+  return fixed == book.model().fixed.end() ? state.default_initial : fixed->second;
+}
+
+/// How the attitude of a model with a quaternion is to be reduced. None: every number of it is an axis, or
+/// the model has none.
+std::optional<ReducedAttitude> reduced_attitude(const Codebook& book, const models::ModelInfo& info) {
+  const auto group =
+      std::ranges::find(info.groups, models::StateGroupKind::quaternion, &models::StateGroup::kind);
+  if (group == info.groups.end()) return std::nullopt;
+  const auto state = [&](int k) { return info.states[static_cast<std::size_t>(group->first + k)]; };
+  const auto is_axis = [&](int k) {
+    return find_name(book.coordinates(), state(k).name + "(0)").has_value();
+  };
+  if (is_axis(0)) return std::nullopt;
+  const double length = initial_value(book, state(0));
+  const bool turns = std::ranges::count(info.symmetries, "rotation about z") > 0;
+  const bool without_yaw = turns && !is_axis(3);
+  const bool is_upright = !without_yaw || initial_value(book, state(3)) == 0.0;
+  if (length != 0.0 && is_upright && is_axis(1) && is_axis(2) && (without_yaw || is_axis(3)))
+    return ReducedAttitude(info, group->first, length, without_yaw);
+  throw ArgumentError(
+      fmt::format("a chain of \"{0}\" needs the axes \"{2}(0)\" and \"{3}(0)\", with \"{1}(0)\" fixed at 1 "
+                  "and \"{4}(0)\" {5}, "
+                  "or all four axes of the attitude",
+                  info.name, state(0).name, state(1).name, state(2).name, state(3).name,
+                  turns ? "at 0" : "an axis too, since the model notices the yaw"));
 }
 
 /// f at the middle of the box, with one state moved and at some time.
@@ -66,6 +99,7 @@ struct Chain::Impl {
   std::vector<std::string> states;
   std::vector<std::string> units;
   std::vector<Carried> carried;
+  std::optional<ReducedAttitude> attitude;
   std::vector<Coordinate> parameters;
   std::vector<int> parameter_places;  ///< coordinates of the codebook
   double window = 0.0;
@@ -77,11 +111,16 @@ struct Chain::Impl {
   explicit Impl(const Codebook& codebook);
   Carried carry(const models::ModelInfo& info, std::size_t state, bool is_angle) const;
   void check(std::span<const double> start, std::span<const double> q, std::span<const double> times) const;
-  /// Loads the start of a window. @returns the state that is outside the box, if one is
+  /// Loads the start of a window, reduced. @returns the state that is outside the box, if one is
   std::optional<std::size_t> load(const Eigen::VectorXd& x, std::vector<double>& shift);
-  /// States at a time of the window, and their derivatives by the states at its start and the parameters.
+  /// States at a time of the window that was loaded, reduced as its start, and their derivatives by the
+  /// states at its start and the parameters.
   void answer(double t, const std::vector<double>& shift, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
               Eigen::MatrixXd* by_parameters);
+  /// The same as they are, from the start as it is.
+  void answer_from(const Eigen::VectorXd& start, double t, const std::vector<double>& shift,
+                   Eigen::VectorXd& x, Eigen::MatrixXd* by_start, Eigen::MatrixXd* by_parameters);
+  std::string left_box(double t, std::size_t state, double value) const;
   void run(const Eigen::VectorXd& start, std::span<const double> times, bool with_derivatives,
            ChainResult& result);
 };
@@ -100,12 +139,15 @@ Carried Chain::Impl::carry(const models::ModelInfo& info, std::size_t state, boo
     result.wraps = is_angle && axis.upper - axis.lower >= kTurn * (1.0 - 1e-9);
     return result;
   }
+  if (attitude && attitude->holds(static_cast<int>(state))) {
+    result.held = true;
+    return result;
+  }
   if (std::ranges::count(info.symmetries, "translation of " + name) == 0) {
     throw ArgumentError(fmt::format(
         "a chain needs an axis \"{}(0)\": the model \"{}\" notices where {} starts", name, info.name, name));
   }
-  const auto fixed = book.model().fixed.find(name + "(0)");
-  result.origin = fixed == book.model().fixed.end() ? info.states[state].default_initial : fixed->second;
+  result.origin = initial_value(book, info.states[state]);
   return result;
 }
 
@@ -130,6 +172,7 @@ Chain::Impl::Impl(const Codebook& codebook) : book(codebook), query(codebook) {
   if (!nearly_equal(f, rate(model, middle, 0.37 * window, 0, 0.0))) {
     throw ArgumentError(fmt::format("a chain needs an autonomous model; \"{}\" depends on time", info.name));
   }
+  attitude = reduced_attitude(book, info);
   for (std::size_t i = 0; i < info.states.size(); ++i) {
     states.push_back(info.states[i].name);
     units.push_back(info.states[i].unit);
@@ -171,7 +214,7 @@ std::optional<std::size_t> Chain::Impl::load(const Eigen::VectorXd& x, std::vect
     const Carried& state = carried[i];
     double value = x[static_cast<Eigen::Index>(i)];
     if (!state.coordinate) {
-      shift[i] = value - state.origin;
+      shift[i] = state.held ? 0.0 : value - state.origin;
       continue;
     }
     shift[i] = state.wraps ? kTurn * std::floor((value - state.lower) / kTurn) : 0.0;
@@ -202,11 +245,37 @@ void Chain::Impl::answer(double t, const std::vector<double>& shift, Eigen::Vect
       if (carried[j].coordinate)
         (*by_start)(row, column) = gradient(carried[i].output, *carried[j].coordinate);
     }
-    if (!carried[i].coordinate) (*by_start)(row, row) = 1.0;
+    if (!carried[i].coordinate && !carried[i].held) (*by_start)(row, row) = 1.0;
     for (std::size_t k = 0; k < parameter_places.size(); ++k) {
       (*by_parameters)(row, static_cast<Eigen::Index>(k)) = gradient(carried[i].output, parameter_places[k]);
     }
   }
+}
+
+void Chain::Impl::answer_from(const Eigen::VectorXd& start, double t, const std::vector<double>& shift,
+                              Eigen::VectorXd& x, Eigen::MatrixXd* by_start, Eigen::MatrixXd* by_parameters) {
+  answer(t, shift, x, by_start, by_parameters);
+  if (!attitude) return;
+  if (by_start == nullptr) {
+    x = attitude->restored(x, start, nullptr, nullptr);
+    return;
+  }
+  Eigen::MatrixXd reduced_by_start, by_reduced, by_heading;
+  attitude->reduced(start, &reduced_by_start);
+  x = attitude->restored(x, start, &by_reduced, &by_heading);
+  *by_start = by_reduced * *by_start * reduced_by_start + by_heading;
+  *by_parameters = by_reduced * *by_parameters;
+}
+
+std::string Chain::Impl::left_box(double t, std::size_t state, double value) const {
+  const bool is_reduced = attitude && attitude->turns(static_cast<int>(state));
+  const std::string& unit = units[state];
+  return fmt::format("the chain left the box at t = {:.6g}: {} = {:.6g}{}{}{} is outside [{}, {}]", t,
+                     states[state], value, unit == "1" ? "" : " ", unit == "1" ? "" : unit,
+                     !is_reduced                  ? ""
+                     : attitude->is_without_yaw() ? ", without yaw,"
+                                                  : ", with qw made one,",
+                     carried[state].lower, carried[state].upper);
 }
 
 void Chain::Impl::run(const Eigen::VectorXd& start, std::span<const double> times, bool with_derivatives,
@@ -229,23 +298,22 @@ void Chain::Impl::run(const Eigen::VectorXd& start, std::span<const double> time
   std::size_t next = 0;
   for (long k = 0; next < times.size(); ++k) {
     const double begin = static_cast<double>(k) * window;
-    if (const std::optional<std::size_t> out = load(x, shift)) {
+    const Eigen::VectorXd reduced = attitude ? attitude->reduced(x, nullptr) : x;
+    if (const std::optional<std::size_t> out = load(reduced, shift)) {
       result.status = ChainStatus::left_box;
       result.left = states[*out];
-      result.message = fmt::format("the chain left the box at t = {:.6g}: {} = {:.6g} {} is outside [{}, {}]",
-                                   begin, states[*out], x[static_cast<Eigen::Index>(*out)], units[*out],
-                                   carried[*out].lower, carried[*out].upper);
+      result.message = left_box(begin, *out, reduced[static_cast<Eigen::Index>(*out)]);
       return;
     }
     // The end of the last window serves the times at its border: rounding must not open another one.
     for (; next < times.size() && times[next] - begin <= window * (1.0 + 1e-12); ++next) {
-      answer(times[next] - begin, shift, end, A, B);
+      answer_from(x, times[next] - begin, shift, end, A, B);
       result.states.row(static_cast<Eigen::Index>(next)) = end.transpose();
       if (with_derivatives) result.derivatives[next] = composed();
       result.reached = times[next];
     }
     if (next == times.size()) break;
-    answer(window, shift, end, A, B);
+    answer_from(x, window, shift, end, A, B);
     if (with_derivatives) so_far = composed();
     x = end;
   }

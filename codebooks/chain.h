@@ -20,6 +20,12 @@
 /// the symmetry "translation of s": its displacement over a window does not depend on where it starts. Angles
 /// (of which the model notices turns, but no full ones) are wrapped where their axis is a full turn wide.
 ///
+/// Of an attitude two numbers are enough where the model has the symmetry "rotation about z": "qx(0)" and
+/// "qy(0)" are axes, qw(0) = 1 and qz(0) = 0 are fixed. A window starts at the tilt alone
+/// (reduced_attitude.h); the yaw, and what is displaced, are turned and carried along. A tilt by the angle
+/// alpha is tan(alpha/2) long: [-1, 1] holds all up to a right angle. Without that symmetry qz(0) is an axis
+/// too.
+///
 ///   Chain chain(book);
 ///   const ChainResult fall = chain.run(start, parameters, times);
 ///   if (fall.status != ChainStatus::done) report(fall.message);

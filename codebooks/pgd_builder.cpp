@@ -136,6 +136,17 @@ Solution solve_by_slabs(const Plan& plan, const models::ParametricModel& model, 
   return solution;
 }
 
+/// The plan was checked before: what the engine refuses now is a field that it cannot hold.
+pgd::AdaptiveResult adaptive_result(const pgd::AdaptiveProblem& problem, const pgd::AdaptiveOptions& options,
+                                    pgd::SolverState start) {
+  try {
+    return solve_adaptively(problem, options, std::move(start));
+  } catch (const ArgumentError& error) {
+    throw NoResultError(
+        fmt::format("the separated engine cannot solve this plan, sampling may: {}", error.what()));
+  }
+}
+
 Solution solve_by_newton(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
                          long max_evaluations, const ProgressCallback& progress) {
   const ModelSystem system(model);
@@ -150,7 +161,7 @@ Solution solve_by_newton(const Plan& plan, const models::ParametricModel& model,
   if (options.resume && std::filesystem::exists(options.checkpoint))
     start = load_checkpoint(options.checkpoint, plan.text);
   check_fits(problem, start, options.checkpoint);
-  pgd::AdaptiveResult result = solve_adaptively(problem, adaptive, std::move(start));
+  pgd::AdaptiveResult result = adaptive_result(problem, adaptive, std::move(start));
   Solution solution;
   solution.pieces.push_back(Piece{{std::move(result.evolution.field)}});
   solution.record = record_of(result);

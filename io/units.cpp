@@ -329,8 +329,12 @@ double quantity_to_si(std::string_view text, std::string_view expected_unit) {
   }
   const Unit unit = UnitParser(rest, what).parse();
   if (unit.dimension != expected) {
-    throw ArgumentError(what + " has the dimension " + to_string(unit.dimension) + ", expected that of " +
-                        std::string(expected_unit) + ", " + to_string(expected));
+    const std::string wanted = to_string(expected);
+    throw ArgumentError(what + " has the dimension " + to_string(unit.dimension) + ", expected " +
+                        (expected.is_dimensionless() ? "a plain number"
+                         : wanted == expected_unit
+                             ? wanted
+                             : "that of " + std::string(expected_unit) + ", " + wanted));
   }
   const double value = unit.to_si(number.value);
   if (!std::isfinite(value)) throw ArgumentError(what + ": the value in SI is too large");

@@ -73,7 +73,8 @@ std::vector<int> GrowingCross::ranks() const {
   return ranks;
 }
 
-/// Rows of the bond before with every node of the mode between: bond 0 has the outputs.
+/// Rows of the bond before with every node of the mode between: bond 0 has the outputs. Behind the last bond
+/// they are the rows of the last core.
 IndexBatch GrowingCross::candidate_rows(int bond) const {
   if (bond == 0)
     return Eigen::RowVectorXi::LinSpaced(table_.function().outputs(), 0, table_.function().outputs() - 1);
@@ -198,18 +199,7 @@ TensorTrain GrowingCross::train() {
   for (int k = 0; k <= coordinates(); ++k) {
     // T_k with rows (row of bond k-1, node of mode k), the row running fastest: a left unfolding.
     const bool last = k == coordinates();
-    IndexBatch rows;
-    if (!last) {
-      rows = candidate_rows(k);
-    } else {
-      const IndexBatch& before = bonds_.back().rows;
-      const int n = nodes_.back();
-      rows.resize(before.rows() + 1, before.cols() * n);
-      for (int i = 0; i < n; ++i) {
-        rows.middleCols(i * before.cols(), before.cols()) << before,
-            Eigen::RowVectorXi::Constant(before.cols(), i);
-      }
-    }
+    const IndexBatch rows = candidate_rows(k);
     const IndexBatch cols = last ? IndexBatch(0, 1) : bonds_[static_cast<std::size_t>(k)].cols;
     Eigen::MatrixXd values = block(rows, cols);
     if (!last) values = right_quotient(values, block(bonds_[static_cast<std::size_t>(k)].rows, cols));

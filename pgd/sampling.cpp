@@ -169,6 +169,10 @@ class Sampling {
     result_.error = errors.worst();
     result_.root_mean_square_error = errors.root_mean_square;
     result_.points_checked = static_cast<int>(errors.largest.size());
+    Eigen::Index worst = 0;
+    errors.largest.maxCoeff(&worst);
+    const Eigen::VectorXd point = check_.points().rightCols(errors.largest.size()).col(worst);
+    result_.worst_point.assign(point.begin(), point.end());
   }
 
   bool holds_at_fresh_points(const TrainField& field, const TrainField& other) {
@@ -287,10 +291,11 @@ class Sampling {
       result_.message += fmt::format(", with {} calls", result_.calls);
     } else if (result_.field) {
       const bool small = result_.error <= options_.tolerance;
-      result_.message +=
-          fmt::format("; the best after {} calls errs by {:.3g} at {} points, {} {:.3g}{}", result_.calls,
-                      result_.error, result_.points_checked, small ? "within" : "more than",
-                      options_.tolerance, small ? " but unchecked at fresh ones" : "");
+      const Eigen::Map<const Eigen::VectorXd> worst(result_.worst_point.data(), function_.coordinates());
+      result_.message += fmt::format(
+          "; the best after {} calls errs by {:.3g} at {} points, {} {:.3g}{}", result_.calls, result_.error,
+          result_.points_checked, small ? "within" : "more than", options_.tolerance,
+          small ? " but unchecked at fresh ones" : ", most at " + function_.described(worst));
     }
   }
 

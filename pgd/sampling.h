@@ -29,10 +29,10 @@
 /// The build is met when all three are silent and `check_points` fresh points agree within 0.6 of the
 /// tolerance, half of them uniform, half where the latest two interpolants differ most; where uniform points
 /// see next to nothing, climbs look for peaks. No number of calls can exclude a feature that none of them
-/// touches. References: S.
-/// Dolgov and D. Savostyanov, Parallel cross interpolation for high-precision calculation of high-dimensional
-/// integrals, Comput. Phys. Commun. 246 (2020); Y. Nunez Fernandez et al., Learning tensor networks with
-/// tensor cross interpolation, SciPost Phys. 18, 104 (2025); L. Reichel, BIT 30 (1990) for the nodes.
+/// touches. References: S. Dolgov and D. Savostyanov, Parallel cross interpolation for high-precision
+/// calculation of high-dimensional integrals, Comput. Phys. Commun. 246 (2020); Y. Nunez Fernandez et al.,
+/// Learning tensor networks with tensor cross interpolation, SciPost Phys. 18, 104 (2025); L. Reichel, BIT 30
+/// (1990) for the nodes.
 ///
 /// Usage:
 ///   const SamplingResult result = sample({{{"C_D"}, 0.5, 2.0}, {{"m", "kg"}, 1.0, 2.0}}, {{"v", "m/s"}},
@@ -98,6 +98,8 @@ struct SamplingResult {
   /// points if it was met, else the guard points of the best round. Infinite without a field.
   double error = 0.0, root_mean_square_error = 0.0;
   int points_checked = 0;
+  /// Where the error is largest among them: a kink or a pole of a function that cannot be resolved.
+  std::vector<double> worst_point;
   long calls = 0;          ///< distinct points
   double grid_size = 0.0;  ///< points of the grid the crosses lie in
   Eigen::VectorXd range;   ///< per output, largest less smallest value seen

@@ -56,9 +56,28 @@ class PlainRk4 {
   std::vector<double> start_, x_, y_, k1_, k2_, k3_, k4_;
 };
 
+/// What a Newton iteration or a sensitivity equation asks for: f with its derivatives by 13 states and 3
+/// coefficients. Beside it by all parameters, as where nobody says which are wanted.
+void derivatives() {
+  const ParametricModel card = oblique_card();
+  ParametricModel::Workspace workspace = card.make_workspace();
+  RhsDerivatives slopes;
+  std::vector<double> x(13), f(13);
+  card.initial(kCoefficients, x);
+  const double wanted =
+      time_of([&] { card.rhs_with_derivatives(0.0, x, kCoefficients, f, slopes, workspace); });
+  const std::vector<double> all = card.parameters(kCoefficients);
+  const ParameterValues p = {all, std::vector<char>(all.size(), 1)};
+  Eigen::MatrixXd df_dx(13, 13), df_dp(13, static_cast<Eigen::Index>(all.size()));
+  const double every = time_of([&] { card.model().rhs_with_derivatives(0.0, x, p, f, df_dx, df_dp); });
+  print(
+      {kModels, "derivatives", "three_coefficients_time", wanted, "s", "by all parameters", every / wanted});
+}
+
 }  // namespace
 
 void run_steps(const Options& options) {
+  if (options.wants("derivatives")) derivatives();
   const bool body = options.wants("body3d");
   const bool batch = options.wants("batch");
   if (!body && !batch) return;

@@ -9,10 +9,12 @@
 // 1e-7 after every unit of time, runs away (G. Benettin et al., Meccanica 15 (1980) 9-20); position, on which
 // nothing depends, does not count in the distance.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <exception>
 #include <numbers>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -103,13 +105,21 @@ const char* motion(const Fall& fall) {
   return fall.range > 2.0 * std::numbers::pi ? "mixed" : "flutter";
 }
 
+double number(const std::string& text) {
+  double value = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, problem] = std::from_chars(text.data(), end, value);
+  if (problem == std::errc() && rest == end) return value;
+  throw std::runtime_error("\"" + text + "\" is no number");
+}
+
 }  // namespace
 
 int main(int count, char** texts) try {
   std::vector<double> ratios = {0.5,  0.8, 1.0, 1.1, 1.2, 1.25, 1.3, 1.35, 1.4,
                                 1.45, 1.5, 1.6, 1.7, 2.0, 2.5,  3.0, 4.0};
   if (count > 1) ratios.clear();
-  for (int k = 1; k < count; ++k) ratios.push_back(std::stod(texts[k]));
+  for (int k = 1; k < count; ++k) ratios.push_back(number(texts[k]));
   std::printf("   I*  motion      <vx>    <vy>   range  period  turns/100  exponent\n");
   for (const double ratio : ratios) {
     const Fall fall = measured(ratio);

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <unordered_map>
 #include <vector>
 
@@ -17,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/models/bodies/ply_check.h"
 #include "samara/models/positive.h"
 
 namespace samara::models {
@@ -32,35 +31,23 @@ struct Soup {
   std::vector<Vector3i> triangles;
 };
 
-void require_ending(const std::string& path) {
+/// In small letters.
+std::string known_ending(const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return std::tolower(c); });
   if (ending != ".obj" && ending != ".stl" && ending != ".ply") {
     throw InputError(path, fmt::format("the ending \"{}\" is not one of .obj, .stl, .ply", ending));
   }
+  return ending;
 }
 
-/// A header that claims more elements than the file has bytes would be believed, and memory taken for it.
-void require_plausible_counts(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::uintmax_t bytes = std::filesystem::file_size(path);
-  std::string line, word;
-  while (std::getline(file, line) && !line.starts_with("end_header")) {
-    std::istringstream words(line);
-    std::string name;
-    std::uintmax_t count = 0;
-    if (!(words >> word >> name >> count) || word != "element" || count <= bytes) continue;
-    throw InputError(
-        path, fmt::format("the header claims {} {} elements; the file has {} bytes", count, name, bytes));
-  }
-}
-
-/// Later steps trust the indices.
+/// Later steps trust the indices, and take a face without any for a polygon.
 void require_indices(const std::string& path, const aiScene& scene) {
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
     const aiMesh& mesh = *scene.mMeshes[m];
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      if (mesh.mFaces[i].mNumIndices == 0) throw InputError(path, fmt::format("face {} has no corners", i));
       for (unsigned k = 0; k < mesh.mFaces[i].mNumIndices; ++k) {
         if (mesh.mFaces[i].mIndices[k] < mesh.mNumVertices) continue;
         throw InputError(path, fmt::format("face {} names corner {} of {}", i, mesh.mFaces[i].mIndices[k],
@@ -71,9 +58,10 @@ void require_indices(const std::string& path, const aiScene& scene) {
 }
 
 Soup import(const std::string& path) {
+  const std::string ending = known_ending(path);
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path, "there is no such file");
-  if (std::filesystem::path(path).extension() != ".stl") require_plausible_counts(path);
+  if (ending == ".ply") require_complete_ply(path);
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(path, 0);
   if (scene != nullptr) {
@@ -197,7 +185,6 @@ TriangleMesh read_mesh(const std::string& path, double metres_per_unit, const Me
     throw ArgumentError(fmt::format("read_mesh: merge_tolerance is {}; a number in [0, 0.1] expected",
                                     options.merge_tolerance));
   }
-  require_ending(path);
   TriangleMesh mesh = merged(import(path), metres_per_unit, options.merge_tolerance);
   try {
     if (options.turn_outward) mesh = oriented_outward(std::move(mesh));

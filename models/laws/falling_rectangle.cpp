@@ -1,5 +1,10 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
 #include "samara/models/added_mass/planar_sections.h"
 #include "samara/models/laws/planar_plate.h"
+#include "samara/models/number_text.h"
 
 namespace samara::models::laws {
 
@@ -195,6 +200,13 @@ struct FallingRectangle {
       p[kMomentOfInertia] = S(1.0 / 12.0) * p[kDensity] * a * b * (a * a + b * b);
     }
     if (!given[kSpeedFloor]) p[kSpeedFloor] = S(1e-6) * characteristic_speed(p);
+  }
+
+  static std::string problem(const double* p) {
+    if (std::abs(p[kOffset]) <= 0.5 * p[kChord]) return "";
+    return fmt::format(
+        "offset is {} m; a centre of mass on the plate was expected, at most {} m off its centre",
+        number_text(p[kOffset]), number_text(0.5 * p[kChord]));
   }
 
   static Scales scales(const double* p) {

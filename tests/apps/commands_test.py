@@ -96,6 +96,16 @@ class Commands(Case):
             t, x, y, u, v = map(float, row.split(","))
             self.assertAlmostEqual(u, math.exp(-1.5 * t), delta=1e-4)
             self.assertAlmostEqual(v, t, delta=3e-4)
+        # Its captures give back the inputs; only lengths have a loss scale by default.
+        times = [0.1 * k for k in range(20)]
+        capture = write("measured.csv", "t[s],u[N],v[m]\n" + "".join(f"{t},{math.exp(-1.3 * t)},{0.8 * t}\n" for t in times))
+        self.check_error(run("fit", FOLDER / "timed.h5", capture), 2, 'output "u" [N] has no loss scale', "loss.scale")
+        config = write("scale.toml", '[loss.scale]\nu = "10 mN"\n')
+        answer = json.loads(run("fit", FOLDER / "timed.h5", capture, "--config", config, "--json").stdout)
+        found = {c["name"]: c["value"] for c in answer["coefficients"]}
+        self.assertAlmostEqual(found["x"], 1.3, delta=1e-3)
+        self.assertAlmostEqual(found["y"], 0.8, delta=1e-3)
+        self.check_error(run("fit", FOLDER / "timed.h5", capture, "--reference"), 3, "timed.h5", "sampled from a command")
 
     def test_fixed_inputs_go_to_their_places(self):
         write("fixed.py", PROGRAM + GOOD)

@@ -11,6 +11,7 @@
 #include "samara/models/integrate.h"
 
 using namespace samara::models;
+using Catch::Matchers::Contains;
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 
@@ -347,6 +348,13 @@ TEST_CASE("the forces on a rectangle are those of (2.18)-(2.20) with its coeffic
     check("rotational lift", -rho * rotation * v_p, rho * rotation * at.vx, -at.e * rho * rotation * at.vx);
     check("dissipation", 0.0, 0.0, -C_tau * rho * std::pow(a, 4) * std::abs(at.w) * at.w / 64.0);
   }
+}
+
+TEST_CASE("a centre of mass beyond the ends of a rectangle is refused") {
+  const std::map<std::string, double> plate = {{"chord", 0.02}, {"thickness", 0.002}, {"density", 2000.0}};
+  const ParametricModel model(find_model("falling_rectangle"), plate, {"offset"});
+  CHECK_NOTHROW(model.check(std::array{-0.01}));
+  CHECK_THROWS_WITH(model.check(std::array{5.0}), Contains("offset is 5 m") && Contains("at most 0.01 m"));
 }
 
 TEST_CASE("a rectangle heavy at one end falls with this end down") {

@@ -245,6 +245,22 @@ TEST_CASE("what goes wrong in the function is reported with its point, and the w
   CHECK_THAT(table.message, Contains("2 x 2"));
 }
 
+TEST_CASE("a kink and a pole are missed, and reported with a point beside them") {
+  const SamplingResult kink = sample(
+      unit_box(3), {{"f"}}, one_output([](std::span<const double> x) { return std::abs(sum_of(x) - 1.4); }),
+      {.tolerance = 1e-4, .max_calls = 3000});
+  REQUIRE_FALSE(kink.tolerance_met());
+  REQUIRE(kink.worst_point.size() == 3);
+  CHECK(std::abs(sum_of(kink.worst_point) - 1.4) < 0.1);
+  CHECK_THAT(kink.message, Contains(", most at a = "));
+  // The range grows with every point near the pole, and the errors over it hang on the worst of them.
+  const SamplingResult pole = sample(
+      unit_box(2), {{"f"}}, one_output([](std::span<const double> x) { return 1.0 / (sum_of(x) - 0.74); }),
+      {.tolerance = 1e-4, .max_calls = 3000});
+  REQUIRE_FALSE(pole.tolerance_met());
+  CHECK(std::abs(sum_of(pole.worst_point) - 0.74) < 0.05);
+}
+
 TEST_CASE("limits of calls and time, and cancellation, end with the best so far") {
   const Scalar f = [](std::span<const double> x) { return std::cos(9.0 * sum_of(x)) / (1.1 - x[0] * x[1]); };
   const SamplingResult calls =

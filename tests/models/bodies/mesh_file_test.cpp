@@ -149,6 +149,17 @@ TEST_CASE("files whose indices or counts lead out of them are refused before any
   std::string beyond = text;
   beyond.replace(beyond.rfind("\n3 ") + 3, 1, "99");
   CHECK_THAT(error_of("beyond.ply", beyond), Contains("names corner 99"));
+  std::string empty = text;
+  empty[empty.rfind("\n3 ") + 1] = '0';
+  CHECK_THAT(error_of("empty.ply", empty), Contains("face 19 has no corners"));
+  std::string endless = text;
+  endless.replace(endless.find("end_header"), 10, "end_head");
+  CHECK_THAT(error_of("endless.ply", endless), Contains("no end, the line \"end_header\""));
+  CHECK_THAT(error_of("short.ply", text.substr(0, text.rfind("\n3 "))),
+             Contains("face 19 of 20 is cut short"));
+  std::string word = text;
+  word[word.find("end_header\n") + 11] = 'x';
+  CHECK_THAT(error_of("word.ply", word), Contains("vertex 0 of 12"));
   // A binary file cut within its last face: what stands there instead is no index.
   std::string binary =
       "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty "
