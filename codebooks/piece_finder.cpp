@@ -1,0 +1,51 @@
+#include "samara/codebooks/piece_finder.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace samara::codebooks {
+
+PieceFinder::PieceFinder(std::vector<std::vector<pgd::Axis>> pieces) {
+  dimensions_ = pieces.empty() ? 0 : pieces.front().size();
+  for (const std::vector<pgd::Axis>& axes : pieces) {
+    for (const pgd::Axis& axis : axes) boxes_.push_back({axis.lower(), axis.upper()});
+    borders_.push_back(axes.front().lower());
+    borders_.push_back(axes.front().upper());
+  }
+  for (std::size_t k = 0; k < dimensions_; ++k) {
+    if (pieces.front()[k].has_elements() || pieces.front()[k].basis() == pgd::Basis::fourier) continue;
+    std::vector<pgd::Axis> axes;
+    for (const std::vector<pgd::Axis>& piece : pieces) axes.push_back(piece[k]);
+    lists_.emplace_back(k, std::move(axes));
+  }
+  std::sort(borders_.begin(), borders_.end());
+  borders_.erase(std::unique(borders_.begin(), borders_.end()), borders_.end());
+  for (std::size_t i = 0; i < borders_.size(); ++i) {
+    std::vector<int> held;
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+      const Interval& box = boxes_[p * dimensions_];
+      const bool meets = box.lower <= borders_[i] && (box.upper >= borders_[i]);
+      if (meets) held.push_back(static_cast<int>(p));
+    }
+    candidates_.push_back(std::move(held));
+  }
+}
+
+int PieceFinder::find(const double* x) const {
+  const auto at = std::lower_bound(borders_.begin(), borders_.end(), x[0]);
+  if (at == borders_.end()) return -1;
+  for (const int piece : candidates_[static_cast<std::size_t>(at - borders_.begin())])
+    if (contains(piece, x)) return piece;
+  return -1;
+}
+
+bool PieceFinder::contains(int piece, const double* x) const {
+  const Interval* const box = boxes_.data() + static_cast<std::size_t>(piece) * dimensions_;
+  for (std::size_t k = 0; k < dimensions_; ++k)
+    if (!(x[k] >= box[k].lower && x[k] <= box[k].upper)) return false;
+  return std::ranges::all_of(lists_, [&](const auto& list) {
+    return list.second[static_cast<std::size_t>(piece)].contains(x[list.first]);
+  });
+}
+
+}  // namespace samara::codebooks
