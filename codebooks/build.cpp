@@ -16,6 +16,7 @@
 #include "samara/base/version.h"
 #include "samara/codebooks/call_memory.h"
 #include "samara/codebooks/certify.h"
+#include "samara/codebooks/compaction.h"
 #include "samara/codebooks/certify_calls.h"
 #include "samara/codebooks/pgd_builder.h"
 #include "samara/codebooks/sampling_builder.h"
@@ -201,10 +202,19 @@ BuildResult build_of_model(const Plan& plan, const BuildOptions& options, const 
                            const bool& cancelled) {
   const Clock::time_point begin = Clock::now();
   const models::ParametricModel model = plan.parametric_model();
-  const Uncertified built =
-      book_of(plan, describe(model), solve(plan, model, options, progress, cancelled), begin);
-  Certificate certificate = certify(built.book, model, certify_options(plan, options, progress));
-  return finished(built, std::move(certificate), cancelled);
+  const Solution solved = solve(plan, model, options, progress, cancelled);
+  const auto certified = [&](Solution solution) {
+    const Uncertified built = book_of(plan, describe(model), std::move(solution), begin);
+    Certificate certificate = certify(built.book, model, certify_options(plan, options, progress));
+    return finished(built, std::move(certificate), cancelled);
+  };
+  Solution compact =
+      compacted(solved, {.tolerance = plan.relative, .absolute = plan.absolute, .seed = plan.builder.seed});
+  const bool is_compact = compact.record.message != solved.record.message;
+  BuildResult result = certified(std::move(compact));
+  // Fewer numbers must not cost the certificate.
+  if (result.met || cancelled || !is_compact) return result;
+  return certified(solved);
 }
 
 /// A command that has failed is not called again for the certificate.
