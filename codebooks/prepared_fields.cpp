@@ -14,12 +14,6 @@ using kernels::PackedField;
 
 namespace {
 
-bool follow_each_other(const std::vector<int>& rows) {
-  for (std::size_t i = 1; i < rows.size(); ++i)
-    if (rows[i] != rows[0] + static_cast<int>(i)) return false;
-  return true;
-}
-
 /// Whether the coordinates that are held lie in the piece.
 bool holds_fixed(const std::vector<pgd::Axis>& axes, const PreparedFields::Choice& choice) {
   for (std::size_t k = 0; k < choice.fixed.size(); ++k)
@@ -54,6 +48,10 @@ PreparedFields::PreparedFields(const Codebook& book, const Choice& choice) {
     std::vector<pgd::Axis> left;
     for (std::size_t k = 0; k < all.size(); ++k)
       if (is_left(k)) left.push_back(all[k]);
+    for (const pgd::Axis& axis : left) {
+      const bool one = axis.has_elements() ? axis.elements() == 1 : axis.basis() == pgd::Basis::fourier;
+      has_one_cell_ = has_one_cell_ && one;
+    }
     axes.push_back(std::move(left));
   }
   all_hold_the_box_ = std::ranges::all_of(axes, [&](const std::vector<pgd::Axis>& piece) {
@@ -72,7 +70,7 @@ void PreparedFields::add_piece(const codebooks::Piece& piece, const Choice& choi
   Piece prepared;
   int first_output = 0;
   for (const FieldGroup& group : piece.groups) {
-    Part part{PackedField<double>({}), {}, false};
+    Part part{PackedField<double>({}), {}, {}};
     kernels::RowChoice asked;
     asked.fixed = choice.fixed;
     if (choice.times) asked.times = held;
@@ -91,7 +89,12 @@ void PreparedFields::add_piece(const codebooks::Piece& piece, const Choice& choi
     } else {
       part.packed = PackedField<double>(form);
     }
-    part.in_one = follow_each_other(part.rows);
+    for (int i = 0; i < static_cast<int>(part.rows.size()); ++i) {
+      const int to = part.rows[static_cast<std::size_t>(i)];
+      if (part.stretches.empty() || part.stretches.back().to + part.stretches.back().count != to)
+        part.stretches.push_back({i, to, 0});
+      ++part.stretches.back().count;
+    }
     largest_part_ = std::max(largest_part_, static_cast<int>(part.rows.size()));
     prepared.rows.insert(prepared.rows.end(), part.rows.begin(), part.rows.end());
     prepared.parts.push_back(std::move(part));
@@ -130,29 +133,26 @@ PreparedFields::Workspace PreparedFields::make_workspace() const {
   return workspace;
 }
 
-namespace {
-
 /// Calls run(columns of the part's own rows), and puts what it writes into the columns of all rows.
 template <class Run>
-void in_rows(const std::vector<int>& rows, bool in_one, int columns, double* const* target,
-             PreparedFields::Workspace& workspace, const Run& run) {
-  const std::ptrdiff_t lead = kernels::padded<double>(static_cast<std::ptrdiff_t>(rows.size()));
+void PreparedFields::in_rows(const std::vector<Stretch>& stretches, int columns, double* const* target,
+                             Workspace& workspace, const Run& run) const {
+  const bool in_place = stretches.size() == 1;
+  const std::ptrdiff_t lead = kernels::padded<double>(largest_part_);
+  double** const own = workspace.columns.data();
   for (int c = 0; c < columns; ++c) {
-    double*& column = workspace.columns[static_cast<std::size_t>(c)];
-    column = target[c] == nullptr ? nullptr
-             : in_one             ? target[c] + rows.front()
+    own[c] = target[c] == nullptr ? nullptr
+             : in_place           ? target[c] + stretches.front().to
                                   : workspace.scratch.data() + c * lead;
   }
-  run(workspace.columns.data());
-  if (in_one) return;
+  run(own);
+  if (in_place) return;
   for (int c = 0; c < columns; ++c) {
     if (target[c] == nullptr) continue;
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      target[c][rows[i]] = workspace.columns[static_cast<std::size_t>(c)][i];
+    for (const Stretch& stretch : stretches)
+      std::copy_n(own[c] + stretch.from, stretch.count, target[c] + stretch.to);
   }
 }
-
-}  // namespace
 
 void PreparedFields::point(int piece, const double* x, int order, Workspace& workspace,
                            double* const* columns) const {
@@ -160,7 +160,7 @@ void PreparedFields::point(int piece, const double* x, int order, Workspace& wor
   const int count = PackedField<double>::column_count(coordinate_count(), order);
   for (std::size_t p = 0; p < pieces_[at].parts.size(); ++p) {
     const Part& part = pieces_[at].parts[p];
-    in_rows(part.rows, part.in_one, count, columns, workspace, [&](double* const* own) {
+    in_rows(part.stretches, count, columns, workspace, [&](double* const* own) {
       std::visit(
           [&](const auto& packed) {
             using Scratch = typename std::decay_t<decltype(packed)>::Workspace;
@@ -181,7 +181,7 @@ void PreparedFields::block(int piece, const double* x, Workspace& workspace, dou
   const auto at = static_cast<std::size_t>(piece);
   for (std::size_t p = 0; p < pieces_[at].parts.size(); ++p) {
     const Part& part = pieces_[at].parts[p];
-    in_rows(part.rows, part.in_one, block_size(), columns, workspace, [&](double* const* own) {
+    in_rows(part.stretches, block_size(), columns, workspace, [&](double* const* own) {
       std::visit(
           [&](const auto& packed) {
             using Scratch = typename std::decay_t<decltype(packed)>::Workspace;

@@ -35,6 +35,8 @@ class PreparedFields {
 
   /// Rows that a piece answers for.
   const std::vector<int>& rows_of(int piece) const { return pieces_[static_cast<std::size_t>(piece)].rows; }
+  /// Whether all points of every piece are in one cell.
+  bool has_one_cell() const { return has_one_cell_; }
   /// Cell of a coordinate in a piece: points that share all cells may go in one block.
   int cell(int piece, int coordinate, double x) const;
 
@@ -58,11 +60,21 @@ class PreparedFields {
   int block_size() const;
 
  private:
+  /// Rows that follow each other, in the field and among all.
+  struct Stretch {
+    int from = 0;
+    int to = 0;
+    int count = 0;
+  };
+  template <class Run>
+  void in_rows(const std::vector<Stretch>& stretches, int columns, double* const* target, Workspace& workspace,
+               const Run& run) const;
+
   using Packed = std::variant<kernels::PackedField<double>, kernels::PackedField<float>>;
   struct Part {
     Packed packed;
     std::vector<int> rows;  ///< of the field, among all
-    bool in_one = false;    ///< they follow each other
+    std::vector<Stretch> stretches;
   };
   struct Piece {
     std::vector<Part> parts;
@@ -74,6 +86,7 @@ class PreparedFields {
   int rows_ = 0;
   int largest_part_ = 0;
   bool all_hold_the_box_ = false;
+  bool has_one_cell_ = true;
   std::vector<Coordinate> coordinates_;
   std::vector<Piece> pieces_;
   std::optional<PieceFinder> finder_;

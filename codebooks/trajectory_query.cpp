@@ -31,6 +31,8 @@ struct TrajectoryQuery::Impl {
   std::vector<char> answered;  ///< per time, in the present call
   bool is_complete = false;    ///< whether every time is held by a piece over the whole box
   Eigen::MatrixXd residual_values, residual_slopes;
+  Eigen::MatrixXd block_rows, block_points;
+  std::vector<double*> block_columns;
 
   Impl(std::vector<double> frames, int output_count, Prepared fields)
       : times(std::move(frames)),
@@ -46,6 +48,10 @@ struct TrajectoryQuery::Impl {
     const auto frame_count = static_cast<Eigen::Index>(times.size());
     residual_values.resize(frame_count, outputs);
     residual_slopes.resize(frame_count, Eigen::Index{outputs} * this->fields().coordinate_count());
+    const Eigen::Index size = this->fields().block_size();
+    block_rows.resize(this->fields().rows(), size);
+    block_points.resize(size, this->fields().coordinate_count());
+    block_columns.resize(static_cast<std::size_t>(size));
   }
 
   const PreparedFields& fields() const { return *prepared.fields; }
@@ -73,8 +79,34 @@ struct TrajectoryQuery::Impl {
     if (!is_complete) require_all_answered();
   }
 
+  /// Where every piece answers for every point, and no point needs another element than its neighbours: block
+  /// after block, put together before it goes to memory.
+  void run_in_blocks(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Eigen::MatrixXd> values,
+                     Eigen::Index begin, Eigen::Index end) {
+    // Answers that stay in a cache are better written there.
+    constexpr Eigen::Index kCacheBytes = 4 << 20;
+    const bool past_caches = values.size() * static_cast<Eigen::Index>(sizeof(double)) > kCacheBytes;
+    const Eigen::Index size = fields().block_size(), d = points.rows(), rows = values.rows();
+    std::vector<double*>& to = block_columns;
+    for (Eigen::Index first = begin; first < end; first += size) {
+      const Eigen::Index count = std::min(size, end - first);
+      for (Eigen::Index p = 0; p < size; ++p) {
+        const double* const q = points.col(first + std::min(p, count - 1)).data();
+        require_inside(fields().coordinates(), std::span(q, static_cast<std::size_t>(d)));
+        for (Eigen::Index k = 0; k < d; ++k) block_points(p, k) = q[k];
+        double* const column = past_caches ? block_rows.col(p).data() : values.col(first + std::min(p, count - 1)).data();
+        to[static_cast<std::size_t>(p)] = p < count ? column : nullptr;
+      }
+      for (int piece = fields().piece_count(); piece-- > 0;)
+        fields().block(piece, block_points.data(), workspace, to.data());
+      for (Eigen::Index p = 0; past_caches && p < count; ++p)
+        kernels::stream(block_rows.col(p).data(), rows, values.col(first + p).data());
+    }
+  }
+
   void run(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Eigen::MatrixXd> values,
            Eigen::Index begin, Eigen::Index end) {
+    if (is_complete && fields().has_one_cell()) return run_in_blocks(points, values, begin, end);
     const auto d = static_cast<std::size_t>(points.rows());
     for (Eigen::Index first = begin; first < end; first += kBatchChunk) {
       const Eigen::Index count = std::min<Eigen::Index>(kBatchChunk, end - first);

@@ -7,6 +7,7 @@
 
 #include <experimental/simd>
 
+#include "samara/codebooks/kernels/kernels.h"
 #include "samara/models/batch/dual.h"
 #include "samara/models/batch/step_kernel.h"
 #include "samara/models/laws/immersed_body.h"
@@ -106,6 +107,7 @@ class HandRk4Of final : public HandRk4 {
     nodes_.resize(static_cast<std::size_t>(steps + 1));
     pack_nodes_.resize(nodes_.size());
     tangent_nodes_.resize(nodes_.size());
+    for (std::vector<double>& lane : lanes_) lane.assign(frames.times.size() * frames.outputs.size(), 0.0);
   }
 
   void end_point(const double* q, double* values) override {
@@ -172,7 +174,7 @@ class HandRk4Of final : public HandRk4 {
           for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const Eigen::Index column = first + static_cast<Eigen::Index>(lane);
             if (column > last) break;
-            double* to = values.col(column).data() + o * times + at;
+            double* to = lanes_[lane].data() + o * times + at;
             if (kLanes == 8 && count == 8) {
               std::memcpy(to, &rows[lane], sizeof(Eight));
             } else if (kLanes == 8) {
@@ -182,6 +184,12 @@ class HandRk4Of final : public HandRk4 {
             }
           }
         }
+      }
+      // As our own batches: trajectories are put together before they go to memory, and past the caches.
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const Eigen::Index column = first + static_cast<Eigen::Index>(lane);
+        if (column > last) break;
+        codebooks::kernels::stream(lanes_[lane].data(), values.rows(), values.col(column).data());
       }
     }
   }
@@ -287,6 +295,7 @@ class HandRk4Of final : public HandRk4 {
   std::vector<Node<double>> nodes_;
   std::vector<Node<Pack>> pack_nodes_;
   std::vector<Node<Tangent>> tangent_nodes_;
+  std::array<std::vector<double>, kLanes> lanes_;  ///< trajectories of a pack
 };
 
 }  // namespace

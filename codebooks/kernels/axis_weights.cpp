@@ -29,7 +29,9 @@ double transform_bend(pgd::Transform transform, double x) {
 }  // namespace
 
 AxisWeights::AxisWeights(pgd::Axis axis) : axis_(std::move(axis)), size_(axis_.stencil_size()) {
-  by_products_ = axis_.has_elements() && size_ <= kMostProducts;
+  has_elements_ = axis_.has_elements();
+  transform_ = axis_.transform();
+  by_products_ = has_elements_ && size_ <= kMostProducts;
   Eigen::MatrixXd slopes;
   if (axis_.has_elements()) {
     slopes = axis_.element_basis().differentiation();
@@ -55,10 +57,14 @@ AxisWeights::AxisWeights(pgd::Axis axis) : axis_(std::move(axis)), size_(axis_.s
       if (k != j) product /= 2.0 * (nodes_[j] - nodes_[k]);
     lambda_.push_back(product);
   }
+  lambda_.resize(static_cast<std::size_t>(padded<double>(size_)), 0.0);
 }
 
 int AxisWeights::cell(double x) const {
-  if (axis_.has_elements()) return distance_.size() == 1 ? 0 : axis_.element_of(x);
+  if (has_elements_) {
+    // The element on the left at a border, as Axis::element_of.
+    return static_cast<int>(std::lower_bound(left_.begin() + 1, left_.end(), x) - left_.begin()) - 1;
+  }
   if (axis_.basis() == pgd::Basis::fourier) return 0;
   const Eigen::VectorXd& nodes = axis_.nodes();
   return static_cast<int>(std::lower_bound(nodes.begin(), nodes.end(), x) - nodes.begin());
@@ -75,9 +81,9 @@ AxisWeights::Workspace AxisWeights::make_workspace() const {
 double AxisWeights::place(int element, double x) const {
   const auto e = static_cast<std::size_t>(element);
   const double right = right_[e];
-  if (axis_.transform() == pgd::Transform::none) return ((x - left_[e]) - (right - x)) / distance_[e];
-  return (pgd::transformed_distance(axis_.transform(), left_[e], x) -
-          pgd::transformed_distance(axis_.transform(), x, right)) /
+  if (transform_ == pgd::Transform::none) return ((x - left_[e]) - (right - x)) / distance_[e];
+  return (pgd::transformed_distance(transform_, left_[e], x) -
+          pgd::transformed_distance(transform_, x, right)) /
          distance_[e];
 }
 
@@ -88,7 +94,7 @@ int AxisWeights::at(double x, int order, Workspace& workspace) const {
   const auto differentiate = [&](const double* from, double* to) {
     multiply<double, double>(slopes_.data(), lead_, size_, size_, &from, 1, &to);
   };
-  if (!axis_.has_elements()) {
+  if (!has_elements_) {
     axis_.interpolate(x, workspace.stencil, order > 0);
     std::copy(workspace.stencil.value.begin(), workspace.stencil.value.end(), value);
     if (order > 0) std::copy(workspace.stencil.derivative.begin(), workspace.stencil.derivative.end(), first);
@@ -99,7 +105,7 @@ int AxisWeights::at(double x, int order, Workspace& workspace) const {
     }
     return workspace.stencil.first;
   }
-  const int element = distance_.size() == 1 ? 0 : axis_.element_of(x);
+  const int element = distance_.size() == 1 ? 0 : cell(x);
   const double at = place(element, x);
   if (by_products_) {
     lagrange(nodes_.data(), lambda_.data(), size_, at, value);
@@ -110,12 +116,11 @@ int AxisWeights::at(double x, int order, Workspace& workspace) const {
   if (order > 0) {
     differentiate(value, first);
     const double per_s = 2.0 / distance_[static_cast<std::size_t>(element)];
-    const pgd::Transform transform = axis_.transform();
     const double slope =
-        transform == pgd::Transform::none ? per_s : per_s * pgd::transform_slope(transform, x);
+        transform_ == pgd::Transform::none ? per_s : per_s * pgd::transform_slope(transform_, x);
     if (order > 1) {
       differentiate(first, second);
-      const double bend = per_s * transform_bend(transform, x);
+      const double bend = per_s * transform_bend(transform_, x);
       for (int j = 0; j < size_; ++j) second[j] = slope * slope * second[j] + bend * first[j];
     }
     for (int j = 0; j < size_; ++j) first[j] *= slope;

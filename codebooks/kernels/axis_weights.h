@@ -43,6 +43,8 @@ class AxisWeights {
   int size_ = 0;
   /// By products of differences: elements of not too many nodes. Other axes interpolate by themselves.
   bool by_products_ = false;
+  bool has_elements_ = false;
+  pgd::Transform transform_ = pgd::Transform::none;
   std::vector<double> nodes_, lambda_;           ///< of the element on [-1, 1]
   std::vector<double> left_, right_, distance_;  ///< per element: its borders, and its length in s
   std::ptrdiff_t lead_ = 0;

@@ -2,8 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstring>
 #include <utility>
+
+#ifdef __SSE2__
+#include <immintrin.h>
+#endif
 
 namespace samara::codebooks::kernels {
 
@@ -67,13 +72,15 @@ template <class T, int kSets, int kVectors>
 template <class T, int kSets>
 void blend_sets(const T* core, std::ptrdiff_t stride, std::ptrdiff_t length, int nodes,
                 const T* const* weights, T* const* out) {
-  constexpr int kMany = 8;
+  // As many sums as hide the time of an addition, and fit into registers.
+  constexpr int kMany = kSets == 1 ? 12 : 8;
   std::ptrdiff_t at = 0;
-  for (; at + kMany * kLanes<T> <= length; at += kMany * kLanes<T>)
+  for (; length - at >= kMany * kLanes<T>; at += kMany * kLanes<T>)
     blend_vectors<T, kSets, kMany>(core, stride, nodes, weights, out, at);
-  for (; at + 4 * kLanes<T> <= length; at += 4 * kLanes<T>)
-    blend_vectors<T, kSets, 4>(core, stride, nodes, weights, out, at);
-  for (; at < length; at += kLanes<T>) blend_vectors<T, kSets, 1>(core, stride, nodes, weights, out, at);
+  const auto left = static_cast<int>((length - at) / kLanes<T>);
+  [&]<int... kLess>(std::integer_sequence<int, kLess...>) {
+    ((left == kLess + 1 ? blend_vectors<T, kSets, kLess + 1>(core, stride, nodes, weights, out, at) : void()), ...);
+  }(std::make_integer_sequence<int, kMany - 1>());
 }
 
 /// A tile of kVectors x kColumns of a product. One column of few rows would wait for each addition: it is
@@ -221,7 +228,36 @@ void in_tiles(int rows, const Run& run) {
 
 }  // namespace
 
+namespace {
+
+using Integers [[gnu::vector_size(kVectorBytes)]] = long long;
+
+/// Each lane multiplies up the differences of its own polynomial; four products at a time do not wait for
+/// each other.
+template <int kVectors>
+[[gnu::always_inline]] inline void lagrange_lanes(const double* nodes, const double* lambda, int size,
+                                                  double place, double* values) {
+  Integers lane[kVectors];
+  Vector<double> product[kVectors][4];
+  for (int v = 0; v < kVectors; ++v) {
+    lane[v] = Integers{0, 1, 2, 3, 4, 5, 6, 7} + 8 * v;
+    for (int part = 0; part < 4; ++part) product[v][part] = all(1.0);
+  }
+  for (int k = 0; k < size; ++k) {
+    const Vector<double> factor = all(2.0 * (place - nodes[k]));
+    for (int v = 0; v < kVectors; ++v) product[v][k % 4] *= lane[v] == k ? all(1.0) : factor;
+  }
+  for (int v = 0; v < kVectors; ++v) {
+    const Vector<double> total = product[v][0] * product[v][1] * (product[v][2] * product[v][3]);
+    store<double>(load(lambda + v * kLanes<double>) * total, values + v * kLanes<double>);
+  }
+}
+
+}  // namespace
+
 void lagrange(const double* nodes, const double* lambda, int size, double place, double* values) {
+  if (size <= kLanes<double>) return lagrange_lanes<1>(nodes, lambda, size, place, values);
+  if (size <= 2 * kLanes<double>) return lagrange_lanes<2>(nodes, lambda, size, place, values);
   double before = 1.0;
   for (int j = 0; j < size; ++j) {
     values[j] = lambda[j] * before;
@@ -260,6 +296,21 @@ void blend(const T* core, std::ptrdiff_t stride, std::ptrdiff_t length, int node
   if (sets == 1) return blend_sets<T, 1>(core, stride, length, nodes, weights, out);
   if (sets == 2) return blend_sets<T, 2>(core, stride, length, nodes, weights, out);
   blend_sets<T, 3>(core, stride, length, nodes, weights, out);
+}
+
+void stream(const double* from, std::ptrdiff_t size, double* to) {
+  std::ptrdiff_t i = 0;
+#ifdef __SSE2__
+  for (; i < size && reinterpret_cast<std::uintptr_t>(to + i) % kVectorBytes != 0; ++i) to[i] = from[i];
+  for (; i + 8 <= size; i += 8) {
+#ifdef __AVX512F__
+    _mm512_stream_pd(to + i, _mm512_loadu_pd(from + i));
+#else
+    for (int k = 0; k < 8; k += 2) _mm_stream_pd(to + i + k, _mm_loadu_pd(from + i + k));
+#endif
+  }
+#endif
+  for (; i < size; ++i) to[i] = from[i];
 }
 
 template <class T>

@@ -29,7 +29,8 @@ constexpr std::ptrdiff_t padded(std::ptrdiff_t size) {
 
 /// Values at a point of the Lagrange polynomials on nodes of [-1, 1], by products of differences: accurate
 /// to a few eps of each of them.
-/// @param lambda per node j, the product over all others k of 1 / (2 (node_j - node_k))
+/// @param lambda per node j, the product over all others k of 1 / (2 (node_j - node_k)); padded<double>(size)
+///   numbers, as values
 void lagrange(const double* nodes, const double* lambda, int size, double place, double* values);
 
 /// The same at kBlock<T> places: values[j * kBlock<T> + p].
@@ -42,6 +43,10 @@ void lagrange_block(const double* nodes, const double* lambda, int size, const d
 template <class T>
 void blend(const T* core, std::ptrdiff_t stride, std::ptrdiff_t length, int nodes, const T* const* weights,
            int sets, T* const* out);
+
+/// Copies numbers past the caches, for answers that are larger than those: memory is then written without
+/// being read first.
+void stream(const double* from, std::ptrdiff_t size, double* to);
 
 /// out[i] = a[i] b[i]. @param length a multiple of kLanes<T>
 template <class T>

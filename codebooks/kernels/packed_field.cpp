@@ -84,25 +84,51 @@ typename PackedField<T>::Workspace PackedField<T>::make_workspace() const {
 }
 
 template <class T>
-void PackedField<T>::blend_axes(const double* x, int order, Workspace& workspace) const {
-  for (std::size_t k = 0; k < axes_.size(); ++k) {
-    const int first = axes_[k].at(x[k], order, workspace.axes[k]);
-    const int nodes = axes_[k].size();
-    const Core& core = cores_[k];
-    const T* weights[3];
-    T* out[3];
-    for (int s = 0; s <= order; ++s) {
-      const double* const given = workspace.axes[k].weights[s].data();
-      if constexpr (std::is_same_v<T, double>) {
-        weights[s] = given;
-      } else {
-        for (int j = 0; j < nodes; ++j) workspace.weights[s].data()[j] = static_cast<T>(given[j]);
-        weights[s] = workspace.weights[s].data();
-      }
-      out[s] = workspace.blends[k].data() + s * core.stride;
+void PackedField<T>::blend_axis(std::size_t k, double x, int order, Workspace& workspace) const {
+  const int first = axes_[k].at(x, order, workspace.axes[k]);
+  const int nodes = axes_[k].size();
+  const Core& core = cores_[k];
+  const T* weights[3];
+  T* out[3];
+  for (int s = 0; s <= order; ++s) {
+    const double* const given = workspace.axes[k].weights[s].data();
+    if constexpr (std::is_same_v<T, double>) {
+      weights[s] = given;
+    } else {
+      for (int j = 0; j < nodes; ++j) workspace.weights[s].data()[j] = static_cast<T>(given[j]);
+      weights[s] = workspace.weights[s].data();
     }
-    blend(core.data.data() + first * core.stride, core.stride, core.stride, nodes, weights, order + 1, out);
+    out[s] = workspace.blends[k].data() + s * core.stride;
   }
+  blend(core.data.data() + first * core.stride, core.stride, core.stride, nodes, weights, order + 1, out);
+}
+
+/// The way of most queries: step() without derivatives, and without the bookkeeping that they need.
+template <class T>
+void PackedField<T>::value(const double* x, Workspace& workspace, double* values) const {
+  const T* column = nullptr;
+  // From the last axis on, and each product as soon as its blend is there: products wait for each other,
+  // blends do not.
+  for (std::size_t k = axes_.size(); k-- > 0;) {
+    blend_axis(k, x[k], 0, workspace);
+    const T* const matrix = workspace.blends[k].data();
+    const Core& core = cores_[k];
+    T* target = workspace.columns[k % 2].data();
+    if (column == nullptr) {
+      column = matrix;
+    } else if (!is_train_) {
+      scale(matrix, column, core.stride, target);
+      column = target;
+    } else if (k > 0 || has_front_) {
+      multiply<T, T>(matrix, core.left, padded<T>(core.left), core.right, &column, 1, &target);
+      column = target;
+    } else {
+      return multiply<T, double>(matrix, core.left, core.left, core.right, &column, 1, &values);
+    }
+  }
+  if (has_front_)
+    return multiply<T, double>(front_.data(), front_lead_, rows_, front_rank_, &column, 1, &values);
+  std::copy_n(column, rows_, values);
 }
 
 /// Columns are carried from the last axis to the first. At axis k, with the blend S and its derivatives:
@@ -174,8 +200,11 @@ void PackedField<T>::step(std::size_t k, int order, Workspace& workspace, double
 
 template <class T>
 void PackedField<T>::point(const double* x, int order, Workspace& workspace, double* const* columns) const {
-  blend_axes(x, order, workspace);
-  for (std::size_t k = axes_.size(); k-- > 0;) step(k, order, workspace, columns);
+  if (order == 0) return value(x, workspace, columns[0]);
+  for (std::size_t k = axes_.size(); k-- > 0;) {
+    blend_axis(k, x[k], order, workspace);
+    step(k, order, workspace, columns);
+  }
   if (!has_front_) return;
   multiply<T, double>(front_.data(), front_lead_, rows_, front_rank_, workspace.current.data(),
                       column_count(axis_count(), order), columns);

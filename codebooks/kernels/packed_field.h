@@ -62,7 +62,8 @@ class PackedField {
     Buffer<T> data;
   };
   void add_core(int left, int right, int nodes, const auto& entry);
-  void blend_axes(const double* x, int order, Workspace& workspace) const;
+  void blend_axis(std::size_t k, double x, int order, Workspace& workspace) const;
+  void value(const double* x, Workspace& workspace, double* values) const;
   void step(std::size_t k, int order, Workspace& workspace, double* const* results) const;
 
   int rows_ = 0;
