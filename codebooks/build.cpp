@@ -208,12 +208,16 @@ BuildResult build_of_model(const Plan& plan, const BuildOptions& options, const 
     Certificate certificate = certify(built.book, model, certify_options(plan, options, progress));
     return finished(built, std::move(certificate), cancelled);
   };
-  Solution compact =
-      compacted(solved, {.tolerance = plan.relative, .absolute = plan.absolute, .seed = plan.builder.seed});
-  const bool is_compact = compact.record.message != solved.record.message;
-  BuildResult result = certified(std::move(compact));
   // Fewer numbers must not cost the certificate.
-  if (result.met || cancelled || !is_compact) return result;
+  for (const double share : {0.9, 0.4}) {
+    Solution compact = compacted(solved, {.tolerance = plan.relative,
+                                          .share = share,
+                                          .absolute = plan.absolute,
+                                          .seed = plan.builder.seed});
+    if (compact.record.message == solved.record.message) break;
+    BuildResult result = certified(std::move(compact));
+    if (result.met || cancelled) return result;
+  }
   return certified(solved);
 }
 

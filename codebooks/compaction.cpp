@@ -72,7 +72,7 @@ Solution compacted(const Solution& solution, const CompactionRequest& request) {
     fields.push_back(*piece.groups.front().train());
   }
   const Eigen::VectorXd scale = ranges(fields, request);
-  const pgd::CompactOptions options{.tolerance = 0.9 * left, .seed = request.seed};
+  const pgd::CompactOptions options{.tolerance = request.share * left, .seed = request.seed};
   std::vector<char> done(fields.size(), 0);
   Solution result = solution;
   result.pieces.clear();

@@ -9,7 +9,8 @@
 namespace samara::codebooks {
 
 struct CompactionRequest {
-  double tolerance = 0.0;                      ///< of the plan
+  double tolerance = 0.0;                       ///< of the plan
+  double share = 0.9;                           ///< to spend of what the builder left of it
   std::map<std::string, double> absolute = {};  ///< least range per output
   std::uint64_t seed = 1;
 };

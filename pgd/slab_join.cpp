@@ -18,7 +18,10 @@ namespace {
 
 // The tolerance is shared: what joining leaves out on the way, elements of time, nodes of the parameters,
 // ranks.
-constexpr double kJoinShare = 0.05, kTimeShare = 0.15, kNodeShare = 0.3, kRankShare = 0.5;
+constexpr double kJoinShare = 0.05, kTimeShare = 0.15, kNodeShare = 0.4, kRankShare = 0.7;
+
+// One field may take this many times the numbers of two: questions that meet both pay for each by itself.
+constexpr double kWorthOfOne = 1.5;
 
 bool is_one_element(const Axis& axis) {
   return axis.basis() == Basis::chebyshev && axis.elements() == 1;
@@ -140,14 +143,15 @@ std::optional<TrainField> joined(const TrainField& earlier, const TrainField& la
   return TrainField(std::move(*axes), earlier.outputs(), rounded_by_mean(std::move(both), scale, tolerance));
 }
 
-/// Halves are joined first, so that trains stay short. Fields are joined where that takes fewer numbers.
+/// Halves are joined first, so that trains stay short. Fields are joined where that takes not many more numbers.
 std::vector<TrainField> join_all(std::vector<TrainField> fields, const Eigen::VectorXd& scale, double tolerance) {
   if (fields.size() < 2) return fields;
   const auto middle = fields.begin() + static_cast<std::ptrdiff_t>(fields.size() / 2);
   std::vector<TrainField> front = join_all({fields.begin(), middle}, scale, tolerance);
   std::vector<TrainField> back = join_all({middle, fields.end()}, scale, tolerance);
   std::optional<TrainField> one = joined(front.back(), back.front(), scale, tolerance);
-  if (one && one->entries() <= front.back().entries() + back.front().entries()) {
+  if (one && static_cast<double>(one->entries()) <=
+                 kWorthOfOne * static_cast<double>(front.back().entries() + back.front().entries())) {
     front.back() = std::move(*one);
     back.erase(back.begin());
   }

@@ -20,7 +20,7 @@ struct CompactOptions {
 /// The same functions with fewer numbers.
 ///
 /// Neighbouring fields over one box of parameters, whose times follow each other, become one field where that
-/// takes fewer numbers; where they met, the earlier one's values stand. Then, field by field: elements of time
+/// takes at most half as many numbers again; where they met, the earlier one's values stand. Then, field by field: elements of time
 /// are put together, parameter axes of one Chebyshev element lose nodes, and ranks are cut (field_rounding.h).
 /// @param fields trains of the same outputs and coordinates, time first, ascending in time
 /// @param scale per output, positive
