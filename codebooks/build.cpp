@@ -16,8 +16,8 @@
 #include "samara/base/version.h"
 #include "samara/codebooks/call_memory.h"
 #include "samara/codebooks/certify.h"
-#include "samara/codebooks/compaction.h"
 #include "samara/codebooks/certify_calls.h"
+#include "samara/codebooks/compaction.h"
 #include "samara/codebooks/pgd_builder.h"
 #include "samara/codebooks/sampling_builder.h"
 
@@ -210,10 +210,9 @@ BuildResult build_of_model(const Plan& plan, const BuildOptions& options, const 
   };
   // Fewer numbers must not cost the certificate.
   for (const double share : {0.9, 0.4}) {
-    Solution compact = compacted(solved, {.tolerance = plan.relative,
-                                          .share = share,
-                                          .absolute = plan.absolute,
-                                          .seed = plan.builder.seed});
+    Solution compact = compacted(
+        solved,
+        {.tolerance = plan.relative, .share = share, .absolute = plan.absolute, .seed = plan.builder.seed});
     if (compact.record.message == solved.record.message) break;
     BuildResult result = certified(std::move(compact));
     if (result.met || cancelled) return result;

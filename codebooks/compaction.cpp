@@ -7,9 +7,9 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "samara/pgd/random.h"
 #include "samara/pgd/slab_join.h"
 #include "samara/pgd/train_points.h"
-#include "samara/pgd/random.h"
 
 namespace samara::codebooks {
 
@@ -68,8 +68,8 @@ Solution compacted(const Solution& solution, const CompactionRequest& request) {
     return solution;
   std::vector<pgd::TrainField> fields;
   for (const Piece& piece : solution.pieces) {
-    if (piece.groups.size() != 1 || piece.groups.front().train() == nullptr) return solution;
-    fields.push_back(*piece.groups.front().train());
+    if (piece.groups().size() != 1 || piece.groups().front().train() == nullptr) return solution;
+    fields.push_back(*piece.groups().front().train());
   }
   const Eigen::VectorXd scale = ranges(fields, request);
   const pgd::CompactOptions options{.tolerance = request.share * left, .seed = request.seed};
@@ -91,7 +91,8 @@ Solution compacted(const Solution& solution, const CompactionRequest& request) {
   if (after >= before) return solution;
   for (pgd::TrainField& field : compact) result.pieces.push_back(Piece{{std::move(field)}});
   result.spent.compression += options.tolerance;
-  result.record.message += fmt::format("; {} numbers made {} in {} pieces", before, after, result.pieces.size());
+  result.record.message +=
+      fmt::format("; {} numbers made {} in {} pieces", before, after, result.pieces.size());
   return result;
 }
 

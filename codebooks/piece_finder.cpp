@@ -5,18 +5,14 @@
 
 namespace samara::codebooks {
 
-PieceFinder::PieceFinder(std::vector<std::vector<pgd::Axis>> pieces) {
-  dimensions_ = pieces.empty() ? 0 : pieces.front().size();
-  for (const std::vector<pgd::Axis>& axes : pieces) {
-    for (const pgd::Axis& axis : axes) boxes_.push_back({axis.lower(), axis.upper()});
-    borders_.push_back(axes.front().lower());
-    borders_.push_back(axes.front().upper());
-  }
-  for (std::size_t k = 0; k < dimensions_; ++k) {
-    if (pieces.front()[k].has_elements() || pieces.front()[k].basis() == pgd::Basis::fourier) continue;
-    std::vector<pgd::Axis> axes;
-    for (const std::vector<pgd::Axis>& piece : pieces) axes.push_back(piece[k]);
-    lists_.emplace_back(k, std::move(axes));
+PieceFinder::PieceFinder(const std::vector<Box>& pieces) {
+  dimensions_ = pieces.empty() ? 0 : pieces.front().intervals.size();
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    boxes_.insert(boxes_.end(), pieces[p].intervals.begin(), pieces[p].intervals.end());
+    borders_.push_back(pieces[p].intervals.front().lower);
+    borders_.push_back(pieces[p].intervals.front().upper);
+    for (std::size_t k = 0; k < pieces[p].lists.size(); ++k)
+      if (pieces[p].lists[k]) lists_.push_back({static_cast<int>(p), k, *pieces[p].lists[k]});
   }
   std::sort(borders_.begin(), borders_.end());
   borders_.erase(std::unique(borders_.begin(), borders_.end()), borders_.end());
@@ -43,8 +39,8 @@ bool PieceFinder::contains(int piece, const double* x) const {
   const Interval* const box = boxes_.data() + static_cast<std::size_t>(piece) * dimensions_;
   for (std::size_t k = 0; k < dimensions_; ++k)
     if (!(x[k] >= box[k].lower && x[k] <= box[k].upper)) return false;
-  return std::ranges::all_of(lists_, [&](const auto& list) {
-    return list.second[static_cast<std::size_t>(piece)].contains(x[list.first]);
+  return std::ranges::all_of(lists_, [&](const List& list) {
+    return list.piece != piece || list.axis.contains(x[list.coordinate]);
   });
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <span>
+#include <optional>
 #include <vector>
 
 #include "samara/codebooks/codebook.h"
@@ -11,22 +11,31 @@ namespace samara::codebooks {
 /// slabs of the first coordinate; does not allocate.
 class PieceFinder {
  public:
+  struct Interval {
+    double lower = 0.0;
+    double upper = 0.0;
+  };
+  struct Box {
+    std::vector<Interval> intervals;
+    /// Axes that are lists of values, where being inside is not enough; else empty places.
+    std::vector<std::optional<pgd::Axis>> lists;
+  };
   /// Boxes of the pieces, in their order, over the same coordinates.
-  explicit PieceFinder(std::vector<std::vector<pgd::Axis>> pieces);
+  explicit PieceFinder(const std::vector<Box>& pieces);
 
   /// The place of the piece, or -1 in a gap. @param x finite
   int find(const double* x) const;
   bool contains(int piece, const double* x) const;
 
  private:
-  struct Interval {
-    double lower = 0.0;
-    double upper = 0.0;
-  };
   std::size_t dimensions_ = 0;
   std::vector<Interval> boxes_;  ///< pieces x coordinates
-  /// Coordinates of lists of values, where being inside is not enough.
-  std::vector<std::pair<std::size_t, std::vector<pgd::Axis>>> lists_;
+  struct List {
+    int piece = 0;
+    std::size_t coordinate = 0;
+    pgd::Axis axis;
+  };
+  std::vector<List> lists_;
   std::vector<double> borders_;  ///< of all pieces on the first coordinate, ascending
   /// Pieces that meet (border i - 1, border i], in their order.
   std::vector<std::vector<int>> candidates_;

@@ -1,7 +1,6 @@
 #include "samara/codebooks/prepared_fields.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,99 +13,139 @@ using kernels::PackedField;
 
 namespace {
 
-/// Whether the coordinates that are held lie in the piece.
-bool holds_fixed(const std::vector<pgd::Axis>& axes, const PreparedFields::Choice& choice) {
-  for (std::size_t k = 0; k < choice.fixed.size(); ++k)
-    if (choice.fixed[k] && !axes[k].contains(*choice.fixed[k])) return false;
-  return true;
+bool is_list(const pgd::Axis& axis) {
+  return !axis.has_elements() && axis.basis() != pgd::Basis::fourier;
 }
 
 }  // namespace
 
-PreparedFields::PreparedFields(const Codebook& book, const Choice& choice) {
+PreparedFields::PreparedFields(const Codebook& book, const Choice& choice) : choice_(choice) {
   const auto outputs = static_cast<int>(choice.outputs.size());
   rows_ = outputs * (choice.times ? static_cast<int>(choice.times->size()) : 1);
-  const auto is_left = [&](std::size_t k) { return !choice.fixed[k] && !(k == 0 && choice.times); };
   for (std::size_t k = 0; k < choice.fixed.size(); ++k)
-    if (is_left(k)) coordinates_.push_back(book.coordinates()[k]);
+    if (is_free(k)) coordinates_.push_back(book.coordinates()[k]);
   if (coordinates_.empty()) {
     throw ArgumentError("a query holds all coordinates of the codebook, expected one that is free");
   }
-  std::vector<std::vector<pgd::Axis>> axes;
+  // Pieces that a file has not given yet wait until a point falls into them. Times meet them all; of lists
+  // the box does not tell what is inside.
+  const std::vector<pgd::Axis>& first = book.pieces().front().groups().front().axes();
+  const bool may_wait = !choice.times && std::ranges::none_of(first, is_list);
+  std::vector<PieceFinder::Box> boxes;
+  all_hold_the_box_ = has_one_cell_ = true;
   for (const codebooks::Piece& piece : book.pieces()) {
-    const std::vector<pgd::Axis>& all = piece.groups.front().axes();
-    if (!holds_fixed(all, choice)) continue;
-    std::vector<double> held;
-    std::vector<int> held_at;
+    const bool waits = may_wait && !piece.is_read();
+    if (!holds_what_is_fixed(piece, waits)) continue;
+    auto prepared = std::make_unique<Prepared>();
+    prepared->source = piece;
     for (std::size_t i = 0; choice.times && i < choice.times->size(); ++i) {
-      if (!all.front().contains((*choice.times)[i])) continue;
-      held.push_back((*choice.times)[i]);
-      held_at.push_back(static_cast<int>(i));
+      if (piece.groups().front().axes().front().contains((*choice.times)[i]))
+        prepared->times.push_back(static_cast<int>(i));
     }
-    if (choice.times && held.empty()) continue;
-    add_piece(piece, choice, held, held_at);
-    std::vector<pgd::Axis> left;
-    for (std::size_t k = 0; k < all.size(); ++k)
-      if (is_left(k)) left.push_back(all[k]);
-    for (const pgd::Axis& axis : left) {
-      const bool one = axis.has_elements() ? axis.elements() == 1 : axis.basis() == pgd::Basis::fourier;
-      has_one_cell_ = has_one_cell_ && one;
-    }
-    axes.push_back(std::move(left));
+    if (choice.times && prepared->times.empty()) continue;
+    boxes.push_back(box_of(piece, waits));
+    all_hold_the_box_ = all_hold_the_box_ && is_whole_box(boxes.back());
+    pieces_.push_back(std::move(prepared));
+    if (!waits) look_at(piece_count() - 1);
   }
-  all_hold_the_box_ = std::ranges::all_of(axes, [&](const std::vector<pgd::Axis>& piece) {
-    return std::equal(piece.begin(), piece.end(), coordinates_.begin(),
-                      [](const pgd::Axis& axis, const Coordinate& c) {
-                        const bool is_list = !axis.has_elements() && axis.basis() != pgd::Basis::fourier;
-                        return !is_list && axis.lower() == c.lower && axis.upper() == c.upper;
-                      });
-  });
-  finder_.emplace(std::move(axes));
+  finder_.emplace(boxes);
 }
 
-void PreparedFields::add_piece(const codebooks::Piece& piece, const Choice& choice,
-                               const std::vector<double>& held, const std::vector<int>& held_at) {
-  const int times = choice.times ? static_cast<int>(choice.times->size()) : 1;
-  Piece prepared;
+bool PreparedFields::holds_what_is_fixed(const codebooks::Piece& piece, bool by_box) const {
+  for (std::size_t k = 0; k < choice_.fixed.size(); ++k) {
+    if (!choice_.fixed[k]) continue;
+    const double x = *choice_.fixed[k];
+    if (x < piece.lower()[k] || x > piece.upper()[k]) return false;
+    if (!by_box && !piece.groups().front().axes()[k].contains(x)) return false;
+  }
+  return true;
+}
+
+PieceFinder::Box PreparedFields::box_of(const codebooks::Piece& piece, bool by_box) const {
+  PieceFinder::Box box;
+  for (std::size_t k = 0; k < choice_.fixed.size(); ++k) {
+    if (!is_free(k)) continue;
+    box.intervals.push_back({piece.lower()[k], piece.upper()[k]});
+    box.lists.emplace_back();
+    if (!by_box && is_list(piece.groups().front().axes()[k]))
+      box.lists.back() = piece.groups().front().axes()[k];
+  }
+  return box;
+}
+
+bool PreparedFields::is_whole_box(const PieceFinder::Box& box) const {
+  for (std::size_t k = 0; k < coordinates_.size(); ++k) {
+    const bool whole = !box.lists[k] && box.intervals[k].lower == coordinates_[k].lower &&
+                       box.intervals[k].upper == coordinates_[k].upper;
+    if (!whole) return false;
+  }
+  return true;
+}
+
+/// Prepares a piece at once, in the constructor.
+void PreparedFields::look_at(int piece) {
+  const Prepared& prepared = at(piece);
+  for (const Part& part : prepared.parts) {
+    std::visit(
+        [&](const auto& packed) {
+          for (int k = 0; k < packed.axis_count(); ++k) {
+            const pgd::Axis& axis = packed.axis(k).axis();
+            has_one_cell_ = has_one_cell_ && (axis.has_elements() ? axis.elements() == 1 : !is_list(axis));
+          }
+        },
+        part.packed);
+  }
+}
+
+const PreparedFields::Prepared& PreparedFields::at(int piece) const {
+  Prepared& prepared = *pieces_[static_cast<std::size_t>(piece)];
+  std::call_once(prepared.once, [&] { prepare(prepared); });
+  return prepared;
+}
+
+void PreparedFields::prepare(Prepared& prepared) const {
+  const int times = choice_.times ? static_cast<int>(choice_.times->size()) : 1;
   int first_output = 0;
-  for (const FieldGroup& group : piece.groups) {
-    Part part{PackedField<double>({}), {}, {}};
+  for (const FieldGroup& group : prepared.source.groups()) {
     kernels::RowChoice asked;
-    asked.fixed = choice.fixed;
-    if (choice.times) asked.times = held;
-    for (std::size_t o = 0; o < choice.outputs.size(); ++o) {
-      const int place = choice.outputs[o] - first_output;
+    asked.fixed = choice_.fixed;
+    if (choice_.times) {
+      asked.times.emplace();
+      for (const int i : prepared.times)
+        asked.times->push_back((*choice_.times)[static_cast<std::size_t>(i)]);
+    }
+    std::vector<int> rows;
+    for (std::size_t o = 0; o < choice_.outputs.size(); ++o) {
+      const int place = choice_.outputs[o] - first_output;
       if (place < 0 || place >= group.output_count()) continue;
       asked.outputs.push_back(place);
-      if (!choice.times) part.rows.push_back(static_cast<int>(o));
-      for (const int i : held_at) part.rows.push_back(i + times * static_cast<int>(o));
+      if (!choice_.times) rows.push_back(static_cast<int>(o));
+      for (const int i : prepared.times) rows.push_back(i + times * static_cast<int>(o));
     }
     first_output += group.output_count();
-    if (asked.outputs.empty()) continue;
+    if (rows.empty()) continue;
     const kernels::RowForm form = row_form(group, asked);
-    if (choice.single) {
-      part.packed = PackedField<float>(form);
-    } else {
-      part.packed = PackedField<double>(form);
-    }
-    for (int i = 0; i < static_cast<int>(part.rows.size()); ++i) {
-      const int to = part.rows[static_cast<std::size_t>(i)];
-      if (part.stretches.empty() || part.stretches.back().to + part.stretches.back().count != to)
-        part.stretches.push_back({i, to, 0});
+    Part part{choice_.single ? Packed(PackedField<float>(form)) : Packed(PackedField<double>(form)),
+              static_cast<int>(rows.size()),
+              {}};
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (part.stretches.empty() || part.stretches.back().to + part.stretches.back().count != rows[i])
+        part.stretches.push_back({static_cast<int>(i), rows[i], 0});
       ++part.stretches.back().count;
     }
-    largest_part_ = std::max(largest_part_, static_cast<int>(part.rows.size()));
-    prepared.rows.insert(prepared.rows.end(), part.rows.begin(), part.rows.end());
     prepared.parts.push_back(std::move(part));
   }
-  pieces_.push_back(std::move(prepared));
+}
+
+const std::vector<int>& PreparedFields::times_of(int piece) const {
+  return pieces_[static_cast<std::size_t>(piece)]->times;
 }
 
 int PreparedFields::inner_size() const {
   int most = 1;
-  for (const Piece& piece : pieces_) {
+  for (int piece = 0; piece < piece_count(); ++piece) {
     int sum = 0;
-    for (const Part& part : piece.parts)
+    for (const Part& part : at(piece).parts)
       sum += std::visit([](const auto& packed) { return packed.inner_size(); }, part.packed);
     most = std::max(most, sum);
   }
@@ -114,23 +153,37 @@ int PreparedFields::inner_size() const {
 }
 
 int PreparedFields::cell(int piece, int coordinate, double x) const {
-  const Piece& at = pieces_[static_cast<std::size_t>(piece)];
   return std::visit([&](const auto& packed) { return packed.axis(coordinate).cell(x); },
-                    at.parts.front().packed);
+                    at(piece).parts.front().packed);
 }
 
 PreparedFields::Workspace PreparedFields::make_workspace() const {
   Workspace workspace;
-  for (const Piece& piece : pieces_) {
-    auto& parts = workspace.parts.emplace_back();
-    for (const Part& part : piece.parts)
-      parts.push_back(std::visit([](const auto& packed) { return Workspace::Part(packed.make_workspace()); },
-                                 part.packed));
-  }
   const int columns = std::max(PackedField<double>::column_count(coordinate_count(), 2), block_size());
+  workspace.pieces.resize(pieces_.size());
   workspace.columns.resize(static_cast<std::size_t>(columns));
-  workspace.scratch = kernels::Buffer<double>(kernels::padded<double>(largest_part_) * columns);
+  for (int piece = 0; piece < piece_count(); ++piece)
+    if (pieces_[static_cast<std::size_t>(piece)]->source.is_read()) scratch(piece, workspace);
   return workspace;
+}
+
+/// Scratch space of a piece; it is made when the piece is met first.
+PreparedFields::Workspace::Piece& PreparedFields::scratch(int piece, Workspace& workspace) const {
+  Workspace::Piece& result = workspace.pieces[static_cast<std::size_t>(piece)];
+  if (result.is_made) return result;
+  int largest = 0;
+  for (const Part& part : at(piece).parts) {
+    result.parts.push_back(
+        std::visit([](const auto& packed) { return Workspace::Part(packed.make_workspace()); }, part.packed));
+    if (part.stretches.size() > 1) largest = std::max(largest, part.rows);
+  }
+  const std::ptrdiff_t lead = kernels::padded<double>(largest);
+  if (lead > workspace.lead) {
+    workspace.lead = lead;
+    workspace.rows = kernels::Buffer<double>(lead * static_cast<std::ptrdiff_t>(workspace.columns.size()));
+  }
+  result.is_made = true;
+  return result;
 }
 
 /// Calls run(columns of the part's own rows), and puts what it writes into the columns of all rows.
@@ -138,12 +191,12 @@ template <class Run>
 void PreparedFields::in_rows(const std::vector<Stretch>& stretches, int columns, double* const* target,
                              Workspace& workspace, const Run& run) const {
   const bool in_place = stretches.size() == 1;
-  const std::ptrdiff_t lead = kernels::padded<double>(largest_part_);
+  const std::ptrdiff_t lead = workspace.lead;
   double** const own = workspace.columns.data();
   for (int c = 0; c < columns; ++c) {
     own[c] = target[c] == nullptr ? nullptr
              : in_place           ? target[c] + stretches.front().to
-                                  : workspace.scratch.data() + c * lead;
+                                  : workspace.rows.data() + c * lead;
   }
   run(own);
   if (in_place) return;
@@ -156,38 +209,36 @@ void PreparedFields::in_rows(const std::vector<Stretch>& stretches, int columns,
 
 void PreparedFields::point(int piece, const double* x, int order, Workspace& workspace,
                            double* const* columns) const {
-  const auto at = static_cast<std::size_t>(piece);
+  const std::vector<Part>& parts = at(piece).parts;
+  Workspace::Piece& own = scratch(piece, workspace);
   const int count = PackedField<double>::column_count(coordinate_count(), order);
-  for (std::size_t p = 0; p < pieces_[at].parts.size(); ++p) {
-    const Part& part = pieces_[at].parts[p];
-    in_rows(part.stretches, count, columns, workspace, [&](double* const* own) {
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    in_rows(parts[p].stretches, count, columns, workspace, [&](double* const* rows) {
       std::visit(
           [&](const auto& packed) {
             using Scratch = typename std::decay_t<decltype(packed)>::Workspace;
-            packed.point(x, order, std::get<Scratch>(workspace.parts[at][p]), own);
+            packed.point(x, order, *std::get_if<Scratch>(&own.parts[p]), rows);
           },
-          part.packed);
+          parts[p].packed);
     });
   }
 }
 
 int PreparedFields::block_size() const {
-  for (const Piece& piece : pieces_)
-    if (std::holds_alternative<PackedField<float>>(piece.parts.front().packed)) return kernels::kBlock<float>;
-  return kernels::kBlock<double>;
+  return choice_.single ? kernels::kBlock<float> : kernels::kBlock<double>;
 }
 
 void PreparedFields::block(int piece, const double* x, Workspace& workspace, double* const* columns) const {
-  const auto at = static_cast<std::size_t>(piece);
-  for (std::size_t p = 0; p < pieces_[at].parts.size(); ++p) {
-    const Part& part = pieces_[at].parts[p];
-    in_rows(part.stretches, block_size(), columns, workspace, [&](double* const* own) {
+  const std::vector<Part>& parts = at(piece).parts;
+  Workspace::Piece& own = scratch(piece, workspace);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    in_rows(parts[p].stretches, block_size(), columns, workspace, [&](double* const* rows) {
       std::visit(
           [&](const auto& packed) {
             using Scratch = typename std::decay_t<decltype(packed)>::Workspace;
-            packed.block(x, std::get<Scratch>(workspace.parts[at][p]), own);
+            packed.block(x, *std::get_if<Scratch>(&own.parts[p]), rows);
           },
-          part.packed);
+          parts[p].packed);
     });
   }
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -30,11 +32,11 @@ class PreparedFields {
   int inner_size() const;
   int piece_count() const { return static_cast<int>(pieces_.size()); }
   const PieceFinder& finder() const { return *finder_; }
-  /// Whether a piece has rows of all the others' box: then it needs no look whether it holds a point.
+  /// Whether every piece holds all points: then it needs no look.
   bool all_hold_the_box() const { return all_hold_the_box_; }
+  /// Places of the times that a piece answers for.
+  const std::vector<int>& times_of(int piece) const;
 
-  /// Rows that a piece answers for.
-  const std::vector<int>& rows_of(int piece) const { return pieces_[static_cast<std::size_t>(piece)].rows; }
   /// Whether all points of every piece are in one cell.
   bool has_one_cell() const { return has_one_cell_; }
   /// Cell of a coordinate in a piece: points that share all cells may go in one block.
@@ -44,14 +46,20 @@ class PreparedFields {
   struct Workspace {
     using Part =
         std::variant<kernels::PackedField<double>::Workspace, kernels::PackedField<float>::Workspace>;
-    std::vector<std::vector<Part>> parts;
+    struct Piece {
+      bool is_made = false;
+      std::vector<Part> parts;
+    };
+    std::vector<Piece> pieces;
     std::vector<double*> columns;
-    kernels::Buffer<double> scratch;
+    std::ptrdiff_t lead = 0;  ///< of rows
+    kernels::Buffer<double> rows;
   };
   Workspace make_workspace() const;
 
   /// Writes the rows of a piece that holds x into columns of all rows: the values, then derivatives, as
-  /// PackedField::point says.
+  /// PackedField::point says. A piece that was not read before is read, and packed: this allocates.
+  /// @throws InputError if it is damaged
   void point(int piece, const double* x, int order, Workspace& workspace, double* const* columns) const;
 
   /// Points of one block, in one cell. @param x coordinate by coordinate, points running fastest
@@ -66,29 +74,37 @@ class PreparedFields {
     int to = 0;
     int count = 0;
   };
-  template <class Run>
-  void in_rows(const std::vector<Stretch>& stretches, int columns, double* const* target, Workspace& workspace,
-               const Run& run) const;
-
   using Packed = std::variant<kernels::PackedField<double>, kernels::PackedField<float>>;
   struct Part {
     Packed packed;
-    std::vector<int> rows;  ///< of the field, among all
+    int rows = 0;
     std::vector<Stretch> stretches;
   };
-  struct Piece {
+  struct Prepared {
+    codebooks::Piece source;
+    std::vector<int> times;  ///< places of those it holds
+    std::once_flag once;
     std::vector<Part> parts;
-    std::vector<int> rows;
   };
-  void add_piece(const codebooks::Piece& piece, const Choice& choice, const std::vector<double>& held,
-                 const std::vector<int>& held_at);
 
+  bool is_free(std::size_t k) const { return !choice_.fixed[k] && !(k == 0 && choice_.times); }
+  bool holds_what_is_fixed(const codebooks::Piece& piece, bool by_box) const;
+  PieceFinder::Box box_of(const codebooks::Piece& piece, bool by_box) const;
+  bool is_whole_box(const PieceFinder::Box& box) const;
+  void look_at(int piece);
+  const Prepared& at(int piece) const;
+  void prepare(Prepared& prepared) const;
+  Workspace::Piece& scratch(int piece, Workspace& workspace) const;
+  template <class Run>
+  void in_rows(const std::vector<Stretch>& stretches, int columns, double* const* target,
+               Workspace& workspace, const Run& run) const;
+
+  Choice choice_;
   int rows_ = 0;
-  int largest_part_ = 0;
-  bool all_hold_the_box_ = false;
+  bool all_hold_the_box_ = true;
   bool has_one_cell_ = true;
   std::vector<Coordinate> coordinates_;
-  std::vector<Piece> pieces_;
+  std::vector<std::unique_ptr<Prepared>> pieces_;
   std::optional<PieceFinder> finder_;
 };
 

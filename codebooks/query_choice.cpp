@@ -104,7 +104,9 @@ Prepared prepare(const Codebook& book, const QueryOptions& options,
   choice.single = options.precision == Precision::single_precision;
   Prepared result{std::make_shared<const PreparedFields>(book, choice), Precision::double_precision};
   if (choice.single) result.precision = Precision::single_precision;
-  const bool is_open = options.precision == Precision::automatic && book.certificate() &&
+  // Trials would read all pieces of a large file.
+  const bool is_read = std::ranges::all_of(book.pieces(), [](const Piece& piece) { return piece.is_read(); });
+  const bool is_open = options.precision == Precision::automatic && is_read && book.certificate() &&
                        book.certificate()->outputs.size() == book.outputs().size();
   if (!is_open || result.fields->rows() == 0) return result;
   choice.single = true;

@@ -57,7 +57,7 @@ struct TrajectoryQuery::Impl {
   const PreparedFields& fields() const { return *prepared.fields; }
 
   void mark(int piece) {
-    for (const int row : fields().rows_of(piece)) answered[static_cast<std::size_t>(row) % times.size()] = 1;
+    for (const int i : fields().times_of(piece)) answered[static_cast<std::size_t>(i)] = 1;
   }
 
   void require_all_answered() const {
@@ -94,7 +94,8 @@ struct TrajectoryQuery::Impl {
         const double* const q = points.col(first + std::min(p, count - 1)).data();
         require_inside(fields().coordinates(), std::span(q, static_cast<std::size_t>(d)));
         for (Eigen::Index k = 0; k < d; ++k) block_points(p, k) = q[k];
-        double* const column = past_caches ? block_rows.col(p).data() : values.col(first + std::min(p, count - 1)).data();
+        double* const column =
+            past_caches ? block_rows.col(p).data() : values.col(first + std::min(p, count - 1)).data();
         to[static_cast<std::size_t>(p)] = p < count ? column : nullptr;
       }
       for (int piece = fields().piece_count(); piece-- > 0;)

@@ -29,8 +29,8 @@ bool is_one_element(const Axis& axis) {
 
 /// The axis that holds the functions of both, if there is one.
 std::optional<Axis> common_axis(const Axis& a, const Axis& b) {
-  const bool same_interval = a.basis() == b.basis() && a.transform() == b.transform() && a.lower() == b.lower() &&
-                             a.upper() == b.upper();
+  const bool same_interval = a.basis() == b.basis() && a.transform() == b.transform() &&
+                             a.lower() == b.lower() && a.upper() == b.upper();
   if (same_interval && a.nodes() == b.nodes()) return a;
   if (same_interval && is_one_element(a) && is_one_element(b)) return a.size() > b.size() ? a : b;
   return std::nullopt;
@@ -56,8 +56,8 @@ Axis time_with_borders(const Axis& like, const Eigen::VectorXd& borders) {
 std::optional<std::vector<Axis>> common_axes(const TrainField& earlier, const TrainField& later) {
   const Axis& a = earlier.axes().front();
   const Axis& b = later.axes().front();
-  if (!a.has_elements() || a.basis() != b.basis() || a.degree() != b.degree() || a.transform() != b.transform() ||
-      a.upper() != b.lower())
+  if (!a.has_elements() || a.basis() != b.basis() || a.degree() != b.degree() ||
+      a.transform() != b.transform() || a.upper() != b.lower())
     return std::nullopt;
   Eigen::VectorXd borders(a.borders().size() + b.borders().size() - 1);
   borders << a.borders(), b.borders().tail(b.borders().size() - 1);
@@ -143,8 +143,10 @@ std::optional<TrainField> joined(const TrainField& earlier, const TrainField& la
   return TrainField(std::move(*axes), earlier.outputs(), rounded_by_mean(std::move(both), scale, tolerance));
 }
 
-/// Halves are joined first, so that trains stay short. Fields are joined where that takes not many more numbers.
-std::vector<TrainField> join_all(std::vector<TrainField> fields, const Eigen::VectorXd& scale, double tolerance) {
+/// Halves are joined first, so that trains stay short. Fields are joined where that takes not many more
+/// numbers.
+std::vector<TrainField> join_all(std::vector<TrainField> fields, const Eigen::VectorXd& scale,
+                                 double tolerance) {
   if (fields.size() < 2) return fields;
   const auto middle = fields.begin() + static_cast<std::ptrdiff_t>(fields.size() / 2);
   std::vector<TrainField> front = join_all({fields.begin(), middle}, scale, tolerance);
@@ -240,13 +242,15 @@ Axis with_fewer_elements(const Axis& time, const Eigen::MatrixXd& lines, double 
       const double* const stop = all.data() + all.size();
       const double* const first = std::lower_bound(all.data(), stop, borders[e]);
       const double* const last = std::upper_bound(first, stop, borders[end + 1]);
-      if (change(lines, time, trial, Eigen::Map<const Eigen::VectorXd>(first, last - first)) > tolerance) break;
+      if (change(lines, time, trial, Eigen::Map<const Eigen::VectorXd>(first, last - first)) > tolerance)
+        break;
     }
     kept.push_back(borders[end]);
     e = end;
   }
   if (static_cast<Eigen::Index>(kept.size()) == borders.size()) return time;
-  return time_with_borders(time, Eigen::Map<const Eigen::VectorXd>(kept.data(), static_cast<Eigen::Index>(kept.size())));
+  return time_with_borders(
+      time, Eigen::Map<const Eigen::VectorXd>(kept.data(), static_cast<Eigen::Index>(kept.size())));
 }
 
 Axis with_fewer_nodes(const Axis& axis, const Eigen::MatrixXd& lines, double tolerance) {
@@ -260,7 +264,8 @@ Axis with_fewer_nodes(const Axis& axis, const Eigen::MatrixXd& lines, double tol
   return axis;
 }
 
-TrainField with_lean_axes(const TrainField& field, const Eigen::VectorXd& scale, double tolerance, Random& random) {
+TrainField with_lean_axes(const TrainField& field, const Eigen::VectorXd& scale, double tolerance,
+                          Random& random) {
   const Eigen::MatrixXd points = trial_points(field.axes(), random);
   const auto parameters = static_cast<double>(std::max<std::size_t>(1, field.axes().size() - 1));
   std::vector<Axis> axes = field.axes();
@@ -279,8 +284,9 @@ std::vector<TrainField> compacted(const std::vector<TrainField>& fields, const E
                                   const CompactOptions& options) {
   for (const TrainField& field : fields) {
     if (scale.size() != field.output_count() || !(scale.minCoeff() > 0.0) || !scale.allFinite()) {
-      throw ArgumentError(fmt::format("fields of {} outputs made compact by {} scales, expected as many positive ones",
-                                      field.output_count(), scale.size()));
+      throw ArgumentError(
+          fmt::format("fields of {} outputs made compact by {} scales, expected as many positive ones",
+                      field.output_count(), scale.size()));
     }
   }
   if (!(options.tolerance > 0.0 && options.tolerance < 1.0)) {

@@ -20,8 +20,9 @@ struct CompactOptions {
 /// The same functions with fewer numbers.
 ///
 /// Neighbouring fields over one box of parameters, whose times follow each other, become one field where that
-/// takes at most half as many numbers again; where they met, the earlier one's values stand. Then, field by field: elements of time
-/// are put together, parameter axes of one Chebyshev element lose nodes, and ranks are cut (field_rounding.h).
+/// takes at most half as many numbers again; where they met, the earlier one's values stand. Then, field by
+/// field: elements of time are put together, parameter axes of one Chebyshev element lose nodes, and ranks
+/// are cut (field_rounding.h).
 /// @param fields trains of the same outputs and coordinates, time first, ascending in time
 /// @param scale per output, positive
 /// @throws ArgumentError if sizes or numbers are not as said

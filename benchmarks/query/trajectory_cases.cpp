@@ -334,7 +334,7 @@ void Run::gradient() {
 void Run::size() {
   double bytes = 0.0;
   for (const codebooks::Piece& piece : book_.pieces())
-    for (const codebooks::FieldGroup& group : piece.groups)
+    for (const codebooks::FieldGroup& group : piece.groups())
       bytes += 8.0 * static_cast<double>(group.entries());
   const double table = 8.0 * kTrajectoryTimes * std::pow(static_cast<double>(case_.grid), 3) *
                        static_cast<double>(book_.output_count());

@@ -79,8 +79,10 @@ void blend_sets(const T* core, std::ptrdiff_t stride, std::ptrdiff_t length, int
     blend_vectors<T, kSets, kMany>(core, stride, nodes, weights, out, at);
   const auto left = static_cast<int>((length - at) / kLanes<T>);
   [&]<int... kLess>(std::integer_sequence<int, kLess...>) {
-    ((left == kLess + 1 ? blend_vectors<T, kSets, kLess + 1>(core, stride, nodes, weights, out, at) : void()), ...);
-  }(std::make_integer_sequence<int, kMany - 1>());
+    ((left == kLess + 1 ? blend_vectors<T, kSets, kLess + 1>(core, stride, nodes, weights, out, at) : void()),
+     ...);
+  }
+  (std::make_integer_sequence<int, kMany - 1>());
 }
 
 /// A tile of kVectors x kColumns of a product. One column of few rows would wait for each addition: it is

@@ -21,7 +21,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// All outputs of a piece, group after group, from the fields themselves.
 Eigen::VectorXd values_of(const Piece& piece, std::span<const double> x) {
   std::vector<double> all;
-  for (const FieldGroup& group : piece.groups) {
+  for (const FieldGroup& group : piece.groups()) {
     for (const double value : group.train() != nullptr ? (*group.train())(x) : (*group.sum())(x))
       all.push_back(value);
   }
@@ -30,7 +30,7 @@ Eigen::VectorXd values_of(const Piece& piece, std::span<const double> x) {
 
 Eigen::MatrixXd gradient_of(const Piece& piece, std::span<const double> x) {
   Eigen::MatrixXd all(0, static_cast<Eigen::Index>(x.size()));
-  for (const FieldGroup& group : piece.groups) {
+  for (const FieldGroup& group : piece.groups()) {
     FieldGroup::Workspace workspace = group.make_workspace();
     Eigen::VectorXd values(group.output_count());
     Eigen::MatrixXd gradient(group.output_count(), group.axis_count());
@@ -82,7 +82,7 @@ TEST_CASE("a border belongs to the lower piece, with its one-sided derivatives")
     CHECK((gradient - gradient_of(book.pieces()[piece], x)).norm() < 1e-11);
     // The pieces do differ here.
     for (std::size_t other = 0; other < 4; ++other) {
-      const auto& axes = book.pieces()[other].groups.front().axes();
+      const auto& axes = book.pieces()[other].groups().front().axes();
       if (other == piece || !axes[0].contains(t) || !axes[1].contains(C_D)) continue;
       CHECK((values - values_of(book.pieces()[other], x)).norm() > 0.01);
     }
@@ -128,7 +128,7 @@ TEST_CASE("gradients are the limits of central differences") {
   Eigen::VectorXd values(2), above(2), below(2);
   Eigen::MatrixXd gradient(2, 3);
   const Eigen::MatrixXd points = random_points(book, 100, 5);
-  const auto& axes = book.pieces().front().groups.front().axes();
+  const auto& axes = book.pieces().front().groups().front().axes();
   int compared = 0;
   for (Eigen::Index j = 0; j < points.cols(); ++j) {
     query.values(point(points, j), values, gradient);

@@ -18,7 +18,7 @@ namespace {
 std::vector<double> sample_times(const Codebook& book) {
   std::vector<double> times = {0.123, 0.011, 0.123};
   for (const Piece& piece : book.pieces()) {
-    for (const double border : piece.groups.front().axes().front().borders()) times.push_back(border);
+    for (const double border : piece.groups().front().axes().front().borders()) times.push_back(border);
   }
   const Coordinate& time = book.coordinates().front();
   for (int i = 0; i <= 50; ++i) times.push_back(time.lower + (time.upper - time.lower) * i / 50.0);
