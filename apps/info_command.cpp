@@ -24,7 +24,7 @@ struct Numbers {
 Numbers count(const Codebook& book) {
   Numbers numbers;
   for (const codebooks::Piece& piece : book.pieces()) {
-    for (const codebooks::FieldGroup& group : piece.groups) {
+    for (const codebooks::FieldGroup& group : piece.groups()) {
       double nodes = 1.0;
       for (const pgd::Axis& axis : group.axes()) nodes *= axis.size();
       numbers.stored += static_cast<double>(group.entries());
@@ -78,9 +78,9 @@ Json to_json(const Codebook& book, const std::string& path) {
     object["outputs"].push_back({{"name", o.name}, {"unit", o.unit}});
   for (const codebooks::Piece& piece : book.pieces()) {
     Json groups = Json::array();
-    for (const codebooks::FieldGroup& group : piece.groups) groups.push_back(to_json(group));
+    for (const codebooks::FieldGroup& group : piece.groups()) groups.push_back(to_json(group));
     Json axes = Json::array();
-    for (const pgd::Axis& axis : piece.groups.front().axes()) {
+    for (const pgd::Axis& axis : piece.groups().front().axes()) {
       axes.push_back({{"name", axis.name()},
                       {"basis", to_string(axis.basis())},
                       {"transform", to_string(axis.transform())},
@@ -128,12 +128,12 @@ std::string describe(const Codebook& book, const std::string& path) {
     const codebooks::Piece& piece = book.pieces()[k];
     text += fmt::format("piece {}\n  {:<12} {:<8} {:<10} {:<10} {:>6} {:>12} {:>12}\n", k, "axis", "unit",
                         "role", "basis", "nodes", "lower", "upper");
-    for (const pgd::Axis& axis : piece.groups.front().axes()) {
+    for (const pgd::Axis& axis : piece.groups().front().axes()) {
       text += fmt::format("  {:<12} {:<8} {:<10} {:<10} {:>6} {:>12.6g} {:>12.6g}\n", axis.name(),
                           axis.unit(), to_string(axis.role()), to_string(axis.basis()), axis.size(),
                           axis.lower(), axis.upper());
     }
-    for (const codebooks::FieldGroup& group : piece.groups) {
+    for (const codebooks::FieldGroup& group : piece.groups()) {
       std::string outputs;
       for (const pgd::OutputLabel& o : group.outputs())
         outputs += fmt::format("{}{}{}", outputs.empty() ? "" : ", ", o.name, unit_suffix(o.unit));

@@ -18,6 +18,7 @@
 #include "samara/codebooks/call_memory.h"
 #include "samara/codebooks/certify.h"
 #include "samara/codebooks/certify_calls.h"
+#include "samara/codebooks/compaction.h"
 #include "samara/codebooks/pgd_builder.h"
 #include "samara/codebooks/sampling_builder.h"
 
@@ -212,10 +213,22 @@ BuildResult build_of_model(const Plan& plan, const BuildOptions& options, const 
                            const bool& cancelled) {
   const Clock::time_point begin = Clock::now();
   const models::ParametricModel model = plan.parametric_model();
-  const Uncertified built =
-      book_of(plan, describe(model), solve(plan, model, options, progress, cancelled), begin);
-  Certificate certificate = certify(built.book, model, certify_options(plan, options, progress));
-  return finished(built, std::move(certificate), cancelled);
+  const Solution solved = solve(plan, model, options, progress, cancelled);
+  const auto certified = [&](Solution solution) {
+    const Uncertified built = book_of(plan, describe(model), std::move(solution), begin);
+    Certificate certificate = certify(built.book, model, certify_options(plan, options, progress));
+    return finished(built, std::move(certificate), cancelled);
+  };
+  // Fewer numbers must not cost the certificate.
+  for (const double share : {0.9, 0.4}) {
+    Solution compact = compacted(
+        solved,
+        {.tolerance = plan.relative, .share = share, .absolute = plan.absolute, .seed = plan.builder.seed});
+    if (compact.record.message == solved.record.message) break;
+    BuildResult result = certified(std::move(compact));
+    if (result.met || cancelled) return result;
+  }
+  return certified(solved);
 }
 
 /// A command that has failed is not called again for the certificate.

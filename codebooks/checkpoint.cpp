@@ -46,7 +46,7 @@ void check_format(const io::Hdf5Reader& file) {
 
 pgd::SeparatedField read_field(const io::Hdf5Reader& file) {
   const Piece piece = read_piece(file, "/piece");
-  const pgd::SeparatedField* field = piece.groups.front().sum();
+  const pgd::SeparatedField* field = piece.groups().front().sum();
   if (field == nullptr) throw file.error("/piece/groups/0", "is a train, expected a sum of products");
   return *field;
 }

@@ -1,6 +1,8 @@
 #include "samara/codebooks/codebook.h"
 
 #include <algorithm>
+#include <atomic>
+#include <mutex>
 #include <set>
 #include <utility>
 
@@ -14,8 +16,8 @@ namespace samara::codebooks {
 namespace {
 
 const std::vector<pgd::Axis>& axes_of(const Piece& piece) {
-  if (piece.groups.empty()) throw ArgumentError("a piece of the codebook has no field group");
-  return piece.groups.front().axes();
+  if (piece.groups().empty()) throw ArgumentError("a piece of the codebook has no field group");
+  return piece.groups().front().axes();
 }
 
 bool same_axis(const pgd::Axis& a, const pgd::Axis& b) {
@@ -26,17 +28,16 @@ bool same_axis(const pgd::Axis& a, const pgd::Axis& b) {
 
 void check_groups(const Piece& piece) {
   const std::vector<pgd::Axis>& axes = axes_of(piece);
-  for (const FieldGroup& group : piece.groups) {
+  for (const FieldGroup& group : piece.groups()) {
     const bool same =
         std::equal(axes.begin(), axes.end(), group.axes().begin(), group.axes().end(), same_axis);
     if (!same) throw ArgumentError("the groups of a piece of the codebook must have the same axes");
   }
 }
 
-/// Smallest box around all pieces, which must have the same coordinates in the same order.
-std::vector<Coordinate> common_coordinates(const std::vector<Piece>& pieces, bool needs_time) {
+std::vector<Coordinate> coordinates_of(const Piece& piece, bool needs_time) {
   std::vector<Coordinate> coordinates;
-  for (const pgd::Axis& axis : axes_of(pieces.front())) {
+  for (const pgd::Axis& axis : axes_of(piece)) {
     coordinates.push_back({axis.name(), axis.unit(), axis.role(), axis.lower(), axis.upper()});
   }
   const bool has_time = coordinates.front().role == pgd::AxisRole::time;
@@ -47,38 +48,19 @@ std::vector<Coordinate> common_coordinates(const std::vector<Piece>& pieces, boo
   const auto is_time = [](const Coordinate& c) { return c.role == pgd::AxisRole::time; };
   if (std::any_of(coordinates.begin() + 1, coordinates.end(), is_time))
     throw ArgumentError("an axis of a codebook behind the first one is time, expected time first");
-  for (const Piece& piece : pieces) {
-    const std::vector<pgd::Axis>& axes = axes_of(piece);
-    if (has_time && !axes.front().has_elements()) {
-      throw ArgumentError(fmt::format("the time axis of a codebook is {}, expected one made of elements",
-                                      to_string(axes.front().basis())));
-    }
-    const bool same = std::equal(coordinates.begin(), coordinates.end(), axes.begin(), axes.end(),
-                                 [](const Coordinate& c, const pgd::Axis& a) {
-                                   return c.name == a.name() && c.unit == a.unit() && c.role == a.role();
-                                 });
-    if (!same) throw ArgumentError("pieces of a codebook must have the same coordinates in the same order");
-    for (std::size_t k = 0; k < coordinates.size(); ++k) {
-      coordinates[k].lower = std::min(coordinates[k].lower, axes[k].lower());
-      coordinates[k].upper = std::max(coordinates[k].upper, axes[k].upper());
-    }
-  }
   return coordinates;
 }
 
 /// Pieces in the order of their lower corners, so that the first of those that share a border is the lower
 /// one.
 void sort_pieces(std::vector<Piece>& pieces) {
-  std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
-    return std::lexicographical_compare(
-        axes_of(a).begin(), axes_of(a).end(), axes_of(b).begin(), axes_of(b).end(),
-        [](const pgd::Axis& left, const pgd::Axis& right) { return left.lower() < right.lower(); });
-  });
+  std::stable_sort(pieces.begin(), pieces.end(),
+                   [](const Piece& a, const Piece& b) { return a.lower() < b.lower(); });
 }
 
 std::vector<pgd::OutputLabel> outputs_of(const Piece& piece) {
   std::vector<pgd::OutputLabel> outputs;
-  for (const FieldGroup& group : piece.groups) {
+  for (const FieldGroup& group : piece.groups()) {
     outputs.insert(outputs.end(), group.outputs().begin(), group.outputs().end());
   }
   return outputs;
@@ -105,6 +87,53 @@ int index_of(const Items& items, const std::string& name, const char* what) {
 
 }  // namespace
 
+struct Piece::Content {
+  std::once_flag once;
+  std::atomic<bool> is_read = false;
+  Groups groups;
+  std::vector<double> lower, upper;
+  std::function<Groups()> read;
+};
+
+Piece::Piece(Groups groups) : content_(std::make_shared<Content>()) {
+  if (!groups.empty()) {
+    for (const pgd::Axis& axis : groups.front().axes()) {
+      content_->lower.push_back(axis.lower());
+      content_->upper.push_back(axis.upper());
+    }
+  }
+  content_->groups = std::move(groups);
+  content_->is_read = true;
+}
+
+Piece::Piece(std::vector<double> lower, std::vector<double> upper, std::function<Groups()> read)
+    : content_(std::make_shared<Content>()) {
+  content_->lower = std::move(lower);
+  content_->upper = std::move(upper);
+  content_->read = std::move(read);
+}
+
+const Piece::Groups& Piece::groups() const {
+  if (!content_->is_read) {
+    std::call_once(content_->once, [&] {
+      content_->groups = content_->read();
+      content_->read = {};
+      content_->is_read = true;
+    });
+  }
+  return content_->groups;
+}
+
+bool Piece::is_read() const {
+  return content_->is_read;
+}
+const std::vector<double>& Piece::lower() const {
+  return content_->lower;
+}
+const std::vector<double>& Piece::upper() const {
+  return content_->upper;
+}
+
 Codebook::Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecord build,
                    Provenance provenance, std::optional<Certificate> certificate, std::string title)
     : model_(std::move(model)),
@@ -114,18 +143,43 @@ Codebook::Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecor
       certificate_(std::move(certificate)),
       title_(std::move(title)) {
   if (pieces_.empty()) throw ArgumentError("a codebook needs at least one piece");
-  for (const Piece& piece : pieces_) check_groups(piece);
+  for (const Piece& piece : pieces_)
+    if (piece.is_read()) check_groups(piece);
   sort_pieces(pieces_);
-  coordinates_ = common_coordinates(pieces_, !is_of_command());
+  check_groups(pieces_.front());
+  coordinates_ = coordinates_of(pieces_.front(), !is_of_command());
   outputs_ = outputs_of(pieces_.front());
   check_distinct(outputs_);
   for (const Piece& piece : pieces_) {
-    const auto labels = outputs_of(piece);
-    const bool same =
-        std::equal(labels.begin(), labels.end(), outputs_.begin(), outputs_.end(),
-                   [](const auto& a, const auto& b) { return a.name == b.name && a.unit == b.unit; });
-    if (!same) throw ArgumentError("pieces of a codebook must have the same outputs in the same order");
+    if (piece.is_read()) check_piece(piece);
+    if (piece.lower().size() != coordinates_.size())
+      throw ArgumentError("pieces of a codebook must have the same coordinates in the same order");
+    for (std::size_t k = 0; k < coordinates_.size(); ++k) {
+      coordinates_[k].lower = std::min(coordinates_[k].lower, piece.lower()[k]);
+      coordinates_[k].upper = std::max(coordinates_[k].upper, piece.upper()[k]);
+    }
   }
+}
+
+void Codebook::check_piece(const Piece& piece) const {
+  check_groups(piece);
+  const std::vector<pgd::Axis>& axes = axes_of(piece);
+  if (has_time() && !axes.front().has_elements()) {
+    throw ArgumentError(fmt::format("the time axis of a codebook is {}, expected one made of elements",
+                                    to_string(axes.front().basis())));
+  }
+  const bool same_coordinates =
+      std::equal(coordinates_.begin(), coordinates_.end(), axes.begin(), axes.end(),
+                 [](const Coordinate& c, const pgd::Axis& a) {
+                   return c.name == a.name() && c.unit == a.unit() && c.role == a.role();
+                 });
+  if (!same_coordinates)
+    throw ArgumentError("pieces of a codebook must have the same coordinates in the same order");
+  const auto labels = outputs_of(piece);
+  const bool same_outputs =
+      std::equal(labels.begin(), labels.end(), outputs_.begin(), outputs_.end(),
+                 [](const auto& a, const auto& b) { return a.name == b.name && a.unit == b.unit; });
+  if (!same_outputs) throw ArgumentError("pieces of a codebook must have the same outputs in the same order");
 }
 
 int Codebook::coordinate_index(const std::string& name) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -56,9 +57,30 @@ struct BuildRecord {
   int rounds = 0;          ///< of refinement
 };
 
-/// One time slab of one parameter cell: its own axes and field groups, all groups over the same axes.
-struct Piece {
-  std::vector<FieldGroup> groups;
+/// One time slab of one parameter cell: its own axes and field groups, all groups over the same axes. It may
+/// stand for what a file holds, and be read when it is first asked for. Cheap to copy, safe to share between
+/// threads.
+class Piece {
+ public:
+  using Groups = std::vector<FieldGroup>;
+
+  Piece() : Piece(Groups()) {}
+  Piece(Groups groups);  // NOLINT(google-explicit-constructor): groups are a piece
+  /// @param lower,upper of the box, coordinate by coordinate
+  /// @param read called once, by whoever first asks for the groups; what it throws they get, and the next one
+  ///   asks again
+  Piece(std::vector<double> lower, std::vector<double> upper, std::function<Groups()> read);
+
+  const Groups& groups() const;
+  /// Whether the groups are there without reading.
+  bool is_read() const;
+  /// Ends of the box, in the order of the axes.
+  const std::vector<double>& lower() const;
+  const std::vector<double>& upper() const;
+
+ private:
+  struct Content;
+  std::shared_ptr<Content> content_;
 };
 
 /// One coordinate of the whole codebook: time first, if it has time, then parameters and initial values.
@@ -75,7 +97,8 @@ class Codebook {
   /// Keeps the pieces in the order of their lower corners.
   /// @throws ArgumentError if there is no piece, pieces differ in their coordinates or outputs, groups of a
   /// piece in their axes, two outputs have one name, or time is not first or not made of elements, or missing
-  /// where the codebook is one of a model.
+  /// where the codebook is one of a model. Pieces that are not read yet, other than the first, are not looked
+  /// at: see check_piece().
   Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecord build = {},
            Provenance provenance = {}, std::optional<Certificate> certificate = {}, std::string title = {});
 
@@ -103,6 +126,10 @@ class Codebook {
   /// @throws ArgumentError with the nearest known name.
   int coordinate_index(const std::string& name) const;
   int output_index(const std::string& name) const;
+
+  /// Whether a piece has coordinates and outputs like this codebook.
+  /// @throws ArgumentError as the constructor
+  void check_piece(const Piece& piece) const;
 
   /// The same codebook with another certificate.
   Codebook with_certificate(Certificate certificate) const;

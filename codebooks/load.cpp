@@ -3,7 +3,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -199,25 +201,44 @@ void check_units(const Hdf5Reader& file, const Codebook& book) {
   }
 }
 
-/// Whether two pieces stand for the same slab of the same cell.
-bool same_box(const Piece& a, const Piece& b) {
-  const std::vector<pgd::Axis>& left = a.groups.front().axes();
-  const std::vector<pgd::Axis>& right = b.groups.front().axes();
-  return std::equal(left.begin(), left.end(), right.begin(), right.end(),
-                    [](const pgd::Axis& x, const pgd::Axis& y) {
-                      return x.lower() == y.lower() && x.upper() == y.upper();
-                    });
+/// Files up to this size are read at once, so that damage is found at the door; of larger ones the first
+/// piece is, and others when they are asked for.
+constexpr std::uintmax_t kReadAtOnce = 1 << 20;
+
+/// A piece that is read when it is asked for.
+/// @param like a codebook of the first piece: others must be like it
+Piece deferred_piece(const std::shared_ptr<const Hdf5Reader>& file, const std::string& path,
+                     const std::shared_ptr<const Codebook>& like) {
+  std::vector<double> lower = file->numbers_attribute(path, "lower");
+  std::vector<double> upper = file->numbers_attribute(path, "upper");
+  bool is_box = lower.size() == upper.size() && lower.size() == like->coordinates().size();
+  for (std::size_t k = 0; is_box && k < lower.size(); ++k)
+    is_box = std::isfinite(lower[k]) && std::isfinite(upper[k]) && lower[k] <= upper[k];
+  if (!is_box) throw file->error(path, "lower and upper are not the ends of a box of the coordinates");
+  return Piece(std::move(lower), std::move(upper), [file, path, like] {
+    Piece piece = read_piece(*file, path);
+    try {
+      like->check_piece(piece);
+    } catch (const ArgumentError& error) {
+      throw file->error(path, error.what());
+    }
+    return piece.groups();
+  });
 }
 
-std::vector<Piece> read_pieces(const Hdf5Reader& file) {
+std::vector<Piece> read_pieces(const std::shared_ptr<const Hdf5Reader>& file, const ModelDescription& model,
+                               bool at_once) {
   std::vector<Piece> pieces;
-  const int count = numbered_children(file, "/pieces");
+  std::shared_ptr<const Codebook> first;
+  const int count = numbered_children(*file, "/pieces");
   for (int k = 0; k < count; ++k) {
     const std::string path = fmt::format("/pieces/{}", k);
-    pieces.push_back(read_piece(file, path));
+    pieces.push_back(at_once || k == 0 ? read_piece(*file, path) : deferred_piece(file, path, first));
+    if (!at_once && k == 0) first = std::make_shared<const Codebook>(model, pieces);
     for (int other = 0; other < k; ++other) {
-      if (same_box(pieces[static_cast<std::size_t>(other)], pieces.back()))
-        throw file.error(path, fmt::format("has the same box as /pieces/{}", other));
+      const Piece& before = pieces[static_cast<std::size_t>(other)];
+      if (before.lower() == pieces.back().lower() && before.upper() == pieces.back().upper())
+        throw file->error(path, fmt::format("has the same box as /pieces/{}", other));
     }
   }
   return pieces;
@@ -233,10 +254,14 @@ ModelDescription read_checked_model(const Hdf5Reader& file) {
 }  // namespace
 
 Codebook load(const std::filesystem::path& path) {
-  const Hdf5Reader file(path);
+  const auto shared = std::make_shared<const Hdf5Reader>(path);
+  const Hdf5Reader& file = *shared;
   check_version(file);
   try {
-    Codebook book(read_checked_model(file), read_pieces(file), read_build(file), read_provenance(file), {},
+    const ModelDescription model = read_checked_model(file);
+    std::error_code unknown;
+    const bool at_once = std::filesystem::file_size(path, unknown) <= kReadAtOnce;
+    Codebook book(model, read_pieces(shared, model, at_once), read_build(file), read_provenance(file), {},
                   file.text_attribute("/", "title"));
     check_units(file, book);
     if (!file.has("/certificate")) return book;

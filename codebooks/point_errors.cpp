@@ -16,7 +16,7 @@ namespace {
 std::vector<double> listed_values(const Codebook& book, std::size_t coordinate) {
   std::set<double> values;
   for (const Piece& piece : book.pieces()) {
-    const pgd::Axis& axis = piece.groups.front().axes()[coordinate];
+    const pgd::Axis& axis = piece.groups().front().axes()[coordinate];
     if (axis.basis() == pgd::Basis::discrete || axis.basis() == pgd::Basis::imported)
       values.insert(axis.nodes().begin(), axis.nodes().end());
   }
@@ -74,7 +74,7 @@ std::vector<double> certificate_times(const Codebook& book) {
   std::vector<double> times;
   if (!book.has_time()) return times;
   for (const Piece& piece : book.pieces()) {
-    const pgd::Axis& time = piece.groups.front().axes().front();
+    const pgd::Axis& time = piece.groups().front().axes().front();
     const int per_element = 2 * time.degree() + 1;
     for (int e = 0; e < time.elements(); ++e) {
       for (int i = 0; i < per_element; ++i) {

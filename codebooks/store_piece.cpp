@@ -89,7 +89,7 @@ void write_group(Hdf5Writer& file, const std::string& piece, const std::string& 
 
 void write_piece(Hdf5Writer& file, const std::string& path, const Piece& piece) {
   std::vector<double> lower, upper;
-  const std::vector<pgd::Axis>& axes = piece.groups.front().axes();
+  const std::vector<pgd::Axis>& axes = piece.groups().front().axes();
   for (std::size_t k = 0; k < axes.size(); ++k) {
     write_axis(file, path + "/axes/" + axes[k].name(), static_cast<int>(k), axes[k]);
     lower.push_back(axes[k].lower());
@@ -97,8 +97,8 @@ void write_piece(Hdf5Writer& file, const std::string& path, const Piece& piece) 
   }
   file.write_numbers_attribute(path, "lower", lower);
   file.write_numbers_attribute(path, "upper", upper);
-  for (std::size_t g = 0; g < piece.groups.size(); ++g) {
-    write_group(file, path, fmt::format("{}/groups/{}", path, g), piece.groups[g]);
+  for (std::size_t g = 0; g < piece.groups().size(); ++g) {
+    write_group(file, path, fmt::format("{}/groups/{}", path, g), piece.groups()[g]);
   }
 }
 
@@ -283,11 +283,11 @@ Piece read_piece(const Hdf5Reader& file, const std::string& path) {
     upper.push_back(axis.upper());
   }
   check_ends(file, path, lower, upper);
-  Piece piece;
-  const int groups = numbered_children(file, path + "/groups");
-  for (int g = 0; g < groups; ++g)
-    piece.groups.push_back(read_group(file, fmt::format("{}/groups/{}", path, g), axes));
-  return piece;
+  Piece::Groups groups;
+  const int count = numbered_children(file, path + "/groups");
+  for (int g = 0; g < count; ++g)
+    groups.push_back(read_group(file, fmt::format("{}/groups/{}", path, g), axes));
+  return groups;
 }
 
 }  // namespace samara::codebooks

@@ -51,7 +51,7 @@ Measured measure(const CodebookCase& test_case, const std::string& kind, std::ui
     worst.evaluations = std::max(worst.evaluations, book.build().evaluations);
     worst.seconds = std::max(worst.seconds, book.provenance().build_seconds);
     worst.numbers =
-        std::max(worst.numbers, static_cast<double>(book.pieces().front().groups.front().entries()));
+        std::max(worst.numbers, static_cast<double>(book.pieces().front().groups().front().entries()));
     worst.met = worst.met && result.met;
   }
   return worst;

@@ -106,7 +106,7 @@ TEST_CASE("the solution of (6.18), u(0) + (rate/k - 1) t, is one term beyond rou
   INFO(result.message);
   CHECK(result.met);
   CHECK(result.book.certificate()->max_error <= 1e-10);
-  const samara::pgd::SeparatedField& field = *result.book.pieces().front().groups.front().sum();
+  const samara::pgd::SeparatedField& field = *result.book.pieces().front().groups().front().sum();
   const Eigen::VectorXd sizes = field.weights().cwiseAbs().row(0);
   const double largest = sizes.maxCoeff();
   CHECK((sizes.array() > 1e-14 * largest).count() == 1);
@@ -127,7 +127,7 @@ TEST_CASE("in the inverse of k, the first axis holds the solution of (6.18) over
       "[time]\nend = 1\n[tolerance]\nrelative = 1e-8\n");
   INFO(result.message);
   CHECK(result.met);
-  CHECK(result.book.pieces().front().groups.front().axes()[1].size() ==
+  CHECK(result.book.pieces().front().groups().front().axes()[1].size() ==
         samara::pgd::AdaptiveOptions{}.first_nodes);
 }
 
@@ -139,7 +139,7 @@ TEST_CASE("a logarithmic axis resolves a drag coefficient over three decades wit
         transform + "' }\n[time]\nend = 1\n[tolerance]\nrelative = 1e-4\n");
     INFO(result.message);
     CHECK(result.met);
-    return result.book.pieces().front().groups.front().axes()[1].size();
+    return result.book.pieces().front().groups().front().axes()[1].size();
   };
   CHECK(nodes("log") < nodes("none"));
 }
@@ -265,7 +265,7 @@ TEST_CASE("a body as dense as the fluid stays: a codebook without terms") {
 
 TEST_CASE("nodes that a plan fixes are kept") {
   const BuildResult result = built(fall_plan(kCoin, "C_D = { range = [0.8, 1.6], nodes = 12 }\n"));
-  CHECK(result.book.pieces().front().groups.front().axes()[1].size() == 12);
+  CHECK(result.book.pieces().front().groups().front().axes()[1].size() == 12);
 }
 
 TEST_CASE("a codebook that misses its tolerance is marked, says by how much, and can be used") {

@@ -159,7 +159,7 @@ TEST_CASE("a chain of windows of trains carries a tumbling plate over full turns
   INFO(plate_window().message);
   REQUIRE(plate_window().met);
   const Codebook& book = plate_window().book;
-  REQUIRE(book.pieces()[0].groups[0].train() != nullptr);
+  REQUIRE(book.pieces()[0].groups()[0].train() != nullptr);
   Chain chain(book);
   CHECK(chain.states() == std::vector<std::string>{"vx", "vy", "w", "theta", "x", "y"});
   // Two turns below the box: the angle is wrapped at the first window, and again where it leaves the box.

@@ -254,7 +254,7 @@ TEST_CASE("the solver's state survives a checkpoint to the last bit") {
     REQUIRE(back.field.has_value() == state.field.has_value());
     if (back.field) check_same_field(*back.field, *state.field);
   };
-  const samara::pgd::SeparatedField field = *four_pieces().pieces()[1].groups[0].sum();
+  const samara::pgd::SeparatedField field = *four_pieces().pieces()[1].groups()[0].sum();
   state.nodes = {7, 129};
   state.nodes.resize(static_cast<std::size_t>(field.axis_count()) - 1, 9);
   state.scales.resize(static_cast<std::size_t>(field.output_count()), 0.25);

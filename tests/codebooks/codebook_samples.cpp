@@ -1,7 +1,7 @@
 // Writes sample codebooks.
 //
-//   codebook_samples reference DIRECTORY   codebooks, DIRECTORY/{pieces,trains,kinds,coin,command}.h5, each with a
-//   table of
+//   codebook_samples reference DIRECTORY   codebooks, DIRECTORY/{pieces,trains,kinds,coin,command}.h5, each
+//   with a table of
 //                                          reference values beside it (.csv): coordinates, then outputs
 //   codebook_samples golden FILE           the golden file of the present format version (golden_test.cpp);
 //                                          made once per version, then kept for ever
@@ -26,7 +26,7 @@ Eigen::MatrixXd reference_points(const Codebook& book) {
   points << random, random.leftCols(8);
   for (Eigen::Index corner = 0; corner < 8; ++corner) {
     for (Eigen::Index k = 0; k < points.rows(); ++k) {
-      const auto& axes = book.pieces().front().groups.front().axes();
+      const auto& axes = book.pieces().front().groups().front().axes();
       const samara::pgd::Axis& axis = axes[static_cast<std::size_t>(k)];
       const bool upper = (corner >> k) % 2 != 0;
       points(k, random.cols() + corner) = upper ? axis.upper() : axis.lower();

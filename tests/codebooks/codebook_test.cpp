@@ -69,7 +69,7 @@ TEST_CASE("pieces are kept in the order of their lower corners, however they are
   std::swap(pieces[1], pieces[2]);
   const Codebook book(sample_model(), pieces);
   for (std::size_t k = 0; k < 4; ++k) {
-    const auto& axes = book.pieces()[k].groups.front().axes();
+    const auto& axes = book.pieces()[k].groups().front().axes();
     CHECK(axes[0].lower() == (k < 2 ? 0.0 : kSlabBorder));
     CHECK(axes[1].lower() == (k % 2 == 0 ? 0.5 : kCellBorder));
   }
@@ -83,7 +83,7 @@ TEST_CASE("another certificate leaves everything else as it is") {
   CHECK(book.certificate()->met);
   CHECK_FALSE(other.certificate()->met);
   CHECK(other.title() == book.title());
-  CHECK(other.pieces()[1].groups[0].sum()->weights() == book.pieces()[1].groups[0].sum()->weights());
+  CHECK(other.pieces()[1].groups()[0].sum()->weights() == book.pieces()[1].groups()[0].sum()->weights());
 }
 
 TEST_CASE("a codebook has pieces, a piece has groups") {

@@ -49,8 +49,8 @@ TEST_CASE("the golden file of format 0.1 loads and evaluates to v0 + C t and v0 
 TEST_CASE("the golden file of format 0.3, with a train, evaluates to v0 + C t and v0 t + C t^2/2") {
   const Codebook book = load(std::filesystem::path(GOLDEN_DIRECTORY) / "codebook_0.3.h5");
   REQUIRE(book.pieces().size() == 2);
-  CHECK(book.pieces()[0].groups[0].train() != nullptr);
-  CHECK(book.pieces()[1].groups[0].sum() != nullptr);
+  CHECK(book.pieces()[0].groups()[0].train() != nullptr);
+  CHECK(book.pieces()[1].groups()[0].sum() != nullptr);
   check_same_model(book.model(), sample_model());
   check_same_certificate(*book.certificate(), sample_certificate(golden_book()));
   check_line_and_parabola(book);
@@ -60,7 +60,7 @@ TEST_CASE("the golden file of format 0.1 holds all texts, numbers and the certif
   const Codebook book = load(std::filesystem::path(GOLDEN_DIRECTORY) / "codebook_0.1.h5");
   CHECK(book.title() == "the golden codebook");
   CHECK(book.pieces().size() == 2);
-  CHECK(book.pieces()[0].groups.size() == 2);
+  CHECK(book.pieces()[0].groups().size() == 2);
   CHECK(book.outputs()[1].unit == "m");
   CHECK(book.coordinates()[2].unit == "m/s");
   check_same_model(book.model(), sample_model());

@@ -128,9 +128,9 @@ inline void check_same_but_provenance(const samara::codebooks::Codebook& a,
   check_same_build(a.build(), b.build());
   REQUIRE(a.pieces().size() == b.pieces().size());
   for (std::size_t p = 0; p < a.pieces().size(); ++p) {
-    REQUIRE(a.pieces()[p].groups.size() == b.pieces()[p].groups.size());
-    for (std::size_t g = 0; g < a.pieces()[p].groups.size(); ++g)
-      check_same_group(a.pieces()[p].groups[g], b.pieces()[p].groups[g]);
+    REQUIRE(a.pieces()[p].groups().size() == b.pieces()[p].groups().size());
+    for (std::size_t g = 0; g < a.pieces()[p].groups().size(); ++g)
+      check_same_group(a.pieces()[p].groups()[g], b.pieces()[p].groups()[g]);
   }
   REQUIRE(a.certificate().has_value() == b.certificate().has_value());
   if (a.certificate()) check_same_certificate(*a.certificate(), *b.certificate());

@@ -103,14 +103,14 @@ Codebook four_pieces() {
 }
 
 Piece as_trains(const Piece& piece) {
-  Piece trains;
-  for (const FieldGroup& group : piece.groups) {
+  Piece::Groups trains;
+  for (const FieldGroup& group : piece.groups()) {
     const SeparatedField& sum = *group.sum();
     samara::pgd::SeparatedTensor tensor;
     tensor.weights = Eigen::VectorXd::Ones(sum.rank());
     tensor.factors.push_back(sum.weights());
     for (const Eigen::MatrixXd& factor : sum.factors()) tensor.factors.push_back(factor);
-    trains.groups.emplace_back(TrainField(sum.axes(), sum.outputs(), to_train(tensor)));
+    trains.emplace_back(TrainField(sum.axes(), sum.outputs(), to_train(tensor)));
   }
   return trains;
 }
@@ -144,8 +144,8 @@ Codebook golden_trains() {
   samara::pgd::SeparatedTensor both;
   both.weights = Eigen::VectorXd::Ones(4);
   both.factors.push_back((Eigen::MatrixXd(2, 4) << 1, 1, 0, 0, 0, 0, 1, 1).finished());
-  const SeparatedField& v = *sums.groups[0].sum();
-  const SeparatedField& x = *sums.groups[1].sum();
+  const SeparatedField& v = *sums.groups()[0].sum();
+  const SeparatedField& x = *sums.groups()[1].sum();
   for (std::size_t k = 0; k < v.axes().size(); ++k) {
     Eigen::MatrixXd factor(v.axes()[k].size(), 4);
     factor << v.factors()[k], x.factors()[k];
@@ -286,7 +286,7 @@ Eigen::MatrixXd random_points(const Codebook& book, int count, unsigned seed) {
   for (Eigen::Index j = 0; j < points.cols(); ++j) {
     for (Eigen::Index k = 0; k < points.rows(); ++k) {
       const Coordinate& c = book.coordinates()[static_cast<std::size_t>(k)];
-      const Axis& axis = book.pieces().front().groups.front().axes()[static_cast<std::size_t>(k)];
+      const Axis& axis = book.pieces().front().groups().front().axes()[static_cast<std::size_t>(k)];
       const double u = uniform(random);
       points(k, j) = axis.basis() == samara::pgd::Basis::discrete
                          ? axis.nodes()[static_cast<Eigen::Index>(u * axis.size())]

@@ -83,7 +83,7 @@ void check_sampled(const BuildResult& result, double tolerance) {
   CHECK(record.iterations == 0);
   CHECK(record.rounds > 0);
   // Fewer trajectories than points of the grid, of which each has all nodes of time.
-  const FieldGroup& group = result.book.pieces().front().groups.front();
+  const FieldGroup& group = result.book.pieces().front().groups().front();
   REQUIRE(group.train() != nullptr);
   CHECK(record.evaluations > 0.0);
   const ErrorBudget& spent = result.book.certificate()->spent;
@@ -317,7 +317,7 @@ TEST_CASE("the kind auto chooses sampling where its trial suffices, and says why
   CHECK(result.met);
   CHECK(result.book.build().builder == "sampling");
   CHECK_THAT(result.book.build().message, Contains("chosen because it needed no more than"));
-  check_same_group(result.book.pieces()[0].groups[0], sampled_coin().book.pieces()[0].groups[0]);
+  check_same_group(result.book.pieces()[0].groups()[0], sampled_coin().book.pieces()[0].groups()[0]);
 }
 
 TEST_CASE(

@@ -36,9 +36,8 @@ codebooks::Codebook uniform_acceleration(const std::string& name) {
                                Eigen::RowVector2d(1.0, 1.0));
   };
   const Eigen::VectorXd t = time.nodes();
-  codebooks::Piece piece;
-  piece.groups.push_back(field("x", "m", t, t.cwiseAbs2() / 2.0));
-  piece.groups.push_back(field("v", "m/s", Eigen::VectorXd::Ones(3), t));
+  const codebooks::Piece piece(
+      {field("x", "m", t, t.cwiseAbs2() / 2.0), field("v", "m/s", Eigen::VectorXd::Ones(3), t)});
   codebooks::ModelDescription model;
   model.name = name;
   return codebooks::Codebook(model, {piece});
