@@ -16,7 +16,7 @@ namespace samara::codebooks {
 
 namespace {
 constexpr const char* kFormat = "samara-checkpoint";
-constexpr std::int64_t kVersion = 2;
+constexpr std::int64_t kVersion = 3;
 
 /// Checkpoints go on to the last bit, which only the program that wrote them does.
 std::string generator() {
@@ -95,7 +95,7 @@ void check_belongs(const io::Hdf5Reader& file, const std::string& plan) {
 }
 
 bool has_state(const io::Hdf5Reader& file) {
-  return file.has_attribute("/", "round") || !file.has("/calls");
+  return file.has_attribute("/", "round") || (!file.has("/calls") && !file.has("/march"));
 }
 
 pgd::SolverState read_state(const io::Hdf5Reader& file) {
@@ -168,6 +168,19 @@ std::vector<CallTable> read_calls(const io::Hdf5Reader& file) {
   return tables;
 }
 
+/// The state of the engine: of its rounds, or of its march in slabs.
+struct EngineState {
+  std::optional<pgd::SolverState> rounds;
+  Eigen::VectorXd march;
+};
+
+EngineState read_engine(const io::Hdf5Reader& file) {
+  EngineState state;
+  if (file.has_attribute("/", "round")) state.rounds = read_state(file);
+  if (file.has("/march")) state.march = file.vector("/march");
+  return state;
+}
+
 /// What else is in the file. One that is broken or of another plan gives nothing: it is replaced.
 template <class Part, class Read>
 Part kept_part(const std::filesystem::path& path, const std::string& plan, const Read& read) {
@@ -181,14 +194,15 @@ Part kept_part(const std::filesystem::path& path, const std::string& plan, const
   }
 }
 
-void write_checkpoint(const std::filesystem::path& path, const std::string& plan,
-                      const std::optional<pgd::SolverState>& state, const std::vector<CallTable>& calls) {
+void write_checkpoint(const std::filesystem::path& path, const std::string& plan, const EngineState& state,
+                      const std::vector<CallTable>& calls) {
   io::Hdf5Writer file(path);
   file.write_text_attribute("/", "format", kFormat);
   file.write_integer_attribute("/", "format_version", kVersion);
   file.write_text_attribute("/", "generator", generator());
   file.write_texts("/plan", {plan});
-  if (state) write_state(file, *state);
+  if (state.rounds) write_state(file, *state.rounds);
+  if (state.march.size() > 0) file.write_vector("/march", state.march);
   int s = 0;
   for (const CallTable& table : calls) {
     if (table.points.size() == 0) continue;
@@ -204,15 +218,19 @@ void write_checkpoint(const std::filesystem::path& path, const std::string& plan
 
 void save_checkpoint(const std::filesystem::path& path, const std::string& plan,
                      const pgd::SolverState& state) {
-  write_checkpoint(path, plan, state, kept_part<std::vector<CallTable>>(path, plan, read_calls));
+  write_checkpoint(path, plan, {state, {}}, kept_part<std::vector<CallTable>>(path, plan, read_calls));
+}
+
+void save_march(const std::filesystem::path& path, const std::string& plan,
+                const std::vector<double>& state) {
+  const auto size = static_cast<Eigen::Index>(state.size());
+  write_checkpoint(path, plan, {std::nullopt, Eigen::Map<const Eigen::VectorXd>(state.data(), size)},
+                   kept_part<std::vector<CallTable>>(path, plan, read_calls));
 }
 
 void save_calls(const std::filesystem::path& path, const std::string& plan,
                 const std::vector<CallSheet>& calls, std::size_t coordinates) {
-  using State = std::optional<pgd::SolverState>;
-  const State state = kept_part<State>(path, plan, [](const io::Hdf5Reader& file) {
-    return file.has_attribute("/", "round") ? State(read_state(file)) : State();
-  });
+  const EngineState state = kept_part<EngineState>(path, plan, read_engine);
   std::vector<CallTable> tables;
   for (const CallSheet& sheet : calls) tables.push_back(table_of(sheet, coordinates));
   write_checkpoint(path, plan, state, tables);
@@ -222,6 +240,14 @@ pgd::SolverState load_checkpoint(const std::filesystem::path& path, const std::s
   const io::Hdf5Reader file(path);
   check_belongs(file, plan);
   return has_state(file) ? read_state(file) : pgd::SolverState();
+}
+
+std::vector<double> load_march(const std::filesystem::path& path, const std::string& plan) {
+  const io::Hdf5Reader file(path);
+  check_belongs(file, plan);
+  if (!file.has("/march")) return {};
+  const Eigen::VectorXd state = file.vector("/march");
+  return {state.begin(), state.end()};
 }
 
 std::vector<CallSheet> load_calls(const std::filesystem::path& path, const std::string& plan) {

@@ -8,8 +8,9 @@
 
 namespace samara::codebooks {
 
-/// A checkpoint lies beside a build, so that the build can go on after a kill: the state of the engine, the
-/// calls of sampling, or both (of a plan of kind "auto"). Written atomically, like save().
+/// A checkpoint lies beside a build, so that the build can go on after a kill: the state of the engine or of
+/// its march in slabs, the calls of sampling, or both (of a plan of kind "auto"). Written atomically, like
+/// save().
 
 /// Calls at the same times, in the order they were made.
 struct CallSheet {
@@ -23,6 +24,9 @@ struct CallSheet {
 void save_checkpoint(const std::filesystem::path& path, const std::string& plan,
                      const pgd::SolverState& state);
 
+/// Writes the state of a march in slabs (pgd::SlabOptions::checkpoint); calls that are in the file stay.
+void save_march(const std::filesystem::path& path, const std::string& plan, const std::vector<double>& state);
+
 /// Writes the calls of sampling; a state that is in the file stays.
 void save_calls(const std::filesystem::path& path, const std::string& plan,
                 const std::vector<CallSheet>& calls, std::size_t coordinates);
@@ -30,6 +34,9 @@ void save_calls(const std::filesystem::path& path, const std::string& plan,
 /// The state, or that of a build that has not begun where the file holds calls only.
 /// @throws InputError if the file is broken or belongs to another plan.
 pgd::SolverState load_checkpoint(const std::filesystem::path& path, const std::string& plan);
+
+/// The state of the march, empty if the file holds none. @throws InputError as load_checkpoint()
+std::vector<double> load_march(const std::filesystem::path& path, const std::string& plan);
 
 /// The calls, none if the file holds none. @throws InputError as load_checkpoint()
 std::vector<CallSheet> load_calls(const std::filesystem::path& path, const std::string& plan);

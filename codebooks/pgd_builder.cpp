@@ -86,12 +86,14 @@ BuildRecord record_of(const pgd::SlabResult& result) {
 }
 
 /// Stores the solver's state. A disk that is full must not end a build that needs no disk: it is told once.
-std::function<void(const pgd::SolverState&)> checkpoint_writer(const Plan& plan,
-                                                               const BuildOptions& options) {
+template <class State>
+std::function<void(const State&)> checkpoint_writer(const Plan& plan, const BuildOptions& options,
+                                                    void (*save)(const std::filesystem::path&,
+                                                                 const std::string&, const State&)) {
   if (options.checkpoint.empty()) return {};
-  return [&plan, &options, warned = false](const pgd::SolverState& state) mutable {
+  return [&plan, &options, save, warned = false](const State& state) mutable {
     try {
-      save_checkpoint(options.checkpoint, plan.text, state);
+      save(options.checkpoint, plan.text, state);
     } catch (const ArgumentError& error) {
       if (!warned && options.warning) options.warning(fmt::format("no checkpoint: {}", error.what()));
       warned = true;
@@ -118,8 +120,21 @@ void check_fits(const pgd::AdaptiveProblem& problem, const pgd::SolverState& sta
                    "axes, nodes, states or rounds of the checkpoint do not fit the plan");
 }
 
-Solution solve_by_slabs(const Plan& plan, const models::ParametricModel& model, long max_evaluations,
-                        const ProgressCallback& progress) {
+/// @throws InputError if a checkpoint that is to be taken up is not of this plan
+pgd::SlabResult slab_result(const pgd::AdaptiveProblem& problem, const pgd::SlabOptions& slabs,
+                            const Plan& plan, const BuildOptions& options) {
+  if (!options.resume || !std::filesystem::exists(options.checkpoint))
+    return pgd::solve_by_slabs(problem, slabs);
+  const std::vector<double> state = load_march(options.checkpoint, plan.text);
+  try {
+    return pgd::solve_by_slabs(problem, slabs, state);
+  } catch (const ArgumentError& error) {
+    throw InputError(options.checkpoint.string(), error.what());
+  }
+}
+
+Solution solve_by_slabs(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
+                        long max_evaluations, const ProgressCallback& progress) {
   const ModelSystem system(model);
   const pgd::AdaptiveProblem problem = problem_of(plan, model, system);
   pgd::SlabOptions slabs;
@@ -128,7 +143,8 @@ Solution solve_by_slabs(const Plan& plan, const models::ParametricModel& model, 
   slabs.max_cells = plan.builder.max_cells;
   slabs.seed = plan.builder.seed;
   slabs.progress = progress;
-  pgd::SlabResult result = pgd::solve_by_slabs(problem, slabs);
+  slabs.checkpoint = checkpoint_writer<std::vector<double>>(plan, options, save_march);
+  pgd::SlabResult result = slab_result(problem, slabs, plan, options);
   Solution solution;
   for (pgd::TrainField& field : result.pieces) solution.pieces.push_back(Piece{{std::move(field)}});
   solution.record = record_of(result);
@@ -156,7 +172,7 @@ Solution solve_by_newton(const Plan& plan, const models::ParametricModel& model,
   adaptive.max_evaluations = max_evaluations;
   adaptive.evolution.seed = plan.builder.seed;
   adaptive.evolution.progress = progress;
-  adaptive.checkpoint = checkpoint_writer(plan, options);
+  adaptive.checkpoint = checkpoint_writer<pgd::SolverState>(plan, options, save_checkpoint);
   pgd::SolverState start;
   if (options.resume && std::filesystem::exists(options.checkpoint))
     start = load_checkpoint(options.checkpoint, plan.text);
@@ -182,16 +198,8 @@ Solution solve_by_pgd(const Plan& plan, const models::ParametricModel& model, co
     const ModelSystem system(model);
     return solve_by_strategy(plan, problem_of(plan, model, system), options, max_evaluations, progress);
   }
-  if (plan.builder.strategy == "slabs") {
-    if (options.resume && std::filesystem::exists(options.checkpoint)) {
-      throw ArgumentError(
-          fmt::format("{}: a build in slabs keeps no checkpoint, so it cannot be resumed; remove the file or "
-                      "build without "
-                      "--resume",
-                      options.checkpoint.string()));
-    }
-    return solve_by_slabs(plan, model, max_evaluations, progress);
-  }
+  if (plan.builder.strategy == "slabs")
+    return solve_by_slabs(plan, model, options, max_evaluations, progress);
   return solve_by_newton(plan, model, options, max_evaluations, progress);
 }
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/pgd/number_archive.h"
 #include "samara/pgd/slab_march.h"
 #include "samara/pgd/train_points.h"
 
@@ -104,47 +105,119 @@ void take(const SlabMarch& march, bool met, const Eigen::VectorXd& ranges, SlabR
                                result.marches);
 }
 
+/// What a march begins with.
+struct NextMarch {
+  NextMarch(const SlabOptions& options, Eigen::VectorXd first_scales) : scales(std::move(first_scales)) {
+    const double share = kFirstShare * options.tolerance;
+    local = {std::max(kCoarse, share), share};
+  }
+
+  void tighten(const SlabResult& result, double tolerance) {
+    if (result.marches == 1) {
+      local.wanted = std::min(local.wanted, local.largest);
+      return;
+    }
+    const double ratio = 0.7 * kSeen * tolerance / result.error;
+    const double factor = std::clamp(std::pow(ratio, 1.0 / kOrder), 0.05, 0.5);
+    local.wanted *= factor;
+    local.largest *= std::max(std::sqrt(factor), 0.5);
+  }
+
+  LocalTolerance local;
+  Eigen::VectorXd scales;
+};
+
+/// Where a second march ends early, a third would end there too.
+bool is_last(const SlabMarch& march, const SlabResult& result, const SlabOptions& options) {
+  return march.status() == SlabStatus::cancelled || march.status() == SlabStatus::max_evaluations ||
+         (march.status() != SlabStatus::converged && result.marches > 1) ||
+         result.marches >= options.max_marches;
+}
+
+/// The state between two slabs but for that of the march itself; it begins with what it must agree with.
+template <class Archive>
+void transfer(Archive& archive, const AdaptiveProblem& problem, const SlabOptions& options, NextMarch& plan,
+              SlabResult& result) {
+  std::vector<double> belongs_to = {static_cast<double>(problem.states.size()),
+                                    static_cast<double>(problem.parameters.size()),
+                                    problem.end,
+                                    options.tolerance,
+                                    static_cast<double>(options.time_points),
+                                    static_cast<double>(options.max_cells),
+                                    static_cast<double>(options.guards)};
+  const std::vector<double> expected = belongs_to;
+  archive(belongs_to, result.marches, result.evaluations, result.grid_evaluations, plan.local.wanted,
+          plan.local.largest, plan.scales);
+  if (belongs_to != expected || plan.scales.size() != static_cast<Eigen::Index>(problem.states.size()) ||
+      !(plan.scales.minCoeff() > 0.0) || !(plan.local.wanted > 0.0))
+    throw ArgumentError("the stored state of a march in slabs belongs to another problem or other options");
+}
+
+/// Stores the state from time to time.
+class Checkpoint {
+ public:
+  Checkpoint(const AdaptiveProblem& problem, const SlabOptions& options, NextMarch& plan, SlabResult& result)
+      : problem_(problem), options_(options), plan_(plan), result_(result) {}
+
+  void save(SlabMarch& march) {
+    const Clock::time_point now = Clock::now();
+    if (now - saved_at_ < 20 * took_) return;
+    NumberWriter writer;
+    transfer(writer, problem_, options_, plan_, result_);
+    std::vector<double> state = writer.numbers();
+    const std::vector<double> rest = march.state();
+    state.insert(state.end(), rest.begin(), rest.end());
+    options_.checkpoint(state);
+    saved_at_ = Clock::now();
+    took_ = saved_at_ - now;
+  }
+
+ private:
+  const AdaptiveProblem& problem_;
+  const SlabOptions& options_;
+  NextMarch& plan_;
+  SlabResult& result_;
+  Clock::time_point saved_at_ = Clock::now();
+  Clock::duration took_ = Clock::duration::zero();
+};
+
 }  // namespace
 
-SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& options) {
+SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& options,
+                          std::span<const double> state) {
   validate(problem);
   validate(options);
   const Clock::time_point begin = Clock::now();
   const Eigen::VectorXd first = Eigen::Map<const Eigen::VectorXd>(
       problem.scales.data(), static_cast<Eigen::Index>(problem.scales.size()));
-  Eigen::VectorXd scales = first;
-  const double share = kFirstShare * options.tolerance;
-  LocalTolerance local = {std::max(kCoarse, share), share};
   SlabResult result;
+  NextMarch plan(options, first);
+  std::span<const double> started;
+  if (!state.empty()) {
+    NumberReader reader(state);
+    transfer(reader, problem, options, plan, result);
+    started = reader.rest();
+  }
   while (true) {
     const long left = options.max_evaluations == 0 ? -1 : options.max_evaluations - result.evaluations;
-    SlabMarch march(problem, options, scales, local, left);
-    march.run();
+    SlabMarch march(problem, options, plan.scales, plan.local, left);
+    if (!started.empty()) march.restore(std::exchange(started, {}));
+    Checkpoint checkpoint(problem, options, plan, result);
+    march.run(options.checkpoint ? [&] { checkpoint.save(march); } : std::function<void()>());
     ++result.marches;
     result.evaluations += march.evaluations();
     result.grid_evaluations += march.grid_evaluations();
-    const Eigen::VectorXd ranges = scales.cwiseProduct(march.ranges());
+    const Eigen::VectorXd ranges = plan.scales.cwiseProduct(march.ranges());
     const Eigen::VectorXd next = scales_of(problem, ranges, first);
     // Errors of this march in the ranges it has found.
-    result.error = march.carried_error() * scales.cwiseQuotient(next).maxCoeff();
+    result.error = march.carried_error() * plan.scales.cwiseQuotient(next).maxCoeff();
     const bool met = result.error <= kSeen * options.tolerance;
-    // Where the second march ends early, a third would end there too.
-    const bool stopped = march.status() == SlabStatus::cancelled ||
-                         march.status() == SlabStatus::max_evaluations ||
-                         (march.status() != SlabStatus::converged && result.marches > 1);
-    if (met || stopped || result.marches >= options.max_marches) {
+    if (met || is_last(march, result, options)) {
       take(march, met, next, result);
       break;
     }
-    if (result.marches == 1) {
-      local.wanted = std::min(local.wanted, local.largest);
-    } else {
-      const double ratio = 0.7 * kSeen * options.tolerance / result.error;
-      const double factor = std::clamp(std::pow(ratio, 1.0 / kOrder), 0.05, 0.5);
-      local.wanted *= factor;
-      local.largest *= std::max(std::sqrt(factor), 0.5);
-    }
-    scales = next;
+    plan.tighten(result, options.tolerance);
+    plan.scales = next;
   }
   result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return result;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,9 @@ struct SlabOptions {
   long max_evaluations = 0;  ///< of f and J; 0: no limit
   std::uint64_t seed = 1;
   ProgressCallback progress = {};
+  /// Called between slabs, at most a twentieth of the time, with a state that solve_by_slabs() goes on from
+  /// to the same result, to the last bit.
+  std::function<void(const std::vector<double>& state)> checkpoint = {};
 };
 
 enum class SlabStatus {
@@ -96,8 +100,11 @@ struct SlabResult {
   double seconds = 0.0;
 };
 
-/// @throws ArgumentError if problem or options do not validate.
-SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& options = {});
+/// @param state of a call with the same problem and options that was cut off; empty: from the start
+/// @throws ArgumentError if problem or options do not validate, or the state is not of this problem and these
+/// options.
+SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& options = {},
+                          std::span<const double> state = {});
 
 std::string to_string(SlabStatus status);
 

@@ -45,7 +45,7 @@ SlabMarch::SlabMarch(const AdaptiveProblem& problem, const SlabOptions& options,
   cells_to_go_.push_back(std::move(cell));
 }
 
-void SlabMarch::run() {
+void SlabMarch::run(const std::function<void()>& between_slabs) {
   attempt_begin_ = std::chrono::steady_clock::now();
   reached_ = problem_.end;
   while (!cells_to_go_.empty()) {
@@ -53,10 +53,12 @@ void SlabMarch::run() {
     const auto first = std::min_element(cells_to_go_.begin(), cells_to_go_.end(),
                                         [](const SlabCell& a, const SlabCell& b) { return a.time < b.time; });
     if (first->time >= problem_.end) break;
-    if (!may_go_on() || attempt(*first) == Outcome::ended) {
+    const Outcome outcome = may_go_on() ? attempt(*first) : Outcome::ended;
+    if (outcome == Outcome::ended) {
       reached_ = first->time;
       return;
     }
+    if (outcome == Outcome::accepted && between_slabs) between_slabs();
   }
 }
 
@@ -117,13 +119,16 @@ double SlabMarch::rounding(const SlabCell& cell, const TensorTrain& train) const
   return kRoundingShare / kPeak * cell.leniency * tolerance_ * std::sqrt(entries);
 }
 
-TrainField SlabMarch::field(const SlabCell& cell, const TensorTrain& train) const {
-  const int states = collocation_.states();
-  const std::vector<double>& borders = cell.slab->borders;
-  std::vector<Axis> axes = {Axis::radau(
+Axis SlabMarch::time_axis(const std::vector<double>& borders) const {
+  return Axis::radau(
       problem_.time,
       Eigen::Map<const Eigen::VectorXd>(borders.data(), static_cast<Eigen::Index>(borders.size())),
-      options_.time_points)};
+      options_.time_points);
+}
+
+TrainField SlabMarch::field(const SlabCell& cell, const TensorTrain& train) const {
+  const int states = collocation_.states();
+  std::vector<Axis> axes = {time_axis(cell.slab->borders)};
   axes.insert(axes.end(), cell.axes.begin(), cell.axes.end());
   TensorTrain split;
   split.cores.emplace_back(1, states, states);

@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <deque>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,7 +31,14 @@ class SlabMarch {
   SlabMarch(const AdaptiveProblem& problem, const SlabOptions& options, const Eigen::VectorXd& scales,
             LocalTolerance tolerance, long evaluations_left);
 
-  void run();
+  /// @param between_slabs called after every slab
+  void run(const std::function<void()>& between_slabs = {});
+
+  /// Between two slabs: all that a march of the same problem, options and tolerances needs to go on to the
+  /// same end, to the last bit.
+  std::vector<double> state();
+  /// @throws ArgumentError if this is no state of this problem.
+  void restore(std::span<const double> state);
 
   struct Piece {
     int cell = 0;
@@ -59,6 +68,7 @@ class SlabMarch {
   Outcome attempt(SlabCell& cell);
   CrossResult interpolate_slab(SlabCell& cell, SlabPoints& totals);
   double rounding(const SlabCell& cell, const TensorTrain& train) const;
+  Axis time_axis(const std::vector<double>& borders) const;
   TrainField field(const SlabCell& cell, const TensorTrain& train) const;
   void accept(SlabCell& cell, const TensorTrain& train, SlabRecord record);
   double carry_on(SlabCell& cell, const TensorTrain& train);
@@ -84,6 +94,12 @@ class SlabMarch {
   Blame blame(const SlabCell& cell, const TensorTrain& train, const Eigen::VectorXd& errors);
   Outcome refine(SlabCell& cell, const TensorTrain& train, const Eigen::VectorXd& errors, bool ranks);
 
+  // slab_march_state.cpp
+  template <class Archive>
+  void transfer_march(Archive& archive);
+  template <class Archive>
+  void transfer_fields(Archive& archive);
+
   const AdaptiveProblem& problem_;
   const SlabOptions& options_;
   const Eigen::VectorXd scales_;
@@ -94,7 +110,6 @@ class SlabMarch {
   Random random_;
   std::deque<SlabCell> cells_to_go_;
   long attempt_evaluations_ = 0;
-  double attempt_grid_ = 0.0;
   std::chrono::steady_clock::time_point attempt_begin_;
 
   std::vector<Piece> pieces_;

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "samara/pgd/slab_march.h"
 #include "samara/pgd/nodal_approximation.h"
+#include "samara/pgd/slab_march.h"
 #include "samara/pgd/train_points.h"
 
 namespace samara::pgd {

@@ -41,8 +41,8 @@ Built build_and_measure(const codebooks::Plan& plan, int certificate_points) {
     for (const codebooks::Piece& piece : book.pieces()) {
       std::vector<double> corner;
       double own = 1.0, of_14 = 1.0;
-      for (std::size_t k = 1; k < piece.groups.front().axes().size(); ++k) {
-        const pgd::Axis& axis = piece.groups.front().axes()[k];
+      for (std::size_t k = 1; k < piece.groups().front().axes().size(); ++k) {
+        const pgd::Axis& axis = piece.groups().front().axes()[k];
         corner.push_back(axis.lower());
         own *= axis.size();
         of_14 *= 14.0;
@@ -50,7 +50,7 @@ Built build_and_measure(const codebooks::Plan& plan, int certificate_points) {
       corners.insert(corner);
       nodes += own;
       nodes_14 += of_14;
-      for (const codebooks::FieldGroup& group : piece.groups)
+      for (const codebooks::FieldGroup& group : piece.groups())
         built.rank = std::max(built.rank, rank_of(group));
     }
     built.evaluation_fraction_14 = built.evaluation_fraction * nodes / nodes_14;

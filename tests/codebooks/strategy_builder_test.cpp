@@ -56,7 +56,7 @@ TEST_CASE("nodes that the plan fixes are kept, slabs are shortened until a strat
   CAPTURE(result.message);
   CHECK(result.met);
   for (const Piece& piece : result.book.pieces()) {
-    for (std::size_t k = 1; k <= 2; ++k) CHECK(piece.groups.front().axes()[k].size() == 8);
+    for (std::size_t k = 1; k <= 2; ++k) CHECK(piece.groups().front().axes()[k].size() == 8);
   }
 }
 

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/base/errors.h"
+#include "samara/pgd/random.h"
+#include "samara/pgd/tensor_train.h"
+
+/// A solver's state as one list of finite numbers, and back. A function
+///
+///   template <class Archive> void transfer(Archive& archive, Thing& thing) { archive(thing.a, thing.b); }
+///
+/// says once what belongs to the state, for both directions.
+namespace samara::pgd {
+
+/// What both directions know about compound values.
+template <class Self>
+class NumberArchive {
+ public:
+  template <class... Values>
+  void operator()(Values&... values) {
+    (self().value(values), ...);
+  }
+
+  template <class Item>
+  void value(std::vector<Item>& items) {
+    auto count = static_cast<Eigen::Index>(items.size());
+    self().size(count);
+    items.resize(static_cast<std::size_t>(count));
+    for (Item& item : items) self().value(item);
+  }
+  template <class Scalar, int Rows, int Columns>
+  void value(Eigen::Matrix<Scalar, Rows, Columns>& matrix) {
+    Eigen::Index rows = matrix.rows(), columns = matrix.cols();
+    self().size(rows);
+    if constexpr (Columns != 1) self().size(columns);
+    matrix.resize(rows, columns);
+    for (Scalar& number : matrix.reshaped()) self().value(number);
+  }
+  void value(TrainCore& core) { (*this)(core.left, core.size, core.right, core.data); }
+  void value(TensorTrain& train) { value(train.cores); }
+  /// Any bits, as two numbers that a double holds.
+  void value(Random& random) {
+    std::array<double, 2> halves = {static_cast<double>(random.state() >> 32),
+                                    static_cast<double>(random.state() & 0xFFFFFFFFu)};
+    (*this)(halves[0], halves[1]);
+    random = Random((static_cast<std::uint64_t>(halves[0]) << 32) | static_cast<std::uint64_t>(halves[1]));
+  }
+
+ private:
+  Self& self() { return static_cast<Self&>(*this); }
+};
+
+class NumberWriter : public NumberArchive<NumberWriter> {
+ public:
+  using NumberArchive::value;
+  static constexpr bool kReads = false;
+
+  const std::vector<double>& numbers() const { return numbers_; }
+
+  /// Infinity is stored as the largest number.
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  void value(Number& number) {
+    const auto stored = static_cast<double>(number);
+    numbers_.push_back(stored > std::numeric_limits<double>::max() ? std::numeric_limits<double>::max()
+                                                                   : stored);
+  }
+  void size(Eigen::Index& size) { value(size); }
+
+ private:
+  std::vector<double> numbers_;
+};
+
+class NumberReader : public NumberArchive<NumberReader> {
+ public:
+  using NumberArchive::value;
+  static constexpr bool kReads = true;
+
+  explicit NumberReader(std::span<const double> numbers) : left_(numbers) {}
+
+  std::span<const double> rest() const { return left_; }
+
+  /// @throws ArgumentError where the list ends too early, or holds what the number cannot be
+  template <class Number>
+  requires std::is_arithmetic_v<Number>
+  void value(Number& number) {
+    if (left_.empty()) throw ArgumentError("the stored state of a solver ends too early");
+    const double stored = left_.front();
+    left_ = left_.subspan(1);
+    if constexpr (std::is_floating_point_v<Number>) {
+      number =
+          stored == std::numeric_limits<double>::max() ? std::numeric_limits<double>::infinity() : stored;
+    } else {
+      constexpr double kLargest = sizeof(Number) > 4 ? 0x1p53 : 2147483647.0;
+      if (!(stored >= -kLargest && stored <= kLargest) ||
+          stored != static_cast<double>(static_cast<Number>(stored)))
+        throw ArgumentError("the stored state of a solver has a fraction where a whole number belongs");
+      number = static_cast<Number>(stored);
+    }
+  }
+  /// Of a list: never more than what is left.
+  void size(Eigen::Index& size) {
+    value(size);
+    if (size < 0 || size > static_cast<Eigen::Index>(left_.size()))
+      throw ArgumentError("the stored state of a solver has a list longer than itself");
+  }
+
+ private:
+  std::span<const double> left_;
+};
+
+}  // namespace samara::pgd
