@@ -37,7 +37,7 @@ std::vector<std::pair<std::string, std::unique_ptr<Strategy>>> strategies() {
 }
 
 /// Seconds after which a march is cancelled: what takes longer has failed.
-constexpr double kPatience = 30.0;
+constexpr double kPatience = 15.0;
 
 void run(const StrategyProblem& at, Strategy& strategy, const std::string& name, int points) {
   const std::string test_case = fmt::format("strategies_{}", at.name);
