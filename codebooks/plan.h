@@ -56,10 +56,10 @@ struct Plan {
   std::map<std::string, double> absolute;  ///< floor per output, SI
 
   struct Builder {
-    std::string kind = "auto";      ///< "auto", "pgd" or "sampling"
+    std::string kind = "auto";  ///< "auto", "pgd" or "sampling"
     /// "auto", "slabs", "newton", or one of is_marched() in strategy_builder.h
     std::string strategy = "auto";
-    int max_cells = 1;              ///< of the strategy "slabs"
+    int max_cells = 1;  ///< of the strategy "slabs"
     /// Of f and its Jacobian; of sampling, trajectories, or points given to the command; 0: no limit of the
     /// plan's. A trial of "auto" has its own.
     long max_calls = 0;

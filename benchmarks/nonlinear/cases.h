@@ -22,4 +22,7 @@ void run_bodies(const Options& options);
 /// A priori, by sampling, by a full sweep.
 void run_builders(const Options& options);
 
+/// Builds that are killed, and resumed.
+void run_resume(const Options& options);
+
 }  // namespace samara::benchmarks

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
     run_strategies(chosen);
     run_bodies(chosen);
     run_builders(chosen);
+    run_resume(chosen);
   } catch (const std::exception& error) {
     std::cerr << "nonlinear: " << error.what() << '\n';
     return 1;

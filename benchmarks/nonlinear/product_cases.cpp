@@ -65,7 +65,7 @@ struct Variant {
 std::vector<Variant> variants(bool quick) {
   std::vector<Variant> all = {{"", {.tolerance = 2e-7, .slabs = kSlabs, .form = DecoupledForm::trains}},
                               {"_at_once", {.tolerance = 1e-7, .form = DecoupledForm::trains}}};
-  if (!quick) all.push_back({"_enriched", {.tolerance = 2e-7, .slabs = kSlabs}});
+  if (!quick) all.push_back({"_enriched", {.tolerance = 1e-7, .slabs = kSlabs}});
   return all;
 }
 

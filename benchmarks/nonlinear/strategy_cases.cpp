@@ -1,5 +1,6 @@
 // Six strategies on six problems: what meets 1e-6, and what fails, stands as it is.
 #include <algorithm>
+#include <chrono>
 #include <memory>
 #include <string>
 #include <utility>
@@ -35,6 +36,9 @@ std::vector<std::pair<std::string, std::unique_ptr<Strategy>>> strategies() {
   return all;
 }
 
+/// Seconds after which a march is cancelled: what takes longer has failed.
+constexpr double kPatience = 15.0;
+
 void run(const StrategyProblem& at, Strategy& strategy, const std::string& name, int points) {
   const std::string test_case = fmt::format("strategies_{}", at.name);
   const EvolutionProblem problem = at.problem.on(at.slabs, 8, at.nodes);
@@ -44,6 +48,10 @@ void run(const StrategyProblem& at, Strategy& strategy, const std::string& name,
     options.tolerance = 5e-3;
     options.max_rank = 250;
   }
+  const auto begin = std::chrono::steady_clock::now();
+  options.progress = [&](const Progress&) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < kPatience;
+  };
   const StrategyResult result = solve_by_strategy(problem, strategy, options);
   // The status by its number and, as the unit, its word.
   print({kNonlinear, test_case, name + "_status", static_cast<double>(result.status),
@@ -66,7 +74,7 @@ void run_strategies(const Options& options) {
   problems.push_back({"triple_product", triple_product(0.8), 10, 14});
   problems.push_back({"plate3_t2", plate3(2.0), 10, 12});
   problems.push_back({"plate3_t5", plate3(5.0), 25, 18, 1e-5});
-  problems.push_back({"kirchhoff", kirchhoff(0.4), 4, 7, 1e-4});
+  problems.push_back({"kirchhoff", kirchhoff(0.4), 4, 8, 5e-3});
   for (const StrategyProblem& problem : problems) {
     if (!options.wants(fmt::format("strategies_{}", problem.name))) continue;
     for (const auto& [name, strategy] : strategies()) run(problem, *strategy, name, options.quick ? 50 : 300);

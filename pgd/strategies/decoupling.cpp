@@ -1,7 +1,6 @@
 #include "samara/pgd/strategies/decoupling.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -14,6 +13,7 @@
 #include "samara/base/errors.h"
 #include "samara/pgd/compression.h"
 #include "samara/pgd/evolution_terms.h"
+#include "samara/pgd/strategies/decoupled_terms.h"
 #include "samara/pgd/strategies/monomial_product.h"
 #include "samara/pgd/tensor_algebra.h"
 #include "samara/pgd/train_algebra.h"
@@ -39,28 +39,6 @@ constexpr double kCarried = 0.3;
 constexpr double kLargest = 1e4;
 /// Corners of the box that are looked at for the largest correction.
 constexpr int kMostCornerAxes = 10;
-
-/// Linear in its own unknown, with parameters as its only other factors.
-bool is_own_linear(const Monomial& term) {
-  for (std::size_t m = 0; m < term.state_powers.size(); ++m) {
-    if (term.state_powers[m] != (static_cast<int>(m) == term.state ? 1 : 0)) return false;
-  }
-  return true;
-}
-
-/// x0 of one unknown over its scale; its time mode has one node.
-SeparatedTensor initial_tensor(const EvolutionProblem& problem, std::size_t state) {
-  const InitialValue& initial = problem.initial[state];
-  std::vector<Eigen::VectorXd> columns = {Eigen::VectorXd::Ones(1)};
-  for (const Axis& axis : problem.parameters) columns.emplace_back(Eigen::VectorXd::Ones(axis.size()));
-  if (initial.axis >= 0) {
-    const auto axis = static_cast<std::size_t>(initial.axis);
-    columns[axis + 1] = problem.parameters[axis].nodes();
-  }
-  SeparatedTensor tensor = SeparatedTensor::product(std::move(columns));
-  tensor.weights *= (initial.axis >= 0 ? 1.0 : initial.value) / problem.scales[state];
-  return tensor;
-}
 
 /// The iteration on one slab: fields in one place, steps as functions. Tensors have the modes (time nodes
 /// after the first, parameters..); unknowns are over their scales, less their values at the start.
@@ -182,7 +160,7 @@ class SlabDecoupling {
     SeparatedTensor rhs = sources.cores.empty()
                               ? SeparatedTensor::zero(grid_.sizes())
                               : to_separated(sources, kProductShare * accuracy_ * root_entries_);
-    const LinearProblem linear{own_operator(m), std::move(rhs), {}};
+    const LinearProblem linear{own_operator(grid_, m), std::move(rhs), {}};
     record.source_terms = std::max(record.source_terms, linear.rhs.rank());
     const double size = norm(linear.rhs);
     if (size == 0.0) {
@@ -204,25 +182,6 @@ class SlabDecoupling {
     whole.append(start_[state]);
     states_[state] = rounded(to_train(whole), 0.1 * accuracy_ * root_entries_);
     record.terms.push_back(unknowns_[state].rank());
-  }
-
-  SeparatedOperator own_operator(int m) const {
-    SeparatedOperator op;
-    std::vector<ModeOperator> identity;
-    for (const int size : grid_.sizes()) identity.push_back(ModeOperator::identity(size));
-    op.terms.push_back(identity);
-    for (const Monomial& term : terms_) {
-      if (term.state != m || !is_own_linear(term)) continue;
-      std::vector<ModeOperator> parts = identity;
-      parts[0] = ModeOperator::dense(-term.coefficient * grid_.duration() * grid_.integration());
-      for (std::size_t k = 0; k < term.parameter_powers.size(); ++k) {
-        if (term.parameter_powers[k] == 0) continue;
-        parts[k + 1] = ModeOperator::diagonal(
-            problem_.parameters[k].nodes().array().pow(term.parameter_powers[k]).matrix());
-      }
-      op.terms.push_back(std::move(parts));
-    }
-    return op;
   }
 
   /// S (a x0 + g) by products of the last known fields.
@@ -439,45 +398,6 @@ DecouplingResult solve_decoupled(const EvolutionProblem& problem, const Decoupli
   }
   result.seconds = seconds_since(begin);
   return result;
-}
-
-int DecouplingResult::largest_iterations() const {
-  int largest = 0, here = 0;
-  for (std::size_t i = 0; i < history.size(); ++i) {
-    here = i > 0 && history[i].slab == history[i - 1].slab ? here + 1 : 1;
-    largest = std::max(largest, here);
-  }
-  return largest;
-}
-
-Eigen::VectorXd DecouplingResult::value_at(std::span<const double> x) const {
-  for (const std::vector<SeparatedField>& fields : slabs) {
-    if (x.empty() || !fields.front().axes()[0].contains(x[0])) continue;
-    Eigen::VectorXd values(static_cast<Eigen::Index>(fields.size()));
-    for (std::size_t m = 0; m < fields.size(); ++m) values[static_cast<Eigen::Index>(m)] = fields[m](x)[0];
-    return values;
-  }
-  throw ArgumentError(
-      fmt::format("the time {} is outside what was solved, up to {}", x.empty() ? 0.0 : x[0], reached));
-}
-
-double DecouplingResult::largest_contraction() const {
-  double largest = 0.0;
-  for (const DecouplingRecord& record : history) largest = std::max(largest, record.contraction);
-  return largest;
-}
-
-int DecouplingResult::largest_rank() const {
-  int largest = 0;
-  for (const DecouplingRecord& record : history) {
-    for (const int terms : record.terms) largest = std::max(largest, terms);
-  }
-  return largest;
-}
-
-std::string to_string(DecouplingStatus status) {
-  static constexpr std::array names = {"converged", "max_iterations", "diverged", "rank_limit", "cancelled"};
-  return names[static_cast<std::size_t>(status)];
 }
 
 }  // namespace samara::pgd
