@@ -12,6 +12,25 @@
 
 namespace samara::apps {
 
+namespace {
+
+/// What the build took, in the units of its builder.
+std::string effort(const codebooks::Codebook& book) {
+  const codebooks::BuildRecord& record = book.build();
+  if (record.builder == "sampling") {
+    return fmt::format("{} rounds, {:.6g} {}, grid of {:.3g} nodes", record.rounds, record.evaluations,
+                       book.is_of_command() ? "calls" : "trajectories", record.grid_size);
+  }
+  if (record.strategy == "newton") {
+    return fmt::format("{} rounds, {} Newton iterations, {:.3g} evaluations, grid of {:.3g} nodes",
+                       record.rounds, record.iterations, record.evaluations, record.grid_size);
+  }
+  return fmt::format("{} {}, {:.3g} evaluations, where those at all nodes would be {:.3g}", record.rounds,
+                     record.strategy == "slabs" ? "marches" : "rounds", record.evaluations, record.grid_size);
+}
+
+}  // namespace
+
 int run(const BuildArguments& arguments) {
   // A build may take long: that its result cannot be written should be known before. No stream takes a
   // codebook.
@@ -31,15 +50,8 @@ int run(const BuildArguments& arguments) {
     std::error_code ignored;
     std::filesystem::remove(options.checkpoint, ignored);
   }
-  const codebooks::BuildRecord& record = result.book.build();
-  const std::string counts =
-      record.builder == "sampling"
-          ? fmt::format("{:.6g} {}", record.evaluations,
-                        result.book.is_of_command() ? "calls" : "trajectories")
-          : fmt::format("{} Newton iterations, {:.3g} evaluations", record.iterations, record.evaluations);
-  narrate(fmt::format("built {} by {} in {:.1f} s: {} rounds, {}, grid of {:.3g} nodes", arguments.output,
-                      record.builder, result.book.provenance().build_seconds, record.rounds, counts,
-                      record.grid_size));
+  narrate(fmt::format("built {} by {} in {:.1f} s: {}", arguments.output, result.book.build().builder,
+                      result.book.provenance().build_seconds, effort(result.book)));
   print(to_table(*result.book.certificate(), result.book));
   if (result.met) return kDone;
   warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));

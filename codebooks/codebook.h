@@ -48,13 +48,15 @@ struct Provenance {
 /// How the builder went; the same on every machine and after every resume.
 struct BuildRecord {
   std::string builder;     ///< "pgd" or "sampling"
-  std::string strategy;    ///< "newton" or "cross"
+  std::string strategy;    ///< "slabs", "newton", another name of the plan's strategies, or "cross"
   std::string status;      ///< "converged", or why not
   std::string message;     ///< in one sentence
   double evaluations = 0;  ///< of the right-hand side and its Jacobian; of sampling: trajectories, or calls
-  double grid_size = 0;    ///< nodes of time x parameters of the last round
+  /// Nodes of time x parameters of the last round; of slabs and their like: what evaluations at all nodes of
+  /// their grids would have been.
+  double grid_size = 0;
   int iterations = 0;      ///< of Newton, all rounds; of sampling: none
-  int rounds = 0;          ///< of refinement
+  int rounds = 0;          ///< of refinement; of slabs: marches
 };
 
 /// One time slab of one parameter cell: its own axes and field groups, all groups over the same axes. It may

@@ -192,14 +192,26 @@ Solution solve_by_newton(const Plan& plan, const models::ParametricModel& model,
 
 }  // namespace
 
+namespace {
+
+/// Slabs choose nodes by themselves and refine what they are given badly; a grid that the plan prescribes is
+/// taken as it is by the solver of the whole time.
+bool is_for_slabs(const Plan& plan) {
+  if (plan.builder.strategy != "auto") return plan.builder.strategy == "slabs";
+  return std::none_of(plan.box.begin(), plan.box.end(), [](const BoxEntry& entry) {
+    return entry.nodes || entry.basis != pgd::Basis::chebyshev;
+  });
+}
+
+}  // namespace
+
 Solution solve_by_pgd(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
                       long max_evaluations, const ProgressCallback& progress) {
   if (is_marched(plan.builder.strategy)) {
     const ModelSystem system(model);
     return solve_by_strategy(plan, problem_of(plan, model, system), options, max_evaluations, progress);
   }
-  if (plan.builder.strategy == "slabs")
-    return solve_by_slabs(plan, model, options, max_evaluations, progress);
+  if (is_for_slabs(plan)) return solve_by_slabs(plan, model, options, max_evaluations, progress);
   return solve_by_newton(plan, model, options, max_evaluations, progress);
 }
 

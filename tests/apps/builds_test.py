@@ -42,9 +42,8 @@ class Builds(Case):
         self.assertIn("missed its tolerance", query.stderr)
         self.assertEqual(run("validate", path).returncode, 4)
 
-    def test_a_killed_build_leaves_no_file_and_resumes_to_the_same_codebook(self):
-        plan = write("kill.toml", COIN_PLAN.replace("1e-3", "1e-4"))
-        whole, killed = FOLDER / "whole.h5", FOLDER / "killed.h5"
+    def check_killed_builds_resume(self, plan, name):
+        whole, killed = FOLDER / f"whole_{name}.h5", FOLDER / f"killed_{name}.h5"
         self.assertEqual(run("build", plan, "-o", whole).returncode, 0)
         process = subprocess.Popen([SAMARA, "build", plan, "-o", killed], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         checkpoint = pathlib.Path(f"{killed}.checkpoint")
@@ -61,8 +60,15 @@ class Builds(Case):
             del info["provenance"]
         left.pop("bytes"), right.pop("bytes")
         self.assertEqual(left, right)
-        at = ["--set", "C_D=1.1", "--set", "v(0)=0.13", "--gradient"]
-        self.assertEqual(run("query", whole, *at).stdout, run("query", killed, *at).stdout)
+        return whole, killed
+
+    def test_a_killed_build_leaves_no_file_and_resumes_to_the_same_codebook(self):
+        for strategy in ("newton", "slabs"):
+            with self.subTest(strategy):
+                plan = write("kill.toml", COIN_PLAN.replace("1e-3", "1e-4") + f'[builder]\nkind = "pgd"\nstrategy = "{strategy}"\n')
+                whole, killed = self.check_killed_builds_resume(plan, strategy)
+                at = ["--set", "C_D=1.1", "--set", "v(0)=0.13", "--gradient"]
+                self.assertEqual(run("query", whole, *at).stdout, run("query", killed, *at).stdout)
 
     def test_a_plate_that_turns_is_built_in_slabs_and_certified(self):
         path = FOLDER / "plate.h5"
@@ -74,11 +80,11 @@ class Builds(Case):
         at = ["--set", "C_T=1.1", "--set", "C_R=2.7", "--set", "A=1.3"]
         self.assertEqual(run("query", path, *at, "--at", "0", "1.7", "3").returncode, 0)
 
-    def test_a_build_in_slabs_refuses_to_resume_from_a_checkpoint_it_did_not_write(self):
+    def test_a_checkpoint_that_is_none_is_refused_and_nothing_is_written(self):
         path = FOLDER / "slabs.h5"
         pathlib.Path(f"{path}.checkpoint").write_text("")
         result = run("build", write("slabs.toml", PLATE_PLAN), "-o", path, "--resume")
-        self.check_error(result, 2, "keeps no checkpoint")
+        self.check_error(result, 2, f"{path}.checkpoint")
         self.assertFalse(path.exists())
 
     def build_with_files_of_at_most(self, size, plan, target):

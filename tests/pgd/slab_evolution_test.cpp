@@ -176,6 +176,35 @@ TEST_CASE("the same march twice gives the same bits") {
   }
 }
 
+TEST_CASE("a march goes on from any of its states to the same bits, in cells too") {
+  const System system = double_well();
+  const AdaptiveProblem problem = well_problem(system, 3.0);
+  SlabOptions options{.tolerance = 1e-3, .max_nodes = 12, .max_cells = 8};
+  std::vector<std::vector<double>> states;
+  options.checkpoint = [&](const std::vector<double>& state) { states.push_back(state); };
+  const SlabResult whole = solve_by_slabs(problem, options);
+  CHECK(whole.cells > 1);
+  REQUIRE(states.size() > 4);
+  options.checkpoint = {};
+  for (const std::size_t from : {std::size_t{0}, states.size() / 2, states.size() - 1}) {
+    const SlabResult result = solve_by_slabs(problem, options, states[from]);
+    CHECK(result.evaluations == whole.evaluations);
+    CHECK(result.error == whole.error);
+    REQUIRE(result.pieces.size() == whole.pieces.size());
+    for (std::size_t k = 0; k < result.pieces.size(); ++k) {
+      CHECK(result.pieces[k].axes() == whole.pieces[k].axes());
+      for (std::size_t c = 0; c < result.pieces[k].train().cores.size(); ++c)
+        CHECK(result.pieces[k].train().cores[c].data == whole.pieces[k].train().cores[c].data);
+    }
+  }
+  // States that are cut short, or of other options, are refused.
+  std::vector<double> state = states.back();
+  state.resize(state.size() / 2);
+  CHECK_THROWS_WITH(solve_by_slabs(problem, options, state), Contains("ends too early"));
+  options.tolerance = 1e-4;
+  CHECK_THROWS_WITH(solve_by_slabs(problem, options, states.back()), Contains("other options"));
+}
+
 TEST_CASE("options and problems that make no sense are refused") {
   const System system = triple_product();
   AdaptiveProblem problem = triple_problem(system, 0.8);
