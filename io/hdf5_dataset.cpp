@@ -59,8 +59,8 @@ void check_chunks(const File& file, const Source& source, hid_t creation) {
   }
 }
 
-/// The library unpacks a chunk and takes for granted that it is as long as its elements. Shuffling knows their
-/// size as well, and chunks whose filters were left out are none of ours.
+/// The library unpacks a chunk and takes for granted that it is as long as its elements. Shuffling knows
+/// their size as well, and chunks whose filters were left out are none of ours.
 void check_filters(const File& file, const Source& source, hid_t creation) {
   const int filters = H5Pget_nfilters(creation);
   for (int i = 0; i < filters; ++i) {

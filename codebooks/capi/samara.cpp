@@ -116,7 +116,8 @@ const char* samara_output_unit(const samara_book* book, int output) {
 samara_status samara_bounds(const samara_book* book, int coordinate, double* lower, double* upper) {
   const Coordinate* const c = coordinate_of(book, coordinate);
   if (c == nullptr || lower == nullptr || upper == nullptr)
-    return missing("samara_bounds was given no book, a coordinate that it does not have, or no place for the answer");
+    return missing(
+        "samara_bounds was given no book, a coordinate that it does not have, or no place for the answer");
   *lower = c->lower;
   *upper = c->upper;
   return SAMARA_DONE;
@@ -147,7 +148,8 @@ samara_status samara_values(samara_query* query, const double* x, double* values
   if (query == nullptr || x == nullptr || values == nullptr)
     return missing("samara_values was given no query, no point, or no place for the answer");
   return guarded([&] {
-    query->query.values(point_of(*query, x), Eigen::Map<Eigen::VectorXd>(values, query->query.output_count()));
+    query->query.values(point_of(*query, x),
+                        Eigen::Map<Eigen::VectorXd>(values, query->query.output_count()));
   });
 }
 

@@ -5,8 +5,8 @@
 
 /* Codebooks for other languages and for engines that speak C: open, ask, close. Link samara::c.
  *
- * Numbers are in SI units, angles in rad. No exception and no text leaves these functions: those that may fail
- * return a status, or a null pointer, and samara_error() says why in one sentence.
+ * Numbers are in SI units, angles in rad. No exception and no text leaves these functions: those that may
+ * fail return a status, or a null pointer, and samara_error() says why in one sentence.
  *
  * A book may be shared between threads; a query holds scratch space, one per thread. Answers do not allocate,
  * except batches on several threads.
@@ -56,7 +56,8 @@ samara_status samara_values(samara_query* query, const double* x, double* values
 /* The same with derivatives: gradient[output * coordinates + coordinate]. */
 samara_status samara_gradient(samara_query* query, const double* x, double* values, double* gradient);
 /* Many points, one after the other; threads 0: as many as the machine has. */
-samara_status samara_batch(samara_query* query, size_t count, const double* points, double* values, int threads);
+samara_status samara_batch(samara_query* query, size_t count, const double* points, double* values,
+                           int threads);
 
 #ifdef __cplusplus
 }

@@ -59,7 +59,8 @@ std::vector<Guarded> guarded_metadata(const std::string& bytes) {
                                       "FAHD", "FADB", "EAHD", "EAIB", "EASB", "EADB"};
   std::vector<Guarded> blocks = {{0, 44, false}};  // the superblock
   for (const char* signature : kSignatures) {
-    for (std::size_t at = bytes.find(signature); at != std::string::npos; at = bytes.find(signature, at + 1)) {
+    for (std::size_t at = bytes.find(signature); at != std::string::npos;
+         at = bytes.find(signature, at + 1)) {
       for (std::size_t size = 8; size < 4096 && at + size + 4 <= bytes.size(); ++size) {
         const Guarded block{at, size, false};
         if (block.checksum(bytes) != word_at(bytes, at + size)) continue;
@@ -174,7 +175,8 @@ void ask(const Codebook& book) {
 }
 
 /// What becomes of a file: refused, same, other, or a failure 'x'.
-char verdict(const std::filesystem::path& path, const std::filesystem::path& again, const std::string& whole) {
+char verdict(const std::filesystem::path& path, const std::filesystem::path& again,
+             const std::string& whole) {
   try {
     const Codebook book = load(path);
     ask(book);
@@ -245,8 +247,9 @@ Report fuzz(const Codebook& book, int count, std::uint64_t seed) {
         ++report.failures;
         if (report.failed_files.size() < 10) report.failed_files.push_back(mutations(first));
         if (report.first_failure.empty()) {
-          report.first_failure = fmt::format("mutation {} of seed {}: {}", first, seed,
-                                             verdict == 'x' ? "a crash, a hang or another error" : "another codebook");
+          report.first_failure =
+              fmt::format("mutation {} of seed {}: {}", first, seed,
+                          verdict == 'x' ? "a crash, a hang or another error" : "another codebook");
         }
       }
       ++report.mutated;

@@ -20,8 +20,8 @@ struct Report {
   std::vector<std::string> failed_files;  ///< the bytes of some of them
 };
 
-/// Writes the codebook, changes the file in `count` ways, half of them with checksums repaired, and reads each.
-/// No child lives longer than ten seconds without an answer.
+/// Writes the codebook, changes the file in `count` ways, half of them with checksums repaired, and reads
+/// each. No child lives longer than ten seconds without an answer.
 Report fuzz(const samara::codebooks::Codebook& book, int count, std::uint64_t seed);
 
 }  // namespace file_fuzz

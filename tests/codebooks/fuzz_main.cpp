@@ -36,9 +36,11 @@ int main(int argc, char** argv) {
   for (int k = 0; k < 3; ++k) {
     const int share = count / 3 + (k < count % 3 ? 1 : 0);
     const file_fuzz::Report report = file_fuzz::fuzz(books[k], share, seed + static_cast<std::uint64_t>(k));
-    std::printf("%d mutated, %d with checksums repaired: %d refused, %d the same, %d other codebooks, %d failures%s%s\n",
-                report.mutated, report.repaired, report.refused, report.same, report.other, report.failures,
-                report.first_failure.empty() ? "" : ": ", report.first_failure.c_str());
+    std::printf(
+        "%d mutated, %d with checksums repaired: %d refused, %d the same, %d other codebooks, %d "
+        "failures%s%s\n",
+        report.mutated, report.repaired, report.refused, report.same, report.other, report.failures,
+        report.first_failure.empty() ? "" : ": ", report.first_failure.c_str());
     for (std::size_t i = 0; argc > 3 && i < report.failed_files.size(); ++i)
       put_content(std::filesystem::path(argv[3]) / fmt::format("{}_{}.h5", k, i), report.failed_files[i]);
     failures += report.failures;
