@@ -92,6 +92,15 @@ void add_info(CLI::App& app, Arguments& arguments) {
   on_call(command, arguments.info, values);
 }
 
+void add_stats(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<StatsArguments>();
+  CLI::App* command = app.add_subcommand(
+      "stats", "mean, deviation and Sobol' indices of the outputs over the box, over time, as CSV or JSON");
+  command->add_option("BOOK", values->book, "codebook file")->required();
+  command->add_flag("--json", values->json, "print one JSON object");
+  on_call(command, arguments.stats, values);
+}
+
 void add_query(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<QueryArguments>();
   CLI::App* command =
@@ -176,6 +185,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_simulate(app, arguments);
   add_build(app, arguments);
   add_info(app, arguments);
+  add_stats(app, arguments);
   add_query(app, arguments);
   add_validate(app, arguments);
   add_fit(app, arguments);

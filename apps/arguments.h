@@ -35,6 +35,11 @@ struct InfoArguments {
   bool json = false;
 };
 
+struct StatsArguments {
+  std::string book;
+  bool json = false;
+};
+
 struct QueryArguments {
   std::string book;
   std::vector<std::string> set;
@@ -70,6 +75,7 @@ struct Arguments {
   std::optional<BuildArguments> build;
   std::optional<InfoArguments> info;
   std::optional<QueryArguments> query;
+  std::optional<StatsArguments> stats;
   std::optional<ValidateArguments> validate;
   std::optional<FitArguments> fit;
 };

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <filesystem>
+#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -114,9 +116,56 @@ const char* what_was_counted(const Codebook& book) {
                                             : "evaluations of the right-hand side and its Jacobian";
 }
 
+/// "7", or "7..13" where pieces differ.
+std::string nodes_of(const Codebook& book, std::size_t coordinate) {
+  int least = std::numeric_limits<int>::max(), most = 0;
+  for (const codebooks::Piece& piece : book.pieces()) {
+    const int nodes = piece.groups().front().axes()[coordinate].size();
+    least = std::min(least, nodes);
+    most = std::max(most, nodes);
+  }
+  return least == most ? fmt::format("{}", most) : fmt::format("{}..{}", least, most);
+}
+
+std::string axis_table(const Codebook& book) {
+  std::string text = fmt::format("{:<12} {:<8} {:<10} {:<10} {:>7} {:>12} {:>12}\n", "axis", "unit", "role", "basis",
+                                 "nodes", "lower", "upper");
+  for (std::size_t k = 0; k < book.coordinates().size(); ++k) {
+    const codebooks::Coordinate& c = book.coordinates()[k];
+    const pgd::Axis& axis = book.pieces().front().groups().front().axes()[k];
+    text += fmt::format("{:<12} {:<8} {:<10} {:<10} {:>7} {:>12.6g} {:>12.6g}\n", c.name, c.unit, to_string(c.role),
+                        to_string(axis.basis()), nodes_of(book, k), c.lower, c.upper);
+  }
+  return text;
+}
+
+/// A line per group: where the piece lies on the coordinates that are split, and what it holds.
+std::string piece_table(const Codebook& book) {
+  std::string text = fmt::format("{:>5}  {:<28} {:>10}  {}\n", "piece", "outputs", "bytes", "form");
+  for (std::size_t p = 0; p < book.pieces().size(); ++p) {
+    const codebooks::Piece& piece = book.pieces()[p];
+    std::string where;
+    for (std::size_t k = 0; k < book.coordinates().size(); ++k) {
+      const codebooks::Coordinate& c = book.coordinates()[k];
+      if (piece.lower()[k] == c.lower && piece.upper()[k] == c.upper) continue;
+      where += fmt::format("; {} from {:.6g} to {:.6g}", c.name, piece.lower()[k], piece.upper()[k]);
+    }
+    for (const codebooks::FieldGroup& group : piece.groups()) {
+      std::string outputs;
+      for (const pgd::OutputLabel& o : group.outputs())
+        outputs += fmt::format("{}{}{}", outputs.empty() ? "" : ", ", o.name, unit_suffix(o.unit));
+      text += fmt::format("{:>5}  {:<28} {:>10}  {}{}\n", p, outputs, bytes_of(group), form_of(group), where);
+    }
+  }
+  return text;
+}
+
 std::string describe(const Codebook& book, const std::string& path) {
   const Numbers numbers = count(book);
-  std::string text = fmt::format("{}{}\nmodel {}: {}\n  {}\n", path,
+  std::string text;
+  if (book.certificate() && !book.certificate()->met)
+    text += fmt::format("MISSED ITS TOLERANCE: {}\n", miss_of(book));
+  text += fmt::format("{}{}\nmodel {}: {}\n  {}\n", path,
                                  book.title().empty() ? "" : fmt::format(": {}", book.title()),
                                  book.model().name, book.model().title, book.model().equations);
   for (const auto& [name, value] : book.model().fixed) {
@@ -124,24 +173,11 @@ std::string describe(const Codebook& book, const std::string& path) {
     text += fmt::format("  {} = {}{}\n", name, value,
                         unit == book.model().fixed_units.end() ? "" : unit_suffix(unit->second));
   }
-  for (std::size_t k = 0; k < book.pieces().size(); ++k) {
-    const codebooks::Piece& piece = book.pieces()[k];
-    text += fmt::format("piece {}\n  {:<12} {:<8} {:<10} {:<10} {:>6} {:>12} {:>12}\n", k, "axis", "unit",
-                        "role", "basis", "nodes", "lower", "upper");
-    for (const pgd::Axis& axis : piece.groups().front().axes()) {
-      text += fmt::format("  {:<12} {:<8} {:<10} {:<10} {:>6} {:>12.6g} {:>12.6g}\n", axis.name(),
-                          axis.unit(), to_string(axis.role()), to_string(axis.basis()), axis.size(),
-                          axis.lower(), axis.upper());
-    }
-    for (const codebooks::FieldGroup& group : piece.groups()) {
-      std::string outputs;
-      for (const pgd::OutputLabel& o : group.outputs())
-        outputs += fmt::format("{}{}{}", outputs.empty() ? "" : ", ", o.name, unit_suffix(o.unit));
-      text += fmt::format("  outputs {}: {}, {} bytes\n", outputs, form_of(group), bytes_of(group));
-    }
-  }
-  text += fmt::format("size: {} bytes; {:.0f} numbers stand for a table of {:.3g}\n",
-                      std::filesystem::file_size(path), numbers.stored, numbers.table);
+  text += axis_table(book) + piece_table(book);
+  const auto bytes = static_cast<double>(std::filesystem::file_size(path));
+  const double table_bytes = numbers.table * static_cast<double>(sizeof(double));
+  text += fmt::format("size: {:.0f} bytes, {:.3g} of the {:.3g} of a table of all nodes; {:.0f} numbers for {:.3g}\n",
+                      bytes, bytes / table_bytes, table_bytes, numbers.stored, numbers.table);
   const codebooks::BuildRecord& build = book.build();
   text += fmt::format("build: {} ({}), {}: {}\n  {:.6g} {}, grid of {:.3g} nodes\n", build.builder,
                       build.strategy, build.status, build.message, build.evaluations, what_was_counted(book),

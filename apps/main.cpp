@@ -15,6 +15,7 @@ int dispatch(const Arguments& arguments) {
   if (arguments.build) return run(*arguments.build);
   if (arguments.info) return run(*arguments.info);
   if (arguments.query) return run(*arguments.query);
+  if (arguments.stats) return run(*arguments.stats);
   if (arguments.validate) return run(*arguments.validate);
   return run(*arguments.fit);
 }

@@ -11,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/io/atomic_file.h"
+#include "terminal.h"
 
 namespace samara::apps {
 
@@ -41,6 +42,26 @@ void write_answer(const std::string& path, const std::string& text) {
     print(text);
   } else {
     io::write_text_atomically(path, text);
+  }
+}
+
+std::string miss_of(const codebooks::Codebook& book) {
+  const codebooks::Certificate& c = *book.certificate();
+  if (c.failed_points > 0) {
+    return fmt::format("{} of {} {} of its certificate failed", c.failed_points, c.points,
+                       book.is_of_command() ? "points" : "integrations");
+  }
+  if (c.max_error > c.tolerance)
+    return fmt::format("largest error {:.3g} > {:.3g} ({})", c.max_error, c.tolerance, book.build().message);
+  if (book.build().status == "converged") return "its certificate is marked so";
+  return fmt::format("the builder ended with \"{}\": {}", book.build().status, book.build().message);
+}
+
+void warn_of_missed_tolerance(const codebooks::Codebook& book, const std::string& path) {
+  if (!book.certificate()) {
+    warn(fmt::format("{} has no certificate", path));
+  } else if (!book.certificate()->met) {
+    warn(fmt::format("{} missed its tolerance: {}", path, miss_of(book)));
   }
 }
 

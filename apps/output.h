@@ -27,6 +27,11 @@ Json to_json(const codebooks::Certificate& certificate, const codebooks::Codeboo
 /// The certificate as a readable table.
 std::string to_table(const codebooks::Certificate& certificate, const codebooks::Codebook& book);
 
+/// Why the certificate of a codebook is not met; it has one.
+std::string miss_of(const codebooks::Codebook& book);
+/// On stderr, if the codebook has no certificate or does not meet it.
+void warn_of_missed_tolerance(const codebooks::Codebook& book, const std::string& path);
+
 /// " m/s", or nothing for a dimensionless quantity.
 std::string unit_suffix(const std::string& unit);
 

@@ -17,19 +17,6 @@ namespace {
 
 using codebooks::Codebook;
 
-/// Why the certificate of a codebook is not met.
-std::string miss_of(const Codebook& book) {
-  const codebooks::Certificate& c = *book.certificate();
-  if (c.failed_points > 0) {
-    return fmt::format("{} of {} {} of its certificate failed", c.failed_points, c.points,
-                       book.is_of_command() ? "points" : "integrations");
-  }
-  if (c.max_error > c.tolerance)
-    return fmt::format("largest error {:.3g} > {:.3g} ({})", c.max_error, c.tolerance, book.build().message);
-  if (book.build().status == "converged") return "its certificate is marked so";
-  return fmt::format("the builder ended with \"{}\": {}", book.build().status, book.build().message);
-}
-
 /// Points to ask for, one row each, and what was moved to get them into the box.
 struct Points {
   Eigen::MatrixXd x;  ///< times x coordinates
@@ -147,11 +134,7 @@ Json to_json(const Codebook& book, const Points& points, const Eigen::MatrixXd& 
 int run(const QueryArguments& arguments) {
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.book});
   const Codebook book = codebooks::load(arguments.book);
-  if (!book.certificate()) {
-    warn(fmt::format("{} has no certificate", arguments.book));
-  } else if (!book.certificate()->met) {
-    warn(fmt::format("{} missed its tolerance: {}", arguments.book, miss_of(book)));
-  }
+  warn_of_missed_tolerance(book, arguments.book);
   const Points points = points_of(book, arguments);
   for (const std::string& name : points.clamped)
     warn(fmt::format("{} was moved to the border of the box", name));

@@ -9,7 +9,7 @@ import platform
 import subprocess
 import sys
 
-NAMES = ["first_walk", "linear_engine", "nonlinear", "sampling", "models"]
+NAMES = ["first_walk", "linear_engine", "nonlinear", "sampling", "models", "query"]
 
 
 def run(program, arguments):

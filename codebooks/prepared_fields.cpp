@@ -99,7 +99,11 @@ void PreparedFields::look_at(int piece) {
 
 const PreparedFields::Prepared& PreparedFields::at(int piece) const {
   Prepared& prepared = *pieces_[static_cast<std::size_t>(piece)];
-  std::call_once(prepared.once, [&] { prepare(prepared); });
+  if (prepared.is_ready.load(std::memory_order_acquire)) return prepared;
+  std::call_once(prepared.once, [&] {
+    prepare(prepared);
+    prepared.is_ready.store(true, std::memory_order_release);
+  });
   return prepared;
 }
 

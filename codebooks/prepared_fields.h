@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -84,6 +85,7 @@ class PreparedFields {
     codebooks::Piece source;
     std::vector<int> times;  ///< places of those it holds
     std::once_flag once;
+    std::atomic<bool> is_ready = false;  ///< a look at it is cheaper than one at `once`
     std::vector<Part> parts;
   };
 

@@ -103,9 +103,10 @@ void write_piece(Hdf5Writer& file, const std::string& path, const Piece& piece) 
 }
 
 int numbered_children(const Hdf5Reader& file, const std::string& group) {
-  const auto count = static_cast<int>(file.children(group).size());
+  const std::vector<std::string> names = file.children(group);  // sorted
+  const auto count = static_cast<int>(names.size());
   for (int k = 0; k < count; ++k) {
-    if (!file.has(fmt::format("{}/{}", group, k)))
+    if (!std::binary_search(names.begin(), names.end(), fmt::format("{}", k)))
       throw file.error(group, fmt::format("member {} of {} is missing", k, count));
   }
   if (count == 0) throw file.error(group, "is empty, expected at least one member");

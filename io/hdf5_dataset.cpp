@@ -19,7 +19,8 @@ std::uint64_t largest_size(const File& file) {
 void check_size(const File& file, const Source& source) {
   constexpr hsize_t kMostElements = hsize_t{1} << 31;
   const std::uint64_t limit = largest_size(file);
-  std::uint64_t bytes = std::max<std::uint64_t>(H5Tget_size(source.type.get()), 1);
+  std::uint64_t bytes = H5Tget_size(source.type.get());
+  if (bytes == 0) file.fail(source.what, "has elements of no size");
   hsize_t elements = 1;
   const bool is_empty =
       std::find(source.dimensions.begin(), source.dimensions.end(), 0u) != source.dimensions.end();
@@ -58,6 +59,34 @@ void check_chunks(const File& file, const Source& source, hid_t creation) {
   }
 }
 
+/// The library unpacks a chunk and takes for granted that it is as long as its elements. Shuffling knows
+/// their size as well, and chunks whose filters were left out are none of ours.
+void check_filters(const File& file, const Source& source, hid_t creation) {
+  const int filters = H5Pget_nfilters(creation);
+  for (int i = 0; i < filters; ++i) {
+    unsigned flags = 0;
+    std::size_t count = 1;
+    unsigned element = 0;
+    if (H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &count, &element, 0, nullptr, nullptr) !=
+        H5Z_FILTER_SHUFFLE)
+      continue;
+    if (element != H5Tget_size(source.type.get()))
+      file.fail(source.what, "its filters are for elements of another size");
+  }
+  const Handle space(H5Dget_space(source.object.get()), H5Sclose);
+  hsize_t chunks = 0;
+  H5Dget_num_chunks(source.object.get(), space.get(), &chunks);
+  std::vector<hsize_t> offset(source.dimensions.size());
+  for (hsize_t i = 0; i < chunks; ++i) {
+    unsigned left_out = 0;
+    haddr_t address = 0;
+    hsize_t size = 0;
+    if (H5Dget_chunk_info(source.object.get(), space.get(), i, offset.data(), &left_out, &address, &size) < 0)
+      file.fail(source.what, "cannot be read: " + last_reason());
+    if (left_out != 0) file.fail(source.what, "has a chunk whose filters were left out");
+  }
+}
+
 /// All elements must stand in this file.
 void check_stored(const File& file, const Source& source) {
   if (source.is_attribute || source.elements() == 0) return;
@@ -65,6 +94,7 @@ void check_stored(const File& file, const Source& source) {
   const H5D_layout_t layout = H5Pget_layout(creation.get());
   if (layout == H5D_CHUNKED) {
     check_chunks(file, source, creation.get());
+    check_filters(file, source, creation.get());
     return;
   }
   if (layout == H5D_CONTIGUOUS) {
@@ -74,6 +104,9 @@ void check_stored(const File& file, const Source& source) {
     return;
   }
   if (layout != H5D_COMPACT) file.fail(source.what, "has an unknown layout");
+  // The library copies as many bytes as the size says from as many as are stored.
+  if (H5Dget_storage_size(source.object.get()) < source.elements() * H5Tget_size(source.type.get()))
+    file.fail(source.what, "is incomplete");
 }
 
 void read_raw(const File& file, const Source& source, hid_t memory_type, void* values) {

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "samara/io/hdf5_dataset.h"
+#include "samara/io/hdf5_driver.h"
 #include "samara/io/hdf5_library.h"
 #include "samara/io/text.h"
 
@@ -93,6 +94,8 @@ struct Hdf5Reader::Impl {
     const Session session;
     const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
+    if (!hdf5::use_guarded_driver(access.get()))
+      throw InputError(file.name, "cannot be opened as HDF5: " + hdf5::last_reason());
     Handle handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
     if (!handle.valid()) throw InputError(file.name, "cannot be opened as HDF5: " + hdf5::last_reason());
     file.handle = std::move(handle);
@@ -131,6 +134,10 @@ std::vector<std::string> Hdf5Reader::children(const std::string& group) const {
   const Handle object = hdf5::open_object(impl_->file, path, "group " + path);
   if (H5Iget_type(object.get()) != H5I_GROUP)
     impl_->file.fail("group " + path, "expected a group, found a dataset");
+  // A name that is not there makes the library decode all links, and say so where it cannot. The table of
+  // links that it iterates over, given up half-filled, would crash it.
+  if (H5Lexists(object.get(), "no such member", H5P_DEFAULT) < 0)
+    impl_->file.fail("group " + path, "cannot be read: " + hdf5::last_reason());
   std::vector<std::string> names;
   const auto keep_name = [](hid_t, const char* name, const H5L_info_t*, void* kept) -> herr_t {
     static_cast<std::vector<std::string>*>(kept)->emplace_back(name);

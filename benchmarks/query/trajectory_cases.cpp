@@ -187,7 +187,7 @@ void Run::point() {
   const auto by_hand = [&] { rk4_->end_point(next_point(), values.data()); };
   Query query(book_, {.outputs = case_.outputs, .precision = Precision::automatic});
   std::vector<double> x(4, end_);
-  say("point",
+  say("point_any_time",
       time_both(
           [&] {
             const double* q = next_point();
@@ -197,7 +197,7 @@ void Run::point() {
           by_hand, rounds_),
       "rk4");
   Query held(book_, {.outputs = case_.outputs, .fixed = {{"t", end_}}, .precision = Precision::automatic});
-  say("point_prepared", time_both([&] { held.values(next_q(), values); }, by_hand, rounds_), "rk4");
+  say("point", time_both([&] { held.values(next_q(), values); }, by_hand, rounds_), "rk4");
   print({kQuery, case_.name, "point_in_single_floats",
          query.precision() == Precision::single_precision ? 1.0 : 0.0});
   Eigen::MatrixXd all(4, kBatch), answers(values.size(), kBatch);

@@ -92,7 +92,8 @@ int AxisWeights::at(double x, int order, Workspace& workspace) const {
   double* const first = workspace.weights[1].data();
   double* const second = workspace.weights[2].data();
   const auto differentiate = [&](const double* from, double* to) {
-    multiply<double, double>(slopes_.data(), lead_, size_, size_, &from, 1, &to);
+    // Whole vectors: buffers have room for them.
+    multiply<double, double>(slopes_.data(), lead_, lead_, size_, &from, 1, &to);
   };
   if (!has_elements_) {
     axis_.interpolate(x, workspace.stencil, order > 0);

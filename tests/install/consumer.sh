@@ -11,5 +11,6 @@ cmake --install "$build" --prefix "$work/prefix" >"$work/install.log"
 cmake -G Ninja -S "$here/consumer" -B "$work/consumer" -DCMAKE_PREFIX_PATH="$work/prefix" >"$work/configure.log" 2>&1 ||
   { cat "$work/configure.log"; exit 1; }
 cmake --build "$work/consumer"
-"$work/consumer/consumer"
+"$work/consumer/consumer" "$work/book.h5"
+"$work/consumer/ask" "$work/book.h5"
 "$work/prefix/bin/samara" --version

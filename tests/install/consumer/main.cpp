@@ -4,9 +4,10 @@
 
 #include <samara/codebooks/build.h>
 #include <samara/codebooks/query.h>
+#include <samara/codebooks/store.h>
 #include <samara/identification/fit.h>
 
-int main() {
+int main(int argc, char** argv) {
   const auto plan = samara::codebooks::parse_plan(
       "model = \"constant_rate\"\n[box]\nk = [1.0, 10.0]\n[time]\nend = 10.0\n[tolerance]\nrelative = 1e-9\n",
       "plan");
@@ -15,6 +16,7 @@ int main() {
   Eigen::VectorXd u(1);
   const double point[] = {7.0, 4.0};  // t, k
   query.values(point, u);
+  if (argc > 1) samara::codebooks::save(result.book, argv[1]);
   const double exact = (10.0 / 4.0 - 1.0) * 7.0;
   std::printf("u = %.15g, exact %.15g, fit: %s\n", u[0], exact,
               samara::identification::FitResult{}.message.c_str());

@@ -1,0 +1,63 @@
+/* Asks a codebook from C.
+ *
+ *   ask BOOK.h5               what it holds
+ *   ask BOOK.h5 0.3 1.15 0.1  outputs at a point, coordinates in order, with derivatives by all of them
+ */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "samara/codebooks/capi/samara.h"
+
+static void describe(const samara_book* book) {
+  for (int k = 0; k < samara_coordinate_count(book); ++k) {
+    double lower, upper;
+    samara_bounds(book, k, &lower, &upper);
+    printf("coordinate %s [%s] from %g to %g\n", samara_coordinate_name(book, k), samara_coordinate_unit(book, k),
+           lower, upper);
+  }
+  for (int o = 0; o < samara_output_count(book); ++o)
+    printf("output %s [%s]\n", samara_output_name(book, o), samara_output_unit(book, o));
+}
+
+static int ask(const samara_book* book, char** numbers) {
+  const int coordinates = samara_coordinate_count(book), outputs = samara_output_count(book);
+  double* x = malloc(sizeof(double) * (size_t)(coordinates + outputs * (1 + coordinates)));
+  double* values = x + coordinates;
+  double* gradient = values + outputs;
+  for (int k = 0; k < coordinates; ++k) x[k] = strtod(numbers[k], NULL);
+  samara_query* query = samara_query_open(book);
+  const samara_status status =
+      query == NULL ? SAMARA_INTERNAL : samara_gradient(query, x, values, gradient);
+  if (status != SAMARA_DONE) {
+    fprintf(stderr, "%s\n", samara_error());
+  } else {
+    for (int o = 0; o < outputs; ++o) {
+      printf("%s = %.10g", samara_output_name(book, o), values[o]);
+      for (int k = 0; k < coordinates; ++k)
+        printf("  d/d%s = %.6g", samara_coordinate_name(book, k), gradient[o * coordinates + k]);
+      printf("\n");
+    }
+  }
+  samara_query_close(query);
+  free(x);
+  return (int)status;
+}
+
+int main(int argc, char** argv) {
+  samara_book* book = argc < 2 ? NULL : samara_open(argv[1]);
+  if (book == NULL) {
+    fprintf(stderr, "%s\n", argc < 2 ? "usage: ask BOOK.h5 [COORDINATE ..]" : samara_error());
+    return argc < 2 ? SAMARA_WRONG_CALL : SAMARA_BAD_FILE;
+  }
+  int status = SAMARA_DONE;
+  if (argc == 2) {
+    describe(book);
+  } else if (argc == 2 + samara_coordinate_count(book)) {
+    status = ask(book, argv + 2);
+  } else {
+    fprintf(stderr, "%d coordinates, expected %d\n", argc - 2, samara_coordinate_count(book));
+    status = SAMARA_WRONG_CALL;
+  }
+  samara_close(book);
+  return status;
+}
