@@ -87,7 +87,8 @@ TEST_CASE("held broadside, the linear-drag plate falls from rest as -g/A (1 - ex
 TEST_CASE("the drag of the linear-drag plate takes power, its lift does none, all add up") {
   const auto model = find_model("falling_plate_linear_drag");
   const ParametricModel paper(model, kPaper, {});
-  const ParameterValues p = {paper.parameters({}), std::vector<char>(7, 1)};
+  const ParameterValues p = {paper.parameters({}),
+                             std::vector<char>(paper.model().info().parameters.size(), 1)};
   std::mt19937 random(4);
   std::uniform_real_distribution<double> symmetric(-2.0, 2.0);
   for (int trial = 0; trial < 200; ++trial) {

@@ -29,6 +29,11 @@ ParameterValues all_default(const Model& model) {
   return {std::vector<double>(n), std::vector<char>(n, 0)};
 }
 
+/// Everything given, as the model completes it.
+ParameterValues all_given(const ParametricModel& model) {
+  return {model.parameters({}), std::vector<char>(model.model().info().parameters.size(), 1)};
+}
+
 /// Parameters of their order of magnitude, everything given; a plate of metal in water where it has units.
 ParameterValues random_parameters(const Model& model, std::mt19937& random) {
   std::uniform_real_distribution<double> factor(0.5, 2.0);
@@ -296,7 +301,7 @@ TEST_CASE("the masses of a rectangle are those of the model sheet") {
   const double a = 0.02, b = 0.001, solid = 2700.0, fluid = 998.2;
   const ParametricModel model(find_model("falling_rectangle"),
                               {{"chord", a}, {"thickness", b}, {"density", solid}}, {});
-  ParameterValues p = {model.parameters({}), std::vector<char>(13, 1)};
+  ParameterValues p = all_given(model);
   const auto inertia = [&](std::size_t i) {
     State x = {};
     x[i] = 1.0;
@@ -326,7 +331,7 @@ TEST_CASE("the forces on a rectangle are those of (2.18)-(2.20) with its coeffic
         find_model("falling_rectangle"),
         {{"chord", a}, {"thickness", 0.001}, {"density", 2700.0}, {"offset", at.e}, {"speed_floor", 1e-12}},
         {});
-    const ParameterValues p = {fixed.parameters({}), std::vector<char>(13, 1)};
+    const ParameterValues p = all_given(fixed);
     const Breakdown b = break_down(fixed.model(), State{at.vx, at.vy, at.w, 0.3, 0.0, 0.0}, p);
     const double v_p = at.vy - at.e * at.w;
     const double v = std::hypot(at.vx, v_p);
