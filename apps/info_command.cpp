@@ -128,13 +128,13 @@ std::string nodes_of(const Codebook& book, std::size_t coordinate) {
 }
 
 std::string axis_table(const Codebook& book) {
-  std::string text = fmt::format("{:<12} {:<8} {:<10} {:<10} {:>7} {:>12} {:>12}\n", "axis", "unit", "role", "basis",
-                                 "nodes", "lower", "upper");
+  std::string text = fmt::format("{:<12} {:<8} {:<10} {:<10} {:>7} {:>12} {:>12}\n", "axis", "unit", "role",
+                                 "basis", "nodes", "lower", "upper");
   for (std::size_t k = 0; k < book.coordinates().size(); ++k) {
     const codebooks::Coordinate& c = book.coordinates()[k];
     const pgd::Axis& axis = book.pieces().front().groups().front().axes()[k];
-    text += fmt::format("{:<12} {:<8} {:<10} {:<10} {:>7} {:>12.6g} {:>12.6g}\n", c.name, c.unit, to_string(c.role),
-                        to_string(axis.basis()), nodes_of(book, k), c.lower, c.upper);
+    text += fmt::format("{:<12} {:<8} {:<10} {:<10} {:>7} {:>12.6g} {:>12.6g}\n", c.name, c.unit,
+                        to_string(c.role), to_string(axis.basis()), nodes_of(book, k), c.lower, c.upper);
   }
   return text;
 }
@@ -166,8 +166,8 @@ std::string describe(const Codebook& book, const std::string& path) {
   if (book.certificate() && !book.certificate()->met)
     text += fmt::format("MISSED ITS TOLERANCE: {}\n", miss_of(book));
   text += fmt::format("{}{}\nmodel {}: {}\n  {}\n", path,
-                                 book.title().empty() ? "" : fmt::format(": {}", book.title()),
-                                 book.model().name, book.model().title, book.model().equations);
+                      book.title().empty() ? "" : fmt::format(": {}", book.title()), book.model().name,
+                      book.model().title, book.model().equations);
   for (const auto& [name, value] : book.model().fixed) {
     const auto unit = book.model().fixed_units.find(name);
     text += fmt::format("  {} = {}{}\n", name, value,
@@ -176,8 +176,9 @@ std::string describe(const Codebook& book, const std::string& path) {
   text += axis_table(book) + piece_table(book);
   const auto bytes = static_cast<double>(std::filesystem::file_size(path));
   const double table_bytes = numbers.table * static_cast<double>(sizeof(double));
-  text += fmt::format("size: {:.0f} bytes, {:.3g} of the {:.3g} of a table of all nodes; {:.0f} numbers for {:.3g}\n",
-                      bytes, bytes / table_bytes, table_bytes, numbers.stored, numbers.table);
+  text += fmt::format(
+      "size: {:.0f} bytes, {:.3g} of the {:.3g} of a table of all nodes; {:.0f} numbers for {:.3g}\n", bytes,
+      bytes / table_bytes, table_bytes, numbers.stored, numbers.table);
   const codebooks::BuildRecord& build = book.build();
   text += fmt::format("build: {} ({}), {}: {}\n  {:.6g} {}, grid of {:.3g} nodes\n", build.builder,
                       build.strategy, build.status, build.message, build.evaluations, what_was_counted(book),

@@ -37,7 +37,8 @@ void require_whole_pieces(const Codebook& book) {
       const codebooks::Coordinate& c = book.coordinates()[k];
       if (piece.lower()[k] == c.lower && piece.upper()[k] == c.upper) continue;
       throw ArgumentError(fmt::format(
-          "the codebook's box is split along {}: statistics are of codebooks whose pieces are slabs of time", c.name));
+          "the codebook's box is split along {}: statistics are of codebooks whose pieces are slabs of time",
+          c.name));
     }
   }
   if (book.coordinate_count() == static_cast<int>(first))

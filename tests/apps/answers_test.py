@@ -162,6 +162,19 @@ class Answers(Case):
         self.assertTrue(info["certificate"]["met"])
         self.assertGreaterEqual(info["certificate"]["points"], 2000)
 
+    def test_stats_are_those_of_the_function_over_the_box(self):
+        # u = (10/k - 1) t over k in [1, 10]: mean t (10 ln 10/9 - 1), variance t^2 (10 - (10 ln 10/9)^2); k is all there is.
+        stats = json.loads(run("stats", book("line", LINE_PLAN), "--json").stdout)
+        self.assertEqual(stats["schema"], "samara-stats/1")
+        self.assertEqual(stats["inputs"], ["k"])
+        output = stats["outputs"][0]
+        mean = 10 * math.log(10) / 9
+        for t, found, deviation, total in zip(stats["times"], output["mean"], output["deviation"], output["total"]["k"]):
+            self.assertAlmostEqual(found, t * (mean - 1), delta=1e-6)
+            self.assertAlmostEqual(deviation, t * math.sqrt(10 - mean**2), delta=1e-6)
+            if t > 1e-6:
+                self.assertAlmostEqual(total, 1.0, delta=1e-9)
+
     def test_validate_certifies_again_on_other_points(self):
         path = book("line", LINE_PLAN)
         a = json.loads(run("validate", path, "--points", "500", "--seed", "3", "--json").stdout)["certificate"]

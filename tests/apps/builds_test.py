@@ -40,6 +40,8 @@ class Builds(Case):
         query = run("query", path, "--set", "C_D=1", "--set", "v(0)=0.1")
         self.assertEqual(query.returncode, 0)
         self.assertIn("missed its tolerance", query.stderr)
+        self.assertTrue(run("info", path).stdout.startswith("MISSED ITS TOLERANCE"))
+        self.assertIn("missed its tolerance", run("stats", path).stderr)
         self.assertEqual(run("validate", path).returncode, 4)
 
     def check_killed_builds_resume(self, plan, name):

@@ -5,6 +5,7 @@ import re
 import sys
 
 root = pathlib.Path(sys.argv[1])
+OF_THE_C_LIBRARY = {"stddef.h"}
 wrong = []
 installed = 0
 for room in ["base", "pgd", "models", "io", "codebooks", "identification"]:
@@ -14,8 +15,8 @@ for room in ["base", "pgd", "models", "io", "codebooks", "identification"]:
         installed += 1
         for number, line in enumerate((root / room / name).read_text().splitlines(), 1):
             match = re.match(r"\s*#include <([^>]+)>", line)
-            # The standard library's headers have neither slash nor suffix.
-            if match and not match.group(1).startswith("Eigen/") and re.search(r"[/.]", match.group(1)):
+            # The standard library's headers have neither slash nor suffix, but for those of C.
+            if match and match.group(1) not in OF_THE_C_LIBRARY and not match.group(1).startswith("Eigen/") and re.search(r"[/.]", match.group(1)):
                 wrong.append(f"{room}/{name}:{number}: {match.group(1)} in an installed header")
 print("\n".join(wrong) or f"{installed} installed headers, third-party includes: Eigen only")
 sys.exit(1 if wrong or installed == 0 else 0)
