@@ -76,7 +76,7 @@ BuildRecord record_of(const pgd::SlabResult& result) {
   BuildRecord record;
   record.builder = "pgd";
   record.strategy = "slabs";
-  record.status = to_string(result.status);
+  record.status = result.status == pgd::SlabStatus::max_evaluations ? "max_calls" : to_string(result.status);
   record.message = result.message;
   record.evaluations = static_cast<double>(result.evaluations);
   record.grid_size = result.grid_evaluations;

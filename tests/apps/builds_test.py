@@ -67,7 +67,7 @@ class Builds(Case):
     def test_a_killed_build_leaves_no_file_and_resumes_to_the_same_codebook(self):
         for strategy in ("newton", "slabs"):
             with self.subTest(strategy):
-                plan = write("kill.toml", COIN_PLAN.replace("1e-3", "1e-4") + f'[builder]\nkind = "pgd"\nstrategy = "{strategy}"\n')
+                plan = write("kill.toml", COIN_PLAN.replace("1e-3", "1e-4") + f'strategy = "{strategy}"\n')
                 whole, killed = self.check_killed_builds_resume(plan, strategy)
                 at = ["--set", "C_D=1.1", "--set", "v(0)=0.13", "--gradient"]
                 self.assertEqual(run("query", whole, *at).stdout, run("query", killed, *at).stdout)
@@ -86,7 +86,7 @@ class Builds(Case):
         path = FOLDER / "slabs.h5"
         pathlib.Path(f"{path}.checkpoint").write_text("")
         result = run("build", write("slabs.toml", PLATE_PLAN), "-o", path, "--resume")
-        self.check_error(result, 2, f"{path}.checkpoint")
+        self.check_error(result, 3, f"{path}.checkpoint")
         self.assertFalse(path.exists())
 
     def build_with_files_of_at_most(self, size, plan, target):

@@ -20,10 +20,11 @@ using Catch::Matchers::WithinRel;
 
 namespace {
 
-/// By the PGD engine, which is the subject here.
+/// By the PGD engine for the whole time at once, which is the subject here.
 BuildResult built(const std::string& text, BuildOptions options = {.certificate_points = 500}) {
   Plan plan = parse_plan(text, "plan.toml");
   plan.builder.kind = "pgd";
+  plan.builder.strategy = "newton";
   return build(plan, options);
 }
 
@@ -198,8 +199,9 @@ TEST_CASE("a coin with C_D and v(0) free meets its tolerance, and the certificat
   CHECK(book.provenance().created.size() == std::string("2026-01-02T03:04:05Z").size());
 }
 
-TEST_CASE("initial values are those asked for, at every point of the box") {
-  const Codebook& book = coin_build().book;
+TEST_CASE("initial values are those asked for, at every point of the box, where the whole time is solved at once") {
+  const BuildResult result = built(coin_plan());
+  const Codebook& book = result.book;
   Query query(book);
   Eigen::VectorXd values(2);
   Eigen::MatrixXd points = random_points(book, 100, 4);
@@ -318,6 +320,19 @@ TEST_CASE("the seed of a plan changes the course of a build, not its quality") {
   const BuildResult result = built(coin_plan() + "seed = 5\n");
   CHECK(result.met);
   CHECK(result.book.build().evaluations != coin_build().book.build().evaluations);
+}
+
+TEST_CASE(
+    "a build in slabs that may not evaluate more ends with the status max_calls, after the slab it is at") {
+  const std::string box = "C_D = [0.8, 1.6]\n'v(0)' = [0, 0.3]\n";
+  const std::string builder = "[builder]\nkind = 'pgd'\nstrategy = 'slabs'\n";
+  Plan plan = parse_plan(fall_plan(kCoin, box, "0.5", "1e-6") + builder, "plan.toml");
+  plan.builder.max_calls = 50'000;
+  const BuildResult result = build(plan, {.certificate_points = 100});
+  CHECK_FALSE(result.met);
+  CHECK(result.book.build().status == "max_calls");
+  CHECK(result.book.build().evaluations <= 150'000);
+  CHECK(result.book.build().strategy == "slabs");
 }
 
 TEST_CASE("progress is reported in stages, with fractions between 0 and 1") {

@@ -32,7 +32,9 @@ BuildOptions options_with(const fs::path& checkpoint) {
 }
 
 Plan coin() {
-  return parse_plan(coin_plan(), "coin.toml");
+  Plan plan = parse_plan(coin_plan(), "coin.toml");
+  plan.builder.strategy = "newton";
+  return plan;
 }
 
 /// Builds until the given number of reports, and a report more.

@@ -201,7 +201,7 @@ TEST_CASE("a march goes on from any of its states to the same bits, in cells too
   // States that are cut short, or of other options, are refused.
   std::vector<double> state = states.back();
   state.resize(state.size() / 2);
-  CHECK_THROWS_WITH(solve_by_slabs(problem, options, state), Contains("ends too early"));
+  CHECK_THROWS_WITH(solve_by_slabs(problem, options, state), Contains("the stored state of a solver"));
   options.tolerance = 1e-4;
   CHECK_THROWS_WITH(solve_by_slabs(problem, options, states.back()), Contains("other options"));
 }
