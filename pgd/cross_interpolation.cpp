@@ -114,12 +114,8 @@ class Cross {
         }
       }
     }
-    const Eigen::MatrixXd values = table_.fetch(entries);
-    if (k == 1) {
-      core.data = Eigen::Map<const Eigen::VectorXd>(values.data(), values.size());
-    } else {
-      for (j = 0; j < values.cols(); ++j) core.data[j] = values(left(0, j % left_entries), j);
-    }
+    core.data =
+        k == 1 ? table_.fetch(entries).reshaped().eval() : table_.fetch(entries, left.row(0).transpose());
     return core;
   }
 

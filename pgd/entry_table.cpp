@@ -28,7 +28,7 @@ std::uint64_t EntryTable::key(const Eigen::Ref<const Eigen::VectorXi>& entry) co
   return linear;
 }
 
-Eigen::MatrixXd EntryTable::fetch(const IndexBatch& entries) {
+std::vector<std::size_t> EntryTable::positions(const IndexBatch& entries) {
   std::vector<std::size_t> position(static_cast<std::size_t>(entries.cols()));
   std::vector<int> missing;
   for (Eigen::Index j = 0; j < entries.cols(); ++j) {
@@ -37,11 +37,27 @@ Eigen::MatrixXd EntryTable::fetch(const IndexBatch& entries) {
     if (is_new) missing.push_back(static_cast<int>(j));
   }
   if (!missing.empty()) evaluate(entries(Eigen::all, missing));
+  return position;
+}
+
+Eigen::MatrixXd EntryTable::fetch(const IndexBatch& entries) {
+  const std::vector<std::size_t> position = positions(entries);
   Eigen::MatrixXd result(outputs_, entries.cols());
   for (Eigen::Index j = 0; j < entries.cols(); ++j) {
     const double* value =
         values_.data() + position[static_cast<std::size_t>(j)] * static_cast<std::size_t>(outputs_);
     result.col(j) = Eigen::Map<const Eigen::VectorXd>(value, outputs_);
+  }
+  return result;
+}
+
+Eigen::VectorXd EntryTable::fetch(const IndexBatch& entries,
+                                  const Eigen::Ref<const Eigen::VectorXi>& outputs) {
+  const std::vector<std::size_t> position = positions(entries);
+  Eigen::VectorXd result(entries.cols());
+  for (Eigen::Index j = 0; j < entries.cols(); ++j) {
+    result[j] = values_[position[static_cast<std::size_t>(j)] * static_cast<std::size_t>(outputs_) +
+                        static_cast<std::size_t>(outputs[j % outputs.size()])];
   }
   return result;
 }

@@ -18,6 +18,8 @@ class EntryTable {
 
   /// Values at the entries, one column each; missing ones are evaluated in one batch.
   Eigen::MatrixXd fetch(const IndexBatch& entries);
+  /// One output of every entry, entry j output `outputs[j % outputs.size()]`, likewise.
+  Eigen::VectorXd fetch(const IndexBatch& entries, const Eigen::Ref<const Eigen::VectorXi>& outputs);
 
   long evaluations() const { return static_cast<long>(columns_.size()); }
   double largest() const { return largest_; }
@@ -26,6 +28,8 @@ class EntryTable {
 
  private:
   std::uint64_t key(const Eigen::Ref<const Eigen::VectorXi>& entry) const;
+  /// Where the entries stand in `values_`, evaluated if they were missing.
+  std::vector<std::size_t> positions(const IndexBatch& entries);
   void evaluate(const IndexBatch& missing);
 
   const EntryFunction& function_;
