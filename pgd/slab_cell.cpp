@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "samara/pgd/nodal_approximation.h"
-#include "samara/pgd/train_algebra.h"
+#include "samara/pgd/slab_train.h"
 #include "samara/pgd/train_points.h"
 
 namespace samara::pgd {
@@ -25,33 +25,6 @@ std::vector<Axis> axes_with(const AdaptiveProblem& problem, const std::vector<Ax
     axes.push_back(make_axis(axis, nodes[k]));
   }
   return axes;
-}
-
-/// x0 over the axes: a sum of a constant and, per state that starts at a coordinate, that coordinate.
-TensorTrain initial_train(const AdaptiveProblem& problem, const Eigen::VectorXd& scales,
-                          const std::vector<Axis>& axes) {
-  const auto states = static_cast<Eigen::Index>(problem.states.size());
-  SeparatedTensor sum;
-  std::vector<int> on_axes;
-  for (const InitialValue& initial : problem.initial) {
-    if (initial.axis >= 0) on_axes.push_back(initial.axis);
-  }
-  const auto terms = static_cast<Eigen::Index>(on_axes.size()) + 1;
-  sum.weights = Eigen::VectorXd::Ones(terms);
-  sum.factors.emplace_back(Eigen::MatrixXd::Zero(states, terms));
-  for (const Axis& axis : axes) sum.factors.emplace_back(Eigen::MatrixXd::Ones(axis.size(), terms));
-  Eigen::Index term = 0;
-  for (Eigen::Index s = 0; s < states; ++s) {
-    const InitialValue& initial = problem.initial[static_cast<std::size_t>(s)];
-    if (initial.axis < 0) {
-      sum.factors[0](s, 0) = initial.value / scales[s];
-      continue;
-    }
-    const auto axis = static_cast<std::size_t>(initial.axis);
-    sum.factors[0](s, ++term) = 1.0 / scales[s];
-    sum.factors[axis + 1].col(term) = axes[axis].nodes();
-  }
-  return rounded(to_train(sum), 1e-14 * norm(sum));
 }
 
 /// Corners of the cell where they are few, then random points.
@@ -90,7 +63,7 @@ SlabCell whole_box(const AdaptiveProblem& problem, const Eigen::VectorXd& scales
   SlabCell cell;
   for (std::size_t k = 0; k < nodes.size(); ++k)
     cell.axes.push_back(make_axis(problem.parameters[k], nodes[k]));
-  cell.start = initial_train(problem, scales, cell.axes);
+  cell.start = initial_train(problem.initial, scales, cell.axes);
   cell.guards = guard_points(cell.axes, guards, random);
   cell.carried = values_at(cell.start, cell.axes, cell.guards);
   return cell;

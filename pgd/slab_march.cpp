@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/pgd/nodal_approximation.h"
+#include "samara/pgd/slab_train.h"
 #include "samara/pgd/train_algebra.h"
 #include "samara/pgd/train_points.h"
 
@@ -126,21 +127,6 @@ Axis SlabMarch::time_axis(const std::vector<double>& borders) const {
       options_.time_points);
 }
 
-TrainField SlabMarch::field(const SlabCell& cell, const TensorTrain& train) const {
-  const int states = collocation_.states();
-  std::vector<Axis> axes = {time_axis(cell.slab->borders)};
-  axes.insert(axes.end(), cell.axes.begin(), cell.axes.end());
-  TensorTrain split;
-  split.cores.emplace_back(1, states, states);
-  split.cores[0].left_unfolding() = scales_.asDiagonal();
-  // The joint mode of states and time, states first, lies in memory as a core of left size states.
-  const int rank = train.cores[0].right;
-  split.cores.emplace_back(states, axes[0].size(), rank);
-  split.cores[1].data = train.cores[0].data;
-  split.cores.insert(split.cores.end(), train.cores.begin() + 1, train.cores.end());
-  return {std::move(axes), problem_.states, std::move(split)};
-}
-
 SlabMarch::Outcome SlabMarch::attempt(SlabCell& cell) {
   if (!cell.slab) {
     if (const Outcome outcome = probe(cell); outcome != Outcome::accepted) return outcome;
@@ -215,17 +201,15 @@ void SlabMarch::accept(SlabCell& cell, const TensorTrain& train, SlabRecord reco
   const int states = collocation_.states();
   record.carried_error = carry_on(cell, train);
   carried_error_ = std::max(carried_error_, record.carried_error);
-  pieces_.push_back({cell.number, cell.slab->end(), field(cell, train)});
+  pieces_.push_back({cell.number, cell.slab->end(),
+                     slab_field(time_axis(cell.slab->borders), cell.axes, problem_.states, scales_, train)});
   record.cell = cell.number;
   record.begin = cell.time;
   record.end = cell.slab->end();
   record.elements = static_cast<int>(cell.slab->borders.size()) - 1;
   record.nodes = sizes_of(cell.axes);
   record.ranks = pieces_.back().field.train().ranks();
-  cell.start = train;
-  TrainCore end_core(1, states, train.cores[0].right);
-  end_core.left_unfolding() = train.cores[0].left_unfolding().bottomRows(states);
-  cell.start.cores[0] = std::move(end_core);
+  cell.start = end_of_slab(train, states);
   cell.start = rounded(std::move(cell.start), rounding(cell, cell.start));
   cell.time = record.end;
   cell.length = cell.slab->next_length;

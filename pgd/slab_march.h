@@ -69,7 +69,6 @@ class SlabMarch {
   CrossResult interpolate_slab(SlabCell& cell, SlabPoints& totals);
   double rounding(const SlabCell& cell, const TensorTrain& train) const;
   Axis time_axis(const std::vector<double>& borders) const;
-  TrainField field(const SlabCell& cell, const TensorTrain& train) const;
   void accept(SlabCell& cell, const TensorTrain& train, SlabRecord record);
   double carry_on(SlabCell& cell, const TensorTrain& train);
   bool may_go_on();

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/pgd/slab_train.h"
 #include "samara/pgd/strategies/linear_slab.h"
 #include "samara/pgd/train_algebra.h"
 #include "samara/pgd/train_points.h"
@@ -25,53 +26,15 @@ constexpr double kCorrectionShare = 0.3;
 constexpr double kLargest = 1e4;
 constexpr int kDefectPoints = 32;
 
-/// x0 over the parameter axes: a constant and, for each state that starts at a coordinate, that coordinate.
-TensorTrain initial_train(const EvolutionProblem& problem) {
-  const auto states = static_cast<Eigen::Index>(problem.states.size());
-  const auto on_axes = std::count_if(problem.initial.begin(), problem.initial.end(),
-                                     [](const InitialValue& value) { return value.axis >= 0; });
-  SeparatedTensor sum;
-  sum.weights = Eigen::VectorXd::Ones(on_axes + 1);
-  sum.factors.emplace_back(Eigen::MatrixXd::Zero(states, on_axes + 1));
-  for (const Axis& axis : problem.parameters)
-    sum.factors.emplace_back(Eigen::MatrixXd::Ones(axis.size(), on_axes + 1));
-  Eigen::Index term = 0;
-  for (Eigen::Index m = 0; m < states; ++m) {
-    const auto state = static_cast<std::size_t>(m);
-    const InitialValue& initial = problem.initial[state];
-    if (initial.axis < 0) {
-      sum.factors[0](m, 0) = initial.value / problem.scales[state];
-      continue;
-    }
-    const auto axis = static_cast<std::size_t>(initial.axis);
-    sum.factors[0](m, ++term) = 1.0 / problem.scales[state];
-    sum.factors[axis + 1].col(term) = problem.parameters[axis].nodes();
-  }
-  return rounded(to_train(sum), 1e-14 * norm(sum));
-}
-
-/// The field of a slab in SI units.
 TrainField field(const StrategySlab& slab, const TensorTrain& solution) {
   const EvolutionProblem& problem = slab.problem();
-  const int n = slab.states();
-  std::vector<Axis> axes = {Axis::radau({problem.time.name(), problem.time.unit(), AxisRole::time},
-                                        slab.begin(), slab.begin() + slab.length(), 1, slab.points())};
-  axes.insert(axes.end(), problem.parameters.begin(), problem.parameters.end());
-  TensorTrain train;
-  train.cores.emplace_back(1, n, n);
-  train.cores[0].left_unfolding() = slab.scales().asDiagonal();
-  // The joint mode of states and time, states first, lies in memory as a core of left size states.
-  train.cores.emplace_back(n, slab.points() + 1, solution.cores[0].right);
-  train.cores[1].data = solution.cores[0].data;
-  train.cores.insert(train.cores.end(), solution.cores.begin() + 1, solution.cores.end());
-  return {std::move(axes), problem.states, std::move(train)};
+  const Axis time = Axis::radau({problem.time.name(), problem.time.unit(), AxisRole::time}, slab.begin(),
+                                slab.begin() + slab.length(), 1, slab.points());
+  return slab_field(time, problem.parameters, problem.states, slab.scales(), solution);
 }
 
 TensorTrain end_of(const StrategySlab& slab, const TensorTrain& solution) {
-  TensorTrain end = solution;
-  end.cores[0] = TrainCore(1, slab.states(), solution.cores[0].right);
-  end.cores[0].left_unfolding() = solution.cores[0].left_unfolding().bottomRows(slab.states());
-  return slab.compressed(std::move(end), 0.1 * slab.tolerance());
+  return slab.compressed(end_of_slab(solution, slab.states()), 0.1 * slab.tolerance());
 }
 
 /// Largest |x0 + S f(X) - X| at random points of the box.
@@ -279,7 +242,11 @@ StrategyResult solve_by_strategy(const EvolutionProblem& problem, Strategy& stra
     result.jacobian_evaluations += one->prepared().jacobian;
   }
   Random random(options.seed);
-  TensorTrain start = initial_train(problem);
+  TensorTrain start =
+      initial_train(problem.initial,
+                    Eigen::Map<const Eigen::VectorXd>(problem.scales.data(),
+                                                      static_cast<Eigen::Index>(problem.scales.size())),
+                    problem.parameters);
   result.reached = problem.time.lower();
   result.status = StrategyStatus::converged;
   for (int number = 0; number < problem.time.elements(); ++number) {

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/pgd/evolution.h"
+#include "samara/pgd/tensor_train.h"
+#include "samara/pgd/train_field.h"
+
+/// Trains of states over parameters. The first mode of a train over a slab joins states and time, states
+/// first: row m + states * i belongs to state m, over its scale, at time node i. One mode per parameter
+/// follows.
+namespace samara::pgd {
+
+/// x0 over the axes: a sum of a constant and, for each state that starts at a coordinate, that coordinate.
+/// Its first mode is the states.
+TensorTrain initial_train(const std::vector<InitialValue>& initial, const Eigen::VectorXd& scales,
+                          const std::vector<Axis>& parameters);
+
+/// The state at the end of a slab: its first mode the states.
+TensorTrain end_of_slab(const TensorTrain& slab, int states);
+
+/// The field of a slab, in the units of the states.
+TrainField slab_field(const Axis& time, const std::vector<Axis>& parameters,
+                      const std::vector<OutputLabel>& states, const Eigen::VectorXd& scales,
+                      const TensorTrain& slab);
+
+}  // namespace samara::pgd
