@@ -68,14 +68,6 @@ function(samara_compile_options target)
   endif()
 endfunction()
 
-# Headers that nearly every source of a target reads, read once. A source compiles without them too: it includes
-# what it uses.
-function(samara_precompile target)
-  if(SAMARA_PRECOMPILE)
-    target_precompile_headers(${target} PRIVATE <algorithm> <cmath> <functional> <memory> <string> <vector> ${ARGN})
-  endif()
-endfunction()
-
 # samara::samara stands for all rooms.
 function(samara_umbrella)
   get_property(rooms GLOBAL PROPERTY SAMARA_ROOMS)
