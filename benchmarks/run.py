@@ -35,6 +35,12 @@ def row(m):
     return f"| {m['case']} | {m['metric']} | {m['value']:.4g} | {m['unit']} | {m.get('baseline', '')} | {ratio} |"
 
 
+def sections_of(text):
+    """Heading -> text of the section."""
+    parts = text.split("\n## ")
+    return {part.split("\n", 1)[0]: part.split("\n", 1)[1].strip() for part in parts[1:]}
+
+
 def main():
     directory = pathlib.Path(sys.argv[1])
     quick = [a for a in sys.argv[2:] if a == "--quick"]
@@ -42,17 +48,20 @@ def main():
     unknown = [n for n in names if n not in NAMES]
     if unknown:
         sys.exit(f"unknown benchmark \"{unknown[0]}\"; known: {', '.join(NAMES)}")
-    text = "# Results of the benchmarks\n\n"
-    text += "Written by `./dev bench`. Times in seconds; ratio is the baseline's time over ours.\n\n"
-    text += f"Commit {commit()}, {cpu_name()}, one thread.\n"
+    path = pathlib.Path(__file__).parent / "results.md"
+    sections = sections_of(path.read_text()) if path.exists() else {}
     for name in names:
         measurements = run(directory / name, quick)
         for m in measurements:
             print(json.dumps(m))
-        text += f"\n## {name}\n\n| case | metric | value | unit | baseline | ratio |\n| --- | --- | --- | --- | --- | --- |\n"
-        text += "\n".join(row(m) for m in measurements) + "\n"
-    if names == NAMES:
-        (pathlib.Path(__file__).parent / "results.md").write_text(text)
+        table = "\n".join(row(m) for m in measurements)
+        sections[name] = (f"Commit {commit()}, {cpu_name()}.\n\n"
+                          f"| case | metric | value | unit | baseline | ratio |\n| --- | --- | --- | --- | --- | --- |\n{table}")
+        if not quick:
+            text = "# Results of the benchmarks\n\nWritten by `./dev bench [NAME]`, section by section. Times in seconds; "
+            text += "ratio is the baseline's time over ours.\n"
+            text += "".join(f"\n## {n}\n\n{sections[n]}\n" for n in NAMES if n in sections)
+            path.write_text(text)
 
 
 main()
