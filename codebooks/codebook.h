@@ -55,8 +55,8 @@ struct BuildRecord {
   /// Nodes of time x parameters of the last round; of slabs and their like: what evaluations at all nodes of
   /// their grids would have been.
   double grid_size = 0;
-  int iterations = 0;      ///< of Newton, all rounds; of sampling: none
-  int rounds = 0;          ///< of refinement; of slabs: marches
+  int iterations = 0;  ///< of Newton, all rounds; of sampling: none
+  int rounds = 0;      ///< of refinement; of slabs: marches
 };
 
 /// One time slab of one parameter cell: its own axes and field groups, all groups over the same axes. It may

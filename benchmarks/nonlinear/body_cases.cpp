@@ -19,7 +19,7 @@ struct BodySet {
   const char* name;
   double C_D90, C_T, C_R;
   double end;
-  double share = 0.2;           ///< half the width of the box, of each coefficient
+  double share = 0.2;            ///< half the width of the box, of each coefficient
   long max_calls = 150'000'000;  ///< bounds what a build that cannot succeed may take
 };
 

@@ -199,7 +199,8 @@ TEST_CASE("a coin with C_D and v(0) free meets its tolerance, and the certificat
   CHECK(book.provenance().created.size() == std::string("2026-01-02T03:04:05Z").size());
 }
 
-TEST_CASE("initial values are those asked for, at every point of the box, where the whole time is solved at once") {
+TEST_CASE(
+    "initial values are those asked for, at every point of the box, where the whole time is solved at once") {
   const BuildResult result = built(coin_plan());
   const Codebook& book = result.book;
   Query query(book);
