@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 #include <Eigen/Dense>
 
@@ -49,38 +49,56 @@ LocalPolynomial fit_absolute(const LocalFrames& all, const Frames& frames, doubl
   return fit;
 }
 
-/// Distances of the frames from polynomials through their neighbours, over the standard deviation of that
-/// distance for noise of size 1.
-Eigen::VectorXd distances(const LocalFrames& frames, const LocalChart& chart, bool absolute, double least) {
-  Eigen::VectorXd result(frames.count());
+/// Deviations of the frames (rows) from polynomials through their neighbours, over the standard deviation of
+/// that for noise of size 1.
+Eigen::MatrixXd deviations(const LocalFrames& frames, const LocalChart& chart, bool absolute, double least) {
+  Eigen::MatrixXd result;
   for (Index i = 0; i < frames.count(); ++i) {
     const double t0 = frames.times[i];
-    Frames others = frames.around(t0, i);
+    const Frames others = frames.around(t0, i);
     const Eigen::MatrixXd values = chart(i, others);
     const Eigen::VectorXd weights = picked(frames.weights, others);
     const Eigen::VectorXd equal = Eigen::VectorXd::Ones(weights.size());
     const LocalPolynomial plain = fit_local(frames, others, t0, absolute ? equal : weights, values);
     const Eigen::RowVectorXd predicted =
         (absolute ? fit_absolute(frames, others, t0, values, least) : plain).derivatives.row(0);
-    const double deviation = plain.deviations[0];
-    result[i] = (chart(i, {i}).row(0) - predicted).norm() / std::sqrt(1.0 + deviation * deviation);
+    if (i == 0) result.resize(frames.count(), values.cols());
+    result.row(i) = (chart(i, {i}).row(0) - predicted) / std::sqrt(1.0 + std::pow(plain.deviations[0], 2));
   }
   return result;
 }
 
-/// Distance of frame i from the polynomial through others, as distances().
-double distance_from(const LocalFrames& frames, const LocalChart& chart, Index i, const Frames& others) {
+/// Noise of each coordinate, from the medians of deviations.
+Eigen::RowVectorXd scales_of(const Eigen::MatrixXd& deviations, const RobustOptions& options) {
+  constexpr double kMedianOfNormal = 0.674490;
+  Eigen::RowVectorXd scales(deviations.cols());
+  for (Index k = 0; k < scales.size(); ++k) {
+    const Eigen::VectorXd sizes = deviations.col(k).cwiseAbs();
+    scales[k] = options.noise ? *options.noise : median({sizes.begin(), sizes.end()}) / kMedianOfNormal;
+  }
+  // A direction that hardly moves would make outliers of whatever moves in it.
+  const double least = std::max(options.least_noise, 0.1 * scales.maxCoeff());
+  return scales.cwiseMax(least);
+}
+
+Eigen::VectorXd lengths_of(const Eigen::MatrixXd& deviations, const Eigen::RowVectorXd& scales) {
+  return (deviations.array().rowwise() / scales.array()).matrix().rowwise().norm();
+}
+
+/// Deviation of frame i from the polynomial through others, as deviations().
+Eigen::RowVectorXd deviation_from(const LocalFrames& frames, const LocalChart& chart, Index i,
+                                  const Frames& others) {
   const Eigen::MatrixXd values = chart(i, others);
   const LocalPolynomial fit =
       fit_local(frames, others, frames.times[i], Eigen::VectorXd::Ones(values.rows()), values);
-  return (chart(i, {i}).row(0) - fit.derivatives.row(0)).norm() /
-         std::sqrt(1.0 + fit.deviations[0] * fit.deviations[0]);
+  return (chart(i, {i}).row(0) - fit.derivatives.row(0)) / std::sqrt(1.0 + std::pow(fit.deviations[0], 2));
 }
 
 /// An outlier at an end of the record bends the polynomials there to itself, so that its neighbours seem
 /// wrong. Seen from the inside it stands alone: frames of the last half window are held one by one against
 /// those before them, and the first against those after them.
-void judge_ends_from_inside(LocalFrames& frames, const LocalChart& chart, double limit) {
+void judge_ends_from_inside(LocalFrames& frames, const LocalChart& chart, const Eigen::RowVectorXd& scales,
+                            double limit) {
   const auto wanted = static_cast<std::size_t>(frames.degree) + 3;
   const auto test = [&](Index i, bool forward) {
     Frames inside;
@@ -90,7 +108,7 @@ void judge_ends_from_inside(LocalFrames& frames, const LocalChart& chart, double
     }
     if (inside.size() < wanted) return;
     if (forward) std::ranges::reverse(inside);
-    frames.weights[i] = distance_from(frames, chart, i, inside) <= limit ? 1.0 : 0.0;
+    frames.weights[i] = lengths_of(deviation_from(frames, chart, i, inside), scales)[0] <= limit ? 1.0 : 0.0;
   };
   const double half = 0.5 * frames.window;
   const double begin = frames.times[0];
@@ -101,15 +119,6 @@ void judge_ends_from_inside(LocalFrames& frames, const LocalChart& chart, double
   for (Index i = 0; i < frames.count(); ++i) {
     if (frames.times[i] >= end - half) test(i, true);
   }
-}
-
-/// Standard deviation per coordinate from the median length of a normal vector with 1 to 3 coordinates.
-double scale_of(const Eigen::VectorXd& lengths, Index coordinates, const RobustOptions& options) {
-  if (options.noise) return std::max(*options.noise, options.least_noise);
-  // Medians of the chi distribution.
-  const double unit = coordinates == 1 ? 0.674490 : coordinates == 2 ? 1.177410 : 1.538172;
-  const double middle = median({lengths.begin(), lengths.end()});
-  return std::max(middle / unit, options.least_noise);
 }
 
 }  // namespace
@@ -186,20 +195,20 @@ void weigh_outliers(LocalFrames& frames, const LocalChart& chart, Index coordina
   // About as improbable for a vector as `threshold` is for a number.
   const double limit =
       std::sqrt(options.threshold * options.threshold + 3.0 * static_cast<double>(coordinates - 1));
-  Eigen::VectorXd lengths = distances(frames, chart, true, options.least_noise);
+  const auto judge = [&](bool absolute) {
+    const Eigen::MatrixXd found = deviations(frames, chart, absolute, options.least_noise);
+    const Eigen::RowVectorXd scales = scales_of(found, options);
+    return std::pair(Eigen::ArrayXd(lengths_of(found, scales)), scales);
+  };
+  Eigen::ArrayXd lengths = judge(true).first;
   for (int k = 0; k < kReweightings; ++k) {
-    const double scale = scale_of(lengths, coordinates, options);
-    const auto share = (lengths.array() / (limit * scale)).min(1.0);
-    frames.weights = (1.0 - share.square()).square();  // Tukey's bisquare
-    lengths = distances(frames, chart, false, options.least_noise);
+    frames.weights = (1.0 - (lengths / limit).min(1.0).square()).square();  // Tukey's bisquare
+    lengths = judge(false).first;
   }
   // In the end a frame counts or not, so that standard errors are those of plain least squares.
-  double scale = scale_of(lengths, coordinates, options);
-  frames.weights = (lengths.array() <= limit * scale).cast<double>();
-  judge_ends_from_inside(frames, chart, limit * scale);
-  lengths = distances(frames, chart, false, options.least_noise);
-  scale = scale_of(lengths, coordinates, options);
-  frames.weights = (lengths.array() <= limit * scale).cast<double>();
+  frames.weights = (lengths <= limit).cast<double>();
+  judge_ends_from_inside(frames, chart, judge(false).second, limit);
+  frames.weights = (judge(false).first <= limit).cast<double>();
 }
 
 double residual_noise(const LocalFrames& frames, const LocalChart& chart, Index coordinates) {
