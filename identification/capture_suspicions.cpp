@@ -45,11 +45,8 @@ SeenValues seen_values(const Capture& capture, const Channel& channel) {
 }
 
 bool is_position(const Channel& channel) {
-  return channel.unit == "m";
-}
-
-bool is_quaternion(const Channel& channel) {
-  return std::ranges::count(kQuaternionChannels, channel.quantity) > 0;
+  const std::vector<std::string> names = {"x", "y", "z"};
+  return channel.unit == "m" && std::ranges::count(names, channel.quantity) > 0;
 }
 
 bool is_angle(const Channel& channel) {
@@ -87,15 +84,20 @@ bool suspect_times(const Capture& capture, Sentences& found) {
   return true;
 }
 
-void suspect_order(const Channel& channel, const SeenValues& seen, Sentences& found) {
+/// Of all positions together: one of them may hardly move, and be noise.
+void suspect_order(const Capture& capture, Sentences& found) {
+  double steps = 0.0;
+  double variance = 0.0;
+  for (const Channel& channel : capture.channels) {
+    const SeenValues seen = seen_values(capture, channel);
+    if (!is_position(channel) || seen.count() < kFramesForMotion) continue;
+    steps += seen.steps().array().square().mean();
+    variance += (seen.values.array() - seen.values.mean()).square().mean();
+  }
   // Von Neumann's ratio: 2 for values without order, near 0 for a motion that frames resolve.
-  const double variance = (seen.values.array() - seen.values.mean()).square().mean();
-  const double ratio = seen.steps().array().square().mean() / variance;
-  if (ratio > 1.0) {
+  if (steps > variance) {
     found.push_back(
-        fmt::format("{} of a frame has little to do with that of the frame before: are the rows out "
-                    "of order?",
-                    channel.quantity));
+        "the position in a frame has little to do with that in the frame before: are the rows out of order?");
   }
 }
 
@@ -179,13 +181,11 @@ void suspect_channel(const Capture& capture, const Channel& channel, bool ordere
         fmt::format("{} is seen in {} of {} frames", channel.quantity, seen.count(), channel.values.size()));
   }
   if (seen.count() < 3) return;
-  if ((seen.values.array() == seen.values[0]).all()) {
+  if ((is_position(channel) || is_angle(channel)) && (seen.values.array() == seen.values[0]).all()) {
     found.push_back(fmt::format("{} never changes over {} frames", channel.quantity, seen.count()));
     return;
   }
   if (!ordered) return;
-  const bool wraps = is_angle(channel) || is_quaternion(channel);
-  if (seen.count() >= kFramesForMotion && !wraps) suspect_order(channel, seen, found);
   if (is_angle(channel)) suspect_angle(channel, seen, found);
   if (is_position(channel)) {
     suspect_speed(channel, seen, found);
@@ -203,7 +203,10 @@ std::vector<std::string> suspicions(const Capture& capture) {
   const bool ordered = suspect_times(capture, found);
   for (const Channel& channel : capture.channels) suspect_channel(capture, channel, ordered, found);
   suspect_quaternion(capture, found);
-  if (ordered && capture.times.size() >= kFramesForMotion) suspect_acceleration(capture, found);
+  if (ordered && capture.times.size() >= kFramesForMotion) {
+    suspect_order(capture, found);
+    suspect_acceleration(capture, found);
+  }
   return found;
 }
 

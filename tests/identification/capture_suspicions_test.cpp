@@ -34,7 +34,7 @@ Capture fall(int count) {
 TEST_CASE("an ordinary capture raises no suspicion") {
   CHECK(suspicions(fall(50)).empty());
   for (const Capture& coin : read_captures(SAMARA_EXAMPLES_DIR "/coin/coin.toml")) {
-    CHECK(suspicions(coin).empty());
+    CHECK(suspicions(coin) == Sentences{});
   }
 }
 
@@ -59,8 +59,7 @@ TEST_CASE("bad captures are suspected for what is wrong with them") {
   SECTION("rows out of order under times in order") {
     std::mt19937_64 random(2);
     std::shuffle(z.begin(), z.end(), random);
-    CHECK(suspicions(capture).front() ==
-          "z of a frame has little to do with that of the frame before: are the rows out of order?");
+    CHECK_THAT(suspicions(capture).front(), Catch::EndsWith("the frame before: are the rows out of order?"));
   }
   SECTION("millimetres taken for metres") {
     z *= 1000.0;
@@ -88,8 +87,6 @@ TEST_CASE("bad captures are suspected for what is wrong with them") {
   SECTION("one frame far away") {
     z[20] = 30.0;
     const Sentences found = suspicions(capture);
-    REQUIRE_FALSE(found.empty());
-    CHECK_THAT(found.front(), Catch::StartsWith("z of a frame has little to do"));
     CHECK(std::ranges::any_of(found, [](const std::string& s) { return s.starts_with("z jumps by 28"); }));
   }
   SECTION("missing and infinite values") {
