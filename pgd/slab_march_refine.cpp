@@ -105,14 +105,14 @@ SlabMarch::Outcome SlabMarch::refine(SlabCell& cell, const TensorTrain& train, c
     return Outcome::refined;
   }
   const Basis basis = problem_.parameters[coarsest].basis;
-  if (cells_ < options_.max_cells && basis != Basis::fourier) {
+  if (cells() < options_.max_cells && basis != Basis::fourier) {
     std::vector<SlabCell> parts =
         halves(cell, problem_, static_cast<int>(coarsest), options_.guards, random_);
     parts[0].number = cell.number;
-    parts[1].number = cells_++;
+    parts[1].number = cells();
     // `cell` is an element of the list: it becomes the first half before the second is added.
     cell = std::move(parts[0]);
-    cells_to_go_.push_back(std::move(parts[1]));
+    cells_.push_back(std::move(parts[1]));
     return Outcome::split;
   }
   Eigen::Index worst = 0;
@@ -124,7 +124,7 @@ SlabMarch::Outcome SlabMarch::refine(SlabCell& cell, const TensorTrain& train, c
   return end(
       SlabStatus::not_resolved,
       fmt::format("neighbours part: after t = {:.6g} {}{}, the error at {} is {:.3g} of the range", cell.time,
-                  limit, options_.max_cells > 1 ? fmt::format(" in {} cells", cells_) : std::string(),
+                  limit, options_.max_cells > 1 ? fmt::format(" in {} cells", cells()) : std::string(),
                   described(cell.axes, {at.begin(), at.end()}), error),
       at);
 }
