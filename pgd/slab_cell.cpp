@@ -24,17 +24,6 @@ std::vector<Axis> axes_with(const AdaptiveProblem& problem, const std::vector<Ax
   return axes;
 }
 
-Eigen::MatrixXd random_points(const std::vector<Axis>& axes, int count, Random& random) {
-  Eigen::MatrixXd points(static_cast<Eigen::Index>(axes.size()), count);
-  for (Eigen::Index j = 0; j < points.cols(); ++j) {
-    for (Eigen::Index k = 0; k < points.rows(); ++k) {
-      const Axis& axis = axes[static_cast<std::size_t>(k)];
-      points(k, j) = axis.lower() + random.uniform() * axis.length();
-    }
-  }
-  return points;
-}
-
 /// Indices of the sets carried over to axes of other sizes, to the nodes at the same place.
 CrossPivots carried_over(CrossPivots pivots, const std::vector<int>& from, const std::vector<int>& to) {
   for (std::size_t k = 0; k < pivots.right.size(); ++k) {

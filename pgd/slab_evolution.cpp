@@ -143,10 +143,10 @@ class Marches {
     const Clock::time_point begin = Clock::now();
     bool goes_on = true;
     while (goes_on) {
-      const long left =
-          options_.max_evaluations == 0 ? -1 : std::max(0L, options_.max_evaluations - result_.evaluations);
       std::span<const double> started;
       if (!state.empty()) started = restore(std::exchange(state, {}));
+      const long left =
+          options_.max_evaluations == 0 ? -1 : std::max(0L, options_.max_evaluations - result_.evaluations);
       SlabMarch march(problem_, options_, scales_, local_, left);
       if (!started.empty()) march.restore(started);
       saved_at_ = Clock::now();

@@ -111,9 +111,7 @@ CrossResult SlabMarch::interpolate_slab(SlabCell& cell, Totals& totals) {
 
 /// Euclidean tolerance at which a train is rounded.
 double SlabMarch::rounding(const SlabCell& cell, const TensorTrain& train) const {
-  double entries = 1.0;
-  for (const TrainCore& core : train.cores) entries *= core.size;
-  return kRoundingShare / kPeak * cell.leniency * tolerance_ * std::sqrt(entries);
+  return kRoundingShare / kPeak * cell.leniency * tolerance_ * std::sqrt(full_size(train));
 }
 
 Axis SlabMarch::time_axis(const std::vector<double>& borders) const {
@@ -205,7 +203,7 @@ void SlabMarch::accept(SlabCell& cell, const TensorTrain& train, SlabRecord reco
   record.elements = static_cast<int>(cell.slab->borders.size()) - 1;
   record.nodes = sizes_of(cell.axes);
   record.ranks = pieces_.back().field.train().ranks();
-  cell.start = end_of_slab(train, states);
+  cell.start = last_rows(train, states);
   cell.start = rounded(std::move(cell.start), rounding(cell, cell.start));
   cell.time = record.end;
   cell.length = cell.slab->next_length;

@@ -23,17 +23,6 @@ constexpr double kMostStrict = 0.1;
 /// Every refinement raises what a slab may err by this factor, up to the most that any slab may.
 constexpr double kLeniency = 1.6;
 
-/// Adds grid entries (modes x entries) to the right sets of every mode.
-void add_pivots(CrossPivots& pivots, const IndexBatch& entries) {
-  for (std::size_t k = 1; k < pivots.right.size(); ++k) {
-    IndexBatch& set = pivots.right[k];
-    if (set.rows() == 0) continue;
-    const IndexBatch more = entries.bottomRows(set.rows());
-    set.conservativeResize(Eigen::NoChange, set.cols() + more.cols());
-    set.rightCols(more.cols()) = more;
-  }
-}
-
 }  // namespace
 
 /// The errors at the worst guard points, taken apart: with all coordinates but one moved to the nearest
@@ -86,7 +75,7 @@ SlabMarch::Outcome SlabMarch::refine(SlabCell& cell, const TensorTrain& train, c
   const std::vector<double>& by_axis = found.by_axis;
   if (found.on_grid > kOnGridShare * tolerance && cell.strictness > kMostStrict) {
     cell.strictness *= 0.3;
-    add_pivots(cell.pivots, found.entries);
+    add_entries(cell.pivots, found.entries, options_.max_rank);
     return Outcome::refined;
   }
   std::vector<int> nodes = sizes_of(cell.axes);
