@@ -110,12 +110,6 @@ Json to_json(const Codebook& book, const std::string& path) {
   return object;
 }
 
-const char* what_was_counted(const Codebook& book) {
-  if (book.is_of_command()) return "calls";
-  return book.build().builder == "sampling" ? "trajectories"
-                                            : "evaluations of the right-hand side and its Jacobian";
-}
-
 /// "7", or "7..13" where pieces differ.
 std::string nodes_of(const Codebook& book, std::size_t coordinate) {
   int least = std::numeric_limits<int>::max(), most = 0;
@@ -180,9 +174,8 @@ std::string describe(const Codebook& book, const std::string& path) {
       "size: {:.0f} bytes, {:.3g} of the {:.3g} of a table of all nodes; {:.0f} numbers for {:.3g}\n", bytes,
       bytes / table_bytes, table_bytes, numbers.stored, numbers.table);
   const codebooks::BuildRecord& build = book.build();
-  text += fmt::format("build: {} ({}), {}: {}\n  {:.6g} {}, grid of {:.3g} nodes\n", build.builder,
-                      build.strategy, build.status, build.message, build.evaluations, what_was_counted(book),
-                      build.grid_size);
+  text += fmt::format("build: {} ({}), {}: {}\n  {}\n", build.builder, build.strategy, build.status,
+                      build.message, effort(book));
   text += book.certificate() ? to_table(*book.certificate(), book) : std::string("no certificate\n");
   text += fmt::format("made by {} on {} in {:.1f} s\n", book.provenance().generator,
                       book.provenance().created, book.provenance().build_seconds);
