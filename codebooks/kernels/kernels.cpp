@@ -18,20 +18,21 @@ namespace {
 template <class T>
 struct VectorOf {
   using Type [[gnu::vector_size(kVectorBytes)]] = T;
+  /// The same anywhere in memory.
+  using Anywhere [[gnu::vector_size(kVectorBytes), gnu::aligned(alignof(T)), gnu::may_alias]] = T;
 };
 template <class T>
 using Vector = typename VectorOf<T>::Type;
 
+// Not by memcpy, which the compiler splits into the shorter vectors that it prefers to copy with.
 template <class T>
 [[gnu::always_inline]] inline Vector<T> load(const T* from) {
-  Vector<T> v;
-  std::memcpy(&v, from, sizeof v);
-  return v;
+  return *reinterpret_cast<const typename VectorOf<T>::Anywhere*>(from);
 }
 
 template <class T>
 [[gnu::always_inline]] inline void store(const Vector<T>& v, T* to) {
-  std::memcpy(to, &v, sizeof v);
+  *reinterpret_cast<typename VectorOf<T>::Anywhere*>(to) = v;
 }
 
 /// Doubles of a vector of single floats.
