@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 #include <utility>
 
 #ifdef __SSE2__
@@ -42,9 +43,26 @@ template <class T>
   std::memcpy(to, &wide, sizeof wide);
 }
 
+/// The first `count` lanes, fewer than all.
 template <class T, class U>
 [[gnu::always_inline]] inline void store_part(const Vector<T>& v, U* to, std::ptrdiff_t count) {
+#ifdef __AVX512F__
+  // Lane by lane, the last rows of a product would cost as much as all others.
+  const unsigned lanes = (1u << count) - 1u;
+  const auto low = static_cast<__mmask8>(lanes), high = static_cast<__mmask8>(lanes >> 8);
+  if constexpr (std::is_same_v<U, float>) {
+    _mm512_mask_storeu_ps(to, static_cast<__mmask16>(lanes), __m512(v));
+  } else if constexpr (std::is_same_v<T, double>) {
+    _mm512_mask_storeu_pd(to, low, __m512d(v));
+  } else {
+    const auto left = __builtin_shufflevector(v, v, 0, 1, 2, 3, 4, 5, 6, 7);
+    const auto right = __builtin_shufflevector(v, v, 8, 9, 10, 11, 12, 13, 14, 15);
+    _mm512_mask_storeu_pd(to, low, __m512d(__builtin_convertvector(left, Vector<double>)));
+    _mm512_mask_storeu_pd(to + 8, high, __m512d(__builtin_convertvector(right, Vector<double>)));
+  }
+#else
   for (std::ptrdiff_t i = 0; i < count; ++i) to[i] = static_cast<U>(v[i]);
+#endif
 }
 
 template <class T>
