@@ -206,8 +206,7 @@ void check_units(const Hdf5Reader& file, const Codebook& book) {
 constexpr std::uintmax_t kReadAtOnce = 1 << 20;
 
 /// A piece that has nothing but its outline.
-Piece outlined_piece(const Hdf5Reader& file, const std::string& path) {
-  const PieceOutline outline = read_outline(file, path);
+Piece outlined_piece(const PieceOutline& outline) {
   std::vector<double> lower, upper;
   for (const pgd::Axis& axis : outline.axes) {
     lower.push_back(axis.lower());
@@ -218,8 +217,10 @@ Piece outlined_piece(const Hdf5Reader& file, const std::string& path) {
 
 /// A piece that is read when it is asked for.
 /// @param like a codebook of the outline of the first piece: others must be like it
+/// @param known its outline, where it has been read
 Piece deferred_piece(const std::shared_ptr<const Hdf5Reader>& file, const std::string& path,
-                     const std::shared_ptr<const Codebook>& like) {
+                     const std::shared_ptr<const Codebook>& like,
+                     const std::shared_ptr<const PieceOutline>& known) {
   std::vector<double> lower = file->numbers_attribute(path, "lower");
   std::vector<double> upper = file->numbers_attribute(path, "upper");
   bool is_box = lower.size() == upper.size() && lower.size() == like->coordinates().size();
@@ -235,7 +236,8 @@ Piece deferred_piece(const std::shared_ptr<const Hdf5Reader>& file, const std::s
     }
     return piece.groups();
   };
-  const auto outline = [file, path, like] {
+  const auto outline = [file, path, like, known] {
+    if (known) return *known;
     PieceOutline piece = read_outline(*file, path);
     if (piece.axes.size() == like->coordinates().size()) return piece;
     throw file->error(
@@ -248,12 +250,16 @@ std::vector<Piece> read_pieces(const std::shared_ptr<const Hdf5Reader>& file, co
                                bool at_once) {
   std::vector<Piece> pieces;
   const int count = numbered_children(*file, "/pieces");
+  std::shared_ptr<const PieceOutline> outline;
   std::shared_ptr<const Codebook> first;
-  if (!at_once && count > 1)
-    first = std::make_shared<const Codebook>(model, std::vector{outlined_piece(*file, "/pieces/0")});
+  if (!at_once && count > 1) {
+    outline = std::make_shared<const PieceOutline>(read_outline(*file, "/pieces/0"));
+    first = std::make_shared<const Codebook>(model, std::vector{outlined_piece(*outline)});
+  }
   for (int k = 0; k < count; ++k) {
     const std::string path = fmt::format("/pieces/{}", k);
-    pieces.push_back(first ? deferred_piece(file, path, first) : read_piece(*file, path));
+    pieces.push_back(first ? deferred_piece(file, path, first, k == 0 ? outline : nullptr)
+                           : read_piece(*file, path));
     for (int other = 0; other < k; ++other) {
       const Piece& before = pieces[static_cast<std::size_t>(other)];
       if (before.lower() == pieces.back().lower() && before.upper() == pieces.back().upper())
