@@ -251,7 +251,8 @@ bool is_marched(const std::string& strategy) {
 
 Solution solve_by_strategy(const Plan& plan, const pgd::AdaptiveProblem& problem, const BuildOptions& options,
                            long max_evaluations, const ProgressCallback& progress) {
-  if (options.resume && std::filesystem::exists(options.checkpoint)) {
+  // Of a plan of kind "auto" the checkpoint holds the calls of sampling.
+  if (plan.builder.kind == "pgd" && options.resume && std::filesystem::exists(options.checkpoint)) {
     throw ArgumentError(
         fmt::format("{}: a build by the strategy \"{}\" keeps no checkpoint, so it cannot be resumed; remove "
                     "the file or build without --resume",
