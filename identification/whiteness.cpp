@@ -36,8 +36,9 @@ Series on_grid(std::span<const double> times, std::span<const double> residuals)
   std::vector<double> intervals;
   for (std::size_t k = 1; k < times.size(); ++k) intervals.push_back(times[k] - times[k - 1]);
   const double interval = intervals.empty() ? 1.0 : median(intervals);
-  const bool is_grid = !times.empty() && (times.back() - times.front()) / interval <
-                                             kSparsestGrid * static_cast<double>(times.size());
+  const bool is_grid =
+      interval > 0.0 && !times.empty() &&
+      (times.back() - times.front()) / interval < kSparsestGrid * static_cast<double>(times.size());
   Series series;
   for (std::size_t k = 0; k < times.size(); ++k) {
     if (!std::isfinite(residuals[k])) continue;
@@ -83,9 +84,9 @@ void check(std::span<const double> times, std::span<const double> residuals, int
         fmt::format("{} times have {} residuals; as many were expected", times.size(), residuals.size()));
   }
   for (std::size_t k = 0; k < times.size(); ++k) {
-    if (std::isfinite(times[k]) && (k == 0 || times[k] > times[k - 1])) continue;
-    throw ArgumentError(
-        fmt::format("time {} of the residuals is {}; finite, ascending times were expected", k, times[k]));
+    if (std::isfinite(times[k]) && (k == 0 || times[k] >= times[k - 1])) continue;
+    throw ArgumentError(fmt::format(
+        "time {} of the residuals is {}; finite times that do not go back were expected", k, times[k]));
   }
   if (lags < 0) throw ArgumentError(fmt::format("lags is {}; at least 0 was expected", lags));
 }

@@ -46,10 +46,10 @@ struct Whiteness {
   std::string sentence = {};           ///< what to make of it
 };
 
-/// @param times s, ascending; one per residual
+/// @param times s, not going back; one per residual
 /// @param residuals NaN where missing
 /// @param lags K; 0: a fifth of the residuals, at most 10
-/// @throws ArgumentError for sizes that differ, times that do not ascend, negative lags.
+/// @throws ArgumentError for sizes that differ, times that go back, negative lags.
 SeriesWhiteness series_whiteness(std::span<const double> times, std::span<const double> residuals,
                                  int lags = 0);
 

@@ -128,9 +128,9 @@ TEST_CASE("the pooled sentence says what to make of it") {
   CHECK_THAT(left.sentence, Contains("naive errors are too small by a factor of about"));
 }
 
-TEST_CASE("residuals without matching, ascending times are refused") {
+TEST_CASE("residuals without matching times, or with times that go back, are refused") {
   CHECK_THROWS_AS(series_whiteness(even_times(5, 1.0), std::vector<double>(4, 0.0)), samara::ArgumentError);
-  CHECK_THROWS_AS(series_whiteness(std::vector<double>{0.0, 0.0}, std::vector<double>{1.0, 1.0}),
+  CHECK_THROWS_AS(series_whiteness(std::vector<double>{0.1, 0.0}, std::vector<double>{1.0, 1.0}),
                   samara::ArgumentError);
   CHECK_THROWS_AS(series_whiteness(even_times(5, 1.0), std::vector<double>(5, 0.0), -1),
                   samara::ArgumentError);
