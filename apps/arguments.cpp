@@ -150,7 +150,11 @@ void add_fit(CLI::App& app, Arguments& arguments) {
                       "only this much of each capture from its first frame, s or with a unit");
   command->add_flag("--reference", values->reference,
                     "integrate (CVODES with sensitivities) instead of querying the codebook; only with one");
+  command->add_flag("--profiles", values->profiles,
+                    "fit again with each coefficient held at other values: intervals, and whether there is a "
+                    "limit to both sides");
   command->add_option("-o,--output", values->output, "also write the result as JSON to this file");
+  command->add_option("--report", values->report, "also write a page for the browser to this file, HTML");
   command->add_flag("--json", values->json, "print one JSON object instead of the table");
   on_call(command, arguments.fit, values);
 }

@@ -63,7 +63,9 @@ struct FitArguments {
   std::string config;
   std::string window;
   bool reference = false;
+  bool profiles = false;
   std::string output;
+  std::string report;
   bool json = false;
 };
 

@@ -16,6 +16,7 @@
 #include "samara/identification/codebook_trajectories.h"
 #include "samara/identification/fit.h"
 #include "samara/identification/fit_config.h"
+#include "samara/identification/fit_page.h"
 #include "samara/identification/fit_report.h"
 #include "samara/identification/reference_trajectories.h"
 #include "samara/io/atomic_file.h"
@@ -82,18 +83,29 @@ Source open_source(const FitArguments& arguments) {
   return source;
 }
 
+/// Before any work: what would be overwritten, or cannot be written.
+void check_outputs(const FitArguments& arguments) {
+  std::vector<std::string> inputs = arguments.captures;
+  inputs.push_back(arguments.source);
+  inputs.push_back(arguments.config);
+  if (!arguments.output.empty()) check_output(arguments.output, inputs);
+  if (arguments.report.empty()) return;
+  check_output(arguments.report, inputs);
+  if (!arguments.output.empty() && std::filesystem::absolute(arguments.report).lexically_normal() ==
+                                       std::filesystem::absolute(arguments.output).lexically_normal()) {
+    throw ArgumentError(
+        fmt::format("--report and --output both name \"{}\"; two files were expected", arguments.report));
+  }
+}
+
 }  // namespace
 
 int run(const FitArguments& arguments) {
   // Ceres reports through glog, which would print its own lines; the result carries the same in a sentence.
   FLAGS_minloglevel = google::GLOG_FATAL;
-  if (!arguments.output.empty()) {
-    std::vector<std::string> inputs = arguments.captures;
-    inputs.push_back(arguments.source);
-    inputs.push_back(arguments.config);
-    check_output(arguments.output, inputs);
-  }
+  check_outputs(arguments);
   Source source = open_source(arguments);
+  source.options.profiles = source.options.profiles || arguments.profiles;
   std::vector<id::Capture> captures;
   for (const std::string& path : arguments.captures) {
     for (id::Capture& capture : id::read_captures(path)) captures.push_back(std::move(capture));
@@ -106,6 +118,7 @@ int run(const FitArguments& arguments) {
   const id::FitResult result =
       of_file(arguments.config, [&] { return id::fit(*source.family, captures, source.options); });
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::fit_json(result));
+  if (!arguments.report.empty()) io::write_text_atomically(arguments.report, id::fit_html(result));
   print(arguments.json ? id::fit_json(result) : printable(id::fit_text(result), "\n"));
   std::set<std::string> said;
   for (const std::string& sentence : result.warnings) {

@@ -8,6 +8,7 @@
 
 #include "samara/identification/fit_problem.h"
 #include "samara/identification/fit_summary.h"
+#include "samara/identification/fit_trust.h"
 #include "samara/identification/minimize.h"
 #include "samara/identification/segment_residual.h"
 #include "samara/identification/starts.h"
@@ -98,6 +99,12 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     conclude(runs[*best], uncertainty, result);
     add_misfit_warnings(problem, result);
     add_warnings(uncertainty, result);
+    add_whiteness(result);
+    add_identifiability(uncertainty, result);
+    if (options.profiles) {
+      result.evaluations += add_profiles(family, problem, point, uncertainty, options.max_iterations, result);
+      add_profile_warnings(result);
+    }
   } else {
     result.message =
         fmt::format("none of {} starts led anywhere; the first: {}", runs.size(), runs.front().message);

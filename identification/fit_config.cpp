@@ -91,7 +91,7 @@ std::map<std::string, Interval> read_box(const TomlTable& table, const Units& co
 
 FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
   root.expect_keys({"window", "outputs", "loss", "shared", "per_capture", "offsets", "cluster_by", "starts",
-                    "max_iterations", "fixed", "box"});
+                    "max_iterations", "profiles", "fixed", "box"});
   FitOptions options;
   if (root.has("window")) options.window = positive_quantity(root, "window", "s");
   if (root.has("outputs")) options.outputs = known_names(root, "outputs", names.outputs);
@@ -102,6 +102,7 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
   options.cluster_by = root.optional_strings("cluster_by").value_or(std::vector<std::string>{});
   if (root.has("starts")) options.starts = positive_integer(root, "starts");
   if (root.has("max_iterations")) options.max_iterations = positive_integer(root, "max_iterations");
+  options.profiles = root.optional_boolean("profiles").value_or(false);
   if (root.has("fixed")) options.fixed = read_fixed(root.table("fixed"), names.coordinates);
   for (const auto& [list, chosen] :
        {std::pair{"shared", &options.shared}, std::pair{"per_capture", &options.per_capture}}) {

@@ -20,6 +20,7 @@
 ///     cluster_by = ["drop"]
 ///     starts = 3
 ///     max_iterations = 500
+///     profiles = true
 ///
 ///     [fixed]
 ///     fluid_density = "998.2 kg/m^3"

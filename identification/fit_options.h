@@ -50,6 +50,11 @@ struct FitOptions {
   int starts = 3;
   /// Of each start.
   int max_iterations = 500;
+
+  // What is said of the answer
+  /// The profile of every shared coefficient: ten to twenty fits each, with it held. Whether it is determined,
+  /// bounded to one side, or not at all, and an interval that follows bends.
+  bool profiles = false;
 };
 
 /// @throws ArgumentError naming field, value and requirement.

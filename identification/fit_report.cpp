@@ -7,25 +7,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "samara/identification/trust_report.h"
+
 namespace samara::identification {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-Json number(const std::optional<double>& value) {
-  return value ? number(*value) : Json(nullptr);
-}
-
-Json column(const Eigen::Ref<const Eigen::VectorXd>& values) {
-  Json array = Json::array();
-  for (const double value : values) array.push_back(number(value));
-  return array;
-}
 
 /// Row by row.
 Json matrix(const Eigen::MatrixXd& values) {
@@ -34,7 +22,7 @@ Json matrix(const Eigen::MatrixXd& values) {
   return rows;
 }
 
-Json json_of(const Coefficient& c) {
+Json json_of(const FitResult& result, const Coefficient& c) {
   return {{"name", c.name},
           {"unit", c.unit},
           {"value", number(c.value)},
@@ -43,7 +31,8 @@ Json json_of(const Coefficient& c) {
           {"lower", c.lower},
           {"upper", c.upper},
           {"at_bound", c.at_bound},
-          {"determined", c.determined}};
+          {"determined", c.determined},
+          {"verdict", verdict(result, c)}};
 }
 
 Json json_of(const std::vector<OutputRms>& residuals) {
@@ -98,11 +87,6 @@ std::string error_text(const std::optional<double>& error) {
   return error ? fmt::format("{:.2g}", *error) : "-";
 }
 
-std::string remark(const Coefficient& c) {
-  if (!c.determined) return "not determined";
-  return c.at_bound ? "at a bound" : "";
-}
-
 /// Lines without the blanks that padding leaves at their ends.
 std::string without_trailing_blanks(const std::string& text) {
   std::string result;
@@ -115,12 +99,12 @@ std::string without_trailing_blanks(const std::string& text) {
 
 void add_coefficient_table(const FitResult& result, std::back_insert_iterator<std::string> out) {
   if (result.coefficients.empty()) return;
-  fmt::format_to(out, "\n{:<16} {:>12} {:<10} {:>12} {:>12} {:>23}\n", "coefficient", "value", "unit",
-                 "std. error", "naive", "box");
+  fmt::format_to(out, "\n{:<16} {:>12} {:<10} {:>12} {:>12} {:>23} {}\n", "coefficient", "value", "unit",
+                 "std. error", "naive", "box", "what may be said");
   for (const Coefficient& c : result.coefficients) {
     fmt::format_to(out, "{:<16} {:>12.6g} {:<10} {:>12} {:>12} {:>23} {}\n", c.name, c.value, c.unit,
                    error_text(c.standard_error), error_text(c.naive_standard_error),
-                   fmt::format("{:.4g} .. {:.4g}", c.lower, c.upper), remark(c));
+                   fmt::format("{:.4g} .. {:.4g}", c.lower, c.upper), verdict(result, c));
   }
   fmt::format_to(out,
                  "standard errors from the scatter of {} cluster{}; naive: frames taken as independent\n",
@@ -153,32 +137,33 @@ void add_capture_table(const FitResult& result, std::back_insert_iterator<std::s
 
 std::string fit_json(const FitResult& result) {
   Json coefficients = Json::array();
-  for (const Coefficient& c : result.coefficients) coefficients.push_back(json_of(c));
+  for (const Coefficient& c : result.coefficients) coefficients.push_back(json_of(result, c));
   Json captures = Json::array();
   for (const CaptureFit& capture : result.captures) captures.push_back(json_of(capture));
   Json starts = Json::array();
   for (const StartRecord& start : result.starts) starts.push_back(json_of(start));
-  const Json object = {{"schema", "samara-fit/1"},
-                       {"status", to_string(result.status)},
-                       {"message", result.message},
-                       {"warnings", result.warnings},
-                       {"model", result.model},
-                       {"source", result.source},
-                       {"loss", result.loss},
-                       {"fixed", result.fixed},
-                       {"coefficients", coefficients},
-                       {"covariance", matrix(result.covariance)},
-                       {"correlation", matrix(result.correlation)},
-                       {"clusters", result.clusters},
-                       {"residuals", json_of(result.residuals)},
-                       {"residual_count", result.residual_count},
-                       {"cost", number(result.cost)},
-                       {"captures", captures},
-                       {"starts", starts},
-                       {"starts_at_best", result.starts_at_best},
-                       {"iterations", result.iterations},
-                       {"evaluations", result.evaluations},
-                       {"seconds", result.seconds}};
+  Json object = {{"schema", "samara-fit/1"},
+                 {"status", to_string(result.status)},
+                 {"message", result.message},
+                 {"warnings", result.warnings},
+                 {"model", result.model},
+                 {"source", result.source},
+                 {"loss", result.loss},
+                 {"fixed", result.fixed},
+                 {"coefficients", coefficients},
+                 {"covariance", matrix(result.covariance)},
+                 {"correlation", matrix(result.correlation)},
+                 {"clusters", result.clusters},
+                 {"residuals", json_of(result.residuals)},
+                 {"residual_count", result.residual_count},
+                 {"cost", number(result.cost)},
+                 {"captures", captures},
+                 {"starts", starts},
+                 {"starts_at_best", result.starts_at_best},
+                 {"iterations", result.iterations},
+                 {"evaluations", result.evaluations},
+                 {"seconds", result.seconds}};
+  add_trust(result, object);
   // Ids and labels come from files in any encoding.
   return object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -194,6 +179,7 @@ std::string fit_text(const FitResult& result) {
     fmt::format_to(out, "\nrms of {}: {:.4g}{} over {} values\n", r.output, r.rms, unit_text(r.unit),
                    result.residual_count);
   }
+  add_trust_text(result, text);
   fmt::format_to(out, "{} iterations, {} trajectories, {:.3g} s\n", result.iterations, result.evaluations,
                  result.seconds);
   for (const std::string& warning : result.warnings) fmt::format_to(out, "warning: {}\n", warning);

@@ -7,6 +7,11 @@
 
 #include <Eigen/Core>
 
+#include "samara/identification/identifiability.h"
+#include "samara/identification/prediction_score.h"
+#include "samara/identification/profile.h"
+#include "samara/identification/whiteness.h"
+
 namespace samara::identification {
 
 enum class FitStatus {
@@ -75,6 +80,18 @@ struct StartRecord {
   bool reached_best = false;
 };
 
+/// A search over the whole box, or many starts, before the fit itself.
+struct GlobalStage {
+  std::string method = {};  ///< "multistart", or the name of the search
+  int starts = 0;
+  int reached_best = 0;            ///< starts that ended at the best cost
+  std::vector<double> costs = {};  ///< where each start ended; NaN for those that led nowhere
+  double seconds = 0.0;
+
+  /// Part of the starts that reached the best cost: how much luck the result needed.
+  double fraction() const { return starts > 0 ? static_cast<double>(reached_best) / starts : 0.0; }
+};
+
 struct FitResult {
   FitStatus status = FitStatus::failed;
   std::string message = "the fit did not run";  ///< why it stopped, in one sentence
@@ -104,8 +121,23 @@ struct FitResult {
   long evaluations = 0;    ///< trajectories of single captures
   double seconds = 0.0;
 
+  // What may be claimed; empty where it was not asked for or could not be computed.
+  std::vector<Profile> profiles = {};  ///< of coefficients, by name
+  std::optional<Identifiability> identifiability = {};
+  std::optional<Whiteness> whiteness = {};
+  std::vector<PredictionScore> predictions = {};  ///< on captures or windows left out of the fit
+  std::optional<GlobalStage> global_stage = {};
+
+  /// Null if the coefficient has none.
+  const Profile* find_profile(const std::string& coefficient) const;
+
   /// Converged, with every coefficient determined.
   bool is_usable() const { return status == FitStatus::converged; }
 };
+
+/// What may be said of a coefficient, in words, from its profile if it is determined at all and has one, else
+/// from its error: "1.17 +- 0.098", "1.05 to 1.31 (95 %)", "at least 0.83 (95 %)", "not determined", "at a
+/// bound of its box".
+std::string verdict(const FitResult& result, const Coefficient& coefficient);
 
 }  // namespace samara::identification

@@ -204,6 +204,14 @@ Eigen::MatrixXd clustered_covariance(const FitProblem& problem, const Totals& su
   return sandwich(inverse.inverse / mean_dpsi, scores);
 }
 
+/// The Hessian of the cost where it is one of a minimum, else what stands in for it.
+Eigen::MatrixXd information_of(const FitProblem& problem, const Totals& sum) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(sum.hessian);
+  if (sum.hessian_usable && factor.info() == Eigen::Success) return sum.hessian;
+  const double mean_dpsi = sum.dpsi_sum / problem.observation_count();
+  return mean_dpsi > 0.0 ? Eigen::MatrixXd(mean_dpsi * sum.normal) : sum.normal;
+}
+
 /// NaN in the rows and columns of unknowns that have no errors.
 void hide(const std::vector<char>& has_error, Eigen::MatrixXd& matrix) {
   for (std::size_t k = 0; k < has_error.size(); ++k) {
@@ -241,6 +249,8 @@ Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentR
   const Eigen::MatrixXd normal_inverse = scattered(inverse.inverse, free, all);
   const double variance = naive_variance(problem, sum, static_cast<int>(free.size()) + sum.own_unknowns);
   result.naive = variance * normal_inverse;
+  result.information = information_of(problem, sum);
+  result.dispersion = variance * sum.dpsi_sum / problem.observation_count();
   result.clustered =
       scattered(clustered_covariance(problem, sum, free, inverse, result.hessian_replaced), free, all);
 

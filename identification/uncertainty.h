@@ -28,6 +28,12 @@ struct Uncertainty {
   /// The Hessian of the loss was no use (too many residuals beyond its bend): mean(psi') J^T J stood in.
   bool hessian_replaced = false;
   std::vector<OwnUncertainty> own;
+  /// Second derivative of the cost by the shared unknowns, the own ones eliminated: psi' J J^T, or mean(psi')
+  /// J^T J where that is not positive.
+  Eigen::MatrixXd information;
+  /// What the cost is to be divided by to be a log-likelihood, frames taken as independent: sum(psi^2)/(n -
+  /// p)/mean(psi'). NaN if nothing is left over.
+  double dispersion = 0.0;
 };
 
 /// @param residuals one per segment; scratch, left at `point`

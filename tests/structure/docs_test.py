@@ -33,6 +33,9 @@ class Excerpts(unittest.TestCase):
     def test_strategies(self):
         self.assertIn(f"```cpp\n{text('examples/nonlinear/strategies.cpp')}```", text("docs/strategies.md"))
 
+    def test_profile(self):
+        self.assertIn(f"```cpp\n{text('examples/profile/profile.cpp')}```", text("docs/fits.md"))
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,315 @@
+"use strict";
+// Draws the report of a fit from the JSON in the page. Texts of files only ever become text nodes.
+(() => {
+  const errors = document.getElementById("errors");
+  window.addEventListener("error", (event) => {
+    errors.hidden = false;
+    errors.textContent += event.message + "\n";
+  });
+
+  const fit = JSON.parse(document.getElementById("fit").textContent);
+  const report = document.getElementById("report");
+  const MEASURED = "#d1495b", MODEL = "#1f5fa8", THRESHOLD = "#9a6700", FAINT = "#8b98a5";
+
+  // Building blocks ---------------------------------------------------------------------------------------
+  function element(tag, text, name) {
+    const made = document.createElement(tag);
+    if (text !== undefined && text !== null) made.textContent = text;
+    if (name) made.className = name;
+    return made;
+  }
+  function add(parent, tag, text, name) {
+    return parent.appendChild(element(tag, text, name));
+  }
+  function section(title) {
+    const made = add(report, "section");
+    add(made, "h2", title);
+    return made;
+  }
+  function shown(value, digits = 6) {
+    return value === null || value === undefined ? "–" : String(Number(value.toPrecision(digits)));
+  }
+  function withUnit(name, unit) {
+    return unit && unit !== "1" ? `${name} [${unit}]` : name;
+  }
+  // A cell is a text, or {value, digits} for a number, or {text, name} for a text with a class.
+  function row(table, cells, tag = "td") {
+    const made = add(table, "tr");
+    for (const cell of cells) {
+      const isNumber = cell !== null && typeof cell === "object" && "value" in cell;
+      const isStyled = cell !== null && typeof cell === "object" && "text" in cell;
+      const td = add(made, tag, isNumber ? shown(cell.value, cell.digits) : isStyled ? cell.text : cell,
+                     isNumber ? "" : "text " + ((isStyled && cell.name) || ""));
+      if (isNumber && cell.value !== null && cell.value !== undefined) td.dataset.value = String(cell.value);
+    }
+    return made;
+  }
+  // Headers that end in "#" are of numbers.
+  function table(parent, headers) {
+    const made = add(add(parent, "div", null, "scroll"), "table");
+    const head = add(made, "tr");
+    for (const header of headers) {
+      const isNumber = header.endsWith("#");
+      add(head, "th", isNumber ? header.slice(0, -1) : header, isNumber ? "" : "text");
+    }
+    return made;
+  }
+
+  // Charts ------------------------------------------------------------------------------------------------
+  function width(parent) {
+    return Math.max(280, Math.min(parent.clientWidth || 640, 1040));
+  }
+  function chart(parent, options, data) {
+    const axis = (label) => ({label, labelSize: 20, font: "12px system-ui", labelFont: "12px system-ui",
+                              grid: {stroke: "#eef1f4"}, ticks: {stroke: "#dfe5ea"}});
+    return new uPlot({
+      width: width(parent), height: options.height || 240, hooks: options.hooks || {},
+      scales: {x: {time: false, ...(options.xScale || {})}, y: options.yScale || {}},
+      axes: [{...axis(options.x), ...(options.whole ? {incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]} : {})}, {...axis(options.y), size: 68}],
+      series: [{label: options.x, value: (u, v) => shown(v, 5)}, ...options.series],
+      cursor: {drag: {x: true, y: true, uni: 20}},
+    }, data, parent);
+  }
+  const nothing = () => null;
+  const points = (label, colour) => ({label, stroke: colour, paths: nothing, value: (u, v) => shown(v, 5),
+                                      points: {show: true, size: 5, fill: colour, stroke: colour}});
+  const line = (label, colour, more = {}) => ({label, stroke: colour, width: 1.75, points: {show: false},
+                                               value: (u, v) => shown(v, 5), ...more});
+  // Lines across a chart at values of x or y: [{at, axis, colour, dash}].
+  function rules(list) {
+    return {draw: [(u) => {
+      const {ctx, bbox} = u;
+      ctx.save();
+      for (const rule of list) {
+        const place = u.valToPos(rule.at, rule.axis, true);
+        ctx.strokeStyle = rule.colour;
+        ctx.lineWidth = devicePixelRatio;
+        ctx.setLineDash((rule.dash || []).map((d) => d * devicePixelRatio));
+        ctx.beginPath();
+        if (rule.axis === "x" && place >= bbox.left && place <= bbox.left + bbox.width) {
+          ctx.moveTo(place, bbox.top);
+          ctx.lineTo(place, bbox.top + bbox.height);
+        } else if (rule.axis === "y" && place >= bbox.top && place <= bbox.top + bbox.height) {
+          ctx.moveTo(bbox.left, place);
+          ctx.lineTo(bbox.left + bbox.width, place);
+        }
+        ctx.stroke();
+      }
+      ctx.restore();
+    }]};
+  }
+  function span(values, room = 0.05) {
+    const there = values.filter((v) => v !== null);
+    let low = Math.min(...there), high = Math.max(...there);
+    if (!(high > low)) { low -= 0.5; high += 0.5; }
+    return [low - room * (high - low), high + room * (high - low)];
+  }
+
+  // Sections ----------------------------------------------------------------------------------------------
+  function summary() {
+    const name = fit.status === "converged" ? "good" : "bad";
+    const lead = add(report, "p", fit.message, "lead " + name);
+    lead.id = "status";
+    lead.dataset.status = fit.status;
+    const cost = fit.cost === null ? "" : `, cost ${shown(fit.cost)}`;
+    add(report, "p", `By ${fit.source}, ${fit.loss} loss, ${fit.captures.length} captures in ${fit.clusters} ` +
+        `clusters, ${fit.residual_count} values${cost}; ${fit.iterations} iterations, ${shown(fit.seconds, 3)} s.`, "soft");
+  }
+
+  function coefficients() {
+    if (!fit.coefficients.length) return;
+    const part = section("Coefficients");
+    const made = table(part, ["", "value#", "unit", "std. error#", "naive#", "box", "what may be said"]);
+    made.id = "coefficients";
+    for (const c of fit.coefficients) {
+      const profile = fit.profiles.find((p) => p.name === c.name);
+      const sure = c.determined && !c.at_bound && (!profile || profile.shape === "identified");
+      const coefficientRow = row(made, [c.name, {value: c.value}, c.unit === "1" ? "" : c.unit, {value: c.standard_error, digits: 2},
+                              {value: c.naive_standard_error, digits: 2}, `${shown(c.lower, 4)} to ${shown(c.upper, 4)}`, {text: c.verdict, name: "wrap " + (sure ? "good" : "bad")}]);
+      coefficientRow.dataset.name = c.name;
+      if (!c.determined) coefficientRow.children[1].className = "soft";
+    }
+    add(part, "p", "Standard errors come from the scatter between clusters of captures; naive ones take all frames as " +
+        "independent. An interval comes from a profile: everything else was fitted again with the coefficient held.", "soft");
+    const claims = fit.identifiability ? fit.identifiability.phrases : [];
+    if (claims.length) {
+      add(part, "h3", "The captures determine");
+      const list = add(part, "ul", null, "claims");
+      for (const phrase of claims) add(list, "li", phrase);
+    }
+    if (fit.whiteness) {
+      add(part, "h3", "Residuals");
+      add(part, "p", fit.whiteness.sentence).id = "whiteness";
+    }
+  }
+
+  function warnings() {
+    if (!fit.warnings.length) return;
+    const list = add(section("Warnings"), "ul", null, "warnings");
+    for (const sentence of new Set(fit.warnings)) add(list, "li", sentence);
+  }
+
+  function pathChart(parent, capture, names) {
+    const [a, b] = names.map((name) => capture.outputs[name]);
+    const xs = span([...a.measured, ...a.model]), ys = span([...b.measured, ...b.model]);
+    const draw = (u) => {
+      const place = (k, of) => [u.valToPos(a[of][k], "x", true), u.valToPos(b[of][k], "y", true)];
+      const {ctx} = u;
+      ctx.save();
+      ctx.fillStyle = MEASURED;
+      for (let k = 0; k < a.measured.length; ++k) {
+        if (a.measured[k] === null || b.measured[k] === null) continue;
+        const [x, y] = place(k, "measured");
+        ctx.beginPath();
+        ctx.arc(x, y, 2.5 * devicePixelRatio, 0, 2 * Math.PI);
+        ctx.fill();
+      }
+      ctx.strokeStyle = MODEL;
+      ctx.lineWidth = 1.75 * devicePixelRatio;
+      ctx.beginPath();
+      for (let k = 0; k < a.model.length; ++k) ctx.lineTo(...place(k, "model"));
+      ctx.stroke();
+      ctx.restore();
+    };
+    add(parent, "h3", `path: ${names[1]} over ${names[0]}`);
+    chart(parent, {x: names[0] + " [m]", y: names[1] + " [m]", height: 340, hooks: {draw: [draw]},
+                   xScale: {range: () => xs}, yScale: {range: () => ys}, series: [{show: false}]},
+          [xs, [null, null]]);
+  }
+
+  function drawCapture(parent, capture) {
+    parent.textContent = "";
+    const own = capture.nuisances.map((n) => `${n.name} = ${shown(n.value, 4)}${n.unit === "1" ? "" : " " + n.unit}` +
+        (n.standard_error === null ? "" : ` ± ${shown(n.standard_error, 2)}`) + (n.at_bound ? " (at a bound)" : ""));
+    const labels = Object.entries(capture.labels).map(([key, value]) => `${key} ${value}`);
+    add(parent, "p", [`${capture.frames} frames`, ...labels, ...own].join(", "), "soft");
+    for (const r of capture.residuals) {
+      const {measured, model} = capture.outputs[r.output];
+      const label = withUnit(r.output, r.unit);
+      add(parent, "h3", `${r.output}: rms of residuals ${shown(r.rms, 3)}${r.unit === "1" ? "" : " " + r.unit}`);
+      const overlay = add(parent, "div", null, "wide overlay");
+      chart(overlay, {x: "t [s]", y: label, series: [points("measured", MEASURED), line("model", MODEL)]},
+            [capture.times, measured, model]);
+      const rest = measured.map((value, k) => value === null || model[k] === null ? null : value - model[k]);
+      const below = add(parent, "div", null, "wide residuals");
+      chart(below, {x: "t [s]", y: "residual", height: 160, series: [points("measured − model", MEASURED)],
+                    hooks: rules([{at: 0, axis: "y", colour: FAINT}])}, [capture.times, rest]);
+    }
+    const lengths = capture.residuals.filter((r) => r.unit === "m").map((r) => r.output);
+    if (lengths.length > 1) pathChart(add(parent, "div", null, "wide path"), capture, [lengths[0], lengths[lengths.length - 1]]);
+  }
+
+  function captures() {
+    if (!fit.captures.length) return;
+    const part = section("Captures and model");
+    const bar = add(part, "p");
+    const select = add(bar, "select");
+    select.id = "capture";
+    fit.captures.forEach((capture, k) => { add(select, "option", capture.id).value = k; });
+    const back = add(bar, "button", "previous"), next = add(bar, "button", "next");
+    const place = add(part, "div");
+    place.id = "chosen";
+
+    const list = section("All captures");
+    const outputs = fit.captures[0].residuals;
+    const whiteness = fit.whiteness ? fit.whiteness.series : [];
+    const made = table(list, ["capture", "file", "cluster#", "frames#",
+                              ...outputs.map((r) => withUnit("rms " + r.output, r.unit) + "#"), "largest lag-1 correlation#"]);
+    made.id = "captures";
+    const rows = fit.captures.map((capture, k) => {
+      const lag = whiteness.filter((s) => s.capture === capture.id && s.p_value !== null).map((s) => s.lag1);
+      const captureRow = row(made, [capture.id, capture.file, {value: capture.cluster}, {value: capture.frames},
+                              ...capture.residuals.map((r) => ({value: r.rms, digits: 3})),
+                              {value: lag.length ? Math.max(...lag) : null, digits: 2}]);
+      captureRow.classList.add("pick");
+      captureRow.addEventListener("click", () => { choose(k); part.scrollIntoView(); });
+      return captureRow;
+    });
+    function choose(k) {
+      const chosen = (k + fit.captures.length) % fit.captures.length;
+      select.value = chosen;
+      rows.forEach((each, other) => each.classList.toggle("chosen", other === chosen));
+      drawCapture(place, fit.captures[chosen]);
+    }
+    select.addEventListener("change", () => choose(Number(select.value)));
+    back.addEventListener("click", () => choose(Number(select.value) - 1));
+    next.addEventListener("click", () => choose(Number(select.value) + 1));
+    choose(0);
+  }
+
+  function profiles() {
+    if (!fit.profiles.length) return;
+    const part = section("Profiles");
+    add(part, "p", "How much the cost rises, in units of twice the log-likelihood, when a coefficient is held and " +
+        "everything else is fitted again. The interval is where it stays below the dashed threshold.", "soft");
+    const grid = add(part, "div", null, "charts");
+    for (const p of fit.profiles) {
+      const unit = (fit.coefficients.find((c) => c.name === p.name) || {unit: "1"}).unit;
+      const deviance = (cost) => 2 * (cost - p.best_cost) / p.dispersion;
+      const limit = deviance(p.threshold);
+      const rise = p.costs.map(deviance);
+      const lowest = Math.min(0, ...rise);
+      const box = add(grid, "div", null, "profile");
+      box.dataset.name = p.name;
+      box.dataset.shape = p.shape;
+      add(box, "h3", `${p.name}: ${p.shape}`);
+      add(box, "p", p.verdict, p.shape === "identified" ? "good" : "bad");
+      const ends = p.interval.filter((v) => v !== null).map((at) => ({at, axis: "x", colour: MODEL, dash: [2, 3]}));
+      const top = Math.min(Math.max(1.2 * limit, ...rise), 3 * limit);
+      chart(box, {x: withUnit(p.name, unit), y: "deviance", height: 220, yScale: {range: () => [lowest, top]},
+                  hooks: rules([{at: limit, axis: "y", colour: THRESHOLD, dash: [6, 4]},
+                                {at: p.best, axis: "x", colour: FAINT}, ...ends]),
+                  series: [line("deviance", MODEL, {points: {show: true, size: 5, fill: MODEL}})]}, [p.values, rise]);
+    }
+  }
+
+  function starts() {
+    const part = section("Starts");
+    if (fit.global_stage) {
+      const g = fit.global_stage;
+      add(part, "p", `${g.method}: ${g.reached_best} of ${g.starts} starts (${shown(100 * g.fraction, 3)} %) reached the best cost`);
+    }
+    add(part, "p", `${fit.starts_at_best} of ${fit.starts.length} starts of the fit reached the best cost`).id = "starts-at-best";
+    const costs = (fit.global_stage ? fit.global_stage.costs : fit.starts.map((s) => s.cost)).filter((c) => c !== null);
+    if (costs.length > 5) {
+      costs.sort((a, b) => a - b);
+      chart(add(part, "div", null, "wide"), {x: "start, best first", y: "cost", height: 160, whole: true,
+            series: [points("cost", MODEL)]}, [costs.map((c, k) => k + 1), costs]);
+    }
+    const names = fit.coefficients.map((c) => c.name);
+    const made = table(part, ["status", "cost#", "iterations#", ...names.map((name) => name + "#"), "best"]);
+    for (const s of fit.starts.slice(0, 50)) {
+      row(made, [{text: s.status, name: s.status === "failed" ? "bad" : ""}, {value: s.cost}, {value: s.iterations},
+                 ...names.map((name, k) => ({value: s.coefficients[k], digits: 5})), s.reached_best ? "yes" : ""]);
+    }
+    if (fit.starts.length > 50) add(part, "p", `and ${fit.starts.length - 50} more, in the JSON`, "soft");
+  }
+
+  function predictions() {
+    if (!fit.predictions.length) return;
+    const made = table(section("Predictions on what was left out"),
+                       ["of", "by", "median#", "rms#", "largest#", "captures#", "values#"]);
+    for (const p of fit.predictions) {
+      row(made, [withUnit(p.quantity, p.unit), p.predictor, {value: p.median, digits: 4}, {value: p.rms, digits: 4},
+                 {value: p.largest, digits: 4}, {value: p.captures}, {value: p.count}]);
+    }
+  }
+
+  function held() {
+    const fixed = Object.entries(fit.fixed);
+    if (!fixed.length) return;
+    const made = table(section("Held"), ["", "value (SI)#"]);
+    for (const [name, value] of fixed) row(made, [name, {value}]);
+  }
+
+  for (const part of [summary, coefficients, warnings, captures, profiles, predictions, starts, held]) part();
+
+  // For the test of this page: how many charts have something painted on them.
+  if (location.hash === "#check") {
+    requestAnimationFrame(() => requestAnimationFrame(() => {
+      const painted = [...document.querySelectorAll("canvas")].filter((canvas) => canvas.getContext("2d")
+          .getImageData(0, 0, canvas.width, canvas.height).data.some((value) => value !== 0));
+      document.documentElement.dataset.painted = String(painted.length);
+    }));
+  }
+})();

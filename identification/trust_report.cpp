@@ -1,0 +1,132 @@
+#include "samara/identification/trust_report.h"
+
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+namespace samara::identification {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json list(const std::vector<double>& values) {
+  Json array = Json::array();
+  for (const double value : values) array.push_back(number(value));
+  return array;
+}
+
+Json json_of(const Profile& p) {
+  return {{"name", p.name},
+          {"shape", to_string(p.shape)},
+          {"verdict", describe(p)},
+          {"best", number(p.best)},
+          {"best_cost", number(p.best_cost)},
+          {"confidence", p.confidence},
+          {"dispersion", number(p.dispersion)},
+          {"threshold", number(p.threshold)},
+          {"interval", {number(p.interval_lower), number(p.interval_upper)}},
+          {"ends", {to_string(p.lower_end), to_string(p.upper_end)}},
+          {"values", list(p.values)},
+          {"costs", list(p.costs)},
+          {"better", p.better_value ? Json{{"value", number(p.better_value)}, {"cost", number(p.better_cost)}}
+                                    : Json(nullptr)},
+          {"solves", p.solves}};
+}
+
+Json json_of(const Identifiability& identifiability) {
+  Json directions = Json::array();
+  for (const InformationDirection& d : identifiability.directions) {
+    directions.push_back({{"kind", to_string(d.kind)},
+                          {"eigenvalue", number(d.eigenvalue)},
+                          {"standard_error", number(d.standard_error)},
+                          {"vector", column(d.vector)}});
+  }
+  return {{"names", identifiability.names},
+          {"directions", directions},
+          {"phrases", identifiability.phrases},
+          {"undetermined_count", identifiability.undetermined_count}};
+}
+
+Json json_of(const Whiteness& whiteness) {
+  Json series = Json::array();
+  for (const SeriesWhiteness& s : whiteness.series) {
+    series.push_back({{"capture", s.capture},
+                      {"output", s.output},
+                      {"count", s.count},
+                      {"lag1", number(s.lag1)},
+                      {"lags", s.lags},
+                      {"statistic", number(s.statistic)},
+                      {"p_value", number(s.p_value)}});
+  }
+  return {{"sentence", whiteness.sentence},       {"tested", whiteness.tested},
+          {"rejected", whiteness.rejected},       {"median_lag1", number(whiteness.median_lag1)},
+          {"p_value", number(whiteness.p_value)}, {"series", series}};
+}
+
+Json json_of(const PredictionScore& p) {
+  return {{"predictor", p.predictor}, {"quantity", p.quantity},
+          {"unit", p.unit},           {"captures", p.captures},
+          {"count", p.count},         {"median", number(p.median)},
+          {"rms", number(p.rms)},     {"largest", number(p.largest)}};
+}
+
+Json json_of(const GlobalStage& stage) {
+  return {{"method", stage.method},       {"starts", stage.starts},     {"reached_best", stage.reached_best},
+          {"fraction", stage.fraction()}, {"costs", list(stage.costs)}, {"seconds", number(stage.seconds)}};
+}
+
+void add_prediction_table(const FitResult& result, std::back_insert_iterator<std::string> out) {
+  if (result.predictions.empty()) return;
+  fmt::format_to(out, "\n{:<28} {:<24} {:>12} {:>12} {:>9} {:>9}\n", "prediction of", "by", "median", "rms",
+                 "captures", "values");
+  for (const PredictionScore& p : result.predictions) {
+    const std::string unit = p.unit == "1" ? "" : fmt::format(" [{}]", p.unit);
+    fmt::format_to(out, "{:<28} {:<24} {:>12.4g} {:>12.4g} {:>9} {:>9}\n", p.quantity + unit, p.predictor,
+                   p.median, p.rms, p.captures, p.count);
+  }
+}
+
+}  // namespace
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json number(const std::optional<double>& value) {
+  return value ? number(*value) : Json(nullptr);
+}
+
+Json column(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  Json array = Json::array();
+  for (const double value : values) array.push_back(number(value));
+  return array;
+}
+
+void add_trust(const FitResult& result, Json& object) {
+  object["profiles"] = Json::array();
+  for (const Profile& p : result.profiles) object["profiles"].push_back(json_of(p));
+  object["identifiability"] = result.identifiability ? json_of(*result.identifiability) : Json(nullptr);
+  object["whiteness"] = result.whiteness ? json_of(*result.whiteness) : Json(nullptr);
+  object["predictions"] = Json::array();
+  for (const PredictionScore& p : result.predictions) object["predictions"].push_back(json_of(p));
+  object["global_stage"] = result.global_stage ? json_of(*result.global_stage) : Json(nullptr);
+}
+
+void add_trust_text(const FitResult& result, std::string& text) {
+  const auto out = std::back_inserter(text);
+  add_prediction_table(result, out);
+  if (result.identifiability) {
+    for (const std::string& phrase : result.identifiability->phrases)
+      fmt::format_to(out, "determined by the captures: {}\n", phrase);
+  }
+  if (result.whiteness) fmt::format_to(out, "residuals: {}\n", result.whiteness->sentence);
+  if (result.global_stage) {
+    const GlobalStage& g = *result.global_stage;
+    fmt::format_to(out, "{}: {} of {} starts ({:.0f} %) reached the best cost\n", g.method, g.reached_best,
+                   g.starts, 100.0 * g.fraction());
+  }
+}
+
+}  // namespace samara::identification

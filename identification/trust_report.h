@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "samara/identification/fit_result.h"
+
+/// Internal to identification/: the part of the reports that says what a fit may claim.
+namespace samara::identification {
+
+/// Null if it is not finite, or not there.
+nlohmann::ordered_json number(double value);
+nlohmann::ordered_json number(const std::optional<double>& value);
+nlohmann::ordered_json column(const Eigen::Ref<const Eigen::VectorXd>& values);
+
+/// Adds "profiles", "identifiability", "whiteness", "predictions" and "global_stage"; null or empty where the
+/// result has none.
+void add_trust(const FitResult& result, nlohmann::ordered_json& object);
+
+/// The same in sentences and a table.
+void add_trust_text(const FitResult& result, std::string& text);
+
+}  // namespace samara::identification

@@ -1,0 +1,35 @@
+"""Usage: docs_lines_test.py SAMARA [CLASS]
+
+The lines of docs/fits.md run as they stand, and say what the page says they do.
+"""
+
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+
+from samara_case import FOLDER, SAMARA, Case, main
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "fits.md").read_text()
+
+
+class FitsPage(Case):
+    def test_the_lines_run(self):
+        shutil.copytree(ROOT / "examples" / "coin", FOLDER / "examples" / "coin")
+        (FOLDER / "ratio.toml").write_text(re.search(r"`ratio.toml`\n\n```toml\n(.*?)```", PAGE, re.S).group(1))
+        lines = [line for line in PAGE.splitlines() if line.startswith("samara ")]
+        self.assertEqual(len(lines), 4)
+        results = [subprocess.run([SAMARA, *shlex.split(line)[1:]], cwd=FOLDER, capture_output=True, text=True, timeout=120)
+                   for line in lines]
+        self.assertEqual([r.returncode for r in results], [0, 0, 0, 4], results[-1].stderr)
+        self.assertRegex(results[1].stdout, r"C_D +1\.169.*0\.9[67]\d+ to 1\.37\d+ \(95 %\)")
+        self.assertIn("10 of 10 residual series are not independent", results[1].stdout)
+        phrase, = re.findall(r"^determined by the captures: .*$", PAGE, re.M)
+        self.assertIn(phrase, results[3].stdout)
+        self.assertIn("<!DOCTYPE html>", (FOLDER / "fit.html").read_text())
+
+
+if __name__ == "__main__":
+    main()
