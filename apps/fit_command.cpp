@@ -19,6 +19,7 @@
 #include "samara/identification/fit_page.h"
 #include "samara/identification/fit_report.h"
 #include "samara/identification/reference_trajectories.h"
+#include "samara/identification/step_trajectories.h"
 #include "samara/io/atomic_file.h"
 #include "terminal.h"
 
@@ -66,7 +67,9 @@ Source open_source(const FitArguments& arguments) {
     source.options = id::read_fit_config(arguments.config, id::config_names(model->info()));
     warn_of_units(*model, source.options.fixed);
     source.family = of_file(arguments.config, [&] {
-      return id::reference_trajectories(model, source.options.fixed, source.options.box);
+      const id::FitOptions& options = source.options;
+      return options.step ? id::step_trajectories(model, options.fixed, options.box, *options.step)
+                          : id::reference_trajectories(model, options.fixed, options.box);
     });
     return source;
   }

@@ -69,11 +69,11 @@ LossOptions read_loss(const TomlTable& table, const Units& outputs) {
   return loss;
 }
 
-std::map<std::string, double> read_fixed(const TomlTable& table, const Units& coordinates) {
+std::map<std::string, double> read_quantities(const TomlTable& table, const Units& coordinates) {
   table.expect_keys(names_of(coordinates));
-  std::map<std::string, double> fixed;
-  for (const std::string& name : table.keys()) fixed[name] = table.quantity(name, coordinates.at(name));
-  return fixed;
+  std::map<std::string, double> values;
+  for (const std::string& name : table.keys()) values[name] = table.quantity(name, coordinates.at(name));
+  return values;
 }
 
 std::map<std::string, Interval> read_box(const TomlTable& table, const Units& coordinates) {
@@ -89,9 +89,75 @@ std::map<std::string, Interval> read_box(const TomlTable& table, const Units& co
   return box;
 }
 
+/// `segments = "60 ms"`, or a table with stages.
+SegmentOptions read_segments(const TomlTable& root) {
+  SegmentOptions segments;
+  if (!root.is_table("segments")) {
+    segments.length = positive_quantity(root, "segments", "s");
+    return segments;
+  }
+  const TomlTable table = root.table("segments");
+  table.expect_keys({"length", "stages"});
+  segments.length = positive_quantity(table, "length", "s");
+  if (!table.has("stages")) return segments;
+  segments.stages = table.numbers("stages");
+  if (segments.stages.empty())
+    throw table.error("stages", "the list is empty; one weight or more was expected");
+  for (const double stage : segments.stages) require_positive(table, "stages", stage);
+  return segments;
+}
+
+std::map<std::string, std::string> read_known(const TomlTable& table, const Units& coordinates) {
+  table.expect_keys(names_of(coordinates));
+  std::map<std::string, std::string> known;
+  for (const std::string& name : table.keys()) known[name] = table.string(name);
+  return known;
+}
+
+std::map<std::string, Prior> read_priors(const TomlTable& root, const Units& coordinates) {
+  root.expect_keys(names_of(coordinates));
+  std::map<std::string, Prior> priors;
+  for (const std::string& name : root.keys()) {
+    const TomlTable table = root.table(name);
+    table.expect_keys({"mean", "deviation", "logarithmic"});
+    Prior prior{.mean = table.quantity("mean", coordinates.at(name)),
+                .logarithmic = table.optional_boolean("logarithmic").value_or(false)};
+    prior.deviation =
+        prior.logarithmic ? table.number("deviation") : table.quantity("deviation", coordinates.at(name));
+    require_positive(table, "deviation", prior.deviation);
+    if (prior.logarithmic) require_positive(table, "mean", prior.mean);
+    priors[name] = prior;
+  }
+  return priors;
+}
+
+std::map<std::string, double> read_periods(const TomlTable& table, const Units& outputs) {
+  table.expect_keys(names_of(outputs));
+  std::map<std::string, double> periods;
+  for (const std::string& name : table.keys()) {
+    periods[name] = table.quantity(name, outputs.at(name));
+    if (periods[name] < 0.0) {
+      throw table.error(name, fmt::format("the period is {}; 0 or more was expected", periods[name]));
+    }
+  }
+  return periods;
+}
+
+/// What concerns single coordinates and outputs.
+void read_tables(const TomlTable& root, const ConfigNames& names, FitOptions& options) {
+  if (root.has("fixed")) options.fixed = read_quantities(root.table("fixed"), names.coordinates);
+  if (root.has("initial")) options.initial = read_quantities(root.table("initial"), names.coordinates);
+  if (root.has("known")) options.known = read_known(root.table("known"), names.coordinates);
+  if (root.has("priors")) options.priors = read_priors(root.table("priors"), names.coordinates);
+  if (root.has("periods")) options.periods = read_periods(root.table("periods"), names.outputs);
+  if (root.has("box")) options.box = read_box(root.table("box"), names.coordinates);
+}
+
 FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
-  root.expect_keys({"window", "outputs", "loss", "shared", "per_capture", "offsets", "cluster_by", "starts",
-                    "max_iterations", "profiles", "fixed", "box"});
+  root.expect_keys({"window",   "outputs",    "loss",      "shared",         "per_capture",
+                    "offsets",  "cluster_by", "starts",    "max_iterations", "profiles",
+                    "segments", "step",       "log_scale", "attitude_scale", "fixed",
+                    "initial",  "known",      "priors",    "periods",        "box"});
   FitOptions options;
   if (root.has("window")) options.window = positive_quantity(root, "window", "s");
   if (root.has("outputs")) options.outputs = known_names(root, "outputs", names.outputs);
@@ -103,7 +169,11 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
   if (root.has("starts")) options.starts = positive_integer(root, "starts");
   if (root.has("max_iterations")) options.max_iterations = positive_integer(root, "max_iterations");
   options.profiles = root.optional_boolean("profiles").value_or(false);
-  if (root.has("fixed")) options.fixed = read_fixed(root.table("fixed"), names.coordinates);
+  if (root.has("segments")) options.segments = read_segments(root);
+  if (root.has("step")) options.step = positive_quantity(root, "step", "s");
+  if (root.has("log_scale")) options.log_scale = known_names(root, "log_scale", names.coordinates);
+  if (root.has("attitude_scale")) options.attitude_scale = positive_quantity(root, "attitude_scale", "rad");
+  read_tables(root, names, options);
   for (const auto& [list, chosen] :
        {std::pair{"shared", &options.shared}, std::pair{"per_capture", &options.per_capture}}) {
     for (const std::string& name : *chosen) {
@@ -112,7 +182,6 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
                        fmt::format("\"{}\" is fixed in [fixed] as well; one of the two was expected", name));
     }
   }
-  if (root.has("box")) options.box = read_box(root.table("box"), names.coordinates);
   return options;
 }
 

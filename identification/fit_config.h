@@ -21,6 +21,10 @@
 ///     starts = 3
 ///     max_iterations = 500
 ///     profiles = true
+///     segments = "60 ms"                              # or { length = "60 ms", stages = [0.05, 0.5, 5, 50] }
+///     step = "1 ms"                                   # of a model without a codebook: Runge-Kutta steps
+///     log_scale = ["C_D"]
+///     attitude_scale = "2 deg"
 ///
 ///     [fixed]
 ///     fluid_density = "998.2 kg/m^3"
@@ -28,6 +32,15 @@
 ///     [box]                                           # needed for a model, may narrow the box of a codebook
 ///     C_D = [0.6, 2.0]
 ///     "v(0)" = ["-0.4 m/s", "0.8 m/s"]
+///
+///     [initial]                                       # of the first start
+///     C_D = 1.1
+///     [known]                                         # a label of the captures holds it, in SI units
+///     thickness = "thickness_m"
+///     [priors]
+///     C_D = { mean = 1.1, deviation = 0.2 }           # logarithmic = true: median and relative deviation
+///     [periods]                                       # of outputs; those in rad have 360 deg
+///     theta = "180 deg"
 ///
 /// Every key may be left out; fit_options.h has the meanings and defaults. To fit a model without a codebook,
 /// its family takes `fixed` and `box` of the options:

@@ -37,6 +37,26 @@ void validate(const FitOptions& options) {
         fmt::format("the box of \"{}\" goes from {} to {}; an interval with a length was expected", name,
                     interval.lower, interval.upper));
   }
+  if (options.step) require_positive("step", *options.step);
+  if (options.segments.length) require_positive("segments.length", *options.segments.length);
+  if (options.segments.stages.empty()) {
+    throw ArgumentError("segments.stages is empty; one weight or more was expected");
+  }
+  for (const double stage : options.segments.stages) require_positive("a weight of segments.stages", stage);
+  require_positive("attitude_scale", options.attitude_scale);
+  for (const auto& [name, prior] : options.priors) {
+    require_positive(fmt::format("the deviation of the prior of \"{}\"", name), prior.deviation);
+    if (prior.logarithmic) require_positive(fmt::format("the mean of the prior of \"{}\"", name), prior.mean);
+    if (!std::isfinite(prior.mean)) {
+      throw ArgumentError(fmt::format("the mean of the prior of \"{}\" is {}; a finite number was expected",
+                                      name, prior.mean));
+    }
+  }
+  for (const auto& [name, period] : options.periods) {
+    if (!(std::isfinite(period) && period >= 0.0)) {
+      throw ArgumentError(fmt::format("the period of \"{}\" is {}; 0 or more was expected", name, period));
+    }
+  }
   require_at_least_one("starts", options.starts);
   constexpr int kMostStarts = 10000;
   if (options.starts > kMostStarts) {

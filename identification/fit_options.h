@@ -74,6 +74,9 @@ struct FitOptions {
   double attitude_scale = 0.035;
 
   // How
+  /// s: a model without a codebook is integrated by Runge-Kutta steps of this length (step_trajectories.h),
+  /// not by the reference integrator. For whoever makes the family.
+  std::optional<double> step = {};
   SegmentOptions segments = {};
   /// Columns of the captures' labels: captures with the same labels there count as one observation of the
   /// coefficients. Empty: each capture is one.

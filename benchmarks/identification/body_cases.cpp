@@ -2,9 +2,7 @@
 /// and attitudes alone.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-
-#include <fmt/format.h>
+#include <numbers>
 
 #include "cases.h"
 #include "samara/identification/fit.h"
@@ -25,7 +23,7 @@ using samara::identification::Interval;
 constexpr int kFrames = 241;
 constexpr double kRate = 240.0;
 constexpr double kNoise = 1e-3;
-constexpr double kAngleNoise = 2.0 * M_PI / 180.0;
+constexpr double kAngleNoise = 2.0 * std::numbers::pi / 180.0;
 constexpr double kStartSpread = 0.35;
 constexpr double kSegment = 15.0 / kRate;
 
@@ -64,8 +62,8 @@ Capture capture(const Values& coefficients, pgd::Random& random) {
   const auto model = models::find_model("immersed_body");
   Values values = card();
   values.insert(coefficients.begin(), coefficients.end());
-  const double direction = 2.0 * M_PI * random.uniform();
-  const double tilt = 10.0 * M_PI / 180.0;
+  const double direction = 2.0 * std::numbers::pi * random.uniform();
+  const double tilt = 10.0 * std::numbers::pi / 180.0;
   const Eigen::Vector4d q = turn(tilt * Eigen::Vector3d(std::cos(direction), std::sin(direction), 0.0));
   values["qw(0)"] = q[0];
   values["qx(0)"] = q[1];
@@ -108,7 +106,6 @@ FitResult fit_one(const Values& truth, std::uint64_t seed) {
   options.attitude_scale = kAngleNoise;
   options.segments.length = kSegment;
   options.starts = 1;
-  if (const char* n = std::getenv("ITER")) options.max_iterations = std::atoi(n);
   const auto family =
       samara::identification::step_trajectories(models::find_model("immersed_body"), card(), box, 1.05e-3);
   return samara::identification::fit(*family, std::vector{seen}, options);
@@ -126,15 +123,6 @@ void run(const std::string& test_case, const Values& truth, int seeds) {
       if (asked && !(std::abs(c.value / truth.at(c.name) - 1.0) < 0.05)) near = false;
     }
     converged += near ? 1 : 0;
-    if (std::getenv("SAMARA_TRACE")) {
-      fmt::print(stderr, "seed {}: {} cost {:.4g} it {} t {:.2f}", seed, near, result.cost, result.iterations,
-                 result.seconds);
-      for (const Coefficient& c : result.coefficients) {
-        fmt::print(stderr, "  {} {:.3f} +- {:.3f}", c.name, c.value / truth.at(c.name),
-                   c.naive_standard_error.value_or(-1.0) / truth.at(c.name));
-      }
-      fmt::print(stderr, "\n");
-    }
   }
   std::ranges::sort(times);
   print({kBench, test_case, "converged_fraction", static_cast<double>(converged) / seeds});

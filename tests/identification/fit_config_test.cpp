@@ -41,6 +41,18 @@ offsets = ["x"]
 cluster_by = ["drop"]
 starts = 5
 max_iterations = 50
+segments = { length = "60 ms", stages = [1, 10] }
+step = "1 ms"
+log_scale = ["C_D"]
+attitude_scale = "2 deg"
+[initial]
+C_D = 1.1
+[known]
+area = "area_m2"
+[priors]
+C_D = { mean = 1.1, deviation = 0.2, logarithmic = true }
+[periods]
+x = "1 cm"
 [fixed]
 density = "2.7 g/cm^3"
 thickness = 0.002
@@ -58,6 +70,16 @@ C_D = [0.6, 2.0]
   CHECK(*options.offsets == std::vector<std::string>{"x"});
   CHECK(options.cluster_by == std::vector<std::string>{"drop"});
   CHECK(options.starts == 5);
+  CHECK_THAT(*options.segments.length, WithinRel(0.06, 1e-15));
+  CHECK(options.segments.stages == std::vector<double>{1.0, 10.0});
+  CHECK_THAT(*options.step, WithinRel(1e-3, 1e-15));
+  CHECK(options.log_scale == std::vector<std::string>{"C_D"});
+  CHECK_THAT(options.attitude_scale, WithinRel(2.0 * M_PI / 180.0, 1e-15));
+  CHECK(options.initial.at("C_D") == 1.1);
+  CHECK(options.known.at("area") == "area_m2");
+  CHECK(options.priors.at("C_D").logarithmic);
+  CHECK(options.priors.at("C_D").deviation == 0.2);
+  CHECK_THAT(options.periods.at("x"), WithinRel(0.01, 1e-15));
   CHECK(options.max_iterations == 50);
   CHECK_THAT(options.fixed.at("density"), WithinRel(2700.0, 1e-15));
   CHECK(options.fixed.at("thickness") == 0.002);
@@ -92,4 +114,16 @@ TEST_CASE("whatever a config gets wrong is named with its line") {
   CHECK_THAT(config_error("[box]\nC_D = [2.0, 1.0]"),
              StartsWith("fit.toml:2: [box] C_D: ") && Contains("lower < upper"));
   CHECK_THAT(config_error("[box]\nC_D = [1.0]"), Contains("lower < upper"));
+}
+
+TEST_CASE("options of segments and priors outside their meaning are refused with the line") {
+  CHECK_THAT(config_error("segments = \"0 s\"\n"), StartsWith("fit.toml:1: "));
+  CHECK_THAT(config_error("segments = { length = \"1 s\", stages = [] }\n"), Contains("the list is empty"));
+  CHECK_THAT(config_error("segments = { length = \"1 s\", stages = [1, -2] }\n"), Contains("-2"));
+  CHECK_THAT(config_error("step = \"1 m\"\n"), StartsWith("fit.toml:1: "));
+  CHECK_THAT(config_error("[priors]\nC_D = { mean = 1, deviation = 0 }\n"), StartsWith("fit.toml:2: "));
+  CHECK_THAT(config_error("[priors]\nC_D = { mean = -1, deviation = 1, logarithmic = true }\n"),
+             Contains("more than 0"));
+  CHECK_THAT(config_error("[periods]\nx = -1\n"), StartsWith("fit.toml:2: "));
+  CHECK_THAT(config_error("[known]\nthicknes = \"t\"\n"), Contains("thickness"));
 }

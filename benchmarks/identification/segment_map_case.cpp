@@ -1,0 +1,91 @@
+/// One planar fit with segment maps from three places: an a priori codebook, a sampled one, and direct
+/// integration with sensitivities. Answers and times beside each other.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "cases.h"
+#include "plate.h"
+#include "samara/codebooks/build.h"
+#include "samara/codebooks/plan.h"
+#include "samara/identification/fit.h"
+#include "samara/identification/mixed_trajectories.h"
+#include "samara/identification/reference_trajectories.h"
+#include "samara/identification/step_trajectories.h"
+
+namespace samara::benchmarks::identification {
+
+namespace {
+
+namespace id = samara::identification;
+
+constexpr const char* kCase = "codebook_vs_direct";
+constexpr double kInertia = 1.1;  ///< flutter: the plate does not turn over
+constexpr double kSegment = 0.5;
+
+/// Codebooks cover an eighth to each side of what is usual, and nearly every start of a segment of the
+/// flutter; elsewhere the fit integrates.
+codebooks::Codebook book(const std::string& kind) {
+  std::string plan = fmt::format(
+      "model = \"falling_plate_nd\"\n"
+      "[fixed]\ninertia_ratio = {}\nbeta = {}\nB = 1.0\n\"x(0)\" = 0.0\n\"y(0)\" = 0.0\n"
+      "[box]\n\"theta(0)\" = [-1.7, 1.7]\n\"vx(0)\" = [-2.2, 2.2]\n\"vy(0)\" = [-1.1, 0.7]\n\"w(0)\" = "
+      "[-1.3, 1.3]\n",
+      kInertia, 1.0 / 14.0);
+  for (const Truth& c : plate_coefficients()) {
+    plan += fmt::format("{} = [{}, {}]\n", c.name, 0.88 * c.value, 1.12 * c.value);
+  }
+  plan += fmt::format(
+      "[time]\nend = 0.52\n[tolerance]\nrelative = 1e-3\n[builder]\nkind = \"{}\"\nmax_calls = {}\n", kind,
+      kind == "pgd" ? 200000000 : 1000000);
+  return codebooks::build(codebooks::parse_plan(plan, "plan.toml")).book;
+}
+
+struct Answer {
+  id::FitResult fit;
+  double seconds = 0.0;
+};
+
+Answer answer(const id::TrajectoryFamily& family, const id::Capture& capture, const id::FitOptions& options) {
+  Answer result;
+  result.seconds = time_of([&] { result.fit = id::fit(family, std::vector{capture}, options); }, 3, 0.0);
+  return result;
+}
+
+double largest_difference(const id::FitResult& a, const id::FitResult& b) {
+  double largest = 0.0;
+  for (std::size_t k = 0; k < a.coefficients.size(); ++k) {
+    const double error = b.coefficients[k].naive_standard_error.value_or(std::nan(""));
+    largest = std::max(largest, std::abs(a.coefficients[k].value - b.coefficients[k].value) / error);
+  }
+  return largest;
+}
+
+}  // namespace
+
+void segment_map_case(const Options& options) {
+  if (!options.wants(kCase)) return;
+  pgd::Random random(1);
+  const id::Capture capture = plate_capture(kInertia, random);
+  id::FitOptions fit_options = plate_options();
+  fit_options.segments.length = kSegment;
+  const auto model = models::find_model("falling_plate_nd");
+  const auto fixed = plate_fixed(kInertia);
+  const auto box = plate_box();
+  const auto steps = [&] { return id::step_trajectories(model, fixed, box, 0.01); };
+  const Answer exact = answer(*id::reference_trajectories(model, fixed, box), capture, fit_options);
+  const auto report = [&](const std::string& name, const Answer& one) {
+    print({kBench, kCase, "difference_in_stderr_" + name, largest_difference(one.fit, exact.fit)});
+    print({kBench, kCase, "time_" + name, one.seconds, "s", "cvodes", exact.seconds / one.seconds});
+  };
+  report("steps", answer(*steps(), capture, fit_options));
+  for (const std::string kind : {"pgd", "sampling"}) {
+    const codebooks::Codebook made = book(kind);
+    const double error = made.certificate() ? made.certificate()->max_error : std::nan("");
+    print({kBench, kCase, "certificate_" + kind, error});
+    report(kind, answer(*id::mixed_trajectories(made, steps()), capture, fit_options));
+  }
+}
+
+}  // namespace samara::benchmarks::identification
