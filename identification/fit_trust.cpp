@@ -43,6 +43,14 @@ double dispersion_of(const Coefficient& c, double curvature, double naive) {
   return dispersion > 0.0 ? usable(dispersion) : usable(naive);
 }
 
+/// Of the dispersion: from clusters where the error is, else from what is left over of the frames.
+double degrees_of_freedom(const FitProblem& problem, const Coefficient& c) {
+  if (c.standard_error) return std::max(1, problem.cluster_count - 1);
+  const int unknowns =
+      problem.shared_count() + problem.own_count() * static_cast<int>(problem.segments.size());
+  return std::max(1, problem.observation_count() - unknowns);
+}
+
 /// The problem without one of its shared unknowns, which is held at a value that can be changed.
 struct HeldProblem {
   FitProblem problem;
@@ -199,7 +207,8 @@ long add_profiles(const TrajectoryFamily& family, const FitProblem& problem, con
     };
     const double dispersion = dispersion_of(c, curvatures[at], uncertainty.dispersion);
     result.profiles.push_back(
-        profile(target, packed(without(point, at)), solver, {.dispersion = dispersion}));
+        profile(target, packed(without(point, at)), solver,
+                {.dispersion = dispersion, .degrees_of_freedom = degrees_of_freedom(problem, c)}));
     evaluations += fits.evaluations();
   }
   return evaluations;

@@ -25,6 +25,7 @@ Json json_of(const Profile& p) {
           {"best_cost", number(p.best_cost)},
           {"confidence", p.confidence},
           {"dispersion", number(p.dispersion)},
+          {"degrees_of_freedom", number(p.degrees_of_freedom)},
           {"threshold", number(p.threshold)},
           {"interval", {number(p.interval_lower), number(p.interval_upper)}},
           {"ends", {to_string(p.lower_end), to_string(p.upper_end)}},
