@@ -12,25 +12,6 @@
 
 namespace samara::apps {
 
-namespace {
-
-/// What the build took, in the units of its builder.
-std::string effort(const codebooks::Codebook& book) {
-  const codebooks::BuildRecord& record = book.build();
-  if (record.builder == "sampling") {
-    return fmt::format("{} rounds, {:.6g} {}, grid of {:.3g} nodes", record.rounds, record.evaluations,
-                       book.is_of_command() ? "calls" : "trajectories", record.grid_size);
-  }
-  if (record.strategy == "newton") {
-    return fmt::format("{} rounds, {} Newton iterations, {:.3g} evaluations, grid of {:.3g} nodes",
-                       record.rounds, record.iterations, record.evaluations, record.grid_size);
-  }
-  return fmt::format("{} {}, {:.3g} evaluations, where those at all nodes would be {:.3g}", record.rounds,
-                     record.strategy == "slabs" ? "marches" : "rounds", record.evaluations, record.grid_size);
-}
-
-}  // namespace
-
 int run(const BuildArguments& arguments) {
   // A build may take long: that its result cannot be written should be known before. No stream takes a
   // codebook.

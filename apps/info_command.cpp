@@ -23,44 +23,54 @@ struct Numbers {
   double table = 0.0;
 };
 
-Numbers count(const Codebook& book) {
+/// Of a large file, factors are not read for what is shown here.
+using Outlines = std::vector<codebooks::PieceOutline>;
+
+Outlines outlines_of(const Codebook& book) {
+  Outlines outlines;
+  for (const codebooks::Piece& piece : book.pieces()) outlines.push_back(piece.outline());
+  return outlines;
+}
+
+Numbers count(const Outlines& outlines) {
   Numbers numbers;
-  for (const codebooks::Piece& piece : book.pieces()) {
-    for (const codebooks::FieldGroup& group : piece.groups()) {
-      double nodes = 1.0;
-      for (const pgd::Axis& axis : group.axes()) nodes *= axis.size();
-      numbers.stored += static_cast<double>(group.entries());
-      numbers.table += nodes * group.output_count();
+  for (const codebooks::PieceOutline& piece : outlines) {
+    double nodes = 1.0;
+    for (const pgd::Axis& axis : piece.axes) nodes *= axis.size();
+    for (const codebooks::GroupOutline& group : piece.groups) {
+      numbers.stored += static_cast<double>(group.entries);
+      numbers.table += nodes * static_cast<double>(group.outputs.size());
     }
   }
   return numbers;
 }
 
 /// Of the numbers in memory; in the file they are deflated.
-long bytes_of(const codebooks::FieldGroup& group) {
-  return group.entries() * static_cast<long>(sizeof(double));
+long bytes_of(const codebooks::GroupOutline& group) {
+  return group.entries * static_cast<long>(sizeof(double));
 }
 
 /// "12 terms", or "a train of ranks 6, 14, 9": between outputs and time, time and the next axis, ..
-std::string form_of(const codebooks::FieldGroup& group) {
-  if (const pgd::SeparatedField* sum = group.sum()) return fmt::format("{} terms", sum->rank());
-  return fmt::format("a train of ranks {}", fmt::join(group.train()->train().ranks(), ", "));
+std::string form_of(const codebooks::GroupOutline& group) {
+  if (group.is_train) return fmt::format("a train of ranks {}", fmt::join(group.ranks, ", "));
+  return fmt::format("{} terms", group.ranks.front());
 }
 
-Json to_json(const codebooks::FieldGroup& group) {
-  Json object = {{"outputs", group.output_count()}, {"bytes", bytes_of(group)}};
-  if (const pgd::SeparatedField* sum = group.sum()) {
-    object["kind"] = "sum_of_products";
-    object["rank"] = sum->rank();
-  } else {
+Json to_json(const codebooks::GroupOutline& group) {
+  Json object = {{"outputs", group.outputs.size()}, {"bytes", bytes_of(group)}};
+  if (group.is_train) {
     object["kind"] = "train";
-    object["ranks"] = group.train()->train().ranks();
+    object["ranks"] = group.ranks;
+  } else {
+    object["kind"] = "sum_of_products";
+    object["rank"] = group.ranks.front();
   }
   return object;
 }
 
 Json to_json(const Codebook& book, const std::string& path) {
-  const Numbers numbers = count(book);
+  const Outlines outlines = outlines_of(book);
+  const Numbers numbers = count(outlines);
   Json object = {{"schema", "samara-info/1"},
                  {"title", book.title()},
                  {"bytes", std::filesystem::file_size(path)},
@@ -78,11 +88,11 @@ Json to_json(const Codebook& book, const std::string& path) {
   }
   for (const pgd::OutputLabel& o : book.outputs())
     object["outputs"].push_back({{"name", o.name}, {"unit", o.unit}});
-  for (const codebooks::Piece& piece : book.pieces()) {
+  for (const codebooks::PieceOutline& piece : outlines) {
     Json groups = Json::array();
-    for (const codebooks::FieldGroup& group : piece.groups()) groups.push_back(to_json(group));
+    for (const codebooks::GroupOutline& group : piece.groups) groups.push_back(to_json(group));
     Json axes = Json::array();
-    for (const pgd::Axis& axis : piece.groups().front().axes()) {
+    for (const pgd::Axis& axis : piece.axes) {
       axes.push_back({{"name", axis.name()},
                       {"basis", to_string(axis.basis())},
                       {"transform", to_string(axis.transform())},
@@ -110,37 +120,31 @@ Json to_json(const Codebook& book, const std::string& path) {
   return object;
 }
 
-const char* what_was_counted(const Codebook& book) {
-  if (book.is_of_command()) return "calls";
-  return book.build().builder == "sampling" ? "trajectories"
-                                            : "evaluations of the right-hand side and its Jacobian";
-}
-
 /// "7", or "7..13" where pieces differ.
-std::string nodes_of(const Codebook& book, std::size_t coordinate) {
+std::string nodes_of(const Outlines& outlines, std::size_t coordinate) {
   int least = std::numeric_limits<int>::max(), most = 0;
-  for (const codebooks::Piece& piece : book.pieces()) {
-    const int nodes = piece.groups().front().axes()[coordinate].size();
+  for (const codebooks::PieceOutline& piece : outlines) {
+    const int nodes = piece.axes[coordinate].size();
     least = std::min(least, nodes);
     most = std::max(most, nodes);
   }
   return least == most ? fmt::format("{}", most) : fmt::format("{}..{}", least, most);
 }
 
-std::string axis_table(const Codebook& book) {
+std::string axis_table(const Codebook& book, const Outlines& outlines) {
   std::string text = fmt::format("{:<12} {:<8} {:<10} {:<10} {:>7} {:>12} {:>12}\n", "axis", "unit", "role",
                                  "basis", "nodes", "lower", "upper");
   for (std::size_t k = 0; k < book.coordinates().size(); ++k) {
     const codebooks::Coordinate& c = book.coordinates()[k];
-    const pgd::Axis& axis = book.pieces().front().groups().front().axes()[k];
+    const pgd::Axis& axis = outlines.front().axes[k];
     text += fmt::format("{:<12} {:<8} {:<10} {:<10} {:>7} {:>12.6g} {:>12.6g}\n", c.name, c.unit,
-                        to_string(c.role), to_string(axis.basis()), nodes_of(book, k), c.lower, c.upper);
+                        to_string(c.role), to_string(axis.basis()), nodes_of(outlines, k), c.lower, c.upper);
   }
   return text;
 }
 
 /// A line per group: where the piece lies on the coordinates that are split, and what it holds.
-std::string piece_table(const Codebook& book) {
+std::string piece_table(const Codebook& book, const Outlines& outlines) {
   std::string text = fmt::format("{:>5}  {:<28} {:>10}  {}\n", "piece", "outputs", "bytes", "form");
   for (std::size_t p = 0; p < book.pieces().size(); ++p) {
     const codebooks::Piece& piece = book.pieces()[p];
@@ -150,9 +154,9 @@ std::string piece_table(const Codebook& book) {
       if (piece.lower()[k] == c.lower && piece.upper()[k] == c.upper) continue;
       where += fmt::format("; {} from {:.6g} to {:.6g}", c.name, piece.lower()[k], piece.upper()[k]);
     }
-    for (const codebooks::FieldGroup& group : piece.groups()) {
+    for (const codebooks::GroupOutline& group : outlines[p].groups) {
       std::string outputs;
-      for (const pgd::OutputLabel& o : group.outputs())
+      for (const pgd::OutputLabel& o : group.outputs)
         outputs += fmt::format("{}{}{}", outputs.empty() ? "" : ", ", o.name, unit_suffix(o.unit));
       text += fmt::format("{:>5}  {:<28} {:>10}  {}{}\n", p, outputs, bytes_of(group), form_of(group), where);
     }
@@ -161,7 +165,8 @@ std::string piece_table(const Codebook& book) {
 }
 
 std::string describe(const Codebook& book, const std::string& path) {
-  const Numbers numbers = count(book);
+  const Outlines outlines = outlines_of(book);
+  const Numbers numbers = count(outlines);
   std::string text;
   if (book.certificate() && !book.certificate()->met)
     text += fmt::format("MISSED ITS TOLERANCE: {}\n", miss_of(book));
@@ -173,16 +178,15 @@ std::string describe(const Codebook& book, const std::string& path) {
     text += fmt::format("  {} = {}{}\n", name, value,
                         unit == book.model().fixed_units.end() ? "" : unit_suffix(unit->second));
   }
-  text += axis_table(book) + piece_table(book);
+  text += axis_table(book, outlines) + piece_table(book, outlines);
   const auto bytes = static_cast<double>(std::filesystem::file_size(path));
   const double table_bytes = numbers.table * static_cast<double>(sizeof(double));
   text += fmt::format(
       "size: {:.0f} bytes, {:.3g} of the {:.3g} of a table of all nodes; {:.0f} numbers for {:.3g}\n", bytes,
       bytes / table_bytes, table_bytes, numbers.stored, numbers.table);
   const codebooks::BuildRecord& build = book.build();
-  text += fmt::format("build: {} ({}), {}: {}\n  {:.6g} {}, grid of {:.3g} nodes\n", build.builder,
-                      build.strategy, build.status, build.message, build.evaluations, what_was_counted(book),
-                      build.grid_size);
+  text += fmt::format("build: {} ({}), {}: {}\n  {}\n", build.builder, build.strategy, build.status,
+                      build.message, effort(book));
   text += book.certificate() ? to_table(*book.certificate(), book) : std::string("no certificate\n");
   text += fmt::format("made by {} on {} in {:.1f} s\n", book.provenance().generator,
                       book.provenance().created, book.provenance().build_seconds);

@@ -45,6 +45,31 @@ void write_answer(const std::string& path, const std::string& text) {
   }
 }
 
+namespace {
+
+std::string counted(long count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+}  // namespace
+
+std::string effort(const codebooks::Codebook& book) {
+  const codebooks::BuildRecord& record = book.build();
+  const std::string rounds = record.strategy == "slabs" ? counted(record.rounds, "march", "marches")
+                                                        : counted(record.rounds, "round", "rounds");
+  if (record.builder == "sampling") {
+    return fmt::format("{}, {:.6g} {}, grid of {:.3g} nodes", rounds, record.evaluations,
+                       book.is_of_command() ? "calls" : "trajectories", record.grid_size);
+  }
+  if (record.strategy == "newton") {
+    return fmt::format("{}, {}, {:.3g} evaluations, grid of {:.3g} nodes", rounds,
+                       counted(record.iterations, "Newton iteration", "Newton iterations"),
+                       record.evaluations, record.grid_size);
+  }
+  return fmt::format("{}, {:.3g} evaluations, where those at all nodes would be {:.3g}", rounds,
+                     record.evaluations, record.grid_size);
+}
+
 std::string miss_of(const codebooks::Codebook& book) {
   const codebooks::Certificate& c = *book.certificate();
   if (c.failed_points > 0) {

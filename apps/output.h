@@ -27,6 +27,9 @@ Json to_json(const codebooks::Certificate& certificate, const codebooks::Codeboo
 /// The certificate as a readable table.
 std::string to_table(const codebooks::Certificate& certificate, const codebooks::Codebook& book);
 
+/// What the build of a codebook took, in the units of its builder.
+std::string effort(const codebooks::Codebook& book);
+
 /// Why the certificate of a codebook is not met; it has one.
 std::string miss_of(const codebooks::Codebook& book);
 /// On stderr, if the codebook has no certificate or does not meet it.

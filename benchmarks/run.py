@@ -26,8 +26,11 @@ def cpu_name():
 
 
 def commit():
-    result = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True, text=True)
-    return result.stdout.strip() or "unknown"
+    """Of the sources; this program's own results are no change of them."""
+    def git(*arguments):
+        return subprocess.run(["git", *arguments], capture_output=True, text=True).stdout.strip()
+    changed = git("status", "--porcelain", "--untracked-files=no", "--", ":/", ":(top,exclude)benchmarks/results.md")
+    return (git("describe", "--always") or "unknown") + ("-dirty" if changed else "")
 
 
 def row(m):
@@ -50,12 +53,13 @@ def main():
         sys.exit(f"unknown benchmark \"{unknown[0]}\"; known: {', '.join(NAMES)}")
     path = pathlib.Path(__file__).parent / "results.md"
     sections = sections_of(path.read_text()) if path.exists() else {}
+    measured = commit()
     for name in names:
         measurements = run(directory / name, quick)
         for m in measurements:
             print(json.dumps(m))
         table = "\n".join(row(m) for m in measurements)
-        sections[name] = (f"Commit {commit()}, {cpu_name()}.\n\n"
+        sections[name] = (f"Commit {measured}, {cpu_name()}.\n\n"
                           f"| case | metric | value | unit | baseline | ratio |\n| --- | --- | --- | --- | --- | --- |\n{table}")
         if not quick:
             text = "# Results of the benchmarks\n\nWritten by `./dev bench [NAME]`, section by section. Times in seconds; "

@@ -87,13 +87,6 @@ std::string sentence(const BuildRecord& record, const Certificate& certificate, 
   return fmt::format("the build missed its tolerance: {}", error);
 }
 
-/// Whether the plan says how an axis is to be discretised, which sampling does by itself.
-bool prescribes_axes(const Plan& plan) {
-  return std::any_of(plan.box.begin(), plan.box.end(), [](const BoxEntry& entry) {
-    return entry.nodes || entry.basis != pgd::Basis::chebyshev;
-  });
-}
-
 /// `limit` or the plan's own, whichever is less.
 long at_most(const Plan& plan, long limit) {
   return plan.builder.max_calls > 0 ? std::min(plan.builder.max_calls, limit) : limit;
@@ -128,12 +121,14 @@ CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& 
   }
 }
 
-/// Nothing where the engine has no result: that of sampling must not be lost for it.
+/// Nothing where the engine has no result or refuses the plan: what sampling found must not be lost for it.
 std::optional<Solution> engine_trial(const Plan& plan, const models::ParametricModel& model,
                                      const BuildOptions& options, const ProgressCallback& progress) {
   try {
     return solve_by_pgd(plan, model, options, at_most(plan, kTrialEvaluations), progress);
   } catch (const NoResultError&) {
+    return std::nullopt;
+  } catch (const ArgumentError&) {
     return std::nullopt;
   }
 }
@@ -142,7 +137,7 @@ std::optional<Solution> engine_trial(const Plan& plan, const models::ParametricM
 /// second. Both are counted, not timed, so that the choice is the same everywhere.
 Solution solve_by_trial(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
                         const ProgressCallback& progress, const bool& cancelled) {
-  if (prescribes_axes(plan)) {
+  if (plan.prescribes_axes()) {
     return chosen(solve_by_pgd(plan, model, options, plan.builder.max_calls, progress),
                   "the plan prescribes an axis, and sampling chooses its own");
   }
@@ -221,11 +216,11 @@ BuildResult build_of_model(const Plan& plan, const BuildOptions& options, const 
   };
   // Fewer numbers must not cost the certificate.
   for (const double share : {0.9, 0.4}) {
-    Solution compact = compacted(
+    std::optional<Solution> compact = compacted(
         solved,
         {.tolerance = plan.relative, .share = share, .absolute = plan.absolute, .seed = plan.builder.seed});
-    if (compact.record.message == solved.record.message) break;
-    BuildResult result = certified(std::move(compact));
+    if (!compact) break;
+    BuildResult result = certified(std::move(*compact));
     if (result.met || cancelled) return result;
   }
   return certified(solved);

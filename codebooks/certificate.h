@@ -26,6 +26,7 @@ struct ErrorBudget {
   double discretisation = 0.0;
   double compression = 0.0;
   double nonlinearity = 0.0;
+  double total() const { return discretisation + compression + nonlinearity; }
 };
 
 /// Error of a codebook against CVODES at tight tolerance, on scrambled Sobol' points that no builder saw, at

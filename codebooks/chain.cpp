@@ -94,6 +94,14 @@ bool nearly_equal(const std::vector<double>& a, const std::vector<double>& b) {
 }  // namespace
 
 struct Chain::Impl {
+  /// Where a window begins.
+  struct Window {
+    Eigen::VectorXd start;             ///< all states as they are
+    Eigen::VectorXd reduced;           ///< without heading, where an attitude is reduced
+    Eigen::MatrixXd reduced_by_start;  ///< where derivatives are wanted
+    std::vector<double> shift;         ///< what the codebook's states are displaced by
+  };
+
   const Codebook& book;
   Query query;
   std::vector<std::string> states;
@@ -107,19 +115,20 @@ struct Chain::Impl {
   std::vector<double> point;
   Eigen::VectorXd values;
   Eigen::MatrixXd gradient;
+  Eigen::MatrixXd by_reduced, by_heading;
 
   explicit Impl(const Codebook& codebook);
   Carried carry(const models::ModelInfo& info, std::size_t state, bool is_angle) const;
   void check(std::span<const double> start, std::span<const double> q, std::span<const double> times) const;
-  /// Loads the start of a window, reduced. @returns the state that is outside the box, if one is
-  std::optional<std::size_t> load(const Eigen::VectorXd& x, std::vector<double>& shift);
+  /// Loads the reduced start of a window. @returns the state that is outside the box, if one is
+  std::optional<std::size_t> load(Window& at);
   /// States at a time of the window that was loaded, reduced as its start, and their derivatives by the
   /// states at its start and the parameters.
-  void answer(double t, const std::vector<double>& shift, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
+  void answer(double t, const Window& at, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
               Eigen::MatrixXd* by_parameters);
   /// The same as they are, from the start as it is.
-  void answer_from(const Eigen::VectorXd& start, double t, const std::vector<double>& shift,
-                   Eigen::VectorXd& x, Eigen::MatrixXd* by_start, Eigen::MatrixXd* by_parameters);
+  void answer_from(const Window& at, double t, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
+                   Eigen::MatrixXd* by_parameters);
   std::string left_box(double t, std::size_t state, double value) const;
   void run(const Eigen::VectorXd& start, std::span<const double> times, bool with_derivatives,
            ChainResult& result);
@@ -209,16 +218,16 @@ void Chain::Impl::check(std::span<const double> start, std::span<const double> q
   }
 }
 
-std::optional<std::size_t> Chain::Impl::load(const Eigen::VectorXd& x, std::vector<double>& shift) {
+std::optional<std::size_t> Chain::Impl::load(Window& at) {
   for (std::size_t i = 0; i < carried.size(); ++i) {
     const Carried& state = carried[i];
-    double value = x[static_cast<Eigen::Index>(i)];
+    double value = at.reduced[static_cast<Eigen::Index>(i)];
     if (!state.coordinate) {
-      shift[i] = state.held ? 0.0 : value - state.origin;
+      at.shift[i] = state.held ? 0.0 : value - state.origin;
       continue;
     }
-    shift[i] = state.wraps ? kTurn * std::floor((value - state.lower) / kTurn) : 0.0;
-    value -= shift[i];
+    at.shift[i] = state.wraps ? kTurn * std::floor((value - state.lower) / kTurn) : 0.0;
+    value -= at.shift[i];
     // Rounding of the wrap may step over the border by its last digits.
     if (state.wraps) value = std::clamp(value, state.lower, state.upper);
     if (!(value >= state.lower && value <= state.upper)) return i;
@@ -227,8 +236,8 @@ std::optional<std::size_t> Chain::Impl::load(const Eigen::VectorXd& x, std::vect
   return std::nullopt;
 }
 
-void Chain::Impl::answer(double t, const std::vector<double>& shift, Eigen::VectorXd& x,
-                         Eigen::MatrixXd* by_start, Eigen::MatrixXd* by_parameters) {
+void Chain::Impl::answer(double t, const Window& at, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
+                         Eigen::MatrixXd* by_parameters) {
   point[0] = std::min(t, window);
   if (by_start == nullptr) {
     query.values(point, values);
@@ -238,7 +247,7 @@ void Chain::Impl::answer(double t, const std::vector<double>& shift, Eigen::Vect
   }
   for (std::size_t i = 0; i < carried.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    x[row] = values[carried[i].output] + shift[i];
+    x[row] = values[carried[i].output] + at.shift[i];
     if (by_start == nullptr) continue;
     for (std::size_t j = 0; j < carried.size(); ++j) {
       const auto column = static_cast<Eigen::Index>(j);
@@ -252,18 +261,16 @@ void Chain::Impl::answer(double t, const std::vector<double>& shift, Eigen::Vect
   }
 }
 
-void Chain::Impl::answer_from(const Eigen::VectorXd& start, double t, const std::vector<double>& shift,
-                              Eigen::VectorXd& x, Eigen::MatrixXd* by_start, Eigen::MatrixXd* by_parameters) {
-  answer(t, shift, x, by_start, by_parameters);
+void Chain::Impl::answer_from(const Window& at, double t, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
+                              Eigen::MatrixXd* by_parameters) {
+  answer(t, at, x, by_start, by_parameters);
   if (!attitude) return;
   if (by_start == nullptr) {
-    x = attitude->restored(x, start, nullptr, nullptr);
+    x = attitude->restored(x, at.start, nullptr, nullptr);
     return;
   }
-  Eigen::MatrixXd reduced_by_start, by_reduced, by_heading;
-  attitude->reduced(start, &reduced_by_start);
-  x = attitude->restored(x, start, &by_reduced, &by_heading);
-  *by_start = by_reduced * *by_start * reduced_by_start + by_heading;
+  x = attitude->restored(x, at.start, &by_reduced, &by_heading);
+  *by_start = by_reduced * *by_start * at.reduced_by_start + by_heading;
   *by_parameters = by_reduced * *by_parameters;
 }
 
@@ -282,8 +289,8 @@ void Chain::Impl::run(const Eigen::VectorXd& start, std::span<const double> time
                       ChainResult& result) {
   const Eigen::Index n = start.size();
   const auto m = static_cast<Eigen::Index>(parameters.size());
-  Eigen::VectorXd x = start, end(n);
-  std::vector<double> shift(states.size());
+  Window at{start, start, {}, std::vector<double>(states.size())};
+  Eigen::VectorXd end(n);
   Eigen::MatrixXd by_start(n, n), by_parameters(n, m);
   // d(x at the start of the window)/d(start, parameters)
   Eigen::MatrixXd so_far = Eigen::MatrixXd::Zero(n, n + m);
@@ -298,24 +305,25 @@ void Chain::Impl::run(const Eigen::VectorXd& start, std::span<const double> time
   std::size_t next = 0;
   for (long k = 0; next < times.size(); ++k) {
     const double begin = static_cast<double>(k) * window;
-    const Eigen::VectorXd reduced = attitude ? attitude->reduced(x, nullptr) : x;
-    if (const std::optional<std::size_t> out = load(reduced, shift)) {
+    at.reduced =
+        attitude ? attitude->reduced(at.start, with_derivatives ? &at.reduced_by_start : nullptr) : at.start;
+    if (const std::optional<std::size_t> out = load(at)) {
       result.status = ChainStatus::left_box;
       result.left = states[*out];
-      result.message = left_box(begin, *out, reduced[static_cast<Eigen::Index>(*out)]);
+      result.message = left_box(begin, *out, at.reduced[static_cast<Eigen::Index>(*out)]);
       return;
     }
     // The end of the last window serves the times at its border: rounding must not open another one.
     for (; next < times.size() && times[next] - begin <= window * (1.0 + 1e-12); ++next) {
-      answer_from(x, times[next] - begin, shift, end, A, B);
+      answer_from(at, times[next] - begin, end, A, B);
       result.states.row(static_cast<Eigen::Index>(next)) = end.transpose();
       if (with_derivatives) result.derivatives[next] = composed();
       result.reached = times[next];
     }
     if (next == times.size()) break;
-    answer_from(x, window, shift, end, A, B);
+    answer_from(at, window, end, A, B);
     if (with_derivatives) so_far = composed();
-    x = end;
+    at.start = end;
   }
   result.message = fmt::format("{} times up to {:.6g}", times.size(), result.reached);
 }

@@ -35,9 +35,9 @@ void check_groups(const Piece& piece) {
   }
 }
 
-std::vector<Coordinate> coordinates_of(const Piece& piece, bool needs_time) {
+std::vector<Coordinate> coordinates_of(const PieceOutline& piece, bool needs_time) {
   std::vector<Coordinate> coordinates;
-  for (const pgd::Axis& axis : axes_of(piece)) {
+  for (const pgd::Axis& axis : piece.axes) {
     coordinates.push_back({axis.name(), axis.unit(), axis.role(), axis.lower(), axis.upper()});
   }
   const bool has_time = coordinates.front().role == pgd::AxisRole::time;
@@ -58,10 +58,10 @@ void sort_pieces(std::vector<Piece>& pieces) {
                    [](const Piece& a, const Piece& b) { return a.lower() < b.lower(); });
 }
 
-std::vector<pgd::OutputLabel> outputs_of(const Piece& piece) {
+std::vector<pgd::OutputLabel> outputs_of(const PieceOutline& piece) {
   std::vector<pgd::OutputLabel> outputs;
-  for (const FieldGroup& group : piece.groups()) {
-    outputs.insert(outputs.end(), group.outputs().begin(), group.outputs().end());
+  for (const GroupOutline& group : piece.groups) {
+    outputs.insert(outputs.end(), group.outputs.begin(), group.outputs.end());
   }
   return outputs;
 }
@@ -92,7 +92,9 @@ struct Piece::Content {
   std::atomic<bool> is_read = false;
   Groups groups;
   std::vector<double> lower, upper;
+  std::mutex busy;  ///< the two functions are on their way out
   std::function<Groups()> read;
+  std::function<PieceOutline()> outline;
 };
 
 Piece::Piece(Groups groups) : content_(std::make_shared<Content>()) {
@@ -106,22 +108,38 @@ Piece::Piece(Groups groups) : content_(std::make_shared<Content>()) {
   content_->is_read = true;
 }
 
-Piece::Piece(std::vector<double> lower, std::vector<double> upper, std::function<Groups()> read)
+Piece::Piece(std::vector<double> lower, std::vector<double> upper, std::function<Groups()> read,
+             std::function<PieceOutline()> outline)
     : content_(std::make_shared<Content>()) {
   content_->lower = std::move(lower);
   content_->upper = std::move(upper);
   content_->read = std::move(read);
+  content_->outline = std::move(outline);
 }
 
 const Piece::Groups& Piece::groups() const {
   if (!content_->is_read) {
     std::call_once(content_->once, [&] {
       content_->groups = content_->read();
+      const std::lock_guard lock(content_->busy);
       content_->read = {};
+      content_->outline = {};
       content_->is_read = true;
     });
   }
   return content_->groups;
+}
+
+PieceOutline Piece::outline() const {
+  std::function<PieceOutline()> of_file;
+  {
+    const std::lock_guard lock(content_->busy);
+    of_file = content_->outline;
+  }
+  if (of_file) return of_file();
+  PieceOutline result{axes_of(*this), {}};
+  for (const FieldGroup& group : groups()) result.groups.push_back(group.outline());
+  return result;
 }
 
 bool Piece::is_read() const {
@@ -146,9 +164,9 @@ Codebook::Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecor
   for (const Piece& piece : pieces_)
     if (piece.is_read()) check_groups(piece);
   sort_pieces(pieces_);
-  check_groups(pieces_.front());
-  coordinates_ = coordinates_of(pieces_.front(), !is_of_command());
-  outputs_ = outputs_of(pieces_.front());
+  const PieceOutline first = pieces_.front().outline();
+  coordinates_ = coordinates_of(first, !is_of_command());
+  outputs_ = outputs_of(first);
   check_distinct(outputs_);
   for (const Piece& piece : pieces_) {
     if (piece.is_read()) check_piece(piece);
@@ -175,7 +193,7 @@ void Codebook::check_piece(const Piece& piece) const {
                  });
   if (!same_coordinates)
     throw ArgumentError("pieces of a codebook must have the same coordinates in the same order");
-  const auto labels = outputs_of(piece);
+  const auto labels = outputs_of(piece.outline());
   const bool same_outputs =
       std::equal(labels.begin(), labels.end(), outputs_.begin(), outputs_.end(),
                  [](const auto& a, const auto& b) { return a.name == b.name && a.unit == b.unit; });

@@ -59,6 +59,12 @@ struct BuildRecord {
   int rounds = 0;      ///< of refinement; of slabs: marches
 };
 
+/// What a piece is, without the numbers of its groups.
+struct PieceOutline {
+  std::vector<pgd::Axis> axes;
+  std::vector<GroupOutline> groups;
+};
+
 /// One time slab of one parameter cell: its own axes and field groups, all groups over the same axes. It may
 /// stand for what a file holds, and be read when it is first asked for. Cheap to copy, safe to share between
 /// threads.
@@ -71,9 +77,13 @@ class Piece {
   /// @param lower,upper of the box, coordinate by coordinate
   /// @param read called once, by whoever first asks for the groups; what it throws they get, and the next one
   ///   asks again
-  Piece(std::vector<double> lower, std::vector<double> upper, std::function<Groups()> read);
+  /// @param outline called as long as the groups are not read
+  Piece(std::vector<double> lower, std::vector<double> upper, std::function<Groups()> read,
+        std::function<PieceOutline()> outline);
 
   const Groups& groups() const;
+  /// Reads no more than it has to.
+  PieceOutline outline() const;
   /// Whether the groups are there without reading.
   bool is_read() const;
   /// Ends of the box, in the order of the axes.
@@ -99,8 +109,8 @@ class Codebook {
   /// Keeps the pieces in the order of their lower corners.
   /// @throws ArgumentError if there is no piece, pieces differ in their coordinates or outputs, groups of a
   /// piece in their axes, two outputs have one name, or time is not first or not made of elements, or missing
-  /// where the codebook is one of a model. Pieces that are not read yet, other than the first, are not looked
-  /// at: see check_piece().
+  /// where the codebook is one of a model. Of pieces that are not read yet the first is looked at in outline,
+  /// others are not: see check_piece().
   Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecord build = {},
            Provenance provenance = {}, std::optional<Certificate> certificate = {}, std::string title = {});
 

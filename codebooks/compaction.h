@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "samara/codebooks/solution.h"
@@ -15,9 +16,10 @@ struct CompactionRequest {
   std::uint64_t seed = 1;
 };
 
-/// A solution by slabs with fewer numbers (pgd/slab_join.h), by a part of what the builder left of the
-/// tolerance. Other solutions, and those that did not converge, stay as they are. Errors are over the ranges
-/// of the outputs as the fields show them.
-Solution compacted(const Solution& solution, const CompactionRequest& request);
+/// The same solution with fewer numbers, by a part of what the builder left of the tolerance: slabs are
+/// joined and made compact (pgd/slab_join.h), sums of products get fewer terms (pgd/compression.h). Nothing
+/// if that saves nothing, or for solutions of other strategies, whose trains sampling has rounded already,
+/// and such that did not converge. Errors are over the ranges of the outputs as the fields show them.
+std::optional<Solution> compacted(const Solution& solution, const CompactionRequest& request);
 
 }  // namespace samara::codebooks

@@ -24,6 +24,11 @@ long FieldGroup::entries() const {
   return entries;
 }
 
+GroupOutline FieldGroup::outline() const {
+  const bool is_train = train() != nullptr;
+  return {outputs(), is_train, is_train ? train()->train().ranks() : std::vector{sum()->rank()}, entries()};
+}
+
 FieldGroup::Workspace FieldGroup::make_workspace() const {
   return std::visit([](const auto& field) { return Workspace(field.make_workspace()); }, field_);
 }

@@ -11,6 +11,14 @@
 
 namespace samara::codebooks {
 
+/// What a field group is, without its numbers.
+struct GroupOutline {
+  std::vector<pgd::OutputLabel> outputs;
+  bool is_train = false;
+  std::vector<int> ranks;  ///< of a train, between outputs, first axis, second, ..; of a sum its terms
+  long entries = 0;        ///< numbers stored, those of the axes aside
+};
+
 /// Several outputs over the axes of a piece: a sum of products or a train. Immutable, safe to share between
 /// threads.
 class FieldGroup {
@@ -28,6 +36,7 @@ class FieldGroup {
   int output_count() const { return static_cast<int>(outputs().size()); }
   /// Numbers stored, those of the axes aside.
   long entries() const;
+  GroupOutline outline() const;
 
   /// The field of a group that is a sum of products, else null.
   const pgd::SeparatedField* sum() const { return std::get_if<pgd::SeparatedField>(&field_); }

@@ -201,21 +201,33 @@ void check_units(const Hdf5Reader& file, const Codebook& book) {
   }
 }
 
-/// Files up to this size are read at once, so that damage is found at the door; of larger ones the first
-/// piece is, and others when they are asked for.
+/// Files up to this size are read at once, so that damage is found at the door, and so are those of one
+/// piece; pieces of others when they are asked for.
 constexpr std::uintmax_t kReadAtOnce = 1 << 20;
 
+/// A piece that has nothing but its outline.
+Piece outlined_piece(const PieceOutline& outline) {
+  std::vector<double> lower, upper;
+  for (const pgd::Axis& axis : outline.axes) {
+    lower.push_back(axis.lower());
+    upper.push_back(axis.upper());
+  }
+  return Piece(std::move(lower), std::move(upper), {}, [outline] { return outline; });
+}
+
 /// A piece that is read when it is asked for.
-/// @param like a codebook of the first piece: others must be like it
+/// @param like a codebook of the outline of the first piece: others must be like it
+/// @param known its outline, where it has been read
 Piece deferred_piece(const std::shared_ptr<const Hdf5Reader>& file, const std::string& path,
-                     const std::shared_ptr<const Codebook>& like) {
+                     const std::shared_ptr<const Codebook>& like,
+                     const std::shared_ptr<const PieceOutline>& known) {
   std::vector<double> lower = file->numbers_attribute(path, "lower");
   std::vector<double> upper = file->numbers_attribute(path, "upper");
   bool is_box = lower.size() == upper.size() && lower.size() == like->coordinates().size();
   for (std::size_t k = 0; is_box && k < lower.size(); ++k)
     is_box = std::isfinite(lower[k]) && std::isfinite(upper[k]) && lower[k] <= upper[k];
   if (!is_box) throw file->error(path, "lower and upper are not the ends of a box of the coordinates");
-  return Piece(std::move(lower), std::move(upper), [file, path, like] {
+  const auto read = [file, path, like] {
     Piece piece = read_piece(*file, path);
     try {
       like->check_piece(piece);
@@ -223,18 +235,31 @@ Piece deferred_piece(const std::shared_ptr<const Hdf5Reader>& file, const std::s
       throw file->error(path, error.what());
     }
     return piece.groups();
-  });
+  };
+  const auto outline = [file, path, like, known] {
+    if (known) return *known;
+    PieceOutline piece = read_outline(*file, path);
+    if (piece.axes.size() == like->coordinates().size()) return piece;
+    throw file->error(
+        path, fmt::format("has {} axes, the first piece {}", piece.axes.size(), like->coordinates().size()));
+  };
+  return Piece(std::move(lower), std::move(upper), read, outline);
 }
 
 std::vector<Piece> read_pieces(const std::shared_ptr<const Hdf5Reader>& file, const ModelDescription& model,
                                bool at_once) {
   std::vector<Piece> pieces;
-  std::shared_ptr<const Codebook> first;
   const int count = numbered_children(*file, "/pieces");
+  std::shared_ptr<const PieceOutline> outline;
+  std::shared_ptr<const Codebook> first;
+  if (!at_once && count > 1) {
+    outline = std::make_shared<const PieceOutline>(read_outline(*file, "/pieces/0"));
+    first = std::make_shared<const Codebook>(model, std::vector{outlined_piece(*outline)});
+  }
   for (int k = 0; k < count; ++k) {
     const std::string path = fmt::format("/pieces/{}", k);
-    pieces.push_back(at_once || k == 0 ? read_piece(*file, path) : deferred_piece(file, path, first));
-    if (!at_once && k == 0) first = std::make_shared<const Codebook>(model, pieces);
+    pieces.push_back(first ? deferred_piece(file, path, first, k == 0 ? outline : nullptr)
+                           : read_piece(*file, path));
     for (int other = 0; other < k; ++other) {
       const Piece& before = pieces[static_cast<std::size_t>(other)];
       if (before.lower() == pieces.back().lower() && before.upper() == pieces.back().upper())

@@ -133,10 +133,8 @@ pgd::SlabResult slab_result(const pgd::AdaptiveProblem& problem, const pgd::Slab
   }
 }
 
-Solution solve_by_slabs(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
+Solution solve_by_slabs(const Plan& plan, const pgd::AdaptiveProblem& problem, const BuildOptions& options,
                         long max_evaluations, const ProgressCallback& progress) {
-  const ModelSystem system(model);
-  const pgd::AdaptiveProblem problem = problem_of(plan, model, system);
   pgd::SlabOptions slabs;
   slabs.tolerance = plan.relative;
   slabs.max_evaluations = max_evaluations;
@@ -145,6 +143,10 @@ Solution solve_by_slabs(const Plan& plan, const models::ParametricModel& model, 
   slabs.progress = progress;
   slabs.checkpoint = checkpoint_writer<std::vector<double>>(plan, options, save_march);
   pgd::SlabResult result = slab_result(problem, slabs, plan, options);
+  if (result.pieces.empty()) {
+    throw NoResultError(
+        fmt::format("the march in slabs has no result on the first slab: {}", result.message));
+  }
   Solution solution;
   for (pgd::TrainField& field : result.pieces) solution.pieces.push_back(Piece{{std::move(field)}});
   solution.record = record_of(result);
@@ -163,10 +165,8 @@ pgd::AdaptiveResult adaptive_result(const pgd::AdaptiveProblem& problem, const p
   }
 }
 
-Solution solve_by_newton(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
+Solution solve_by_newton(const Plan& plan, const pgd::AdaptiveProblem& problem, const BuildOptions& options,
                          long max_evaluations, const ProgressCallback& progress) {
-  const ModelSystem system(model);
-  const pgd::AdaptiveProblem problem = problem_of(plan, model, system);
   pgd::AdaptiveOptions adaptive;
   adaptive.tolerance = plan.relative;
   adaptive.max_evaluations = max_evaluations;
@@ -190,29 +190,22 @@ Solution solve_by_newton(const Plan& plan, const models::ParametricModel& model,
   return solution;
 }
 
-}  // namespace
-
-namespace {
-
 /// Slabs choose nodes by themselves and refine what they are given badly; a grid that the plan prescribes is
 /// taken as it is by the solver of the whole time.
 bool is_for_slabs(const Plan& plan) {
-  if (plan.builder.strategy != "auto") return plan.builder.strategy == "slabs";
-  return std::none_of(plan.box.begin(), plan.box.end(), [](const BoxEntry& entry) {
-    return entry.nodes || entry.basis != pgd::Basis::chebyshev;
-  });
+  return plan.builder.strategy == "slabs" || (plan.builder.strategy == "auto" && !plan.prescribes_axes());
 }
 
 }  // namespace
 
 Solution solve_by_pgd(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
                       long max_evaluations, const ProgressCallback& progress) {
-  if (is_marched(plan.builder.strategy)) {
-    const ModelSystem system(model);
-    return solve_by_strategy(plan, problem_of(plan, model, system), options, max_evaluations, progress);
-  }
-  if (is_for_slabs(plan)) return solve_by_slabs(plan, model, options, max_evaluations, progress);
-  return solve_by_newton(plan, model, options, max_evaluations, progress);
+  const ModelSystem system(model);
+  const pgd::AdaptiveProblem problem = problem_of(plan, model, system);
+  const auto solve = is_marched(plan.builder.strategy) ? solve_by_strategy
+                     : is_for_slabs(plan)              ? solve_by_slabs
+                                                       : solve_by_newton;
+  return solve(plan, problem, options, max_evaluations, progress);
 }
 
 }  // namespace samara::codebooks

@@ -223,7 +223,7 @@ void check_builder_fits(const TomlTable& root, const Plan& plan) {
                                 plan.builder.strategy));
   }
   for (const BoxEntry& entry : plan.box) {
-    if (!entry.nodes && entry.basis == pgd::Basis::chebyshev) continue;
+    if (!entry.prescribes_axis()) continue;
     throw root.table("box").error(
         entry.name, fmt::format("prescribes {}, but the builder of kind \"sampling\" chooses that by itself",
                                 entry.nodes ? "nodes" : "a basis"));
@@ -280,6 +280,10 @@ void check_complete(const TomlTable& root, const Plan& plan) {
 }
 
 }  // namespace
+
+bool Plan::prescribes_axes() const {
+  return std::ranges::any_of(box, &BoxEntry::prescribes_axis);
+}
 
 models::ParametricModel Plan::parametric_model() const {
   if (command) throw ArgumentError(fmt::format("the plan {} is one of a command and has no model", source));

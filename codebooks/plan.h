@@ -23,6 +23,8 @@ struct BoxEntry {
   std::optional<int> nodes;  ///< of its axis; empty: chosen by the builder
   pgd::Basis basis = pgd::Basis::chebyshev;
   pgd::Transform transform = pgd::Transform::none;
+  /// Whether the plan says how the axis is to be discretised, which sampling and slabs do by themselves.
+  bool prescribes_axis() const { return nodes || basis != pgd::Basis::chebyshev; }
 };
 
 /// A number that a command takes or gives.
@@ -60,8 +62,8 @@ struct Plan {
     /// "auto", "slabs", "newton", or one of is_marched() in strategy_builder.h
     std::string strategy = "auto";
     int max_cells = 1;  ///< of the strategy "slabs"
-    /// Of f and its Jacobian; of sampling, trajectories, or points given to the command; 0: no limit of the
-    /// plan's. A trial of "auto" has its own.
+    /// Of f and its Jacobian, beyond which no slab, iteration or round begins; of sampling, trajectories, or
+    /// points given to the command, and never more; 0: no limit of the plan's. A trial of "auto" has its own.
     long max_calls = 0;
     int threads = 0;  ///< 0: all cores
     std::uint64_t seed = 1;
@@ -70,6 +72,8 @@ struct Plan {
   std::string source;  ///< file the plan came from, for messages; empty if none
   std::string text;    ///< the plan as read
 
+  /// Whether it prescribes any axis.
+  bool prescribes_axes() const;
   /// The model with the plan's fixed and free coordinates.
   /// @throws ArgumentError as models::find_model() and ParametricModel do, and for a plan of a command.
   models::ParametricModel parametric_model() const;

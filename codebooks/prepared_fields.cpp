@@ -29,8 +29,7 @@ PreparedFields::PreparedFields(const Codebook& book, const Choice& choice) : cho
   }
   // Pieces that a file has not given yet wait until a point falls into them. Times meet them all; of lists
   // the box does not tell what is inside.
-  const std::vector<pgd::Axis>& first = book.pieces().front().groups().front().axes();
-  const bool may_wait = !choice.times && std::ranges::none_of(first, is_list);
+  const bool may_wait = !choice.times && std::ranges::none_of(book.pieces().front().outline().axes, is_list);
   std::vector<PieceFinder::Box> boxes;
   all_hold_the_box_ = has_one_cell_ = true;
   for (const codebooks::Piece& piece : book.pieces()) {

@@ -14,7 +14,8 @@
 namespace samara::codebooks {
 
 /// What all pieces of a codebook say to one question, ready for the kernels: some rows (outputs, or outputs
-/// at times), as functions of the coordinates that are left free. Immutable, shared between queries.
+/// at times), as functions of the coordinates that are left free. Shared between queries; nothing changes but
+/// that pieces of a large file are read and packed when a point falls into them, once.
 class PreparedFields {
  public:
   /// What is asked.
@@ -115,14 +116,13 @@ class BatchRun {
  public:
   explicit BatchRun(const PreparedFields& fields);
 
-  /// All points go to the pieces that `piece_of` names for them.
-  /// @param points coordinates x points  @param places of the points to answer, with the piece of each
+  /// A point to answer, and the piece that does.
   struct Place {
     int piece = 0;
     int point = 0;
   };
   std::vector<Place>& places() { return places_; }
-  /// Answers places(): column `point` of values (rows x points, leading dimension `lead`).
+  /// Answers places(), and sorts them: column `point` of values (rows x points, leading dimension `lead`).
   void run(const double* points, PreparedFields::Workspace& workspace, double* values, std::ptrdiff_t lead);
 
  private:

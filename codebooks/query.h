@@ -17,7 +17,9 @@
 /// held, times. Then each call blends the factors of the free coordinates, and multiplies them up.
 ///
 /// A query holds scratch space: one per thread. Copies share the prepared factors. Calls do not allocate,
-/// lock, or print, except batches on several threads, which allocate. The codebook must outlive its queries.
+/// lock, or print, with two exceptions: batches on several threads allocate, and the first point in a piece
+/// that a large file has not given yet (store.h) reads it, while others that need the same piece wait. The
+/// codebook must outlive its queries.
 ///
 /// Usage:
 ///   Query query(book, {.outputs = {"x", "y"}, .fixed = {{"t", 5.0}}});
@@ -29,7 +31,8 @@ enum class Precision {
   double_precision,
   single_precision,
   /// Single floats where they change answers by no more than a twentieth of the largest error that the
-  /// certificate has for the output, at trial points; doubles otherwise, and where there is no certificate.
+  /// certificate has for the output, at trial points; doubles otherwise, where there is no certificate, and
+  /// where pieces of a large file are not read yet.
   automatic,
 };
 

@@ -12,7 +12,7 @@ namespace samara::codebooks {
 /// @throws ArgumentError if the file cannot be written.
 void save(const Codebook& book, const std::filesystem::path& path);
 
-/// Of a file of more than 1 MiB the first piece is read, and others when they are first asked for: damage
+/// Of a file of more than 1 MiB and of several pieces none is read before it is first asked for: damage
 /// there is found then, with the same error. Such a codebook keeps the file open.
 /// @throws InputError naming file and dataset if it is missing, truncated, foreign, of another major format
 /// version,

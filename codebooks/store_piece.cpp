@@ -274,7 +274,50 @@ FieldGroup read_group(const Hdf5Reader& file, const std::string& path, const std
       path, fmt::format("kind is \"{}\", expected \"{}\" or \"{}\"", kind, format::kSum, format::kTrain));
 }
 
+/// Numbers of a dataset, and the size of its last dimension.
+struct Shape {
+  long entries = 1;
+  int last = 0;
+};
+
+Shape shape_of(const Hdf5Reader& file, const std::string& path, std::size_t dimensions) {
+  const std::vector<Eigen::Index> sizes = file.shape(path);
+  if (sizes.size() != dimensions)
+    throw file.error(path, fmt::format("has {} dimensions, expected {}", sizes.size(), dimensions));
+  Shape shape;
+  for (const Eigen::Index size : sizes) shape.entries *= size;
+  shape.last = static_cast<int>(sizes.back());
+  return shape;
+}
+
+GroupOutline read_group_outline(const Hdf5Reader& file, const std::string& path,
+                                const std::vector<pgd::Axis>& axes) {
+  GroupOutline group{read_outputs(file, path), file.text_attribute(path, "kind") == format::kTrain, {}, 0};
+  if (!group.is_train) {
+    const Shape weights = shape_of(file, path + "/weights", 2);
+    group.ranks.push_back(weights.last);
+    group.entries = weights.entries;
+    for (const pgd::Axis& axis : axes)
+      group.entries += shape_of(file, path + "/factors/" + axis.name(), 2).entries;
+    return group;
+  }
+  for (std::size_t k = 0; k <= axes.size(); ++k) {
+    const Shape core = shape_of(file, fmt::format("{}/cores/{}", path, k), 3);
+    group.entries += core.entries;
+    if (k < axes.size()) group.ranks.push_back(core.last);
+  }
+  return group;
+}
+
 }  // namespace
+
+PieceOutline read_outline(const Hdf5Reader& file, const std::string& path) {
+  PieceOutline outline{read_axes(file, path), {}};
+  const int count = numbered_children(file, path + "/groups");
+  for (int g = 0; g < count; ++g)
+    outline.groups.push_back(read_group_outline(file, fmt::format("{}/groups/{}", path, g), outline.axes));
+  return outline;
+}
 
 Piece read_piece(const Hdf5Reader& file, const std::string& path) {
   const std::vector<pgd::Axis> axes = read_axes(file, path);

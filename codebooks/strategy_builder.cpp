@@ -46,6 +46,8 @@ constexpr int kMostRounds = 12;
 /// Of the tolerance: what all slabs together may add, and the sum of the defects left in their equations.
 constexpr double kSlabsShare = 0.2;
 constexpr double kDefectShare = 0.5;
+/// Of the first round, which only finds the ranges of the states.
+constexpr double kCoarse = 0.03;
 /// Points at which the ranges of the states are looked at.
 constexpr int kRangePoints = 500;
 
@@ -54,6 +56,15 @@ double total_defect(const StrategyResult& result) {
   double sum = 0.0;
   for (const pgd::StrategyRecord& record : result.history) sum += record.defect;
   return sum;
+}
+
+/// The word a build's record has for it.
+std::string word_for(StrategyStatus status) {
+  return status == StrategyStatus::max_evaluations ? "max_calls" : to_string(status);
+}
+
+bool is_cut(StrategyStatus status) {
+  return status == StrategyStatus::cancelled || status == StrategyStatus::max_evaluations;
 }
 
 /// Slabs and nodes of a round.
@@ -80,19 +91,18 @@ class Rounds {
   Solution run() {
     while (rounds_ < kMostRounds) {
       StrategyResult result = march();
-      const StrategyStatus status = result.status;
+      last_ = result.status;
+      last_message_ = result.message;
       const double defect = total_defect(result);
       const bool better = is_better(result);
       if (better) take(std::move(result));
-      // The first march only finds the ranges of the states: errors are measured in them.
-      if (rounds_ == 1 && status == StrategyStatus::converged) continue;
-      if (status == StrategyStatus::converged && defect <= kDefectShare * plan_.relative) break;
-      if (status == StrategyStatus::cancelled || status == StrategyStatus::max_evaluations) {
-        status_ = to_string(status);
-        break;
+      if (is_cut(last_)) break;
+      if (last_ == StrategyStatus::converged) {
+        // The first round only finds the ranges of the states: tolerances are shares of them.
+        if (rounds_ == 1) continue;
+        if (!better || defect <= kDefectShare * plan_.relative) break;
       }
-      if (!better && status == StrategyStatus::converged) break;
-      if (!refine(status)) break;
+      if (!refine(last_)) break;
     }
     return solution();
   }
@@ -110,7 +120,8 @@ class Rounds {
     for (std::size_t k = 0; k < grid_.nodes.size(); ++k)
       problem.parameters.push_back(make_axis(problem_.parameters[k], grid_.nodes[k]));
     StrategyMarchOptions options;
-    options.tolerance = kSlabsShare * plan_.relative / grid_.slabs;
+    const double tolerance = kSlabsShare * plan_.relative;
+    options.tolerance = (rounds_ == 1 ? std::max(kCoarse, tolerance) : tolerance) / grid_.slabs;
     options.seed = plan_.builder.seed;
     if (max_evaluations_ > 0) options.max_evaluations = std::max(1L, max_evaluations_ - evaluations_);
     if (progress_) {
@@ -124,7 +135,6 @@ class Rounds {
     evaluations_ += result.rhs_evaluations + result.jacobian_evaluations;
     grid_evaluations_ += result.grid_evaluations;
     iterations_ = std::max(iterations_, result.largest_iterations());
-    if (rounds_ == 1 || best_.pieces.empty()) best_.message = result.message;
     return result;
   }
 
@@ -137,7 +147,7 @@ class Rounds {
 
   void take(StrategyResult result) {
     best_ = std::move(result);
-    status_ = to_string(best_.status);
+    best_round_ = rounds_;
     measure_ranges();
   }
 
@@ -184,16 +194,24 @@ class Rounds {
   Solution solution() {
     if (best_.pieces.empty()) {
       throw NoResultError(fmt::format("the strategy \"{}\" has no result on the first slab: {}",
-                                      plan_.builder.strategy, best_.message));
+                                      plan_.builder.strategy, last_message_));
     }
     const double defect = total_defect(best_);
     Solution solution;
     BuildRecord& record = solution.record;
     record.builder = "pgd";
     record.strategy = plan_.builder.strategy;
-    record.status = status_;
+    record.status = word_for(best_.status);
     record.message = best_.message;
-    if (status_ == "converged" && defect > kDefectShare * plan_.relative) {
+    if (is_cut(last_) && best_round_ < rounds_) {
+      record.status = word_for(last_);
+      record.message =
+          fmt::format("{}; the result is that of round {} of {}", last_message_, best_round_, rounds_);
+    } else if (best_.status == StrategyStatus::converged && best_round_ == 1) {
+      record.status = "missed";
+      record.message =
+          fmt::format("no round but the first, at a coarse tolerance, gets as far: {}", last_message_);
+    } else if (best_.status == StrategyStatus::converged && defect > kDefectShare * plan_.relative) {
       record.status = "missed";
       record.message =
           fmt::format("{} leaves a defect of {:.3g} of the ranges in the equations, {:.3g} is wanted",
@@ -216,7 +234,9 @@ class Rounds {
   std::vector<double> scales_;
   Grid grid_;
   StrategyResult best_;  ///< of the rounds so far
-  std::string status_;
+  int best_round_ = 0;
+  StrategyStatus last_ = StrategyStatus::max_iterations;  ///< of the last round
+  std::string last_message_;
   int rounds_ = 0;
   int iterations_ = 0;  ///< largest of a slab
   long evaluations_ = 0;
@@ -231,7 +251,8 @@ bool is_marched(const std::string& strategy) {
 
 Solution solve_by_strategy(const Plan& plan, const pgd::AdaptiveProblem& problem, const BuildOptions& options,
                            long max_evaluations, const ProgressCallback& progress) {
-  if (options.resume && std::filesystem::exists(options.checkpoint)) {
+  // Of a plan of kind "auto" the checkpoint holds the calls of sampling.
+  if (plan.builder.kind == "pgd" && options.resume && std::filesystem::exists(options.checkpoint)) {
     throw ArgumentError(
         fmt::format("{}: a build by the strategy \"{}\" keeps no checkpoint, so it cannot be resumed; remove "
                     "the file or build without --resume",

@@ -19,8 +19,8 @@ bool is_marched(const std::string& strategy);
 /// the equations. A strategy that solves other equations by nature (polynomial, piecewise_linear) ends with
 /// the status "missed" where no refinement helps, and with its field.
 /// @param max_evaluations of f and its Jacobian; 0: no limit
-/// @throws ArgumentError if it is to resume from a checkpoint: it keeps none. NoResultError if the strategy
-/// fails on the first slab, however short.
+/// @throws ArgumentError if the plan's kind is "pgd" and it is to resume from a checkpoint: it keeps none.
+/// NoResultError if the strategy fails on the first slab, however short.
 Solution solve_by_strategy(const Plan& plan, const pgd::AdaptiveProblem& problem, const BuildOptions& options,
                            long max_evaluations, const ProgressCallback& progress);
 

@@ -31,7 +31,6 @@ struct TrajectoryQuery::Impl {
   std::vector<char> answered;  ///< per time, in the present call
   bool is_complete = false;    ///< whether every time is held by a piece over the whole box
   Eigen::MatrixXd residual_values, residual_slopes;
-  std::vector<double> residual_weights;
   Eigen::MatrixXd block_rows, block_points;
   std::vector<double*> block_columns;
 
@@ -48,7 +47,6 @@ struct TrajectoryQuery::Impl {
     is_complete = this->fields().all_hold_the_box() && std::ranges::count(answered, char{0}) == 0;
     const auto frame_count = static_cast<Eigen::Index>(times.size());
     residual_values.resize(frame_count, outputs);
-    residual_weights.resize(static_cast<std::size_t>(residual_values.size()));
     residual_slopes.resize(frame_count, Eigen::Index{outputs} * this->fields().coordinate_count());
     const Eigen::Index size = this->fields().block_size();
     block_rows.resize(this->fields().rows(), size);
@@ -216,18 +214,9 @@ void TrajectoryQuery::residuals(std::span<const double> q, std::span<const doubl
   } else {
     values(q, impl_->residual_values, impl_->residual_slopes);
   }
-  const double* const value = impl_->residual_values.data();
-  double* const weight = impl_->residual_weights.data();
-  for (std::size_t i = 0; i < rows; ++i) {
-    weight[i] = 1.0 / scales[i];
-    residuals[i] = (value[i] - observed[i]) * weight[i];
-  }
-  if (jacobian.empty()) return;
-  for (std::size_t k = 0; k < d; ++k) {
-    const double* const slope = impl_->residual_slopes.data() + rows * k;
-    double* const to = jacobian.data() + k;
-    for (std::size_t i = 0; i < rows; ++i) to[i * d] = slope[i] * weight[i];
-  }
+  kernels::residual_rows(impl_->residual_values.data(), impl_->residual_slopes.data(), observed.data(),
+                         scales.data(), static_cast<std::ptrdiff_t>(rows), static_cast<int>(d),
+                         residuals.data(), jacobian.empty() ? nullptr : jacobian.data());
 }
 
 void TrajectoryQuery::batch(const Eigen::Ref<const Eigen::MatrixXd>& points,

@@ -25,6 +25,7 @@ struct Capture {
   std::map<std::string, std::string> labels;  ///< of its group: column -> value
   Eigen::VectorXd times;                      ///< s, strictly increasing
   std::vector<Channel> channels;
+  std::vector<std::string> notes = {};  ///< what reading and cleaning did to it, in sentences
 
   int frame_count() const { return static_cast<int>(times.size()); }
   bool has(const std::string& quantity) const;

@@ -1,7 +1,15 @@
 #include "samara/identification/capture_file.h"
 
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/identification/capture_cleaning.h"
 #include "samara/identification/capture_table.h"
+#include "samara/identification/export_formats.h"
 #include "samara/identification/sidecar.h"
+#include "samara/io/text.h"
 
 namespace samara::identification {
 
@@ -14,12 +22,107 @@ Sidecar find_sidecar(const std::filesystem::path& path) {
   return {.table = path};
 }
 
+std::vector<Capture> read_exported(const Export& exported, const Sidecar& sidecar) {
+  std::vector<Capture> captures;
+  for (const ExportedBody& body : exported.bodies) {
+    // A sidecar that names columns says itself what they are, and how the world lies.
+    const bool is_own = sidecar.columns.empty();
+    const bool takes_up = is_own && sidecar.up.empty() && !exported.up.empty();
+    Sidecar of_body = sidecar;
+    if (is_own) of_body.columns = body.columns;
+    if (takes_up) of_body.up = exported.up;
+    for (Capture& capture : captures_from_table(exported.table, of_body)) {
+      if (is_own) capture.labels["body"] = body.name;
+      if (is_own && exported.bodies.size() > 1) capture.id += "/" + body.name;
+      if (takes_up) {
+        capture.notes.push_back(
+            fmt::format("{}'s axis {} was taken to point up, and became z", exported.program, exported.up));
+      }
+      captures.push_back(std::move(capture));
+    }
+    if (!is_own) break;
+  }
+  return captures;
+}
+
+std::vector<Capture> read_table(const Sidecar& sidecar) {
+  const std::string text = io::read_text_file(sidecar.table);
+  if (sidecar.header.empty()) {
+    if (const auto exported = read_export(text, sidecar)) return read_exported(*exported, sidecar);
+  }
+  return captures_from_table(
+      io::DelimitedTable::parse(text, sidecar.table.string(), {sidecar.delimiter, sidecar.header}), sidecar);
+}
+
+/// Whether a cell names the same as a label: as a text, or as a number ("7" and "007").
+bool is_same_name(const std::string& cell, const std::string& label) {
+  const io::NumberPrefix a = io::read_number(cell);
+  const io::NumberPrefix b = io::read_number(label);
+  const bool numbers = a.problem == io::NumberProblem::none && b.problem == io::NumberProblem::none &&
+                       a.length == cell.size() && b.length == label.size();
+  return numbers ? a.value == b.value : cell == label;
+}
+
+void add_labels(std::vector<Capture>& captures, const Sidecar& sidecar) {
+  const io::DelimitedTable table = io::DelimitedTable::read(sidecar.labels->file);
+  const std::string& column = sidecar.labels->column;
+  const std::vector<std::string> names = table.texts(column);
+  for (Capture& capture : captures) {
+    const auto label = capture.labels.find(column);
+    const std::string name =
+        label == capture.labels.end() ? std::filesystem::path(capture.file).stem().string() : label->second;
+    const auto row = std::ranges::find_if(names, [&](const std::string& n) { return is_same_name(n, name); });
+    if (row == names.end()) {
+      capture.notes.push_back(fmt::format("\"{}\" has no row for it", table.file()));
+      continue;
+    }
+    for (const std::string& other : table.header()) {
+      if (other != column)
+        capture.labels[other] = table.texts(other)[static_cast<std::size_t>(row - names.begin())];
+    }
+  }
+}
+
+Capture cleaned(Capture capture, const Sidecar& sidecar) {
+  const CleaningSteps& steps = sidecar.clean;
+  std::string step;
+  try {
+    step = "frame_grid";
+    if (steps.frame_grid) capture = on_frame_grid(capture).capture;
+    step = "before_impact";
+    if (steps.impact) capture = before_impact(capture, {.jump = *steps.impact}).capture;
+    step = "outliers";
+    if (steps.outliers)
+      capture =
+          without_outliers(capture, {.window = steps.window, .outlier_threshold = *steps.outliers}).capture;
+  } catch (const ArgumentError& error) {
+    throw sidecar.error("clean", step, error.what());
+  }
+  return capture;
+}
+
+std::vector<Capture> read_all(Sidecar sidecar) {
+  if (sidecar.tables.empty()) sidecar.tables = {sidecar.table};
+  std::vector<Capture> captures;
+  for (const std::filesystem::path& table : sidecar.tables) {
+    sidecar.table = table;
+    for (Capture& capture : read_table(sidecar)) captures.push_back(std::move(capture));
+  }
+  if (sidecar.labels) add_labels(captures, sidecar);
+  if (sidecar.clean.any()) {
+    for (Capture& capture : captures) capture = cleaned(capture, sidecar);
+  }
+  return captures;
+}
+
 }  // namespace
 
 std::vector<Capture> read_captures(const std::filesystem::path& path) {
-  const Sidecar sidecar = find_sidecar(path);
-  return captures_from_table(io::DelimitedTable::read(sidecar.table, {.delimiter = sidecar.delimiter}),
-                             sidecar);
+  return read_all(find_sidecar(path));
+}
+
+std::vector<Capture> read_captures(const std::filesystem::path& table, const std::filesystem::path& sidecar) {
+  return read_all(read_sidecar(sidecar, table));
 }
 
 }  // namespace samara::identification

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/names.h"
+#include "samara/identification/capture_axes.h"
 #include "samara/identification/column_meanings.h"
 
 namespace samara::identification {
@@ -84,20 +85,60 @@ Eigen::VectorXd picked(const Eigen::VectorXd& column, const Rows& rows) {
   return values;
 }
 
-/// Times in s; they must be there and increase.
-Eigen::VectorXd read_times(const io::DelimitedTable& table, const Column& column, const Rows& rows) {
-  Eigen::VectorXd times = picked(column.values, rows);
+/// Times in s; frame numbers over the rate where there is no column for them.
+Eigen::VectorXd times_of(const Columns& columns, const Sidecar& sidecar, const Rows& rows) {
+  if (columns.time) return picked(columns.time->values, rows);
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  return Eigen::ArrayXd::LinSpaced(count, 0.0, static_cast<double>(count - 1)) / *sidecar.frame_rate;
+}
+
+/// The rows between `from` and `until`.
+void keep_interval(Rows& rows, Eigen::VectorXd& times, const Sidecar& sidecar) {
+  if (!sidecar.from && !sidecar.until) return;
+  const double begin = sidecar.from.value_or(-std::numeric_limits<double>::infinity());
+  const double end = sidecar.until.value_or(std::numeric_limits<double>::infinity());
+  Rows kept;
+  std::vector<double> kept_times;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double time = times[static_cast<Eigen::Index>(k)];
+    if (time < begin || time > end) continue;
+    kept.push_back(rows[k]);
+    kept_times.push_back(time);
+  }
+  rows = std::move(kept);
+  times = Eigen::Map<const Eigen::VectorXd>(kept_times.data(), static_cast<Eigen::Index>(kept_times.size()));
+}
+
+/// Drops rows whose time is that of the row before, if the sidecar says so. @returns how many
+std::size_t drop_repeated(Rows& rows, Eigen::VectorXd& times, const Sidecar& sidecar) {
+  if (!sidecar.keep_first_of_repeated_times) return 0;
+  Rows kept;
+  std::vector<double> kept_times;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double time = times[static_cast<Eigen::Index>(k)];
+    if (!kept_times.empty() && time == kept_times.back()) continue;
+    kept.push_back(rows[k]);
+    kept_times.push_back(time);
+  }
+  const std::size_t dropped = rows.size() - kept.size();
+  rows = std::move(kept);
+  times = Eigen::Map<const Eigen::VectorXd>(kept_times.data(), static_cast<Eigen::Index>(kept_times.size()));
+  return dropped;
+}
+
+/// Times must be there and increase.
+void check_times(const io::DelimitedTable& table, const std::string& column, const Rows& rows,
+                 const Eigen::VectorXd& times) {
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
     if (std::isnan(times[at]))
-      throw table.error(rows[k], fmt::format("column \"{}\": the time is missing", column.name));
+      throw table.error(rows[k], fmt::format("column \"{}\": the time is missing", column));
     if (k > 0 && times[at] <= times[at - 1]) {
       throw table.error(
           rows[k], fmt::format("time {} s follows {} s; times that increase within a capture were expected",
                                times[at], times[at - 1]));
     }
   }
-  return times;
 }
 
 /// Number of frames before the first in which all channels are visible; all frames if there is none.
@@ -168,19 +209,30 @@ Capture read_group(const io::DelimitedTable& table, const Columns& columns, cons
   capture.id = group.cells.empty() ? file_stem(table) : fmt::format("{}", fmt::join(group.cells, "/"));
   capture.file = table.file();
   for (std::size_t k = 0; k < group.cells.size(); ++k) capture.labels[sidecar.group_by[k]] = group.cells[k];
-  capture.times = read_times(table, columns.time, group.rows);
-  for (const Column& column : columns.measured) {
-    capture.channels.push_back({column.quantity, column.unit, picked(column.values, group.rows)});
-  }
   Rows rows = group.rows;
+  capture.times = times_of(columns, sidecar, rows);
+  keep_interval(rows, capture.times, sidecar);
+  if (const std::size_t dropped = drop_repeated(rows, capture.times, sidecar); dropped > 0)
+    capture.notes.push_back(fmt::format("{} frames dropped whose time is that of the frame before", dropped));
+  if (columns.time) check_times(table, columns.time->name, rows, capture.times);
+  for (const auto* some : {&columns.measured, &columns.euler}) {
+    for (const Column& column : *some)
+      capture.channels.push_back({column.quantity, column.unit, picked(column.values, rows)});
+  }
   if (sidecar.start == CaptureStart::first_visible) begin_at_first_visible(capture, rows);
   if (const Eigen::Index frames = visible_frames(capture); frames < 3) {
-    throw table.error(rows.front(),
+    throw table.error(rows.empty() ? group.rows.front() : rows.front(),
                       fmt::format("capture \"{}\" has {} frames with something visible; at least 3 were "
                                   "expected",
                                   capture.id, frames));
   }
   apply_scales(capture, sidecar);
+  try {
+    if (sidecar.euler) angles_to_quaternion(capture, sidecar.euler->columns, sidecar.euler->order);
+    if (!sidecar.up.empty()) turn_upright(capture, sidecar.up);
+  } catch (const ArgumentError& error) {
+    throw sidecar.error("", sidecar.euler ? "attitude" : "up", error.what());
+  }
   return capture;
 }
 

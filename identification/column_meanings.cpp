@@ -54,7 +54,8 @@ std::vector<ColumnMeaning> meanings_of(const io::DelimitedTable& table, const Si
   std::vector<ColumnMeaning> meanings = sidecar.columns;
   if (meanings.empty()) {
     for (const std::string& header : table.header()) {
-      if (!is_label(sidecar, header)) meanings.push_back(canonical_meaning(table, header));
+      const bool is_euler = sidecar.euler && std::ranges::count(sidecar.euler->columns, header) > 0;
+      if (!is_label(sidecar, header) && !is_euler) meanings.push_back(canonical_meaning(table, header));
     }
   }
   for (std::size_t k = 0; k < meanings.size(); ++k) {
@@ -104,6 +105,20 @@ Column measured_column(const io::DelimitedTable& table, const ColumnMeaning& mea
   return column;
 }
 
+std::vector<Column> euler_columns(const io::DelimitedTable& table, const Sidecar& sidecar) {
+  std::vector<Column> columns;
+  for (const std::string& name : sidecar.euler->columns) {
+    if (!table.has(name)) {
+      throw sidecar.error(
+          "attitude", "euler",
+          fmt::format("\"{}\" has no column \"{}\"{}", table.file(), name, suggestion(name, table.header())));
+    }
+    columns.push_back({name, name, "1", table.numbers(name)});
+    for (double& value : columns.back().values) value = sidecar.euler->unit.to_si(value);
+  }
+  return columns;
+}
+
 /// Every scale belongs to a measured quantity in px.
 void check_scales(const Columns& columns, const Sidecar& sidecar) {
   std::vector<std::string> known;
@@ -138,9 +153,15 @@ Columns read_columns(const io::DelimitedTable& table, const Sidecar& sidecar) {
     if (!sidecar.columns.empty()) throw sidecar.error("", "columns", sentence);
     throw InputError(table.file(), table.line_of_header(), sentence);
   };
-  if (!time) refuse("no column holds the time; one with the quantity \"t\" was expected");
-  if (columns.measured.empty()) refuse("no column holds a measured quantity beside the time");
-  columns.time = *std::move(time);
+  if (!time && !sidecar.frame_rate) {
+    refuse(
+        "no column holds the time; one with the quantity \"t\" was expected, or a frame_rate at which rows "
+        "follow one another");
+  }
+  if (sidecar.euler) columns.euler = euler_columns(table, sidecar);
+  if (columns.measured.empty() && columns.euler.empty())
+    refuse("no column holds a measured quantity beside the time");
+  columns.time = std::move(time);
   check_scales(columns, sidecar);
   return columns;
 }

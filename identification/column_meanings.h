@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,9 @@ struct Column {
 };
 
 struct Columns {
-  Column time;  ///< s
+  std::optional<Column> time;  ///< s; none: rows of a capture are frames at the sidecar's frame rate
   std::vector<Column> measured;
+  std::vector<Column> euler;  ///< none or three, rad
 };
 
 /// Takes the meanings from the sidecar, or where it has none from the canonical header.

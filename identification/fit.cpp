@@ -9,8 +9,10 @@
 #include "samara/identification/fit_problem.h"
 #include "samara/identification/fit_summary.h"
 #include "samara/identification/fit_trust.h"
+#include "samara/identification/join_weights.h"
 #include "samara/identification/minimize.h"
 #include "samara/identification/segment_residual.h"
+#include "samara/identification/start_states.h"
 #include "samara/identification/starts.h"
 #include "samara/identification/uncertainty.h"
 
@@ -23,6 +25,66 @@ std::vector<SegmentResidual> make_residuals(const TrajectoryFamily& family, cons
   for (const Segment& segment : problem.segments) residuals.emplace_back(family, problem, segment);
   return residuals;
 }
+
+/// The descents of a fit, one per start.
+class Descents {
+ public:
+  Descents(const TrajectoryFamily& family, const FitProblem& problem, std::vector<SegmentResidual>& residuals,
+           const FitOptions& options)
+      : family_(family), problem_(problem), residuals_(residuals), options_(options) {}
+
+  /// From start number `index` to a minimum; where there are joins, stage by stage until they hold.
+  MinimizeResult operator()(int index) {
+    FitPoint point = first_point(index);
+    if (!problem_.is_joined()) {
+      return minimize(problem_, residuals_, std::move(point), options_.max_iterations);
+    }
+    // The same for all starts, or their costs could not be compared.
+    if (deviations_.size() == 0) deviations_ = start_deviations(problem_, residuals_, point);
+    MinimizeResult result;
+    int iterations = 0;
+    for (const double stage : options_.segments.stages) {
+      for (SegmentResidual& residual : residuals_) {
+        if (residual.segment().joined) residual.set_join_weights(stage * deviations_.cwiseInverse());
+      }
+      result = minimize(problem_, residuals_, std::move(point), options_.max_iterations);
+      iterations += result.iterations;
+      point = result.point;
+      if (result.status == FitStatus::failed) break;
+    }
+    result.iterations = iterations;
+    return result;
+  }
+
+  /// The largest difference between a segment's end and the next start, at the residuals' last point, over
+  /// the deviations of starts.
+  double join_defect() const {
+    double largest = 0.0;
+    for (const SegmentResidual& residual : residuals_) {
+      if (!residual.segment().joined) continue;
+      const auto joins = residual.residual().tail(residual.size() - residual.data_size());
+      largest = std::max(largest, joins.cwiseAbs().maxCoeff());
+    }
+    return largest / options_.segments.stages.back();
+  }
+
+ private:
+  /// Segments begin where the capture shows them.
+  FitPoint first_point(int index) {
+    FitPoint point = start_point(problem_, residuals_, index);
+    const models::ParametricModel* equations = family_.equations();
+    if (equations != nullptr && options_.segments.length) {
+      find_start_states(*equations, problem_, residuals_, point);
+    }
+    return point;
+  }
+
+  const TrajectoryFamily& family_;
+  const FitProblem& problem_;
+  std::vector<SegmentResidual>& residuals_;
+  const FitOptions& options_;
+  Eigen::VectorXd deviations_;
+};
 
 /// Costs that differ by less are equal: a millionth, and what rounding leaves of an exact fit.
 double cost_margin(const FitProblem& problem, double best) {
@@ -79,10 +141,9 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
   const FitProblem problem = make_problem(family.info(), captures, options);
   std::vector<SegmentResidual> residuals = make_residuals(family, problem);
 
+  Descents descend(family, problem, residuals, options);
   std::vector<MinimizeResult> runs;
-  for (int k = 0; k < options.starts; ++k) {
-    runs.push_back(minimize(problem, residuals, start_point(problem, residuals, k), options.max_iterations));
-  }
+  for (int k = 0; k < options.starts; ++k) runs.push_back(descend(k));
   const std::optional<std::size_t> best = best_of(runs);
 
   FitResult result{.model = family.info().model,
@@ -94,6 +155,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     const FitPoint& point = runs[*best].point;
     result.cost = runs[*best].cost;
     const Uncertainty uncertainty = estimate_uncertainty(problem, residuals, point);
+    if (problem.is_joined()) result.join_defect = descend.join_defect();
     add_coefficients(problem, point, uncertainty, result);
     add_captures(problem, residuals, point, uncertainty, result);
     conclude(runs[*best], uncertainty, result);
@@ -102,7 +164,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     add_whiteness(result);
     add_identifiability(uncertainty, result);
     if (options.profiles) {
-      result.evaluations += add_profiles(family, problem, point, uncertainty, options.max_iterations, result);
+      add_profiles(problem, residuals, point, uncertainty, options.max_iterations, result);
       add_profile_warnings(result);
     }
   } else {

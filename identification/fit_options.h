@@ -21,6 +21,24 @@ struct LossOptions {
   std::map<std::string, double> scales = {};
 };
 
+/// What is known of a coefficient beforehand: a normal distribution of it, or of its logarithm.
+struct Prior {
+  double mean = 0.0;       ///< SI; the median if logarithmic
+  double deviation = 1.0;  ///< standard deviation, SI; of the logarithm if logarithmic: 0.1 is 10 %
+  bool logarithmic = false;
+};
+
+/// Multiple shooting: every capture is cut into segments with a start state of each own. That a segment ends
+/// where the next begins is a penalty on the difference, which is raised in stages until it is a constraint:
+/// so that motion which forgets its start within a swing does not hide the coefficients.
+struct SegmentOptions {
+  /// s: segments are as near to it as frames allow. About one swing of the body or less, and less than the
+  /// time in which neighbours part by a factor of e. Empty: one segment is the whole capture.
+  std::optional<double> length = {};
+  /// Weights of a difference between segments, relative to how well a segment alone determines its start.
+  std::vector<double> stages = {0.05, 0.5, 5.0, 50.0, 500.0};
+};
+
 struct FitOptions {
   // What is compared
   /// s: only this much of each capture, from its first frame. Empty: all of it.
@@ -38,22 +56,38 @@ struct FitOptions {
   std::map<std::string, double> fixed = {};
   /// Intervals within the family's box that the fit must not leave (SI).
   std::map<std::string, Interval> box = {};
+  /// Coordinates that are known for each capture: the label of the captures that holds the value, SI.
+  std::map<std::string, std::string> known = {};
+  /// Shared coordinates that move by factors, not by differences; their boxes must be positive.
+  std::vector<std::string> log_scale = {};
+  /// Of shared coordinates.
+  std::map<std::string, Prior> priors = {};
   /// Outputs that get a free constant for each capture, added to the model. Empty: those in which the model
   /// has a translation symmetry and whose initial value is not a coordinate.
   std::optional<std::vector<std::string>> offsets = {};
 
+  /// Outputs that repeat, with their periods: differences are taken on the circle. Those in rad do by 2 pi,
+  /// unless they are named here; 0 for none.
+  std::map<std::string, double> periods = {};
+  /// rad: the loss scale of an attitude, if all captures measure its four outputs: the residual is the vector
+  /// of the turn between measured and model, in body axes.
+  double attitude_scale = 0.035;
+
   // How
+  SegmentOptions segments = {};
   /// Columns of the captures' labels: captures with the same labels there count as one observation of the
   /// coefficients. Empty: each capture is one.
   std::vector<std::string> cluster_by = {};
-  /// From the centre of the box and from quasi-random points inside it; 1 to 10000.
+  /// From the centre of the box, or from `initial`, and from quasi-random points inside the box; 1 to 10000.
   int starts = 3;
+  /// Where the first start has shared coordinates (SI), in place of the centre of their boxes.
+  std::map<std::string, double> initial = {};
   /// Of each start.
   int max_iterations = 500;
 
   // What is said of the answer
-  /// The profile of every shared coefficient: ten to twenty fits each, with it held. Whether it is determined,
-  /// bounded to one side, or not at all, and an interval that follows bends.
+  /// The profile of every shared coefficient: ten to twenty fits each, with it held. Whether it is
+  /// determined, bounded to one side, or not at all, and an interval that follows bends.
   bool profiles = false;
 };
 

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/identification/joins.h"
 #include "samara/identification/segments.h"
 #include "samara/io/units.h"
 
@@ -40,12 +42,14 @@ void check_names(const FamilyInfo& family, const FitOptions& options) {
   const auto check = [&](const std::string& field, const std::string& name) {
     check_coordinate(family, field, name);
     if (!seen.insert(name).second) {
-      throw ArgumentError(fmt::format(
-          "{}: \"{}\" has a role already; one of shared, per_capture, fixed was expected", field, name));
+      throw ArgumentError(
+          fmt::format("{}: \"{}\" has a role already; one of shared, per_capture, known, fixed was expected",
+                      field, name));
     }
   };
   for (const std::string& name : options.shared) check("shared", name);
   for (const std::string& name : options.per_capture) check("per_capture", name);
+  for (const auto& [name, label] : options.known) check("known", name);
   for (const auto& [name, value] : options.fixed) {
     const auto held = family.fixed.find(name);
     if (held == family.fixed.end()) {
@@ -91,6 +95,11 @@ void assign_roles(const FamilyInfo& family, const FitOptions& options, FitProble
       problem.fixed[coordinate.name] = fixed->second;
       continue;
     }
+    if (const auto known = options.known.find(coordinate.name); known != options.known.end()) {
+      const auto index = static_cast<int>(std::distance(options.known.begin(), known));
+      problem.slots.push_back({CoordinateRole::known, index, 0.0});
+      continue;
+    }
     const bool own = contains(options.per_capture, coordinate.name) ||
                      (coordinate.is_initial && !contains(options.shared, coordinate.name));
     auto& list = own ? problem.own : problem.shared;
@@ -110,12 +119,20 @@ const FitOutput& find_output(const FamilyInfo& family, const std::string& field,
                                   family.model, name, suggestion(name, known)));
 }
 
+bool measure_attitude(const FamilyInfo& family, std::span<const Capture> captures) {
+  const auto measured = [&](const std::string& name) {
+    return std::ranges::all_of(captures, [&](const Capture& c) { return c.has(name); });
+  };
+  return !family.attitude.empty() && std::ranges::all_of(family.attitude, measured);
+}
+
 /// What was asked for, or every output that all captures measure.
 std::vector<FitOutput> choose_outputs(const FamilyInfo& family, std::span<const Capture> captures,
                                       const std::vector<std::string>& names) {
   std::vector<FitOutput> chosen;
   for (const std::string& name : names) {
-    chosen.push_back(find_output(family, "outputs", name));
+    const FitOutput& output = find_output(family, "outputs", name);
+    if (!contains(family.attitude, name)) chosen.push_back(output);
     if (std::ranges::count(names, name) > 1)
       throw ArgumentError(fmt::format("outputs: \"{}\" stands there twice", name));
   }
@@ -123,10 +140,11 @@ std::vector<FitOutput> choose_outputs(const FamilyInfo& family, std::span<const 
   std::vector<std::string> known;
   for (const FitOutput& output : family.outputs) {
     known.push_back(output.name);
+    if (contains(family.attitude, output.name)) continue;  // compared as one
     if (std::ranges::all_of(captures, [&](const Capture& c) { return c.has(output.name); }))
       chosen.push_back(output);
   }
-  if (chosen.empty()) {
+  if (chosen.empty() && !measure_attitude(family, captures)) {
     // The fault of a file that measures none of them, if there is one.
     for (const Capture& capture : captures) {
       const auto measured = [&](const std::string& name) { return capture.has(name); };
@@ -152,6 +170,14 @@ double loss_scale(const FitOutput& output, const LossOptions& loss, bool is_only
                   output.name, output.unit));
 }
 
+constexpr double kFullTurn = 2.0 * std::numbers::pi;
+
+double period_of(const FitOutput& output, const FitOptions& options) {
+  const auto found = options.periods.find(output.name);
+  if (found != options.periods.end()) return found->second;
+  return output.unit == "rad" ? kFullTurn : 0.0;
+}
+
 bool has_offset(const FamilyInfo& family, const FitOptions& options, const std::string& output) {
   if (options.offsets) return contains(*options.offsets, output);
   return contains(family.translations, output) && !contains(coordinate_names(family), output + "(0)");
@@ -162,18 +188,31 @@ void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures,
   const std::vector<FitOutput> chosen = choose_outputs(family, captures, options.outputs);
   for (const auto& [name, scale] : options.loss.scales) find_output(family, "loss.scale", name);
   for (const FitOutput& output : chosen) {
-    ComparedOutput compared{output.name, output.unit, loss_scale(output, options.loss, chosen.size() == 1)};
+    ComparedOutput compared{.name = output.name,
+                            .unit = output.unit,
+                            .scale = loss_scale(output, options.loss, chosen.size() == 1),
+                            .period = period_of(output, options)};
     if (has_offset(family, options, output.name)) {
       compared.offset = static_cast<int>(problem.offsets.size());
       problem.offsets.push_back(output.name);
     }
     problem.outputs.push_back(compared);
+    problem.requested.push_back(compared.name);
   }
+  const bool wants_attitude =
+      options.outputs.empty() || std::ranges::any_of(options.outputs, [&](const std::string& name) {
+        return contains(family.attitude, name);
+      });
+  if (wants_attitude && measure_attitude(family, captures)) {
+    problem.attitude_scale = options.attitude_scale;
+    problem.requested.insert(problem.requested.end(), family.attitude.begin(), family.attitude.end());
+  }
+  for (const auto& [name, period] : options.periods) find_output(family, "periods", name);
   if (!options.offsets) return;
   for (const std::string& name : *options.offsets) {
     if (contains(problem.offsets, name)) continue;
-    throw ArgumentError(fmt::format("offsets: \"{}\" is not among the compared outputs ({})", name,
-                                    join(problem.output_names())));
+    throw ArgumentError(
+        fmt::format("offsets: \"{}\" is not among the compared outputs ({})", name, join(problem.requested)));
   }
 }
 
@@ -181,14 +220,48 @@ void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures,
 
 int FitProblem::observation_count() const {
   std::size_t count = 0;
-  for (const Segment& segment : segments) count += segment.observations.size();
+  for (const Segment& segment : segments) {
+    count += segment.observations.size() + 3 * segment.attitudes.size();
+  }
   return static_cast<int>(count);
 }
 
-std::vector<std::string> FitProblem::output_names() const {
-  std::vector<std::string> names;
-  for (const ComparedOutput& output : outputs) names.push_back(output.name);
-  return names;
+void family_point(const FitProblem& problem, const Motion& motion, const double* shared, const double* own,
+                  Eigen::VectorXd& q) {
+  for (std::size_t k = 0; k < problem.slots.size(); ++k) {
+    const CoordinateSlot& slot = problem.slots[k];
+    double& value = q[static_cast<Eigen::Index>(k)];
+    switch (slot.role) {
+      case CoordinateRole::shared:
+        value = shared[slot.index];
+        break;
+      case CoordinateRole::own:
+        value = own[slot.index];
+        break;
+      case CoordinateRole::known:
+        value = motion.known[static_cast<std::size_t>(slot.index)];
+        break;
+      case CoordinateRole::fixed:
+        value = slot.value;
+        break;
+    }
+  }
+}
+
+PriorResidual prior_residual(const Prior& prior, double value) {
+  if (prior.logarithmic)
+    return {std::log(value / prior.mean) / prior.deviation, 1.0 / (value * prior.deviation)};
+  return {(value - prior.mean) / prior.deviation, 1.0 / prior.deviation};
+}
+
+int FitProblem::join_rows() const {
+  int rows = 0;
+  for (const JoinRule& rule : joins) rows += rule.rows();
+  return rows;
+}
+
+bool FitProblem::is_joined() const {
+  return std::ranges::any_of(segments, &Segment::joined);
 }
 
 FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captures,
@@ -204,6 +277,10 @@ FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captu
   if (problem.shared_count() + problem.own_count() == 0) {
     throw ArgumentError("every coordinate is fixed; at least one to fit was expected");
   }
+  add_charts(family, options, problem);
+  add_priors(options, problem);
+  set_initial(options, problem);
+  if (options.segments.length) add_joins(family, problem);
   add_segments(family, captures, options, problem);
   return problem;
 }

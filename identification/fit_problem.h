@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <span>
@@ -9,21 +10,22 @@
 #include <Eigen/Core>
 
 #include "samara/identification/capture.h"
+#include "samara/identification/chart.h"
 #include "samara/identification/fit_options.h"
 #include "samara/identification/trajectory_source.h"
 
 /// A fit with all names resolved; internal to identification/.
 ///
-/// Unknowns are the shared coordinates, and for each capture its own: first its coordinates, then its
-/// offsets.
+/// Unknowns are the shared coordinates, and for each segment of a capture its own: first its coordinates,
+/// then its offsets.
 namespace samara::identification {
 
-enum class CoordinateRole { shared, own, fixed };
+enum class CoordinateRole { shared, own, known, fixed };
 
 /// Where the value of a coordinate of the family comes from.
 struct CoordinateSlot {
   CoordinateRole role = CoordinateRole::fixed;
-  int index = 0;       ///< among the shared, or the own coordinates
+  int index = 0;       ///< among the shared, the own, or the known coordinates
   double value = 0.0;  ///< if fixed
 };
 
@@ -32,6 +34,7 @@ struct ComparedOutput {
   std::string unit;
   double scale = 1.0;              ///< residuals are divided by it, SI
   std::optional<int> offset = {};  ///< its place among the offsets, if it has one
+  double period = 0.0;             ///< differences are taken on a circle of that length; 0: on the line
 };
 
 /// One compared number.
@@ -41,36 +44,103 @@ struct Observation {
   double value = 0.0;
 };
 
-/// The part of a capture that is compared.
+/// One compared attitude.
+struct AttitudeObservation {
+  int frame = 0;
+  std::array<double, 4> q_WB = {1.0, 0.0, 0.0, 0.0};
+};
+
+/// A part of a capture with a start state of its own.
 struct Segment {
+  int motion = 0;
+  double start = 0.0;  ///< s, of the capture's times
+  /// Since the start: of frames with something to compare, and if `joined`, last, where the next one starts.
+  std::vector<double> times = {};
+  std::vector<Observation> observations = {};
+  std::vector<AttitudeObservation> attitudes = {};
+  bool joined = false;  ///< the next segment continues the same motion
+};
+
+/// A capture as the fit sees it: its segments follow one another.
+struct Motion {
   std::string id, file;
   std::map<std::string, std::string> labels;
   int cluster = 0;
-  std::vector<double> times;  ///< of frames with something to compare
-  std::vector<Observation> observations;
+  std::vector<double> known;  ///< values of known coordinates
+  std::size_t first_segment = 0;
+  std::size_t segment_count = 0;
 };
+
+/// How the end of a segment must agree with the own unknowns of the next: one rule for every direction in
+/// which those can move.
+struct JoinRule {
+  enum class Kind {
+    state,     ///< the output at the end is the coordinate
+    offset,    ///< the output at the end and the offset are the next offset, and what the output starts from
+    constant,  ///< an offset that does not move
+    turn       ///< the attitude at the end is the next one; one rule for all three directions
+  };
+  Kind kind = Kind::state;
+  int own = 0;         ///< the first of the own unknowns that are joined
+  int column = 0;      ///< the first of the requested outputs
+  double start = 0.0;  ///< what the output starts from, of an offset
+
+  int rows() const { return kind == Kind::turn ? 3 : 1; }
+};
+
+struct SharedPrior {
+  int shared = 0;
+  Prior prior;
+};
+
+/// A prior as a residual: how many deviations from the mean, and the derivative of that.
+struct PriorResidual {
+  double value = 0.0;
+  double derivative = 0.0;
+};
+PriorResidual prior_residual(const Prior& prior, double value);
 
 struct FitProblem {
   LossKind loss = LossKind::huber;
   std::vector<CoordinateSlot> slots;  ///< per coordinate of the family
   std::vector<FitCoordinate> shared;  ///< with the box of the fit
-  std::vector<FitCoordinate> own;     ///< likewise; each capture has these
+  std::vector<FitCoordinate> own;     ///< likewise; each segment has these
+  Chart shared_chart, own_chart;
+  std::vector<SharedPrior> priors;
+  Eigen::VectorXd initial;  ///< of the shared coordinates, at the first start
   std::vector<ComparedOutput> outputs;
-  std::vector<std::string> offsets;  ///< outputs with one
+  std::optional<double> attitude_scale;  ///< if attitudes are compared
+  std::vector<std::string> offsets;      ///< outputs with one
+  /// Outputs taken from the family: the compared ones, then the attitude, then what joins need.
+  std::vector<std::string> requested;
+  std::vector<JoinRule> joins;
+  std::vector<Motion> motions;
   std::vector<Segment> segments;
   int cluster_count = 0;
   std::map<std::string, double> fixed;
 
   int shared_count() const { return static_cast<int>(shared.size()); }
-  /// Unknowns of each capture: coordinates and offsets.
+  /// Unknowns of each segment: coordinates and offsets.
   int own_count() const { return static_cast<int>(own.size() + offsets.size()); }
+  int join_rows() const;
+  /// Compared numbers; an attitude counts as three.
   int observation_count() const;
-  std::vector<std::string> output_names() const;
+  /// First of the requested outputs that hold the attitude.
+  int attitude_column() const { return static_cast<int>(outputs.size()); }
+  bool is_joined() const;
+  const Motion& motion_of(const Segment& segment) const {
+    return motions[static_cast<std::size_t>(segment.motion)];
+  }
 };
 
 /// @throws ArgumentError as fit()
 FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captures,
                         const FitOptions& options);
+
+/// The coordinates of the family for a segment of a motion.
+/// @param q of their number already
+void family_point(const FitProblem& problem, const Motion& motion, const double* shared, const double* own,
+                  Eigen::VectorXd& q);
 
 /// Values of all unknowns.
 struct FitPoint {

@@ -62,6 +62,8 @@ struct CaptureFit {
   std::map<std::string, std::string> labels = {};
   int cluster = 0;  ///< number of its cluster, from 0
   int frames = 0;   ///< in the window, with something to compare
+  int segments = 1;
+  /// At the start of the first segment.
   std::vector<Nuisance> nuisances = {};
   std::vector<OutputRms> residuals = {};
   /// For pictures: the frames used, and per fitted output what was measured (NaN if missing) and what the
@@ -115,6 +117,9 @@ struct FitResult {
   /// 1/2 sum of rho over frames and outputs, residuals divided by their loss scale: no unit.
   double cost = 0.0;
   int residual_count = 0;
+  /// Of multiple shooting: the largest difference between the end of a segment and the start of the next,
+  /// over how well a segment alone determines its start. Joins hold where it is small beside 1.
+  std::optional<double> join_defect = {};
   std::vector<StartRecord> starts = {};
   int starts_at_best = 0;  ///< starts that ended at the best cost
   int iterations = 0;      ///< over all starts

@@ -40,17 +40,25 @@ std::vector<Nuisance> nuisances_of(const FitProblem& problem, const Eigen::Vecto
 /// Sum of squares of measured - model per output, SI, and their number.
 struct Squares {
   Eigen::VectorXd sum, count;
+  double turn_sum = 0.0, turn_count = 0.0;  ///< of the angle between attitudes
 
   explicit Squares(const FitProblem& problem)
       : sum(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.outputs.size()))), count(sum) {}
 
   void add(const FitProblem& problem, const SegmentResidual& residual) {
-    for (Eigen::Index row = 0; row < residual.size(); ++row) {
-      const int o = residual.segment().observations[static_cast<std::size_t>(row)].output;
-      const double difference = residual.residual()[row] * problem.outputs[static_cast<std::size_t>(o)].scale;
+    const Segment& segment = residual.segment();
+    for (std::size_t k = 0; k < segment.observations.size(); ++k) {
+      const int o = segment.observations[k].output;
+      const double difference = residual.residual()[static_cast<Eigen::Index>(k)] *
+                                problem.outputs[static_cast<std::size_t>(o)].scale;
       sum[o] += difference * difference;
       count[o] += 1.0;
     }
+    if (!problem.attitude_scale) return;
+    const auto turns = static_cast<Eigen::Index>(segment.observations.size());
+    const auto rows = static_cast<Eigen::Index>(3 * segment.attitudes.size());
+    turn_sum += residual.residual().segment(turns, rows).squaredNorm() * std::pow(*problem.attitude_scale, 2);
+    turn_count += static_cast<double>(segment.attitudes.size());
   }
 
   std::vector<OutputRms> rms(const FitProblem& problem) const {
@@ -61,28 +69,48 @@ struct Squares {
           count[at] > 0.0 ? std::sqrt(sum[at] / count[at]) : std::numeric_limits<double>::quiet_NaN();
       result.push_back({problem.outputs[o].name, problem.outputs[o].unit, value});
     }
+    if (turn_count > 0.0) result.push_back({"attitude", "rad", std::sqrt(turn_sum / turn_count)});
     return result;
   }
 };
 
-Eigen::MatrixXd measured_values(const FitProblem& problem, const Segment& segment) {
-  Eigen::MatrixXd measured = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(segment.times.size()),
-                                                       static_cast<Eigen::Index>(problem.outputs.size()),
-                                                       std::numeric_limits<double>::quiet_NaN());
-  for (const Observation& o : segment.observations) measured(o.frame, o.output) = o.value;
-  return measured;
-}
-
-Eigen::MatrixXd model_values(const FitProblem& problem, const SegmentResidual& residual,
-                             const Eigen::VectorXd& own) {
-  Eigen::MatrixXd model = residual.values();
-  for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
-    const auto& offset = problem.outputs[o].offset;
-    if (offset)
-      model.col(static_cast<Eigen::Index>(o)).array() +=
-          own[static_cast<Eigen::Index>(problem.own.size()) + *offset];
+/// Frames of a motion in a row: times since the start of the capture, and per output what was measured and
+/// what the model says.
+void add_frames(const FitProblem& problem, const Motion& motion,
+                const std::vector<SegmentResidual>& residuals, const FitPoint& point, CaptureFit& capture) {
+  const auto outputs = static_cast<Eigen::Index>(problem.outputs.size());
+  Eigen::Index frames = 0;
+  for (std::size_t k = 0; k < motion.segment_count; ++k) {
+    frames += residuals[motion.first_segment + k].values().rows();
   }
-  return model;
+  capture.frames = static_cast<int>(frames);
+  capture.times.resize(frames);
+  capture.model.resize(frames, outputs);
+  capture.measured.setConstant(frames, outputs, std::numeric_limits<double>::quiet_NaN());
+  Eigen::Index first = 0;
+  for (std::size_t k = motion.first_segment; k < motion.first_segment + motion.segment_count; ++k) {
+    const Segment& segment = problem.segments[k];
+    const auto values = residuals[k].values();
+    for (Eigen::Index row = 0; row < values.rows(); ++row) {
+      capture.times[first + row] = segment.start + segment.times[static_cast<std::size_t>(row)];
+    }
+    capture.model.middleRows(first, values.rows()) = values;
+    for (Eigen::Index o = 0; o < outputs; ++o) {
+      const auto& offset = problem.outputs[static_cast<std::size_t>(o)].offset;
+      if (!offset) continue;
+      capture.model.col(o).segment(first, values.rows()).array() +=
+          point.own[k][static_cast<Eigen::Index>(problem.own.size()) + *offset];
+    }
+    for (std::size_t row = 0; row < segment.observations.size(); ++row) {
+      const Observation& o = segment.observations[row];
+      capture.measured(first + o.frame, o.output) = o.value;
+      // The turn of the circle on which the difference was taken.
+      const double scale = problem.outputs[static_cast<std::size_t>(o.output)].scale;
+      capture.model(first + o.frame, o.output) =
+          o.value + scale * residuals[k].residual()[static_cast<Eigen::Index>(row)];
+    }
+    first += values.rows();
+  }
 }
 
 }  // namespace
@@ -110,22 +138,22 @@ void add_coefficients(const FitProblem& problem, const FitPoint& point, const Un
 void add_captures(const FitProblem& problem, const std::vector<SegmentResidual>& residuals,
                   const FitPoint& point, const Uncertainty& uncertainty, FitResult& result) {
   Squares all(problem);
-  for (std::size_t c = 0; c < residuals.size(); ++c) {
-    const Segment& segment = problem.segments[c];
+  for (const Motion& motion : problem.motions) {
+    const std::size_t first = motion.first_segment;
     Squares squares(problem);
-    squares.add(problem, residuals[c]);
-    all.add(problem, residuals[c]);
-    result.captures.push_back({.id = segment.id,
-                               .file = segment.file,
-                               .labels = segment.labels,
-                               .cluster = segment.cluster,
-                               .frames = static_cast<int>(segment.times.size()),
-                               .nuisances = nuisances_of(problem, point.own[c], uncertainty.own[c]),
-                               .residuals = squares.rms(problem),
-                               .times = Eigen::Map<const Eigen::VectorXd>(
-                                   segment.times.data(), static_cast<Eigen::Index>(segment.times.size())),
-                               .measured = measured_values(problem, segment),
-                               .model = model_values(problem, residuals[c], point.own[c])});
+    for (std::size_t k = first; k < first + motion.segment_count; ++k) {
+      squares.add(problem, residuals[k]);
+      all.add(problem, residuals[k]);
+    }
+    CaptureFit capture{.id = motion.id,
+                       .file = motion.file,
+                       .labels = motion.labels,
+                       .cluster = motion.cluster,
+                       .segments = static_cast<int>(motion.segment_count),
+                       .nuisances = nuisances_of(problem, point.own[first], uncertainty.own[first]),
+                       .residuals = squares.rms(problem)};
+    add_frames(problem, motion, residuals, point, capture);
+    result.captures.push_back(std::move(capture));
   }
   result.residuals = all.rms(problem);
   result.residual_count = problem.observation_count();

@@ -43,34 +43,15 @@ double dispersion_of(const Coefficient& c, double curvature, double naive) {
   return dispersion > 0.0 ? usable(dispersion) : usable(naive);
 }
 
-/// Of the dispersion: from clusters where the error is, else from what is left over of the frames.
+/// Of the dispersion: from clusters where the error is, else from what is left over of the frames. Joined
+/// segments of a capture stand for one start.
 double degrees_of_freedom(const FitProblem& problem, const Coefficient& c) {
   if (c.standard_error) return std::max(1, problem.cluster_count - 1);
-  const int unknowns =
-      problem.shared_count() + problem.own_count() * static_cast<int>(problem.segments.size());
+  int unknowns = problem.shared_count();
+  for (const Segment& segment : problem.segments)
+    unknowns += problem.own_count() - (segment.joined ? problem.join_rows() : 0);
   return std::max(1, problem.observation_count() - unknowns);
 }
-
-/// The problem without one of its shared unknowns, which is held at a value that can be changed.
-struct HeldProblem {
-  FitProblem problem;
-  CoordinateSlot* slot = nullptr;
-
-  HeldProblem(const FitProblem& whole, int held) : problem(whole) {
-    problem.shared.erase(problem.shared.begin() + held);
-    for (CoordinateSlot& s : problem.slots) {
-      if (s.role != CoordinateRole::shared) continue;
-      if (s.index == held) {
-        slot = &s;
-      } else if (s.index > held) {
-        --s.index;
-      }
-    }
-    slot->role = CoordinateRole::fixed;
-  }
-  HeldProblem(const HeldProblem&) = delete;
-  HeldProblem& operator=(const HeldProblem&) = delete;
-};
 
 /// Shared unknowns, then each capture's own, in one vector; and back.
 Eigen::VectorXd packed(const FitPoint& point) {
@@ -96,51 +77,28 @@ FitPoint unpacked(const FitProblem& problem, const Eigen::VectorXd& values) {
   return point;
 }
 
-FitPoint without(const FitPoint& point, Eigen::Index held) {
-  const Eigen::Index after = point.shared.size() - 1 - held;
-  Eigen::VectorXd shared(held + after);
-  shared.head(held) = point.shared.head(held);
-  shared.tail(after) = point.shared.tail(after);
-  return {std::move(shared), point.own};
-}
-
 /// Fits with one coefficient held.
 class HeldFits {
  public:
-  HeldFits(const TrajectoryFamily& family, const FitProblem& whole, int held, int max_iterations)
-      : held_(whole, held), max_iterations_(max_iterations) {
-    for (const Segment& segment : held_.problem.segments)
-      residuals_.emplace_back(family, held_.problem, segment);
+  HeldFits(const FitProblem& whole, std::vector<SegmentResidual>& residuals, Eigen::Index held,
+           int max_iterations)
+      : problem_(whole), residuals_(residuals), held_(held), max_iterations_(max_iterations) {
+    problem_.shared_chart = whole.shared_chart.holding(static_cast<int>(held));
   }
 
   std::optional<ProfileSolution> solve(double value, const Eigen::VectorXd& warm_start) {
-    held_.slot->value = value;
-    if (held_.problem.shared_count() + held_.problem.own_count() == 0) return cost_without_unknowns();
-    const MinimizeResult run =
-        minimize(held_.problem, residuals_, unpacked(held_.problem, warm_start), max_iterations_);
+    FitPoint start = unpacked(problem_, warm_start);
+    start.shared[held_] = value;
+    const MinimizeResult run = minimize(problem_, residuals_, std::move(start), max_iterations_);
     if (run.status == FitStatus::failed) return {};
     return ProfileSolution{run.cost, packed(run.point)};
   }
 
-  long evaluations() const {
-    long sum = 0;
-    for (const SegmentResidual& residual : residuals_) sum += residual.evaluations();
-    return sum;
-  }
-
  private:
-  std::optional<ProfileSolution> cost_without_unknowns() {
-    double cost = 0.0;
-    for (SegmentResidual& residual : residuals_) {
-      if (!residual.evaluate(nullptr, nullptr, false)) return {};
-      for (const double r : residual.residual()) cost += 0.5 * loss_value(held_.problem.loss, r).rho;
-    }
-    return ProfileSolution{cost, {}};
-  }
-
-  HeldProblem held_;
+  FitProblem problem_;
+  std::vector<SegmentResidual>& residuals_;
+  Eigen::Index held_;
   int max_iterations_;
-  std::vector<SegmentResidual> residuals_;
 };
 
 std::span<const double> span_of(const Eigen::VectorXd& values) {
@@ -167,8 +125,8 @@ double overall_dispersion(const Uncertainty& uncertainty, const FitResult& resul
 void add_whiteness(FitResult& result) {
   std::vector<SeriesWhiteness> all;
   for (const CaptureFit& capture : result.captures) {
-    for (std::size_t o = 0; o < capture.residuals.size(); ++o) {
-      const auto column = static_cast<Eigen::Index>(o);
+    for (Eigen::Index column = 0; column < capture.measured.cols(); ++column) {
+      const auto o = static_cast<std::size_t>(column);
       const Eigen::VectorXd residual = capture.measured.col(column) - capture.model.col(column);
       SeriesWhiteness series = series_whiteness(span_of(capture.times), span_of(residual));
       series.capture = capture.id;
@@ -188,10 +146,9 @@ void add_identifiability(const Uncertainty& uncertainty, FitResult& result) {
       identifiability(coefficients, uncertainty.information, overall_dispersion(uncertainty, result));
 }
 
-long add_profiles(const TrajectoryFamily& family, const FitProblem& problem, const FitPoint& point,
+void add_profiles(const FitProblem& problem, std::vector<SegmentResidual>& residuals, const FitPoint& point,
                   const Uncertainty& uncertainty, int max_iterations, FitResult& result) {
   const Eigen::VectorXd curvatures = profile_curvatures(uncertainty);
-  long evaluations = 0;
   for (std::size_t k = 0; k < result.coefficients.size(); ++k) {
     const Coefficient& c = result.coefficients[k];
     const auto at = static_cast<Eigen::Index>(k);
@@ -201,17 +158,15 @@ long add_profiles(const TrajectoryFamily& family, const FitProblem& problem, con
                                .scale = c.standard_error.value_or(c.naive_standard_error.value_or(0.0)),
                                .lower = c.lower,
                                .upper = c.upper};
-    HeldFits fits(family, problem, static_cast<int>(k), max_iterations);
+    HeldFits fits(problem, residuals, at, max_iterations);
     const ProfileSolver solver = [&](double value, const Eigen::VectorXd& warm_start) {
       return fits.solve(value, warm_start);
     };
     const double dispersion = dispersion_of(c, curvatures[at], uncertainty.dispersion);
     result.profiles.push_back(
-        profile(target, packed(without(point, at)), solver,
+        profile(target, packed(point), solver,
                 {.dispersion = dispersion, .degrees_of_freedom = degrees_of_freedom(problem, c)}));
-    evaluations += fits.evaluations();
   }
-  return evaluations;
 }
 
 void add_profile_warnings(FitResult& result) {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <vector>
+
 #include "samara/identification/fit_problem.h"
 #include "samara/identification/fit_result.h"
-#include "samara/identification/trajectory_source.h"
+#include "samara/identification/segment_residual.h"
 #include "samara/identification/uncertainty.h"
 
 /// Internal to identification/: what a fit may claim, by profile.h, identifiability.h and whiteness.h.
@@ -15,10 +17,10 @@ void add_whiteness(FitResult& result);
 void add_identifiability(const Uncertainty& uncertainty, FitResult& result);
 
 /// Minimises again with each coefficient held. Needs the coefficients of the result.
+/// @param residuals one per segment, joined as at the optimum; scratch
 /// @param point the optimum
-/// @returns trajectories computed
 /// @throws what a trajectory source throws
-long add_profiles(const TrajectoryFamily& family, const FitProblem& problem, const FitPoint& point,
+void add_profiles(const FitProblem& problem, std::vector<SegmentResidual>& residuals, const FitPoint& point,
                   const Uncertainty& uncertainty, int max_iterations, FitResult& result);
 
 /// Profiles that say otherwise than the standard errors. Needs the profiles.

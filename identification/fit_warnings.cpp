@@ -43,9 +43,12 @@ void warn_about_undetermined(const Uncertainty& uncertainty, FitResult& result) 
                   "the captures do not determine {}: they can change together without changing the residuals",
                   join(names)));
   }
+  std::size_t segment = 0;
   for (std::size_t c = 0; c < result.captures.size(); ++c) {
+    const OwnUncertainty& own = uncertainty.own[segment];
+    segment += static_cast<std::size_t>(result.captures[c].segments);
     for (std::size_t k = 0; k < result.captures[c].nuisances.size(); ++k) {
-      if (uncertainty.own[c].determined[k]) continue;
+      if (own.determined[k]) continue;
       result.warnings.push_back(fmt::format("capture \"{}\" does not determine its {}", result.captures[c].id,
                                             result.captures[c].nuisances[k].name));
     }
@@ -138,6 +141,13 @@ void add_misfit_warnings(const FitProblem& problem, FitResult& result) {
 }
 
 void add_warnings(const Uncertainty& uncertainty, FitResult& result) {
+  constexpr double kOpenJoin = 0.1;
+  if (result.join_defect.value_or(0.0) > kOpenJoin) {
+    result.warnings.push_back(fmt::format(
+        "segments do not join: one starts {:.2g} standard deviations of its start away from where "
+        "the one before it ends; the model cannot follow the captures, or more stages are needed",
+        *result.join_defect));
+  }
   warn_about_bounds(result);
   warn_about_undetermined(uncertainty, result);
   warn_about_errors(uncertainty, result);

@@ -13,4 +13,8 @@ namespace samara::identification {
 std::vector<std::string> translated_outputs(const models::ModelInfo& model,
                                             const std::vector<FitOutput>& outputs);
 
+/// The four outputs that hold the model's attitude quaternion (w, x, y, z), if all are there; else none.
+std::vector<std::string> attitude_outputs(const models::ModelInfo& model,
+                                          const std::vector<FitOutput>& outputs);
+
 }  // namespace samara::identification

@@ -8,6 +8,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/identification/fit.h"
+#include "samara/io/text.h"
 
 namespace samara::identification {
 
@@ -24,15 +25,25 @@ void check(const PredictionOptions& prediction) {
   }
 }
 
+/// Outputs with values frame by frame; an attitude as a whole stands behind them in the residuals.
+std::vector<OutputRms> compared_outputs(const FitResult& fitted) {
+  const auto count = static_cast<std::ptrdiff_t>(fitted.captures.front().measured.cols());
+  return {fitted.residuals.begin(), fitted.residuals.begin() + count};
+}
+
 /// The options of the fit, with the coefficients held.
 FitOptions holding(const FitResult& fitted, FitOptions options, const PredictionOptions& prediction) {
   for (const Coefficient& c : fitted.coefficients) {
     options.fixed[c.name] = c.value;
     std::erase(options.shared, c.name);
+    std::erase(options.log_scale, c.name);
     options.box.erase(c.name);
+    options.priors.erase(c.name);
+    options.initial.erase(c.name);
   }
   options.outputs.clear();
-  for (const OutputRms& r : fitted.residuals) options.outputs.push_back(r.output);
+  for (const OutputRms& output : compared_outputs(fitted)) options.outputs.push_back(output.output);
+  if (fitted.captures.front().nuisances.empty()) options.segments.length.reset();
   options.window = prediction.window;
   options.cluster_by.clear();
   options.profiles = false;
@@ -51,37 +62,45 @@ std::vector<Eigen::Index> frames_between(const Capture& capture, double after, d
   return frames;
 }
 
-Eigen::MatrixXd measured(const Capture& capture, const std::vector<OutputRms>& outputs,
+Eigen::MatrixXd measured(const Capture& capture, const std::vector<std::string>& outputs,
                          const std::vector<Eigen::Index>& frames) {
   Eigen::MatrixXd values(static_cast<Eigen::Index>(frames.size()), static_cast<Eigen::Index>(outputs.size()));
   for (std::size_t o = 0; o < outputs.size(); ++o)
-    values.col(static_cast<Eigen::Index>(o)) = capture.channel(outputs[o].output).values(frames);
+    values.col(static_cast<Eigen::Index>(o)) = capture.channel(outputs[o]).values(frames);
   return values;
 }
 
-std::optional<double> value_of(const FitResult& result, const std::string& name) {
-  for (const Nuisance& n : result.captures.front().nuisances) {
+/// A coordinate or an offset, as the fit of the window has it.
+std::optional<double> value_of(const FitResult& window, const Capture& capture, const FitOptions& options,
+                               const std::string& name) {
+  if (const auto label = options.known.find(name); label != options.known.end())
+    return io::read_number(capture.labels.at(label->second)).value;
+  for (const Nuisance& n : window.captures.front().nuisances) {
     if (n.name == name) return n.value;
   }
-  for (const Coefficient& c : result.coefficients) {
+  for (const Coefficient& c : window.coefficients) {
     if (c.name == name) return c.value;
   }
-  const auto held = result.fixed.find(name);
-  return held == result.fixed.end() ? std::nullopt : std::optional(held->second);
+  const auto held = window.fixed.find(name);
+  return held == window.fixed.end() ? std::nullopt : std::optional(held->second);
 }
 
-/// The model carried on to other times, times x outputs.
+/// The model carried on to other times of the capture, times x outputs.
 std::optional<Eigen::MatrixXd> carried_on(const TrajectoryFamily& family, const FitResult& window,
-                                          const std::vector<double>& times) {
-  std::vector<std::string> outputs;
-  for (const OutputRms& r : window.residuals) outputs.push_back(r.output);
+                                          const Capture& capture, const FitOptions& options,
+                                          const Eigen::VectorXd& times) {
   std::vector<double> q;
-  for (const FitCoordinate& c : family.info().coordinates) q.push_back(value_of(window, c.name).value());
-  Eigen::MatrixXd values(static_cast<Eigen::Index>(times.size()), static_cast<Eigen::Index>(outputs.size()));
-  if (!family.at(times, outputs)->evaluate(q, values, nullptr) || !values.allFinite()) return {};
-  for (std::size_t o = 0; o < outputs.size(); ++o)
+  for (const FitCoordinate& c : family.info().coordinates)
+    q.push_back(value_of(window, capture, options, c.name).value());
+  // Segments count their times from their first frame, a capture in one piece counts as its times do.
+  const double origin = options.segments.length ? window.captures.front().times[0] : 0.0;
+  const Eigen::VectorXd since = times.array() - origin;
+  Eigen::MatrixXd values(times.size(), static_cast<Eigen::Index>(options.outputs.size()));
+  const auto source = family.at({since.begin(), since.end()}, options.outputs);
+  if (!source->evaluate(q, values, nullptr) || !values.allFinite()) return {};
+  for (std::size_t o = 0; o < options.outputs.size(); ++o)
     values.col(static_cast<Eigen::Index>(o)).array() +=
-        value_of(window, fmt::format("offset of {}", outputs[o])).value_or(0.0);
+        value_of(window, capture, options, fmt::format("offset of {}", options.outputs[o])).value_or(0.0);
   return values;
 }
 
@@ -129,18 +148,17 @@ std::optional<Outlook> outlook_of(const TrajectoryFamily& family, const FitResul
   const std::vector<Eigen::Index> after = frames_between(capture, prediction.window, end);
   const Eigen::VectorXd since = capture.times.array() - capture.times[0];
   Outlook outlook;
-  outlook.seen = {since(before), measured(capture, fitted.residuals, before)};
+  outlook.seen = {since(before), measured(capture, options.outputs, before)};
   outlook.times = since(after);
-  outlook.truth = measured(capture, fitted.residuals, after);
+  outlook.truth = measured(capture, options.outputs, after);
   const std::size_t unknowns = fitted.captures.front().nuisances.size();
   if (after.empty() || !can_be_fitted(outlook.seen.positions, unknowns)) return {};
 
   // Without unknowns of its own there is nothing to fit.
   const FitResult window = unknowns > 0 ? fit(family, std::span(&capture, 1), options) : fitted;
   if (window.status == FitStatus::failed) return {};
-  // Trajectories of the family begin where the times of the capture do.
-  const Eigen::VectorXd absolute = capture.times(after).cwiseMin(family.info().end_time);
-  const std::optional<Eigen::MatrixXd> model = carried_on(family, window, {absolute.begin(), absolute.end()});
+  const std::optional<Eigen::MatrixXd> model =
+      carried_on(family, window, capture, options, capture.times(after).cwiseMin(family.info().end_time));
   if (!model) return {};
   outlook.model = *model;
   return outlook;
@@ -199,7 +217,7 @@ std::vector<PredictionScore> predict_left_out(const TrajectoryFamily& family, co
   check(prediction);
   if (fitted.captures.empty()) return {};
   const FitOptions held = holding(fitted, options, prediction);
-  const std::vector<Quantity> compared = quantities(fitted.residuals);
+  const std::vector<Quantity> compared = quantities(compared_outputs(fitted));
   std::vector<Predictor> all = predictors(compared, prediction);
   for (const Capture& capture : left_out) {
     const std::optional<Outlook> outlook = outlook_of(family, fitted, capture, held, prediction);

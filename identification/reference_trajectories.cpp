@@ -1,53 +1,17 @@
 #include "samara/identification/reference_trajectories.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/certify.h"
-#include "samara/identification/model_symmetry.h"
+#include "samara/identification/model_family.h"
 #include "samara/models/parametric_model.h"
 
 namespace samara::identification {
 
 namespace {
-
-std::vector<std::string> names_of(const std::map<std::string, Interval>& box) {
-  std::vector<std::string> names;
-  for (const auto& [name, interval] : box) names.push_back(name);
-  return names;
-}
-
-void check_box(const models::ParametricModel& model, const std::map<std::string, Interval>& box) {
-  if (box.empty()) throw ArgumentError("the box is empty; at least one free coordinate was expected");
-  std::vector<double> lower;
-  std::vector<double> upper;
-  for (const auto& [name, interval] : box) {
-    if (!(interval.width() > 0.0)) {
-      throw ArgumentError(
-          fmt::format("the box of \"{}\" goes from {} to {}; an interval with a length was expected", name,
-                      interval.lower, interval.upper));
-    }
-    lower.push_back(interval.lower);
-    upper.push_back(interval.upper);
-  }
-  model.check(lower);
-  model.check(upper);
-}
-
-FamilyInfo describe(const models::ParametricModel& model, const std::map<std::string, Interval>& box) {
-  const models::ModelInfo& m = model.model().info();
-  FamilyInfo info{.model = m.name, .source = "reference integrator", .fixed = model.fixed()};
-  for (const models::FreeCoordinate& c : model.free()) {
-    const Interval& interval = box.at(c.name);
-    info.coordinates.push_back({c.name, c.unit, c.is_initial, interval.lower, interval.upper});
-  }
-  for (const models::StateInfo& state : m.states) info.outputs.push_back({state.name, state.unit});
-  info.translations = translated_outputs(m, info.outputs);
-  return info;
-}
 
 /// One integration answers for values and derivatives at the same point: a fit asks for both, one after the
 /// other, and both must be of the same trajectory to the last bit, or the last steps of a fit stall.
@@ -84,32 +48,21 @@ class ReferenceSource final : public TrajectorySource {
   models::Trajectory trajectory_;
 };
 
-class ReferenceTrajectories final : public TrajectoryFamily {
+class ReferenceTrajectories final : public ModelFamily {
  public:
-  ReferenceTrajectories(models::ParametricModel model, const std::map<std::string, Interval>& box,
-                        const models::IntegrateOptions& options)
-      : model_(std::move(model)), options_(options), info_(describe(model_, box)) {}
+  ReferenceTrajectories(std::shared_ptr<const models::Model> model,
+                        const std::map<std::string, double>& fixed,
+                        const std::map<std::string, Interval>& box, const models::IntegrateOptions& options)
+      : ModelFamily(std::move(model), fixed, box, "reference integrator"), options_(options) {}
 
-  const FamilyInfo& info() const override { return info_; }
+  using TrajectoryFamily::at;
   std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
                                        const std::vector<std::string>& outputs) const override {
-    std::vector<int> states;
-    for (const std::string& output : outputs) states.push_back(state_index(output));
-    return std::make_unique<ReferenceSource>(model_, options_, times, std::move(states));
+    return std::make_unique<ReferenceSource>(model(), options_, times, state_indices(outputs));
   }
 
  private:
-  int state_index(const std::string& output) const {
-    const auto found = std::ranges::find(info_.outputs, output, &FitOutput::name);
-    if (found == info_.outputs.end()) {
-      throw ArgumentError(fmt::format("model \"{}\" has no state \"{}\"", info_.model, output));
-    }
-    return static_cast<int>(found - info_.outputs.begin());
-  }
-
-  models::ParametricModel model_;
   models::IntegrateOptions options_;
-  FamilyInfo info_;
 };
 
 }  // namespace
@@ -118,9 +71,7 @@ std::unique_ptr<TrajectoryFamily> reference_trajectories(std::shared_ptr<const m
                                                          const std::map<std::string, double>& fixed,
                                                          const std::map<std::string, Interval>& box,
                                                          const models::IntegrateOptions& options) {
-  models::ParametricModel parametric(std::move(model), fixed, names_of(box));
-  check_box(parametric, box);
-  return std::make_unique<ReferenceTrajectories>(std::move(parametric), box, options);
+  return std::make_unique<ReferenceTrajectories>(std::move(model), fixed, box, options);
 }
 
 std::unique_ptr<TrajectoryFamily> reference_trajectories(const codebooks::Codebook& book,

@@ -1,73 +1,161 @@
 #include "samara/identification/segment_residual.h"
 
+#include <cmath>
+
 namespace samara::identification {
+
+namespace {
+
+/// Coordinates by which the fit needs derivatives.
+std::vector<int> wanted_coordinates(const FitProblem& problem) {
+  std::vector<int> wanted;
+  for (std::size_t k = 0; k < problem.slots.size(); ++k) {
+    const CoordinateRole role = problem.slots[k].role;
+    if (role == CoordinateRole::shared || role == CoordinateRole::own) wanted.push_back(static_cast<int>(k));
+  }
+  return wanted;
+}
+
+/// The difference on a circle of length `period`, or on the line.
+double wrapped(double difference, double period) {
+  return period > 0.0 ? std::remainder(difference, period) : difference;
+}
+
+}  // namespace
 
 SegmentResidual::SegmentResidual(const TrajectoryFamily& family, const FitProblem& problem,
                                  const Segment& segment)
-    : problem_(&problem), segment_(&segment), source_(family.at(segment.times, problem.output_names())) {
-  const auto frames = static_cast<Eigen::Index>(segment.times.size());
-  const auto outputs = static_cast<Eigen::Index>(problem.outputs.size());
+    : problem_(&problem),
+      segment_(&segment),
+      source_(family.at(segment.times, problem.requested, wanted_coordinates(problem))) {
+  const auto times = static_cast<Eigen::Index>(segment.times.size());
+  const auto outputs = static_cast<Eigen::Index>(problem.requested.size());
   const auto coordinates = static_cast<Eigen::Index>(problem.slots.size());
-  const auto observations = static_cast<Eigen::Index>(segment.observations.size());
+  frame_count_ = times - (segment.joined ? 1 : 0);
+  data_size_ = static_cast<int>(segment.observations.size() + 3 * segment.attitudes.size());
+  const int joins = segment.joined ? problem.join_rows() : 0;
   q_.setZero(coordinates);
-  values_.setZero(frames, outputs);
-  derivatives_.setZero(frames, outputs * coordinates);
-  residual_.setZero(observations);
-  by_shared_.setZero(observations, problem.shared_count());
-  by_own_.setZero(observations, problem.own_count());
+  values_.setZero(times, outputs);
+  derivatives_.setZero(times, outputs * coordinates);
+  residual_.setZero(data_size_ + joins);
+  join_weights_.setOnes(joins);
+  by_shared_.setZero(residual_.size(), problem.shared_count());
+  by_own_.setZero(residual_.size(), problem.own_count());
+  by_next_.setZero(residual_.size(), segment.joined ? problem.own_count() : 0);
 }
 
-void SegmentResidual::load(const double* shared, const double* own) {
-  for (std::size_t k = 0; k < problem_->slots.size(); ++k) {
-    const CoordinateSlot& slot = problem_->slots[k];
-    double& q = q_[static_cast<Eigen::Index>(k)];
-    switch (slot.role) {
-      case CoordinateRole::shared:
-        q = shared[slot.index];
-        break;
-      case CoordinateRole::own:
-        q = own[slot.index];
-        break;
-      case CoordinateRole::fixed:
-        q = slot.value;
-        break;
-    }
-  }
-}
-
-bool SegmentResidual::evaluate(const double* shared, const double* own, bool with_derivatives) {
-  load(shared, own);
+bool SegmentResidual::evaluate(const double* shared, const double* own, const double* next,
+                               bool with_derivatives) {
+  family_point(*problem_, problem_->motion_of(*segment_), shared, own, q_);
   ++evaluations_;
   const std::span<const double> q(q_.data(), static_cast<std::size_t>(q_.size()));
   if (!source_->evaluate(q, values_, with_derivatives ? &derivatives_ : nullptr)) return false;
-  const std::size_t own_coordinates = problem_->own.size();
-  for (Eigen::Index row = 0; row < residual_.size(); ++row) {
-    const Observation& observation = segment_->observations[static_cast<std::size_t>(row)];
-    const ComparedOutput& output = problem_->outputs[static_cast<std::size_t>(observation.output)];
-    const double offset =
-        output.offset ? own[own_coordinates + static_cast<std::size_t>(*output.offset)] : 0.0;
-    residual_[row] =
-        (values_(observation.frame, observation.output) + offset - observation.value) / output.scale;
-  }
+  compare(own);
   if (with_derivatives) fill_derivatives();
+  compare_attitudes(with_derivatives);
+  if (segment_->joined) join(own, next, with_derivatives);
   return residual_.allFinite();
 }
 
-void SegmentResidual::fill_derivatives() {
-  const auto outputs = static_cast<Eigen::Index>(problem_->outputs.size());
-  for (Eigen::Index row = 0; row < residual_.size(); ++row) {
-    const Observation& observation = segment_->observations[static_cast<std::size_t>(row)];
+void SegmentResidual::compare(const double* own) {
+  const std::size_t own_coordinates = problem_->own.size();
+  for (std::size_t k = 0; k < segment_->observations.size(); ++k) {
+    const Observation& observation = segment_->observations[k];
     const ComparedOutput& output = problem_->outputs[static_cast<std::size_t>(observation.output)];
-    for (std::size_t k = 0; k < problem_->slots.size(); ++k) {
-      const CoordinateSlot& slot = problem_->slots[k];
-      if (slot.role == CoordinateRole::fixed) continue;
-      const Eigen::Index column = observation.output + outputs * static_cast<Eigen::Index>(k);
-      auto& target = slot.role == CoordinateRole::shared ? by_shared_ : by_own_;
-      target(row, slot.index) = derivatives_(observation.frame, column) / output.scale;
-    }
+    const double offset =
+        output.offset ? own[own_coordinates + static_cast<std::size_t>(*output.offset)] : 0.0;
+    const double model = values_(observation.frame, observation.output) + offset;
+    residual_[static_cast<Eigen::Index>(k)] =
+        wrapped(model - observation.value, output.period) / output.scale;
+  }
+}
+
+void SegmentResidual::fill_row(Eigen::Index row, Eigen::Index frame, Eigen::Index column, double factor) {
+  const auto outputs = static_cast<Eigen::Index>(problem_->requested.size());
+  for (std::size_t k = 0; k < problem_->slots.size(); ++k) {
+    const CoordinateSlot& slot = problem_->slots[k];
+    const double derivative = factor * derivatives_(frame, column + outputs * static_cast<Eigen::Index>(k));
+    if (slot.role == CoordinateRole::shared) by_shared_(row, slot.index) = derivative;
+    if (slot.role == CoordinateRole::own) by_own_(row, slot.index) = derivative;
+  }
+}
+
+void SegmentResidual::fill_derivatives() {
+  for (std::size_t k = 0; k < segment_->observations.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const Observation& observation = segment_->observations[k];
+    const ComparedOutput& output = problem_->outputs[static_cast<std::size_t>(observation.output)];
+    fill_row(row, observation.frame, observation.output, 1.0 / output.scale);
     if (output.offset) {
       by_own_(row, static_cast<Eigen::Index>(problem_->own.size()) + *output.offset) = 1.0 / output.scale;
     }
+  }
+}
+
+void SegmentResidual::compare_attitudes(bool with_derivatives) {
+  const auto outputs = static_cast<Eigen::Index>(problem_->requested.size());
+  const Eigen::Index column = problem_->attitude_column();
+  auto row = static_cast<Eigen::Index>(segment_->observations.size());
+  for (const AttitudeObservation& observation : segment_->attitudes) {
+    const Eigen::Vector4d model = attitude(observation.frame);
+    const Turn turn = turn_between(observation.q_WB.data(), model.data());
+    const double scale = *problem_->attitude_scale;
+    residual_.segment<3>(row) = turn.vector / scale;
+    for (std::size_t k = 0; with_derivatives && k < problem_->slots.size(); ++k) {
+      const CoordinateSlot& slot = problem_->slots[k];
+      if (slot.role != CoordinateRole::shared && slot.role != CoordinateRole::own) continue;
+      auto& target = slot.role == CoordinateRole::shared ? by_shared_ : by_own_;
+      const Eigen::Vector4d derivative = derivatives_.row(observation.frame)
+                                             .segment<4>(column + outputs * static_cast<Eigen::Index>(k))
+                                             .transpose();
+      target.block<3, 1>(row, slot.index) = turn.by_to * derivative / scale;
+    }
+    row += 3;
+  }
+}
+
+void SegmentResidual::join(const double* own, const double* next, bool with_derivatives) {
+  const Eigen::Index end = frame_count_;
+  Eigen::Index row = data_size_;
+  for (const JoinRule& rule : problem_->joins) {
+    if (rule.kind == JoinRule::Kind::turn) {
+      join_turn(rule, row, next, with_derivatives);
+      row += rule.rows();
+      continue;
+    }
+    const double weight = join_weights_[row - data_size_];
+    const bool is_constant = rule.kind == JoinRule::Kind::constant;
+    const bool is_state = rule.kind == JoinRule::Kind::state;
+    const double moved = is_constant ? own[rule.own]
+                         : is_state  ? values_(end, rule.column)
+                                     : values_(end, rule.column) + own[rule.own] - rule.start;
+    residual_[row] = weight * (moved - next[rule.own]);
+    if (with_derivatives) {
+      by_next_(row, rule.own) = -weight;
+      if (!is_constant) fill_row(row, end, rule.column, weight);
+      if (!is_state) by_own_(row, rule.own) = weight;
+    }
+    ++row;
+  }
+}
+
+void SegmentResidual::join_turn(const JoinRule& rule, Eigen::Index row, const double* next,
+                                bool with_derivatives) {
+  const Eigen::Index end = frame_count_;
+  const Eigen::Vector4d model = values_.row(end).segment<4>(rule.column).transpose();
+  const Turn turn = turn_between(next + rule.own, model.data());
+  const Eigen::Vector3d weights = join_weights_.segment<3>(row - data_size_);
+  residual_.segment<3>(row) = weights.cwiseProduct(turn.vector);
+  if (!with_derivatives) return;
+  const auto outputs = static_cast<Eigen::Index>(problem_->requested.size());
+  by_next_.block<3, 4>(row, rule.own) = weights.asDiagonal() * turn.by_from;
+  for (std::size_t k = 0; k < problem_->slots.size(); ++k) {
+    const CoordinateSlot& slot = problem_->slots[k];
+    if (slot.role != CoordinateRole::shared && slot.role != CoordinateRole::own) continue;
+    auto& target = slot.role == CoordinateRole::shared ? by_shared_ : by_own_;
+    const Eigen::Vector4d derivative =
+        derivatives_.row(end).segment<4>(rule.column + outputs * static_cast<Eigen::Index>(k)).transpose();
+    target.block<3, 1>(row, slot.index) = weights.asDiagonal() * (turn.by_to * derivative);
   }
 }
 
@@ -77,9 +165,9 @@ void SegmentResidual::centre_offsets(Eigen::VectorXd& own) const {
     if (!output.offset) continue;
     double sum = 0.0;
     int count = 0;
-    for (Eigen::Index row = 0; row < residual_.size(); ++row) {
-      if (segment_->observations[static_cast<std::size_t>(row)].output != static_cast<int>(o)) continue;
-      sum += residual_[row] * output.scale;
+    for (std::size_t k = 0; k < segment_->observations.size(); ++k) {
+      if (segment_->observations[k].output != static_cast<int>(o)) continue;
+      sum += residual_[static_cast<Eigen::Index>(k)] * output.scale;
       ++count;
     }
     if (count > 0) own[static_cast<Eigen::Index>(problem_->own.size()) + *output.offset] -= sum / count;

@@ -10,45 +10,68 @@
 /// Internal to identification/.
 namespace samara::identification {
 
-/// Residuals of one segment, and their derivatives by the shared and its own unknowns. Holds the scratch
-/// space of one thread; `problem` must outlive it. Does not allocate after construction, beyond what the
-/// source does.
+/// Residuals of one segment, and their derivatives by the shared unknowns, its own, and those of the segment
+/// it is joined to. Holds the scratch space of one thread; `problem` must outlive it. Does not allocate after
+/// construction, beyond what the source does.
+///
+/// Rows are the observations, then three for each attitude (the turn from measured to model, in body axes),
+/// then the differences at the join.
 class SegmentResidual {
  public:
   SegmentResidual(const TrajectoryFamily& family, const FitProblem& problem, const Segment& segment);
 
   /// @param shared, own values of the unknowns, in the order of the problem
+  /// @param next own unknowns of the next segment, if this one is joined
   /// @returns false if there is no trajectory there
-  bool evaluate(const double* shared, const double* own, bool with_derivatives);
+  bool evaluate(const double* shared, const double* own, const double* next, bool with_derivatives);
 
   const Segment& segment() const { return *segment_; }
   int size() const { return static_cast<int>(residual_.size()); }
+  /// Rows that compare with the capture.
+  int data_size() const { return data_size_; }
   long evaluations() const { return evaluations_; }
 
-  /// (model - measured)/scale, per observation.
+  /// (model - measured)/scale, per row; at a join, (end - next start) * weight.
   const Eigen::VectorXd& residual() const { return residual_; }
-  /// Observations x shared unknowns, and observations x own unknowns.
+  /// Rows x shared unknowns, and rows x own unknowns.
   const Eigen::MatrixXd& by_shared() const { return by_shared_; }
   const Eigen::MatrixXd& by_own() const { return by_own_; }
-  /// The model's outputs without offsets, frames x outputs, SI.
-  const Eigen::MatrixXd& values() const { return values_; }
+  const Eigen::MatrixXd& by_next() const { return by_next_; }
+  /// The model's compared outputs without offsets, frames x outputs, SI.
+  auto values() const {
+    return values_.topLeftCorner(frame_count_, static_cast<Eigen::Index>(problem_->outputs.size()));
+  }
+  /// The model's attitude at a frame: (w, x, y, z), not normalised. If attitudes are compared.
+  Eigen::Vector4d attitude(Eigen::Index frame) const {
+    return values_.row(frame).segment<4>(problem_->attitude_column()).transpose();
+  }
+
+  /// Per direction of the own unknowns, in their order; 1 at first.
+  void set_join_weights(const Eigen::VectorXd& weights) { join_weights_ = weights; }
 
   /// The offsets that make the mean residual of each output zero at the last point.
   void centre_offsets(Eigen::VectorXd& own) const;
 
  private:
-  void load(const double* shared, const double* own);
+  void compare(const double* own);
+  void compare_attitudes(bool with_derivatives);
+  void join(const double* own, const double* next, bool with_derivatives);
+  void join_turn(const JoinRule& rule, Eigen::Index row, const double* next, bool with_derivatives);
   void fill_derivatives();
+  /// Row of derivatives of requested output `column` at `frame`, times `factor`.
+  void fill_row(Eigen::Index row, Eigen::Index frame, Eigen::Index column, double factor);
 
   const FitProblem* problem_;
   const Segment* segment_;
   std::unique_ptr<TrajectorySource> source_;
+  Eigen::Index frame_count_ = 0;  ///< without the end of a joined segment
+  int data_size_ = 0;
   Eigen::VectorXd q_;
   Eigen::MatrixXd values_;
   Eigen::MatrixXd derivatives_;
   Eigen::VectorXd residual_;
-  Eigen::MatrixXd by_shared_;
-  Eigen::MatrixXd by_own_;
+  Eigen::VectorXd join_weights_;
+  Eigen::MatrixXd by_shared_, by_own_, by_next_;
   long evaluations_ = 0;
 };
 

@@ -1,12 +1,16 @@
 #include "samara/identification/segments.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/io/text.h"
 #include "samara/io/units.h"
 
 namespace samara::identification {
@@ -19,61 +23,123 @@ namespace {
   throw InputError(file, sentence);
 }
 
-/// The channels of the compared outputs, in their order and units.
-std::vector<const Channel*> compared_channels(const FitProblem& problem, const Capture& capture) {
-  std::vector<const Channel*> channels;
-  for (const ComparedOutput& output : problem.outputs) {
-    if (!capture.has(output.name)) {
-      std::vector<std::string> known;
-      for (const Channel& candidate : capture.channels) known.push_back(candidate.quantity);
-      refuse(capture.file, fmt::format("capture \"{}\" does not measure \"{}\"{}", capture.id, output.name,
-                                       suggestion(output.name, known)));
-    }
-    const Channel& channel = capture.channel(output.name);
-    if (!io::same_dimension(channel.unit, output.unit)) {
-      refuse(capture.file, fmt::format("capture \"{}\" measures \"{}\" in {}; {} was expected{}", capture.id,
-                                       output.name, channel.unit, output.unit,
-                                       channel.unit == "px" ? ", from a [scale] in its sidecar" : ""));
-    }
-    if (channel.values.size() != capture.times.size()) {
-      refuse(capture.file,
-             fmt::format("capture \"{}\" has {} values of \"{}\"; one for each of its {} frames was expected",
-                         capture.id, channel.values.size(), output.name, capture.times.size()));
-    }
-    if (channel.values.array().isInf().any()) {
-      refuse(capture.file,
-             fmt::format("capture \"{}\" has an infinite value of \"{}\"; finite numbers, or NaN for a "
-                         "missing one, were expected",
-                         capture.id, output.name));
-    }
-    channels.push_back(&channel);
+/// @throws ArgumentError or InputError unless the capture measures it, in its unit, in every frame or NaN.
+const Channel& compared_channel(const Capture& capture, const std::string& name, const std::string& unit) {
+  if (!capture.has(name)) {
+    std::vector<std::string> known;
+    for (const Channel& candidate : capture.channels) known.push_back(candidate.quantity);
+    refuse(capture.file, fmt::format("capture \"{}\" does not measure \"{}\"{}", capture.id, name,
+                                     suggestion(name, known)));
   }
-  return channels;
+  const Channel& channel = capture.channel(name);
+  if (!io::same_dimension(channel.unit, unit)) {
+    refuse(capture.file,
+           fmt::format("capture \"{}\" measures \"{}\" in {}; {} was expected{}", capture.id, name,
+                       channel.unit, unit, channel.unit == "px" ? ", from a [scale] in its sidecar" : ""));
+  }
+  if (channel.values.size() != capture.times.size()) {
+    refuse(capture.file,
+           fmt::format("capture \"{}\" has {} values of \"{}\"; one for each of its {} frames was expected",
+                       capture.id, channel.values.size(), name, capture.times.size()));
+  }
+  if (channel.values.array().isInf().any()) {
+    refuse(capture.file,
+           fmt::format("capture \"{}\" has an infinite value of \"{}\"; finite numbers, or NaN for a "
+                       "missing one, were expected",
+                       capture.id, name));
+  }
+  return channel;
 }
 
-Segment make_segment(const FitProblem& problem, const Capture& capture) {
-  Segment segment{capture.id, capture.file, capture.labels, 0, {}, {}};
-  const std::vector<const Channel*> channels = compared_channels(problem, capture);
-  for (Eigen::Index frame = 0; frame < capture.times.size(); ++frame) {
+/// Values of FitOptions::known, in its order.
+std::vector<double> known_values(const Capture& capture, const FitOptions& options) {
+  std::vector<double> values;
+  for (const auto& [coordinate, label] : options.known) {
+    const auto found = capture.labels.find(label);
+    if (found == capture.labels.end()) {
+      refuse(capture.file, fmt::format("capture \"{}\" has no label \"{}\", which was to hold \"{}\"",
+                                       capture.id, label, coordinate));
+    }
+    const io::NumberPrefix value = io::read_number(found->second);
+    if (value.problem != io::NumberProblem::none || value.length != found->second.size()) {
+      refuse(capture.file,
+             fmt::format("capture \"{}\": the label \"{}\" is \"{}\"; the value of \"{}\" in SI units, a "
+                         "finite number, was expected",
+                         capture.id, label, found->second, coordinate));
+    }
+    values.push_back(value.value);
+  }
+  return values;
+}
+
+/// What a capture holds for the fit, frame by frame.
+class Frames {
+ public:
+  Frames(const FitProblem& problem, const Capture& capture) : capture_(capture) {
+    for (const ComparedOutput& output : problem.outputs) {
+      channels_.push_back(&compared_channel(capture, output.name, output.unit));
+    }
+    if (!problem.attitude_scale) return;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::string& name = problem.requested[static_cast<std::size_t>(problem.attitude_column()) + k];
+      attitude_.push_back(&compared_channel(capture, name, "1"));
+    }
+  }
+
+  /// Adds the frame to a segment, if there is something to compare.
+  void add(Eigen::Index frame, Segment& segment) const {
     const auto place = static_cast<int>(segment.times.size());
-    const std::size_t before = segment.observations.size();
-    for (std::size_t o = 0; o < channels.size(); ++o) {
-      const double value = channels[o]->values[frame];
-      if (!std::isnan(value)) segment.observations.push_back({place, static_cast<int>(o), value});
+    bool any = false;
+    for (std::size_t o = 0; o < channels_.size(); ++o) {
+      const double value = channels_[o]->values[frame];
+      if (std::isnan(value)) continue;
+      segment.observations.push_back({place, static_cast<int>(o), value});
+      any = true;
     }
-    if (segment.observations.size() > before) segment.times.push_back(capture.times[frame]);
+    if (const auto q = attitude(frame)) {
+      segment.attitudes.push_back({place, *q});
+      any = true;
+    }
+    if (any) segment.times.push_back(capture_.times[frame] - segment.start);
   }
-  return segment;
-}
 
-void check_times(const FamilyInfo& family, Segment& segment) {
+  bool has_something(Eigen::Index frame) const {
+    return attitude(frame) || std::ranges::any_of(channels_, [&](const Channel* channel) {
+             return !std::isnan(channel->values[frame]);
+           });
+  }
+
+ private:
+  std::optional<std::array<double, 4>> attitude(Eigen::Index frame) const {
+    if (attitude_.empty()) return {};
+    std::array<double, 4> q;
+    double square = 0.0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      q[k] = attitude_[k]->values[frame];
+      square += q[k] * q[k];
+    }
+    if (std::isnan(square)) return {};
+    if (!(square > 0.0)) {
+      refuse(capture_.file, fmt::format("capture \"{}\" has a quaternion of length 0 at {} s", capture_.id,
+                                        capture_.times[frame]));
+    }
+    for (double& part : q) part /= std::sqrt(square);
+    return q;
+  }
+
+  const Capture& capture_;
+  std::vector<const Channel*> channels_;
+  std::vector<const Channel*> attitude_;
+};
+
+void check_times(const FamilyInfo& family, const Motion& motion, Segment& segment) {
   double previous = 0.0;
   for (const double time : segment.times) {
     if (!(time >= previous)) {
-      refuse(segment.file,
+      refuse(motion.file,
              fmt::format("capture \"{}\" has a frame at {} s; times that begin at 0 or later and do not "
                          "decrease were expected",
-                         segment.id, time));
+                         motion.id, time));
     }
     previous = time;
   }
@@ -81,38 +147,97 @@ void check_times(const FamilyInfo& family, Segment& segment) {
   // Rounding may put a frame on the border just behind it, as in first().
   const double interval = previous / static_cast<double>(segment.times.size());
   if (previous > family.end_time + 1e-3 * interval) {
-    refuse(segment.file,
+    refuse(motion.file,
            fmt::format("capture \"{}\" lasts {} s, but the {} ends at {} s; a `window` of at most that was "
                        "expected",
-                       segment.id, previous, family.source, family.end_time));
+                       motion.id, previous, family.source, family.end_time));
   }
   segment.times.back() = family.end_time;
 }
 
-void check_size(const FitProblem& problem, const Segment& segment) {
-  if (segment.observations.size() > static_cast<std::size_t>(problem.own_count())) return;
-  refuse(segment.file,
+std::size_t compared_count(const Segment& segment) {
+  return segment.observations.size() + 3 * segment.attitudes.size();
+}
+
+/// Segments that are joined determine each other.
+void check_size(const FitProblem& problem, const Motion& motion) {
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < motion.segment_count; ++k) {
+    count += compared_count(problem.segments[motion.first_segment + k]);
+  }
+  if (count > static_cast<std::size_t>(problem.own_count())) return;
+  refuse(motion.file,
          fmt::format("capture \"{}\" has {} values to compare for {} unknowns of its own; more were expected",
-                     segment.id, segment.observations.size(), problem.own_count()));
+                     motion.id, count, problem.own_count()));
+}
+
+/// The first frames of the segments, among those with something to compare.
+std::vector<Eigen::Index> segment_starts(const Capture& capture, const std::vector<Eigen::Index>& frames,
+                                         double length) {
+  const double begin = capture.times[frames.front()];
+  const double duration = capture.times[frames.back()] - begin;
+  const auto count = static_cast<int>(std::max(1.0, std::round(duration / length)));
+  std::vector<Eigen::Index> starts = {frames.front()};
+  for (int k = 1; k < count; ++k) {
+    const double wanted = begin + duration * k / count;
+    const auto nearest = std::ranges::min_element(
+        frames, {}, [&](Eigen::Index frame) { return std::abs(capture.times[frame] - wanted); });
+    if (*nearest > starts.back() && *nearest < frames.back()) starts.push_back(*nearest);
+  }
+  return starts;
+}
+
+void add_motion(const FamilyInfo& family, const Capture& capture, const FitOptions& options,
+                FitProblem& problem) {
+  const Frames frames(problem, capture);
+  std::vector<Eigen::Index> seen;
+  for (Eigen::Index frame = 0; frame < capture.times.size(); ++frame) {
+    if (frames.has_something(frame)) seen.push_back(frame);
+  }
+  std::vector<Eigen::Index> starts;
+  if (options.segments.length && !seen.empty())
+    starts = segment_starts(capture, seen, *options.segments.length);
+
+  Motion motion{.id = capture.id,
+                .file = capture.file,
+                .labels = capture.labels,
+                .known = known_values(capture, options),
+                .first_segment = problem.segments.size(),
+                .segment_count = std::max<std::size_t>(1, starts.size())};
+  for (std::size_t k = 0; k < motion.segment_count; ++k) {
+    Segment segment{.motion = static_cast<int>(problem.motions.size())};
+    segment.joined = k + 1 < motion.segment_count;
+    if (!starts.empty()) segment.start = capture.times[starts[k]];
+    for (const Eigen::Index frame : seen) {
+      const bool before = !starts.empty() && frame < starts[k];
+      const bool behind = segment.joined && frame >= starts[k + 1];
+      if (!before && !behind) frames.add(frame, segment);
+    }
+    if (segment.joined) segment.times.push_back(capture.times[starts[k + 1]] - segment.start);
+    check_times(family, motion, segment);
+    problem.segments.push_back(std::move(segment));
+  }
+  check_size(problem, motion);
+  problem.motions.push_back(std::move(motion));
 }
 
 /// Numbers the clusters in the order in which they appear.
 void find_clusters(const std::vector<std::string>& cluster_by, FitProblem& problem) {
   std::map<std::vector<std::string>, int> clusters;
-  for (Segment& segment : problem.segments) {
+  for (Motion& motion : problem.motions) {
     std::vector<std::string> key;
     for (const std::string& label : cluster_by) {
-      const auto found = segment.labels.find(label);
-      if (found == segment.labels.end()) {
+      const auto found = motion.labels.find(label);
+      if (found == motion.labels.end()) {
         std::vector<std::string> known;
-        for (const auto& [name, value] : segment.labels) known.push_back(name);
-        throw ArgumentError(fmt::format("cluster_by: capture \"{}\" has no label \"{}\"{}", segment.id, label,
+        for (const auto& [name, value] : motion.labels) known.push_back(name);
+        throw ArgumentError(fmt::format("cluster_by: capture \"{}\" has no label \"{}\"{}", motion.id, label,
                                         known.empty() ? "; it has none" : suggestion(label, known)));
       }
       key.push_back(found->second);
     }
-    if (cluster_by.empty()) key = {segment.file, segment.id};
-    segment.cluster = clusters.try_emplace(key, static_cast<int>(clusters.size())).first->second;
+    if (cluster_by.empty()) key = {motion.file, motion.id};
+    motion.cluster = clusters.try_emplace(key, static_cast<int>(clusters.size())).first->second;
   }
   problem.cluster_count = static_cast<int>(clusters.size());
 }
@@ -126,10 +251,7 @@ void add_segments(const FamilyInfo& family, std::span<const Capture> captures, c
     if (!seen.insert({capture.file, capture.id}).second) {
       throw ArgumentError(fmt::format("capture \"{}\" of \"{}\" is given twice", capture.id, capture.file));
     }
-    problem.segments.push_back(
-        make_segment(problem, options.window ? first(capture, *options.window) : capture));
-    check_times(family, problem.segments.back());
-    check_size(problem, problem.segments.back());
+    add_motion(family, options.window ? first(capture, *options.window) : capture, options, problem);
   }
   find_clusters(options.cluster_by, problem);
 }

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include <fmt/format.h>
+#include <glob.h>
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
@@ -97,20 +98,98 @@ std::filesystem::path read_table_path(const TomlTable& root, const std::filesyst
   return named;
 }
 
+/// "tracks_*.csv", "[0-9]*.csv": the files that match, sorted; empty if the path is no pattern.
+std::vector<std::filesystem::path> matching_files(const TomlTable& root,
+                                                  const std::filesystem::path& pattern) {
+  if (pattern.filename().string().find_first_of("*?[") == std::string::npos) return {};
+  ::glob_t matches{};
+  std::vector<std::filesystem::path> found;
+  if (::glob(pattern.c_str(), 0, nullptr, &matches) == 0)
+    found.assign(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
+  ::globfree(&matches);
+  if (found.empty()) throw root.error("file", fmt::format("no file matches \"{}\"", pattern.string()));
+  return found;
+}
+
+EulerColumns read_euler(const TomlTable& attitude) {
+  attitude.expect_keys({"euler", "order", "unit"});
+  EulerColumns euler{attitude.strings("euler"), attitude.string("order"), unit_of(attitude, "unit")};
+  if (euler.columns.size() != 3)
+    throw attitude.error("euler", fmt::format("{} columns; three were expected", euler.columns.size()));
+  const std::string& order = euler.order;
+  const bool is_order = order.size() == 3 && order.find_first_not_of("xyz") == std::string::npos &&
+                        order[0] != order[1] && order[1] != order[2];
+  if (!is_order) {
+    throw attitude.error("order",
+                         fmt::format("\"{}\"; three of x, y, z, none twice in a row, were expected", order));
+  }
+  if (!euler.unit.dimension.is_dimensionless())
+    throw attitude.error("unit", "is no unit of an angle; \"deg\" or \"rad\" was expected");
+  return euler;
+}
+
+CleaningSteps read_cleaning(const TomlTable& clean) {
+  clean.expect_keys({"frame_grid", "before_impact", "outliers", "window"});
+  CleaningSteps steps;
+  steps.frame_grid = clean.optional_boolean("frame_grid").value_or(false);
+  steps.impact = clean.optional_quantity("before_impact", "m/s");
+  steps.outliers = clean.optional_number("outliers");
+  steps.window = clean.optional_quantity("window", "s");
+  for (const auto& [key, value] :
+       {std::pair("before_impact", steps.impact), std::pair("outliers", steps.outliers),
+        std::pair("window", steps.window)}) {
+    if (value && !(*value > 0.0)) throw clean.error(key, fmt::format("{}; more than 0 was expected", *value));
+  }
+  return steps;
+}
+
+std::string read_length_unit(const TomlTable& root) {
+  if (unit_of(root, "length_unit").dimension != io::Dimension{.metre = 1})
+    throw root.error("length_unit", fmt::format("\"{}\" is no unit of length", root.string("length_unit")));
+  return root.string("length_unit");
+}
+
+/// Which frames, and how the world lies.
+void read_frame_keys(const TomlTable& root, Sidecar& sidecar) {
+  if (root.has("start")) {
+    sidecar.start = choice<CaptureStart>(
+        root, "start",
+        {{"first visible", CaptureStart::first_visible}, {"as given", CaptureStart::as_given}});
+  }
+  sidecar.from = root.optional_quantity("from", "s");
+  sidecar.until = root.optional_quantity("until", "s");
+  if (root.has("repeated_times")) {
+    sidecar.keep_first_of_repeated_times =
+        choice<bool>(root, "repeated_times", {{"refuse", false}, {"keep first", true}});
+  }
+  if (root.has("up")) {
+    const std::vector<std::string> axes = {"x", "y", "z", "-x", "-y", "-z"};
+    std::vector<std::pair<std::string, std::string>> words;
+    for (const std::string& axis : axes) words.emplace_back(axis, axis);
+    sidecar.up = choice<std::string>(root, "up", words);
+  }
+}
+
 }  // namespace
 
 InputError Sidecar::error(const std::string& section, const std::string& key,
                           const std::string& sentence) const {
   if (!document) return InputError(table.string(), sentence);
-  return (section.empty() ? *document : document->table(section)).error(key, sentence);
+  const bool is_stated = !section.empty() && document->has(section);
+  return (is_stated ? document->table(section) : *document)
+      .error(is_stated || section.empty() ? key : section, sentence);
 }
 
 Sidecar read_sidecar(const std::filesystem::path& path, const std::filesystem::path& table) {
   const TomlTable root = TomlTable::read(path);
-  root.expect_keys({"file", "delimiter", "columns", "group_by", "where", "frame_rate", "scale", "start"});
+  root.expect_keys({"file", "delimiter", "header", "columns", "attitude", "group_by", "where", "frame_rate",
+                    "length_unit", "scale", "start", "from", "until", "repeated_times", "up", "clean",
+                    "labels"});
   Sidecar sidecar;
   sidecar.document = root;
   sidecar.table = read_table_path(root, path, table);
+  sidecar.tables = matching_files(root, sidecar.table);
+  sidecar.header = root.optional_strings("header").value_or(std::vector<std::string>{});
   if (root.has("delimiter")) {
     sidecar.delimiter =
         choice<char>(root, "delimiter", {{",", ','}, {";", ';'}, {"tab", '\t'}, {"\t", '\t'}});
@@ -126,11 +205,16 @@ Sidecar read_sidecar(const std::filesystem::path& path, const std::filesystem::p
       sidecar.scales[quantity] = read_scale(scales.table(quantity));
     }
   }
-  if (root.has("start")) {
-    sidecar.start = choice<CaptureStart>(
-        root, "start",
-        {{"first visible", CaptureStart::first_visible}, {"as given", CaptureStart::as_given}});
+  if (root.has("length_unit")) sidecar.length_unit = read_length_unit(root);
+  if (root.has("attitude")) sidecar.euler = read_euler(root.table("attitude"));
+  if (root.has("clean")) sidecar.clean = read_cleaning(root.table("clean"));
+  if (root.has("labels")) {
+    const TomlTable labels = root.table("labels");
+    labels.expect_keys({"file", "column"});
+    sidecar.labels = {(table.empty() ? path : table).parent_path() / labels.string("file"),
+                      labels.string("column")};
   }
+  read_frame_keys(root, sidecar);
   return sidecar;
 }
 

@@ -30,18 +30,52 @@ struct PixelScale {
 
 enum class CaptureStart { first_visible, as_given };
 
+/// Three angles whose rotations, one after the other about axes that turn along, take world axes to the
+/// body's: with the order "zyx", R_WB = R_z(first) R_y(second) R_x(third).
+struct EulerColumns {
+  std::vector<std::string> columns;
+  std::string order;  ///< of "x", "y", "z"; no axis twice in a row
+  io::Unit unit;
+};
+
+/// Steps of capture_cleaning.h, in this order.
+struct CleaningSteps {
+  bool frame_grid = false;
+  std::optional<double> impact = {};    ///< m/s
+  std::optional<double> outliers = {};  ///< standard deviations
+  std::optional<double> window = {};    ///< s, for outliers
+
+  bool any() const { return frame_grid || impact || outliers; }
+};
+
+/// A table with a row for each capture, whose cells become labels.
+struct LabelTable {
+  std::filesystem::path file;
+  std::string column;  ///< holds the capture's label of this name, or the stem of its file
+};
+
 /// The name of the time column's quantity.
 inline constexpr const char* kTimeQuantity = "t";
 
 struct Sidecar {
   std::filesystem::path table = {};
-  char delimiter = 0;                       ///< 0: found from the header
-  std::vector<ColumnMeaning> columns = {};  ///< empty: the header is canonical
+  std::vector<std::filesystem::path> tables = {};  ///< those that `table` stands for, if it is a pattern
+  std::vector<std::string> header = {};            ///< names of the columns of a file without a header
+  char delimiter = 0;                              ///< 0: found from the header
+  std::vector<ColumnMeaning> columns = {};         ///< empty: the header is canonical
   std::vector<std::string> group_by = {};
   std::map<std::string, std::vector<std::string>> where = {};
   std::optional<double> frame_rate = {};  ///< frames per second
   std::map<std::string, PixelScale> scales = {};
   CaptureStart start = CaptureStart::first_visible;
+  std::optional<double> from = {};   ///< s, in the times of the table
+  std::optional<double> until = {};  ///< s
+  bool keep_first_of_repeated_times = false;
+  std::string up = {};                          ///< "y", "-z"; empty: z
+  std::optional<std::string> length_unit = {};  ///< of exports that name none
+  std::optional<EulerColumns> euler = {};
+  CleaningSteps clean = {};
+  std::optional<LabelTable> labels = {};
   /// The file itself, for located errors; none for a bare table.
   std::optional<io::TomlTable> document = {};
 
@@ -49,7 +83,8 @@ struct Sidecar {
   InputError error(const std::string& section, const std::string& key, const std::string& sentence) const;
 };
 
-/// @param table the table it was found beside; empty if the sidecar itself was named
+/// @param table the table that it describes; empty if the sidecar itself names one. May have a `*` in its
+/// name.
 /// @throws InputError as read_captures()
 Sidecar read_sidecar(const std::filesystem::path& path, const std::filesystem::path& table = {});
 

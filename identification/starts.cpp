@@ -37,12 +37,15 @@ FitPoint start_point(const FitProblem& problem, std::vector<SegmentResidual>& re
   point.shared.setZero(problem.shared_count());
   for (int k = 0; k < problem.shared_count(); ++k)
     point.shared[k] = at(problem.shared[static_cast<std::size_t>(k)]);
+  if (index == 0) point.shared = problem.initial;
   Eigen::VectorXd own = Eigen::VectorXd::Zero(problem.own_count());
   for (std::size_t k = 0; k < problem.own.size(); ++k) own[static_cast<Eigen::Index>(k)] = at(problem.own[k]);
   for (SegmentResidual& residual : residuals) {
     point.own.push_back(own);
     if (problem.offsets.empty()) continue;
-    if (residual.evaluate(point.shared.data(), own.data(), false)) residual.centre_offsets(point.own.back());
+    const double* next = residual.segment().joined ? own.data() : nullptr;
+    if (residual.evaluate(point.shared.data(), own.data(), next, false))
+      residual.centre_offsets(point.own.back());
   }
   return point;
 }

@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 
+#include "samara/models/parametric_model.h"
+
 /// Where a fit takes its trajectories from: a codebook, or the reference integrator. Both say what can be
 /// fitted, and answer at the frame times of a capture.
 namespace samara::identification {
@@ -34,6 +36,8 @@ struct FamilyInfo {
   std::vector<FitOutput> outputs = {};
   std::map<std::string, double> fixed = {};    ///< parameters and initial values held by the family, SI
   std::vector<std::string> translations = {};  ///< outputs that may be shifted without changing the motion
+  /// The four outputs of an attitude quaternion (w, x, y, z), body to world; empty if there is none.
+  std::vector<std::string> attitude = {};
   double end_time = std::numeric_limits<double>::infinity();  ///< s
 };
 
@@ -45,7 +49,7 @@ class TrajectorySource {
   /// @param q all coordinates of the family, in order, inside its box
   /// @param values times x outputs, of that size already
   /// @param derivatives of that size already, times x (outputs * coordinates): column o + outputs * k holds
-  ///   d(output o)/dq_k; null if not wanted
+  ///   d(output o)/dq_k, at least for the coordinates that were wanted; null if not wanted
   /// @returns false if there is no trajectory at q (the integrator gave up)
   virtual bool evaluate(std::span<const double> q, Eigen::MatrixXd& values, Eigen::MatrixXd* derivatives) = 0;
 };
@@ -62,6 +66,15 @@ class TrajectoryFamily {
   /// @throws ArgumentError for an unknown output; OutsideBoxError for times outside.
   virtual std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
                                                const std::vector<std::string>& outputs) const = 0;
+  /// The same for a fit that needs derivatives by some coordinates only. By default all are computed.
+  /// @param wanted indices of coordinates
+  virtual std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
+                                               const std::vector<std::string>& outputs,
+                                               const std::vector<int>& wanted) const;
+
+  /// The equations behind the trajectories, with the coordinates of the family free, in their order; null if
+  /// they are not known.
+  virtual const models::ParametricModel* equations() const { return nullptr; }
 };
 
 }  // namespace samara::identification

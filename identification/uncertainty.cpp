@@ -17,15 +17,36 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// it there is none.
 constexpr double kNoInfluence = 1e-14;
 
-std::vector<char> at_bounds(const std::vector<FitCoordinate>& coordinates, const Eigen::VectorXd& values) {
+/// Which unknowns lie at a bound; what a quaternion consists of has none.
+std::vector<char> at_bounds(const std::vector<FitCoordinate>& coordinates, const Chart& chart,
+                            const Eigen::VectorXd& values) {
   std::vector<char> at(static_cast<std::size_t>(values.size()), 0);
   for (std::size_t k = 0; k < coordinates.size(); ++k) {
     const FitCoordinate& c = coordinates[k];
     const double value = values[static_cast<Eigen::Index>(k)];
     const double margin = 1e-7 * (c.upper - c.lower);
-    at[k] = value <= c.lower + margin || value >= c.upper - margin;
+    at[k] = !chart.is_part_of_quaternion(static_cast<int>(k)) &&
+            (value <= c.lower + margin || value >= c.upper - margin);
   }
   return at;
+}
+
+std::vector<char> own_at_bounds(const FitProblem& problem, const Eigen::VectorXd& own) {
+  return at_bounds(problem.own, problem.own_chart, own);
+}
+
+/// Directions of all segments of a motion whose unknowns are not at bounds.
+std::vector<int> free_directions(const FitProblem& problem, const Motion& motion, const FitPoint& point) {
+  std::vector<int> free;
+  const int directions = problem.own_chart.directions();
+  for (std::size_t k = 0; k < motion.segment_count; ++k) {
+    const std::vector<char> held = own_at_bounds(problem, point.own[motion.first_segment + k]);
+    for (std::size_t u = 0; u < held.size(); ++u) {
+      if (held[u] || problem.own_chart.direction_of(static_cast<int>(u)) < 0) continue;
+      free.push_back(directions * static_cast<int>(k) + problem.own_chart.direction_of(static_cast<int>(u)));
+    }
+  }
+  return free;
 }
 
 /// Indices of what is not at a bound.
@@ -38,20 +59,28 @@ std::vector<int> free_indices(const std::vector<char>& at_bound) {
 }
 
 /// Sum of squares of what was measured, less the mean of each output, over the loss scales.
-double spread(const FitProblem& problem, const Segment& segment) {
+/// A compared attitude counts as a turn by one rad.
+double spread(const FitProblem& problem, const Motion& motion) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.outputs.size()));
   Eigen::VectorXd squares = sum;
   Eigen::VectorXd count = sum;
-  for (const Observation& o : segment.observations) {
-    const double value = o.value / problem.outputs[static_cast<std::size_t>(o.output)].scale;
-    sum[o.output] += value;
-    squares[o.output] += value * value;
-    count[o.output] += 1.0;
+  double attitudes = 0.0;
+  for (std::size_t k = 0; k < motion.segment_count; ++k) {
+    const Segment& segment = problem.segments[motion.first_segment + k];
+    for (const Observation& o : segment.observations) {
+      const double value = o.value / problem.outputs[static_cast<std::size_t>(o.output)].scale;
+      sum[o.output] += value;
+      squares[o.output] += value * value;
+      count[o.output] += 1.0;
+    }
+    if (problem.attitude_scale) {
+      attitudes += static_cast<double>(segment.attitudes.size()) / std::pow(*problem.attitude_scale, 2);
+    }
   }
-  return (squares.array() - sum.array().square() / count.array().max(1.0)).max(0.0).sum();
+  return attitudes + (squares.array() - sum.array().square() / count.array().max(1.0)).max(0.0).sum();
 }
 
-/// Smallest diagonal of J^T J that counts as influence, per coordinate.
+/// Smallest diagonal of J^T J that counts as influence, per coordinate; none of what has no box.
 Eigen::VectorXd influence_floor(const std::vector<FitCoordinate>& coordinates, const std::vector<int>& free,
                                 double total_spread) {
   Eigen::VectorXd floor = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(free.size()));
@@ -63,9 +92,54 @@ Eigen::VectorXd influence_floor(const std::vector<FitCoordinate>& coordinates, c
   return floor;
 }
 
-/// What one segment says, its own unknowns eliminated.
-struct SegmentTerms {
-  std::vector<int> own_free;
+/// The equations of all segments of a motion, one below the other; own unknowns by the directions in which
+/// they can move, segment after segment.
+struct MotionEquations {
+  Eigen::MatrixXd by_shared, by_own;
+  Eigen::VectorXd psi, dpsi;  ///< of joins: the residual, and one
+  double psi_squares = 0.0;   ///< of data alone
+  double dpsi_sum = 0.0;
+};
+
+MotionEquations motion_equations(const FitProblem& problem, const Motion& motion,
+                                 const std::vector<SegmentResidual>& residuals, const FitPoint& point) {
+  const int directions = problem.own_chart.directions();
+  Eigen::Index rows = 0;
+  for (std::size_t k = 0; k < motion.segment_count; ++k) rows += residuals[motion.first_segment + k].size();
+  MotionEquations result;
+  result.by_shared.resize(rows, problem.shared_count());
+  result.by_own.setZero(rows, directions * static_cast<Eigen::Index>(motion.segment_count));
+  result.psi.resize(rows);
+  result.dpsi.setOnes(rows);
+  Eigen::Index first = 0;
+  for (std::size_t k = 0; k < motion.segment_count; ++k) {
+    const std::size_t at = motion.first_segment + k;
+    const SegmentResidual& residual = residuals[at];
+    const Eigen::Index column = directions * static_cast<Eigen::Index>(k);
+    result.by_shared.middleRows(first, residual.size()) = residual.by_shared();
+    result.by_own.block(first, column, residual.size(), directions) =
+        residual.by_own() * problem.own_chart.plus_jacobian(point.own[at].data());
+    if (residual.segment().joined) {
+      result.by_own.block(first, column + directions, residual.size(), directions) =
+          residual.by_next() * problem.own_chart.plus_jacobian(point.own[at + 1].data());
+    }
+    for (Eigen::Index row = 0; row < residual.size(); ++row) {
+      result.psi[first + row] = residual.residual()[row];
+      if (row >= residual.data_size()) continue;
+      const LossValue value = loss_value(problem.loss, residual.residual()[row]);
+      result.psi[first + row] = value.psi;
+      result.dpsi[first + row] = value.dpsi;
+      result.psi_squares += value.psi * value.psi;
+      result.dpsi_sum += value.dpsi;
+    }
+    first += residual.size();
+  }
+  return result;
+}
+
+/// What one motion says, its own unknowns eliminated.
+struct MotionTerms {
+  std::vector<int> own_free;               ///< directions, over all segments
   DeterminedInverse own_inverse;           ///< of J_o^T J_o
   Eigen::MatrixXd projection;              ///< (J_o^T J_o)^-1 J_o^T J_s
   Eigen::VectorXd shared_diagonal_before;  ///< of J_s^T J_s
@@ -77,24 +151,27 @@ struct SegmentTerms {
   double dpsi_sum = 0.0;
 };
 
-SegmentTerms segment_terms(const FitProblem& problem, const SegmentResidual& residual,
-                           const std::vector<int>& own) {
-  SegmentTerms terms;
-  terms.own_free = own;
-  const Eigen::MatrixXd& J_s = residual.by_shared();
-  const Eigen::MatrixXd J_o = residual.by_own()(Eigen::all, own);
-  Eigen::VectorXd psi(residual.size());
-  Eigen::VectorXd dpsi(residual.size());
-  for (Eigen::Index row = 0; row < psi.size(); ++row) {
-    const LossValue value = loss_value(problem.loss, residual.residual()[row]);
-    psi[row] = value.psi;
-    dpsi[row] = value.dpsi;
+/// What a join determines, it determines from what was measured: no floor from the box is needed there.
+Eigen::VectorXd own_floor(const FitProblem& problem, const Motion& motion, const std::vector<int>& own) {
+  if (motion.segment_count > 1 || !problem.own_chart.is_linear()) {
+    return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(own.size()));
   }
-  terms.psi_squares = psi.squaredNorm();
-  terms.dpsi_sum = dpsi.sum();
+  return influence_floor(problem.own, own, spread(problem, motion));
+}
 
-  const double own_spread = spread(problem, residual.segment());
-  terms.own_inverse = invert_determined(J_o.transpose() * J_o, influence_floor(problem.own, own, own_spread));
+MotionTerms motion_terms(const FitProblem& problem, const Motion& motion,
+                         const std::vector<SegmentResidual>& residuals, const FitPoint& point,
+                         const std::vector<int>& own) {
+  const MotionEquations equations = motion_equations(problem, motion, residuals, point);
+  MotionTerms terms;
+  terms.own_free = own;
+  const Eigen::MatrixXd& J_s = equations.by_shared;
+  const Eigen::MatrixXd J_o = equations.by_own(Eigen::all, own);
+  const Eigen::VectorXd& dpsi = equations.dpsi;
+  terms.psi_squares = equations.psi_squares;
+  terms.dpsi_sum = equations.dpsi_sum;
+
+  terms.own_inverse = invert_determined(J_o.transpose() * J_o, own_floor(problem, motion, own));
   terms.projection = terms.own_inverse.inverse * (J_o.transpose() * J_s);
   const Eigen::MatrixXd rest = J_s - J_o * terms.projection;
   terms.shared_diagonal_before = J_s.colwise().squaredNorm().transpose();
@@ -103,17 +180,17 @@ SegmentTerms segment_terms(const FitProblem& problem, const SegmentResidual& res
   const Eigen::MatrixXd H_oo = J_o.transpose() * dpsi.asDiagonal() * J_o;
   const Eigen::MatrixXd H_os = J_o.transpose() * dpsi.asDiagonal() * J_s;
   terms.hessian = J_s.transpose() * dpsi.asDiagonal() * J_s;
-  terms.score = J_s.transpose() * psi;
+  terms.score = J_s.transpose() * equations.psi;
   if (own.empty() || J_s.cols() == 0) return terms;
   const Eigen::LLT<Eigen::MatrixXd> factor(H_oo);
   terms.hessian_usable = factor.info() == Eigen::Success && factor.rcond() > 1e-14;
   if (!terms.hessian_usable) return terms;
   terms.hessian -= H_os.transpose() * factor.solve(H_os);
-  terms.score -= H_os.transpose() * factor.solve(J_o.transpose() * psi);
+  terms.score -= H_os.transpose() * factor.solve(J_o.transpose() * equations.psi);
   return terms;
 }
 
-/// Sums over all segments.
+/// Sums over all motions, and the priors.
 struct Totals {
   Eigen::MatrixXd normal, hessian;
   Eigen::VectorXd diagonal_before;
@@ -123,7 +200,7 @@ struct Totals {
   int own_unknowns = 0;  ///< not at bounds
 };
 
-Totals add_up(const FitProblem& problem, const std::vector<SegmentTerms>& terms) {
+Totals add_up(const FitProblem& problem, const std::vector<MotionTerms>& terms, const FitPoint& point) {
   Totals sum;
   const Eigen::Index shared_count = problem.shared_count();
   sum.normal.setZero(shared_count, shared_count);
@@ -134,12 +211,19 @@ Totals add_up(const FitProblem& problem, const std::vector<SegmentTerms>& terms)
     sum.normal += terms[c].normal;
     sum.hessian += terms[c].hessian;
     sum.diagonal_before += terms[c].shared_diagonal_before;
-    sum.cluster_scores.col(problem.segments[c].cluster) += terms[c].score;
+    sum.cluster_scores.col(problem.motions[c].cluster) += terms[c].score;
     sum.hessian_usable = sum.hessian_usable && terms[c].hessian_usable;
     sum.psi_squares += terms[c].psi_squares;
     sum.dpsi_sum += terms[c].dpsi_sum;
-    sum.spread += spread(problem, problem.segments[c]);
-    sum.own_unknowns += static_cast<int>(terms[c].own_free.size());
+    sum.spread += spread(problem, problem.motions[c]);
+    // Each joined segment brings as many conditions as unknowns.
+    const auto joined = static_cast<int>(problem.motions[c].segment_count) - 1;
+    sum.own_unknowns += static_cast<int>(terms[c].own_free.size()) - joined * problem.join_rows();
+  }
+  for (const SharedPrior& prior : problem.priors) {
+    const double derivative = prior_residual(prior.prior, point.shared[prior.shared]).derivative;
+    sum.normal(prior.shared, prior.shared) += derivative * derivative;
+    sum.hessian(prior.shared, prior.shared) += derivative * derivative;
   }
   return sum;
 }
@@ -159,24 +243,37 @@ Eigen::MatrixXd sandwich(const Eigen::MatrixXd& inverse_hessian, const Eigen::Ma
   return clusters / (clusters - 1.0) * moved * moved.transpose();
 }
 
-/// @param shared_inverse (J_s^T J_s)^-1, zero for shared unknowns that are held
-OwnUncertainty own_uncertainty(const SegmentTerms& terms, std::vector<char> at_bound,
-                               const Eigen::MatrixXd& shared_inverse, double variance) {
-  OwnUncertainty own;
-  const auto count = static_cast<Eigen::Index>(at_bound.size());
-  own.at_bound = std::move(at_bound);
-  own.standard_error.setConstant(count, kNaN);
-  own.determined.assign(own.at_bound.size(), 1);
-  const Eigen::MatrixXd covariance =
-      variance *
-      (terms.own_inverse.inverse + terms.projection * shared_inverse * terms.projection.transpose());
+/// Of one segment, the `number`th of its motion.
+/// @param covariance of the free directions of the motion
+OwnUncertainty own_uncertainty(const FitProblem& problem, const MotionTerms& terms,
+                               const Eigen::MatrixXd& covariance, std::size_t number,
+                               const Eigen::VectorXd& own, std::vector<char> at_bound) {
+  OwnUncertainty result;
+  const int directions = problem.own_chart.directions();
+  const int first = directions * static_cast<int>(number);
+  std::vector<int> here, place;  // free directions of this segment: among all free ones, and its own
+  std::vector<char> determined(static_cast<std::size_t>(directions), 1);
   for (std::size_t k = 0; k < terms.own_free.size(); ++k) {
-    const auto place = static_cast<std::size_t>(terms.own_free[k]);
-    const auto at = static_cast<Eigen::Index>(k);
-    own.determined[place] = terms.own_inverse.determined[k];
-    if (own.determined[place]) own.standard_error[terms.own_free[k]] = std::sqrt(covariance(at, at));
+    const int direction = terms.own_free[k] - first;
+    if (direction < 0 || direction >= directions) continue;
+    here.push_back(static_cast<int>(k));
+    place.push_back(direction);
+    determined[static_cast<std::size_t>(direction)] = terms.own_inverse.determined[k];
   }
-  return own;
+  const Eigen::MatrixXd moves = problem.own_chart.plus_jacobian(own.data())(Eigen::all, place);
+  const Eigen::VectorXd variance = (moves * covariance(here, here) * moves.transpose()).diagonal();
+  const Eigen::MatrixXd all = problem.own_chart.plus_jacobian(own.data());
+  result.at_bound = std::move(at_bound);
+  result.standard_error.setConstant(own.size(), kNaN);
+  result.determined.assign(static_cast<std::size_t>(own.size()), 1);
+  for (Eigen::Index k = 0; k < own.size(); ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    for (int d = 0; d < directions; ++d) {
+      if (all(k, d) != 0.0 && !determined[static_cast<std::size_t>(d)]) result.determined[at] = 0;
+    }
+    if (result.determined[at] && !result.at_bound[at]) result.standard_error[k] = std::sqrt(variance[k]);
+  }
+  return result;
 }
 
 /// `part` at the places `indices` of a matrix of size n that is zero elsewhere.
@@ -226,12 +323,15 @@ void hide(const std::vector<char>& has_error, Eigen::MatrixXd& matrix) {
 Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentResidual>& residuals,
                                  const FitPoint& point) {
   Uncertainty result;
-  std::vector<SegmentTerms> terms;
-  for (std::size_t c = 0; c < residuals.size(); ++c) {
-    residuals[c].evaluate(point.shared.data(), point.own[c].data(), true);
-    terms.push_back(segment_terms(problem, residuals[c], free_indices(at_bounds(problem.own, point.own[c]))));
+  for (std::size_t k = 0; k < residuals.size(); ++k) {
+    const double* next = residuals[k].segment().joined ? point.own[k + 1].data() : nullptr;
+    residuals[k].evaluate(point.shared.data(), point.own[k].data(), next, true);
   }
-  const Totals sum = add_up(problem, terms);
+  std::vector<MotionTerms> terms;
+  for (const Motion& motion : problem.motions) {
+    terms.push_back(motion_terms(problem, motion, residuals, point, free_directions(problem, motion, point)));
+  }
+  const Totals sum = add_up(problem, terms, point);
 
   // Those at a bound are asked too: an unknown without influence may have drifted there. What is left of one
   // beside the own unknowns must also stand out of rounding.
@@ -241,7 +341,7 @@ Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentR
   const DeterminedInverse whole = invert_determined(sum.normal, floor);
   result.determined = whole.determined;
   result.undetermined_sets = whole.undetermined_sets;
-  result.at_bound = at_bounds(problem.shared, point.shared);
+  result.at_bound = at_bounds(problem.shared, problem.shared_chart, point.shared);
 
   const std::vector<int> free = free_indices(result.at_bound);
   const Eigen::Index all = problem.shared_count();
@@ -259,8 +359,14 @@ Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentR
   hide(has_error, result.naive);
   hide(has_error, result.clustered);
   for (std::size_t c = 0; c < terms.size(); ++c) {
-    result.own.push_back(
-        own_uncertainty(terms[c], at_bounds(problem.own, point.own[c]), normal_inverse, variance));
+    const Eigen::MatrixXd covariance =
+        variance * (terms[c].own_inverse.inverse +
+                    terms[c].projection * normal_inverse * terms[c].projection.transpose());
+    for (std::size_t k = 0; k < problem.motions[c].segment_count; ++k) {
+      const Eigen::VectorXd& own = point.own[problem.motions[c].first_segment + k];
+      result.own.push_back(
+          own_uncertainty(problem, terms[c], covariance, k, own, own_at_bounds(problem, own)));
+    }
   }
   return result;
 }

@@ -27,7 +27,7 @@ struct Uncertainty {
   std::vector<std::vector<int>> undetermined_sets;  ///< as in DeterminedInverse
   /// The Hessian of the loss was no use (too many residuals beyond its bend): mean(psi') J^T J stood in.
   bool hessian_replaced = false;
-  std::vector<OwnUncertainty> own;
+  std::vector<OwnUncertainty> own;  ///< per segment
   /// Second derivative of the cost by the shared unknowns, the own ones eliminated: psi' J J^T, or mean(psi')
   /// J^T J where that is not positive.
   Eigen::MatrixXd information;

@@ -165,6 +165,8 @@ DelimitedTable DelimitedTable::parse(std::string_view text, const std::string& n
                                      const DelimitedOptions& options) {
   DelimitedTable table;
   table.file_ = name;
+  table.header_ = options.header;
+  check_header(table.header_, name, 0);
   RecordReader reader(text, name);
   while (!reader.at_end()) {
     const std::string_view line = reader.peek_line();
@@ -179,8 +181,9 @@ DelimitedTable DelimitedTable::parse(std::string_view text, const std::string& n
       continue;
     }
     const int first_line = reader.line();
-    if (table.header_.empty()) {
+    if (table.delimiter_ == 0)
       table.delimiter_ = options.delimiter != 0 ? options.delimiter : detected_delimiter(line);
+    if (table.header_.empty()) {
       reader.read_record(table.delimiter_, table.header_);
       table.header_line_ = first_line;
       check_header(table.header_, name, first_line);

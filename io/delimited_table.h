@@ -26,8 +26,10 @@
 namespace samara::io {
 
 struct DelimitedOptions {
-  /// 0: whichever of tab, semicolon and comma the header has most of.
+  /// 0: whichever of tab, semicolon and comma the header (or the first row, if there is none) has most of.
   char delimiter = 0;
+  /// Names of the columns of a file that has no header. Empty: the file has one.
+  std::vector<std::string> header = {};
 };
 
 /// An immutable table of texts, read whole.
@@ -50,6 +52,7 @@ class DelimitedTable {
   std::size_t rows() const { return row_lines_.size(); }
   /// Line of the file on which row i (from 0) begins.
   int line_of_row(std::size_t i) const;
+  /// 0 if the file has none.
   int line_of_header() const { return header_line_; }
 
   /// The comments of the form `# key: value`, in order.

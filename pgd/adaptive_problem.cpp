@@ -1,8 +1,11 @@
 #include "samara/pgd/adaptive_problem.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/pgd/evolution_checks.h"
 
 namespace samara::pgd {
 
@@ -37,12 +40,14 @@ Axis make_axis(const AdaptiveAxis& axis, int nodes) {
 }
 
 void check_problem(const AdaptiveProblem& problem) {
-  const std::size_t states = problem.states.size();
-  if (problem.scales.size() != states || problem.scale_floors.size() != states ||
-      problem.initial.size() != states) {
-    throw ArgumentError(fmt::format("{} scales, {} scale floors and {} initial values for {} states",
-                                    problem.scales.size(), problem.scale_floors.size(),
-                                    problem.initial.size(), states));
+  check_states(problem.system, problem.states, problem.scales, problem.initial, problem.parameters.size());
+  if (problem.scale_floors.size() != problem.states.size()) {
+    throw ArgumentError(
+        fmt::format("{} scale floors for {} states", problem.scale_floors.size(), problem.states.size()));
+  }
+  for (const double floor : problem.scale_floors) {
+    if (!(floor >= 0.0) || !std::isfinite(floor))
+      throw ArgumentError(fmt::format("a scale floor is {}, expected a finite number of at least 0", floor));
   }
   for (const AdaptiveAxis& axis : problem.parameters) check_axis(axis);
 }

@@ -231,6 +231,11 @@ void check_pivots(const CrossPivots& pivots, const std::vector<int>& sizes) {
 
 }  // namespace
 
+void add_entries(CrossPivots& pivots, const IndexBatch& entries, int max_rank) {
+  for (IndexBatch& set : pivots.right)
+    if (set.rows() > 0) add_columns(set, entries.bottomRows(set.rows()), max_rank);
+}
+
 CrossResult interpolate(const EntryFunction& function, int outputs, const std::vector<int>& sizes,
                         const CrossOptions& options) {
   if (outputs < 1 || sizes.empty() || *std::min_element(sizes.begin(), sizes.end()) < 1) {

@@ -32,6 +32,9 @@ struct CrossPivots {
   std::vector<IndexBatch> right;  ///< right[k]: modes behind core k x rank
 };
 
+/// Adds grid entries (modes x entries) to the right sets that there are, up to `max_rank` indices in each.
+void add_entries(CrossPivots& pivots, const IndexBatch& entries, int max_rank);
+
 struct CrossOptions {
   /// Absolute, for every output at every guard entry.
   double tolerance = 1e-6;

@@ -9,6 +9,7 @@
 #include "samara/base/errors.h"
 #include "samara/pgd/random.h"
 #include "samara/pgd/tensor_train.h"
+#include "samara/pgd/train_algebra.h"
 
 namespace samara::pgd {
 
@@ -60,8 +61,7 @@ RoundedField rounded(const TrainField& field, const Eigen::VectorXd& scale, doub
   const Eigen::MatrixXd points = trial_points(field.axes(), seed);
   const Eigen::MatrixXd exact = values_at(field, points);
   const TensorTrain train = with_outputs_scaled(field.train(), scale.cwiseInverse());
-  double entries = 1.0;
-  for (const TrainCore& core : train.cores) entries *= core.size;
+  const double entries = full_size(train);
   // Largest errors are some times the mean square: the first trial is generous, the next ones follow what was
   // seen.
   double mean_square = tolerance;

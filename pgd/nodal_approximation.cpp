@@ -25,6 +25,36 @@ std::vector<double> coordinates(const std::vector<Axis>& axes, const std::vector
   return x;
 }
 
+Eigen::MatrixXd coordinates_at(const std::vector<Axis>& axes, const IndexBatch& nodes) {
+  Eigen::MatrixXd x(nodes.rows(), nodes.cols());
+  for (Eigen::Index k = 0; k < x.rows(); ++k)
+    x.row(k) = axes[static_cast<std::size_t>(k)].nodes()(nodes.row(k)).transpose();
+  return x;
+}
+
+Eigen::MatrixXd corner_points(const std::vector<Axis>& axes, std::size_t most_axes) {
+  const auto d = static_cast<Eigen::Index>(axes.size());
+  Eigen::MatrixXd points(d, axes.size() > most_axes ? 0 : Eigen::Index{1} << d);
+  for (Eigen::Index j = 0; j < points.cols(); ++j) {
+    for (Eigen::Index k = 0; k < d; ++k) {
+      const Axis& axis = axes[static_cast<std::size_t>(k)];
+      points(k, j) = (j >> k) & 1 ? axis.upper() : axis.lower();
+    }
+  }
+  return points;
+}
+
+Eigen::MatrixXd random_points(const std::vector<Axis>& axes, int count, Random& random) {
+  Eigen::MatrixXd points(static_cast<Eigen::Index>(axes.size()), count);
+  for (Eigen::Index j = 0; j < points.cols(); ++j) {
+    for (Eigen::Index k = 0; k < points.rows(); ++k) {
+      const Axis& axis = axes[static_cast<std::size_t>(k)];
+      points(k, j) = axis.lower() + random.uniform() * axis.length();
+    }
+  }
+  return points;
+}
+
 std::string described(const std::vector<Axis>& axes, const std::vector<double>& x) {
   std::string text;
   for (std::size_t k = 0; k < axes.size(); ++k) {

@@ -24,6 +24,12 @@ FunctionResult approximate_nodal(const std::vector<Axis>& axes, std::vector<Outp
 
 std::vector<int> sizes_of(const std::vector<Axis>& axes);
 std::vector<double> coordinates(const std::vector<Axis>& axes, const std::vector<int>& node);
+/// Of many nodes at once: axes x nodes.
+Eigen::MatrixXd coordinates_at(const std::vector<Axis>& axes, const IndexBatch& nodes);
+/// Corners of the box, one column each; none of more than `most_axes`, which have too many.
+Eigen::MatrixXd corner_points(const std::vector<Axis>& axes, std::size_t most_axes = 5);
+/// Uniform in the box, one column each.
+Eigen::MatrixXd random_points(const std::vector<Axis>& axes, int count, Random& random);
 /// "t = 0.1 s, C_D = 1.2 1"
 std::string described(const std::vector<Axis>& axes, const std::vector<double>& x);
 IndexBatch random_nodes(const std::vector<int>& sizes, int count, Random& random);

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <array>
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -14,7 +15,7 @@
 #include "samara/pgd/random.h"
 #include "samara/pgd/tensor_train.h"
 
-/// A solver's state as one list of finite numbers, and back. A function
+/// A solver's state as one list of numbers, none of them infinite, and back. A function
 ///
 ///   template <class Archive> void transfer(Archive& archive, Thing& thing) { archive(thing.a, thing.b); }
 ///
@@ -41,7 +42,7 @@ class NumberArchive {
   void value(Eigen::Matrix<Scalar, Rows, Columns>& matrix) {
     Eigen::Index rows = matrix.rows(), columns = matrix.cols();
     self().size(rows);
-    if constexpr (Columns != 1) self().size(columns);
+    if constexpr (Columns != 1) self().size(columns, std::max<Eigen::Index>(rows, 1));
     matrix.resize(rows, columns);
     for (Scalar& number : matrix.reshaped()) self().value(number);
   }
@@ -49,10 +50,10 @@ class NumberArchive {
   void value(TensorTrain& train) { value(train.cores); }
   /// Any bits, as two numbers that a double holds.
   void value(Random& random) {
-    std::array<double, 2> halves = {static_cast<double>(random.state() >> 32),
-                                    static_cast<double>(random.state() & 0xFFFFFFFFu)};
-    (*this)(halves[0], halves[1]);
-    random = Random((static_cast<std::uint64_t>(halves[0]) << 32) | static_cast<std::uint64_t>(halves[1]));
+    auto high = static_cast<std::uint32_t>(random.state() >> 32);
+    auto low = static_cast<std::uint32_t>(random.state());
+    (*this)(high, low);
+    random = Random(std::uint64_t{high} << 32 | low);
   }
 
  private:
@@ -74,7 +75,7 @@ class NumberWriter : public NumberArchive<NumberWriter> {
     numbers_.push_back(stored > std::numeric_limits<double>::max() ? std::numeric_limits<double>::max()
                                                                    : stored);
   }
-  void size(Eigen::Index& size) { value(size); }
+  void size(Eigen::Index& size, Eigen::Index = 1) { value(size); }
 
  private:
   std::vector<double> numbers_;
@@ -100,17 +101,18 @@ class NumberReader : public NumberArchive<NumberReader> {
       number =
           stored == std::numeric_limits<double>::max() ? std::numeric_limits<double>::infinity() : stored;
     } else {
-      constexpr double kLargest = sizeof(Number) > 4 ? 0x1p53 : 2147483647.0;
-      if (!(stored >= -kLargest && stored <= kLargest) ||
-          stored != static_cast<double>(static_cast<Number>(stored)))
-        throw ArgumentError("the stored state of a solver has a fraction where a whole number belongs");
+      // Whole numbers up to 2^53 are doubles.
+      constexpr double kMost = std::min(0x1p53, static_cast<double>(std::numeric_limits<Number>::max()));
+      constexpr double kLeast = std::max(-0x1p53, static_cast<double>(std::numeric_limits<Number>::min()));
+      if (!(stored >= kLeast && stored <= kMost) || stored != std::trunc(stored))
+        throw ArgumentError("the stored state of a solver has another number where a whole one belongs");
       number = static_cast<Number>(stored);
     }
   }
-  /// Of a list: never more than what is left.
-  void size(Eigen::Index& size) {
+  /// Of a list of items of so many numbers: never more than what is left.
+  void size(Eigen::Index& size, Eigen::Index numbers = 1) {
     value(size);
-    if (size < 0 || size > static_cast<Eigen::Index>(left_.size()))
+    if (size < 0 || size > static_cast<Eigen::Index>(left_.size()) / numbers)
       throw ArgumentError("the stored state of a solver has a list longer than itself");
   }
 

@@ -12,9 +12,6 @@ namespace samara::pgd {
 
 namespace {
 
-/// More axes than this have more corners than guard points should cost.
-constexpr int kMostCornerAxes = 5;
-
 std::vector<Axis> axes_with(const AdaptiveProblem& problem, const std::vector<Axis>& intervals,
                             const std::vector<int>& nodes) {
   std::vector<Axis> axes;
@@ -25,21 +22,6 @@ std::vector<Axis> axes_with(const AdaptiveProblem& problem, const std::vector<Ax
     axes.push_back(make_axis(axis, nodes[k]));
   }
   return axes;
-}
-
-/// Corners of the cell where they are few, then random points.
-Eigen::MatrixXd guard_points(const std::vector<Axis>& axes, int count, Random& random) {
-  const auto d = static_cast<int>(axes.size());
-  const int corners = d <= kMostCornerAxes ? 1 << d : 0;
-  Eigen::MatrixXd points(d, corners + count);
-  for (int j = 0; j < points.cols(); ++j) {
-    for (int k = 0; k < d; ++k) {
-      const Axis& axis = axes[static_cast<std::size_t>(k)];
-      const double along = j < corners ? (j >> k) & 1 : random.uniform();
-      points(k, j) = along == 1.0 ? axis.upper() : axis.lower() + along * axis.length();
-    }
-  }
-  return points;
 }
 
 /// Indices of the sets carried over to axes of other sizes, to the nodes at the same place.
@@ -64,7 +46,9 @@ SlabCell whole_box(const AdaptiveProblem& problem, const Eigen::VectorXd& scales
   for (std::size_t k = 0; k < nodes.size(); ++k)
     cell.axes.push_back(make_axis(problem.parameters[k], nodes[k]));
   cell.start = initial_train(problem.initial, scales, cell.axes);
-  cell.guards = guard_points(cell.axes, guards, random);
+  const Eigen::MatrixXd corners = corner_points(cell.axes);
+  cell.guards.resize(corners.rows(), corners.cols() + guards);
+  cell.guards << corners, random_points(cell.axes, guards, random);
   cell.carried = values_at(cell.start, cell.axes, cell.guards);
   return cell;
 }
@@ -91,12 +75,20 @@ std::vector<SlabCell> halves(const SlabCell& cell, const AdaptiveProblem& proble
     interval.upper = half == 0 ? middle : whole.upper();
     part.axes[split] = make_axis(interval, whole.size());
     part.start = carried_over(cell.start, cell.axes, part.axes);
-    // Guard points inside keep their states, and with them the error so far; new ones start on the train.
+    // Guard points inside keep their states, and with them the error so far; new ones start on the train:
+    // random ones, and corners where the cell was cut.
     std::vector<int> inside;
     for (Eigen::Index j = 0; j < cell.guards.cols(); ++j) {
       if (part.axes[split].contains(cell.guards(axis, j))) inside.push_back(static_cast<int>(j));
     }
-    const Eigen::MatrixXd fresh = guard_points(part.axes, guards / 2, random);
+    const Eigen::MatrixXd corners = corner_points(part.axes);
+    std::vector<int> cut;
+    for (Eigen::Index j = 0; j < corners.cols(); ++j) {
+      if (corners(axis, j) == middle) cut.push_back(static_cast<int>(j));
+    }
+    const auto cut_corners = static_cast<Eigen::Index>(cut.size());
+    Eigen::MatrixXd fresh(corners.rows(), cut_corners + guards / 2);
+    fresh << corners(Eigen::all, cut), random_points(part.axes, guards / 2, random);
     const auto kept = static_cast<Eigen::Index>(inside.size());
     part.guards.resize(cell.guards.rows(), kept + fresh.cols());
     part.guards << cell.guards(Eigen::all, inside), fresh;

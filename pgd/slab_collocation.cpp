@@ -39,6 +39,18 @@ SlabTime::SlabTime(int points) {
   }
 }
 
+Eigen::MatrixXd collocation_matrix(const Eigen::MatrixXd& integration,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& jacobians) {
+  const Eigen::Index s = integration.rows();
+  const auto n = static_cast<Eigen::Index>(std::lround(std::sqrt(static_cast<double>(jacobians.rows()))));
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n * s, n * s);
+  for (Eigen::Index j = 0; j < s; ++j) {
+    const auto jacobian = jacobians.col(j).reshaped(n, n);
+    for (Eigen::Index i = 0; i < s; ++i) matrix.block(i * n, j * n, n, n) -= integration(i, j) * jacobian;
+  }
+  return matrix;
+}
+
 int SlabPoints::first_failed() const {
   const auto it = std::find_if(status.begin(), status.end(),
                                [](SlabPointStatus s) { return s != SlabPointStatus::solved; });
@@ -163,14 +175,8 @@ void SlabCollocation::newton(Chunk& chunk, double tolerance) const {
     }
     Eigen::MatrixXd residual = chunk.f.leftCols(s) * integration.transpose() - x;
     residual.colwise() += chunk.start.col(0);
-    Eigen::MatrixXd system = Eigen::MatrixXd::Identity(n * s, n * s);
-    for (int i = 0; i < s; ++i) {
-      for (int j = 0; j < s; ++j) {
-        system.block(i * n, j * n, n, n) -=
-            integration(i, j) * Eigen::Map<const Eigen::MatrixXd>(jacobians.col(j).data(), n, n);
-      }
-    }
-    const Eigen::VectorXd step = system.partialPivLu().solve(residual.reshaped());
+    const Eigen::VectorXd step =
+        collocation_matrix(integration, jacobians).partialPivLu().solve(residual.reshaped());
     x += step.reshaped(n, s);
     const double correction =
         (scales_.cwiseInverse().asDiagonal() * step.reshaped(n, s)).cwiseAbs().maxCoeff();

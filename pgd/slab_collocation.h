@@ -21,6 +21,11 @@ struct SlabTime {
   Eigen::MatrixXd at_halves;    ///< 2 s x (s + 1): from the nodes to the s points of either half
 };
 
+/// I - S J of one element. @param integration over its length @param jacobians column j: df/dx at point j,
+/// column after column
+Eigen::MatrixXd collocation_matrix(const Eigen::MatrixXd& integration,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& jacobians);
+
 enum class SlabPointStatus { solved, no_contraction, not_finite };
 
 /// Solutions of x' = f(t, x, q) on a slab of one or more elements, each at its own q.

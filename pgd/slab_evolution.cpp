@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -28,32 +29,29 @@ constexpr double kSeen = 0.5;
 /// The error falls about like this power of the local tolerance.
 constexpr double kOrder = 0.85;
 
-void validate(const SlabOptions& options) {
-  if (!(options.tolerance > 0.0) || options.time_points < 2 || options.max_elements < 1 ||
-      !(options.largest_slab > 0.0) || !(options.largest_slab <= 1.0) || !(options.least_slab > 0.0) ||
-      !(options.least_slab < options.largest_slab) || options.first_nodes < 2 ||
-      options.max_nodes < options.first_nodes || options.max_rank < 1 || options.max_cells < 1 ||
-      options.guards < 1 || options.max_marches < 1) {
+void validate(const SlabOptions& o) {
+  if (!(o.tolerance > 0.0) || o.time_points < 2 || o.max_elements < 1 || !(o.largest_slab > 0.0) ||
+      !(o.largest_slab <= 1.0) || !(o.joint_slab >= 0.0) || !(o.joint_slab <= 1.0) || !(o.least_slab > 0.0) ||
+      !(o.least_slab < o.largest_slab) || o.first_nodes < 2 || o.max_nodes < o.first_nodes ||
+      o.max_rank < 1 || o.max_cells < 1 || o.guards < 1 || o.max_marches < 1 || o.max_evaluations < 0) {
     throw ArgumentError(fmt::format(
-        "SlabOptions: tolerance {}, time_points {}, max_elements {}, largest_slab {}, least_slab {}, "
-        "first_nodes {}, "
-        "max_nodes "
-        "{}, max_rank {}, max_cells {}, guards {}, max_marches {}; expected a positive tolerance, slabs "
-        "within "
-        "(0, 1], at least 2 time points and nodes, and positive numbers",
-        options.tolerance, options.time_points, options.max_elements, options.largest_slab,
-        options.least_slab, options.first_nodes, options.max_nodes, options.max_rank, options.max_cells,
-        options.guards, options.max_marches));
+        "SlabOptions: tolerance {}, time_points {}, max_elements {}, largest_slab {}, joint_slab {}, "
+        "least_slab {}, first_nodes {}, max_nodes {}, max_rank {}, max_cells {}, guards {}, max_marches {}, "
+        "max_evaluations {}; expected a positive tolerance, slabs within (0, 1], at least 2 time points and "
+        "nodes, and positive numbers, the last may be 0",
+        o.tolerance, o.time_points, o.max_elements, o.largest_slab, o.joint_slab, o.least_slab, o.first_nodes,
+        o.max_nodes, o.max_rank, o.max_cells, o.guards, o.max_marches, o.max_evaluations));
   }
 }
 
 void validate(const AdaptiveProblem& problem) {
   check_problem(problem);
-  if (problem.system == nullptr || !(problem.end > 0.0) || problem.parameters.empty()) {
-    throw ArgumentError(
-        fmt::format("a problem {} a system, to the time {} with {} parameters; expected a "
-                    "system, a positive time and at least one parameter",
-                    problem.system == nullptr ? "without" : "with", problem.end, problem.parameters.size()));
+  if (!(problem.end > 0.0) || !std::isfinite(problem.end) || problem.parameters.empty() ||
+      problem.time.transform != Transform::none) {
+    throw ArgumentError(fmt::format(
+        "a problem to the time {}, transform \"{}\", with {} parameters; expected a positive time "
+        "without a transform and at least one parameter",
+        problem.end, to_string(problem.time.transform), problem.parameters.size()));
   }
 }
 
@@ -83,8 +81,8 @@ TrainField shortened(const TrainField& field, double end) {
   return {std::move(axes), field.outputs(), std::move(train)};
 }
 
-/// The outcome of the last march.
-void take(const SlabMarch& march, bool met, const Eigen::VectorXd& ranges, SlabResult& result) {
+/// What a march has found.
+void take(const SlabMarch& march, SlabResult& result) {
   for (const SlabMarch::Piece& piece : march.pieces()) {
     if (piece.end <= march.reached()) {
       result.pieces.push_back(piece.field);
@@ -95,75 +93,151 @@ void take(const SlabMarch& march, bool met, const Eigen::VectorXd& ranges, SlabR
   result.history = march.history();
   result.cells = march.cells();
   result.reached = march.reached();
-  result.where = march.where();
-  result.ranges.assign(ranges.begin(), ranges.end());
-  result.status = march.status();
-  result.message = march.message();
-  if (march.status() != SlabStatus::converged) return;
-  result.status = met ? SlabStatus::converged : SlabStatus::missed;
-  result.message = fmt::format("error {:.3g} of the range at the guard points after {} marches", result.error,
-                               result.marches);
 }
 
-/// What a march begins with.
-struct NextMarch {
-  NextMarch(const SlabOptions& options, Eigen::VectorXd first_scales) : scales(std::move(first_scales)) {
-    const double share = kFirstShare * options.tolerance;
-    local = {std::max(kCoarse, share), share};
-  }
-
-  void tighten(const SlabResult& result, double tolerance) {
-    if (result.marches == 1) {
-      local.wanted = std::min(local.wanted, local.largest);
-      return;
-    }
-    const double ratio = 0.7 * kSeen * tolerance / result.error;
-    const double factor = std::clamp(std::pow(ratio, 1.0 / kOrder), 0.05, 0.5);
-    local.wanted *= factor;
-    local.largest *= std::max(std::sqrt(factor), 0.5);
-  }
-
-  LocalTolerance local;
-  Eigen::VectorXd scales;
+/// A march that has reached the end: enough to have it again.
+struct CompleteMarch {
+  std::vector<double> state;
+  Eigen::VectorXd scales;  ///< what it measured in
+  Eigen::VectorXd ranges;  ///< what it found
+  double error = std::numeric_limits<double>::infinity();
 };
 
-/// Where a second march ends early, a third would end there too.
-bool is_last(const SlabMarch& march, const SlabResult& result, const SlabOptions& options) {
-  return march.status() == SlabStatus::cancelled || march.status() == SlabStatus::max_evaluations ||
-         (march.status() != SlabStatus::converged && result.marches > 1) ||
-         result.marches >= options.max_marches;
-}
-
-/// The state between two slabs but for that of the march itself; it begins with what it must agree with.
 template <class Archive>
-void transfer(Archive& archive, const AdaptiveProblem& problem, const SlabOptions& options, NextMarch& plan,
-              SlabResult& result) {
-  std::vector<double> belongs_to = {static_cast<double>(problem.states.size()),
-                                    static_cast<double>(problem.parameters.size()),
-                                    problem.end,
-                                    options.tolerance,
-                                    static_cast<double>(options.time_points),
-                                    static_cast<double>(options.max_cells),
-                                    static_cast<double>(options.guards)};
-  const std::vector<double> expected = belongs_to;
-  archive(belongs_to, result.marches, result.evaluations, result.grid_evaluations, plan.local.wanted,
-          plan.local.largest, plan.scales);
-  if (belongs_to != expected || plan.scales.size() != static_cast<Eigen::Index>(problem.states.size()) ||
-      !(plan.scales.minCoeff() > 0.0) || !(plan.local.wanted > 0.0))
-    throw ArgumentError("the stored state of a march in slabs belongs to another problem or other options");
+void transfer(Archive& archive, CompleteMarch& march) {
+  archive(march.state, march.scales, march.ranges, march.error);
 }
 
-/// Stores the state from time to time.
-class Checkpoint {
- public:
-  Checkpoint(const AdaptiveProblem& problem, const SlabOptions& options, NextMarch& plan, SlabResult& result)
-      : problem_(problem), options_(options), plan_(plan), result_(result) {}
+/// What a stored state must agree with.
+std::vector<double> numbers_of(const AdaptiveProblem& problem, const SlabOptions& options) {
+  NumberWriter writer;
+  const auto add = [&](auto... numbers) { writer(numbers...); };
+  add(problem.states.size(), problem.parameters.size(), problem.end);
+  for (const AdaptiveAxis& axis : problem.parameters) {
+    add(axis.lower, axis.upper, static_cast<int>(axis.basis), static_cast<int>(axis.label.transform),
+        axis.nodes.value_or(0));
+  }
+  for (std::size_t s = 0; s < problem.states.size(); ++s)
+    add(problem.scales[s], problem.scale_floors[s], problem.initial[s].value, problem.initial[s].axis);
+  add(options.tolerance, options.time_points, options.max_elements, options.largest_slab, options.joint_slab,
+      options.least_slab, options.first_nodes, options.max_nodes, options.max_rank, options.max_cells,
+      options.guards, options.max_marches, options.max_evaluations,
+      static_cast<std::uint32_t>(options.seed >> 32), static_cast<std::uint32_t>(options.seed));
+  return writer.numbers();
+}
 
+/// March after march, each in the ranges that the one before has found, until one meets the tolerance.
+class Marches {
+ public:
+  Marches(const AdaptiveProblem& problem, const SlabOptions& options)
+      : problem_(problem),
+        options_(options),
+        first_scales_(Eigen::Map<const Eigen::VectorXd>(problem.scales.data(),
+                                                        static_cast<Eigen::Index>(problem.scales.size()))),
+        scales_(first_scales_) {
+    const double share = kFirstShare * options.tolerance;
+    local_ = {std::max(kCoarse, share), share};
+  }
+
+  SlabResult run(std::span<const double> state) {
+    const Clock::time_point begin = Clock::now();
+    bool goes_on = true;
+    while (goes_on) {
+      std::span<const double> started;
+      if (!state.empty()) started = restore(std::exchange(state, {}));
+      const long left =
+          options_.max_evaluations == 0 ? -1 : std::max(0L, options_.max_evaluations - result_.evaluations);
+      SlabMarch march(problem_, options_, scales_, local_, left);
+      if (!started.empty()) march.restore(started);
+      saved_at_ = Clock::now();
+      march.run(options_.checkpoint ? [&] { save(march); } : std::function<void()>());
+      goes_on = !ends_with(march);
+    }
+    result_.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    return std::move(result_);
+  }
+
+ private:
+  /// Whether this march was the last; then the result is complete.
+  bool ends_with(SlabMarch& march) {
+    ++result_.marches;
+    result_.evaluations += march.evaluations();
+    result_.grid_evaluations += march.grid_evaluations();
+    const Eigen::VectorXd ranges = scales_of(problem_, scales_.cwiseProduct(march.ranges()), first_scales_);
+    // Errors of this march in the ranges it has found.
+    const double error = march.carried_error() * scales_.cwiseQuotient(ranges).maxCoeff();
+    const bool complete = march.status() == SlabStatus::converged;
+    const bool met = complete && error <= kSeen * options_.tolerance;
+    // The first march is too coarse to be of any use but for ranges, unless it happens to do.
+    if (complete && (met || local_.wanted <= local_.largest) && !(error >= best_.error))
+      best_ = {march.state(), scales_, ranges, error};
+    if (!met && !is_last(march)) {
+      tighten(error);
+      scales_ = ranges;
+      return false;
+    }
+    const bool cut = !complete && march.status() != SlabStatus::cancelled;
+    if (!best_.state.empty() && (complete || cut)) {
+      take_best(cut ? march.message() : std::string());
+    } else {
+      take_last(march, ranges, error);
+    }
+    return true;
+  }
+
+  /// Where a second march ends early, a third would end there too.
+  bool is_last(const SlabMarch& march) const {
+    return march.status() == SlabStatus::cancelled || march.status() == SlabStatus::max_evaluations ||
+           (march.status() != SlabStatus::converged && result_.marches > 1) ||
+           result_.marches >= options_.max_marches;
+  }
+
+  void tighten(double error) {
+    if (result_.marches == 1) {
+      local_.wanted = std::min(local_.wanted, local_.largest);
+      return;
+    }
+    const double ratio = 0.7 * kSeen * options_.tolerance / error;
+    const double factor = std::clamp(std::pow(ratio, 1.0 / kOrder), 0.05, 0.5);
+    local_.wanted *= factor;
+    local_.largest *= std::max(std::sqrt(factor), 0.5);
+  }
+
+  /// @param cut_by why the last march, at smaller tolerances, has ended early; empty: it has not
+  void take_best(const std::string& cut_by) {
+    SlabMarch march(problem_, options_, best_.scales, local_, -1);
+    march.restore(best_.state);
+    march.run();
+    take(march, result_);
+    result_.error = best_.error;
+    result_.ranges.assign(best_.ranges.begin(), best_.ranges.end());
+    result_.status = best_.error <= kSeen * options_.tolerance ? SlabStatus::converged : SlabStatus::missed;
+    result_.message = fmt::format("error {:.3g} of the range at the guard points after {} marches",
+                                  best_.error, result_.marches);
+    if (!cut_by.empty()) result_.message += fmt::format("; the last, at smaller tolerances: {}", cut_by);
+  }
+
+  void take_last(const SlabMarch& march, const Eigen::VectorXd& ranges, double error) {
+    take(march, result_);
+    result_.error = error;
+    result_.ranges.assign(ranges.begin(), ranges.end());
+    result_.where = march.where();
+    result_.status = march.status();
+    result_.message = march.message();
+    if (march.status() != SlabStatus::converged) return;
+    result_.status = SlabStatus::missed;
+    result_.message = fmt::format(
+        "error {:.3g} of the range at the guard points after one march at a "
+        "tolerance of {:.3g}, which finds the ranges",
+        error, local_.wanted);
+  }
+
+  /// Stores the state from time to time.
   void save(SlabMarch& march) {
     const Clock::time_point now = Clock::now();
     if (now - saved_at_ < 20 * took_) return;
     NumberWriter writer;
-    transfer(writer, problem_, options_, plan_, result_);
+    transfer_marches(writer);
     std::vector<double> state = writer.numbers();
     const std::vector<double> rest = march.state();
     state.insert(state.end(), rest.begin(), rest.end());
@@ -172,11 +246,37 @@ class Checkpoint {
     took_ = saved_at_ - now;
   }
 
- private:
+  /// @returns the state of the march that was under way
+  std::span<const double> restore(std::span<const double> state) {
+    NumberReader reader(state);
+    transfer_marches(reader);
+    if (reader.rest().empty()) throw ArgumentError("the stored state of a march in slabs has no march");
+    return reader.rest();
+  }
+
+  /// All but the march under way.
+  template <class Archive>
+  void transfer_marches(Archive& archive) {
+    const std::vector<double> expected = numbers_of(problem_, options_);
+    std::vector<double> belongs_to = expected;
+    archive(belongs_to);
+    if (belongs_to != expected)
+      throw ArgumentError("the stored state of a march in slabs belongs to another problem or other options");
+    archive(result_.marches, result_.evaluations, result_.grid_evaluations, local_.wanted, local_.largest,
+            scales_);
+    transfer(archive, best_);
+    if (scales_.size() != first_scales_.size() || !(scales_.minCoeff() > 0.0) || !(local_.wanted > 0.0) ||
+        result_.marches < 0 || result_.evaluations < 0)
+      throw ArgumentError("the stored state of a march in slabs has impossible scales, tolerances or counts");
+  }
+
   const AdaptiveProblem& problem_;
   const SlabOptions& options_;
-  NextMarch& plan_;
-  SlabResult& result_;
+  const Eigen::VectorXd first_scales_;
+  LocalTolerance local_;  ///< of the march under way, as are the scales
+  Eigen::VectorXd scales_;
+  CompleteMarch best_;
+  SlabResult result_;
   Clock::time_point saved_at_ = Clock::now();
   Clock::duration took_ = Clock::duration::zero();
 };
@@ -187,40 +287,7 @@ SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& opt
                           std::span<const double> state) {
   validate(problem);
   validate(options);
-  const Clock::time_point begin = Clock::now();
-  const Eigen::VectorXd first = Eigen::Map<const Eigen::VectorXd>(
-      problem.scales.data(), static_cast<Eigen::Index>(problem.scales.size()));
-  SlabResult result;
-  NextMarch plan(options, first);
-  std::span<const double> started;
-  if (!state.empty()) {
-    NumberReader reader(state);
-    transfer(reader, problem, options, plan, result);
-    started = reader.rest();
-  }
-  while (true) {
-    const long left = options.max_evaluations == 0 ? -1 : options.max_evaluations - result.evaluations;
-    SlabMarch march(problem, options, plan.scales, plan.local, left);
-    if (!started.empty()) march.restore(std::exchange(started, {}));
-    Checkpoint checkpoint(problem, options, plan, result);
-    march.run(options.checkpoint ? [&] { checkpoint.save(march); } : std::function<void()>());
-    ++result.marches;
-    result.evaluations += march.evaluations();
-    result.grid_evaluations += march.grid_evaluations();
-    const Eigen::VectorXd ranges = plan.scales.cwiseProduct(march.ranges());
-    const Eigen::VectorXd next = scales_of(problem, ranges, first);
-    // Errors of this march in the ranges it has found.
-    result.error = march.carried_error() * plan.scales.cwiseQuotient(next).maxCoeff();
-    const bool met = result.error <= kSeen * options.tolerance;
-    if (met || is_last(march, result, options)) {
-      take(march, met, next, result);
-      break;
-    }
-    plan.tighten(result, options.tolerance);
-    plan.scales = next;
-  }
-  result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-  return result;
+  return Marches(problem, options).run(state);
 }
 
 std::string to_string(SlabStatus status) {

@@ -10,6 +10,7 @@
 #include "samara/base/errors.h"
 #include "samara/pgd/field_rounding.h"
 #include "samara/pgd/random.h"
+#include "samara/pgd/train_algebra.h"
 #include "samara/pgd/train_points.h"
 
 namespace samara::pgd {
@@ -70,42 +71,10 @@ std::optional<std::vector<Axis>> common_axes(const TrainField& earlier, const Tr
   return axes;
 }
 
-/// The train with the core of the outputs multiplied into that of time; its first core is the identity.
-TensorTrain with_outputs_in_time(TensorTrain train) {
-  TrainCore& outputs = train.cores[0];
-  TrainCore& time = train.cores[1];
-  TrainCore merged(outputs.size, time.size, time.right);
-  merged.right_unfolding() = outputs.left_unfolding() * time.right_unfolding();
-  time = std::move(merged);
-  TrainCore identity(1, outputs.size, outputs.size);
-  identity.left_unfolding().setIdentity();
-  outputs = std::move(identity);
-  return train;
-}
-
-/// Both cores, on the diagonal of one.
-TrainCore diagonal_core(const TrainCore& a, const TrainCore& b, bool is_last) {
-  TrainCore core(a.left + b.left, a.size, is_last ? 1 : a.right + b.right);
-  for (int i = 0; i < a.size; ++i) {
-    Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> to(
-        core.data.data() + Eigen::Index{core.left} * i, core.left, core.right,
-        Eigen::OuterStride<>(Eigen::Index{core.left} * core.size));
-    to.topLeftCorner(a.left, a.right) = a.slice(i);
-    to.bottomRightCorner(b.left, b.right) = b.slice(i);
-  }
-  return core;
-}
-
-double entries_of(const TensorTrain& train) {
-  double entries = 1.0;
-  for (const TrainCore& core : train.cores) entries *= core.size;
-  return entries;
-}
-
 /// Ranks cut by the mean square over all nodes.
 TensorTrain rounded_by_mean(TensorTrain train, const Eigen::VectorXd& scale, double tolerance) {
   train.cores[0].left_unfolding() = scale.cwiseInverse().asDiagonal() * train.cores[0].left_unfolding();
-  const double entries = entries_of(train);
+  const double entries = full_size(train);
   train = rounded(std::move(train), tolerance * std::sqrt(entries));
   train.cores[0].left_unfolding() = scale.asDiagonal() * train.cores[0].left_unfolding();
   return train;
@@ -115,31 +84,16 @@ std::optional<TrainField> joined(const TrainField& earlier, const TrainField& la
                                  const Eigen::VectorXd& scale, double tolerance) {
   std::optional<std::vector<Axis>> axes = common_axes(earlier, later);
   if (!axes) return std::nullopt;
-  const auto carried = [&](const TrainField& field) {
+  // Both over all times, each zero at those of the other; the time where they meet is the earlier one's.
+  const auto placed = [&](const TrainField& field, Eigen::Index first, Eigen::Index left_out) {
     std::vector<Axis> to = *axes;
     to.front() = field.axes().front();
-    return with_outputs_in_time(carried_over(field.train(), field.axes(), to));
+    const Eigen::Index count = to.front().size() - left_out;
+    Eigen::MatrixXd place = Eigen::MatrixXd::Zero(axes->front().size(), to.front().size());
+    place.block(first, left_out, count, count).setIdentity();
+    return applied(carried_over(field.train(), field.axes(), to), 1, place);
   };
-  const TensorTrain a = carried(earlier), b = carried(later);
-  TensorTrain both;
-  both.cores.push_back(a.cores[0]);
-  const TrainCore& first = a.cores[1];
-  const TrainCore& second = b.cores[1];
-  const bool only_time = axes->size() == 1;
-  TrainCore time(first.left, first.size + second.size - 1, only_time ? 1 : first.right + second.right);
-  for (int i = 0; i < time.size; ++i) {
-    Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> to(
-        time.data.data() + Eigen::Index{time.left} * i, time.left, time.right,
-        Eigen::OuterStride<>(Eigen::Index{time.left} * time.size));
-    if (i < first.size) {
-      to.leftCols(first.right) = first.slice(i);
-    } else {
-      to.rightCols(second.right) = second.slice(i - first.size + 1);
-    }
-  }
-  both.cores.push_back(std::move(time));
-  for (std::size_t k = 2; k < a.cores.size(); ++k)
-    both.cores.push_back(diagonal_core(a.cores[k], b.cores[k], k + 1 == a.cores.size()));
+  TensorTrain both = sum(placed(earlier, 0, 0), placed(later, earlier.axes().front().size(), 1));
   return TrainField(std::move(*axes), earlier.outputs(), rounded_by_mean(std::move(both), scale, tolerance));
 }
 
@@ -202,17 +156,6 @@ Eigen::MatrixXd lines(const TrainField& field, std::size_t axis, const Eigen::Ma
   return lines;
 }
 
-/// Interpolation from an axis to points: points x nodes.
-Eigen::MatrixXd interpolation(const Axis& axis, const Eigen::VectorXd& x) {
-  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(x.size(), axis.size());
-  InterpolationStencil stencil = axis.make_stencil();
-  for (Eigen::Index i = 0; i < x.size(); ++i) {
-    axis.interpolate(x[i], stencil, false);
-    matrix.block(i, stencil.first, 1, stencil.value.size()) = stencil.value.transpose();
-  }
-  return matrix;
-}
-
 /// Nodes and the middles between them.
 Eigen::VectorXd check_points(const Axis& axis) {
   const Eigen::VectorXd& nodes = axis.nodes();
@@ -226,8 +169,10 @@ Eigen::VectorXd check_points(const Axis& axis) {
 
 /// Largest change of lines when they are interpolated on another axis.
 double change(const Eigen::MatrixXd& lines, const Axis& from, const Axis& to, const Eigen::VectorXd& points) {
-  const Eigen::MatrixXd there = interpolation(from, to.nodes()) * lines;
-  return (interpolation(to, points) * there - interpolation(from, points) * lines).cwiseAbs().maxCoeff();
+  const Eigen::MatrixXd there = interpolation_matrix(from, to.nodes()) * lines;
+  return (interpolation_matrix(to, points) * there - interpolation_matrix(from, points) * lines)
+      .cwiseAbs()
+      .maxCoeff();
 }
 
 /// As few elements of time as the lines allow, each as long as possible.

@@ -43,40 +43,41 @@ SlabMarch::SlabMarch(const AdaptiveProblem& problem, const SlabOptions& options,
   cell.length = options.largest_slab * problem.end;
   smallest_ = cell.carried.rowwise().minCoeff();
   largest_ = cell.carried.rowwise().maxCoeff();
-  cells_to_go_.push_back(std::move(cell));
+  cells_.push_back(std::move(cell));
 }
 
 void SlabMarch::run(const std::function<void()>& between_slabs) {
   attempt_begin_ = std::chrono::steady_clock::now();
   reached_ = problem_.end;
-  while (!cells_to_go_.empty()) {
-    // The cell that is least far goes first: where the march must end, nothing was done in vain.
-    const auto first = std::min_element(cells_to_go_.begin(), cells_to_go_.end(),
-                                        [](const SlabCell& a, const SlabCell& b) { return a.time < b.time; });
-    if (first->time >= problem_.end) break;
-    const Outcome outcome = may_go_on() ? attempt(*first) : Outcome::ended;
+  // The cell that is least far goes first: where the march must end, nothing was done in vain.
+  const auto first = [this]() -> SlabCell& {
+    return *std::min_element(cells_.begin(), cells_.end(),
+                             [](const SlabCell& a, const SlabCell& b) { return a.time < b.time; });
+  };
+  while (first().time < problem_.end) {
+    const Outcome outcome = may_go_on(first()) ? attempt(first()) : Outcome::ended;
     if (outcome == Outcome::ended) {
-      reached_ = first->time;
+      reached_ = first().time;
       return;
     }
     if (outcome == Outcome::accepted && between_slabs) between_slabs();
   }
 }
 
-bool SlabMarch::may_go_on() {
+bool SlabMarch::may_go_on(const SlabCell& first) {
   if (evaluations_left_ >= 0 && evaluations() >= evaluations_left_) {
     status_ = SlabStatus::max_evaluations;
     message_ = fmt::format("{} evaluations used, {} allowed", evaluations(), evaluations_left_);
     return false;
   }
   double done = 0.0;
-  for (const SlabCell& cell : cells_to_go_) done += cell.time;
-  done /= problem_.end * static_cast<double>(cells_to_go_.size());
-  const std::string stage = cells_ == 1 ? fmt::format("slab {}", history_.size() + 1)
-                                        : fmt::format("slab {}, {} cells", history_.size() + 1, cells_);
+  for (const SlabCell& cell : cells_) done += cell.time;
+  done /= problem_.end * cells();
+  const std::string stage = cells() == 1 ? fmt::format("slab {}", history_.size() + 1)
+                                         : fmt::format("slab {}, {} cells", history_.size() + 1, cells());
   if (!options_.progress || options_.progress({stage, done})) return true;
   status_ = SlabStatus::cancelled;
-  message_ = fmt::format("cancelled at t = {:.6g}", cells_to_go_.front().time);
+  message_ = fmt::format("cancelled at t = {:.6g}", first.time);
   return false;
 }
 
@@ -87,20 +88,15 @@ SlabMarch::Outcome SlabMarch::end(SlabStatus status, std::string message, const 
   return Outcome::ended;
 }
 
-CrossResult SlabMarch::interpolate_slab(SlabCell& cell, SlabPoints& totals) {
+CrossResult SlabMarch::interpolate_slab(SlabCell& cell, Totals& totals) {
   std::vector<int> sizes = sizes_of(cell.axes);
   const EntryFunction at_entries = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
-    Eigen::MatrixXd q(entries.rows(), entries.cols());
-    for (Eigen::Index k = 0; k < q.rows(); ++k) {
-      const Eigen::VectorXd& nodes = cell.axes[static_cast<std::size_t>(k)].nodes();
-      for (Eigen::Index j = 0; j < q.cols(); ++j) q(k, j) = nodes[entries(k, j)];
-    }
-    SlabPoints points =
-        collocation_.solve(cell.slab->borders, values_at(cell.start, entries), q, iteration_tolerance());
+    SlabPoints points = collocation_.solve(cell.slab->borders, values_at(cell.start, entries),
+                                           coordinates_at(cell.axes, entries), iteration_tolerance());
+    totals.entries += entries.cols();
     totals.evaluations += points.evaluations;
     totals.iterations += points.iterations;
     totals.contraction = std::max(totals.contraction, points.contraction);
-    totals.status.resize(totals.status.size() + points.status.size());
     values = std::move(points.values);
   };
   CrossOptions cross;
@@ -115,9 +111,7 @@ CrossResult SlabMarch::interpolate_slab(SlabCell& cell, SlabPoints& totals) {
 
 /// Euclidean tolerance at which a train is rounded.
 double SlabMarch::rounding(const SlabCell& cell, const TensorTrain& train) const {
-  double entries = 1.0;
-  for (const TrainCore& core : train.cores) entries *= core.size;
-  return kRoundingShare / kPeak * cell.leniency * tolerance_ * std::sqrt(entries);
+  return kRoundingShare / kPeak * cell.leniency * tolerance_ * std::sqrt(full_size(train));
 }
 
 Axis SlabMarch::time_axis(const std::vector<double>& borders) const {
@@ -131,20 +125,13 @@ SlabMarch::Outcome SlabMarch::attempt(SlabCell& cell) {
   if (!cell.slab) {
     if (const Outcome outcome = probe(cell); outcome != Outcome::accepted) return outcome;
   }
-  SlabPoints totals;
+  Totals totals;
   CrossResult cross = interpolate_slab(cell, totals);
   attempt_evaluations_ += totals.evaluations;
-  const auto solved = static_cast<double>(totals.status.size());
-  const double iterations = static_cast<double>(totals.iterations) / std::max(1.0, solved);
+  if (cross.status == CrossStatus::not_finite) return shorten(cell, cross.bad_entry);
+  const double iterations =
+      static_cast<double>(totals.iterations) / static_cast<double>(std::max(1L, totals.entries));
   const double on_grid = cross.grid_size * iterations * options_.time_points;
-  if (cross.status == CrossStatus::not_finite) {
-    Eigen::MatrixXd q(cell.guards.rows(), 1);
-    const std::vector<double> at = coordinates(cell.axes, cross.bad_entry);
-    std::copy(at.begin(), at.end(), q.data());
-    SlabPoints points =
-        collocation_.solve(cell.slab->borders, values_at(cell.start, cell.axes, q), q, iteration_tolerance());
-    return shorten(cell, points, q);
-  }
   const TensorTrain train = rounded(cross.train, cell.strictness * rounding(cell, cross.train));
   const Eigen::VectorXd errors =
       (values_at(train, cell.axes, cell.guards) - cell.slab->values).cwiseAbs().colwise().maxCoeff();
@@ -167,7 +154,8 @@ SlabMarch::Outcome SlabMarch::attempt(SlabCell& cell) {
 }
 
 /// The guard points' own states go on from their own starts, in elements of half the length: the difference
-/// is the error of the march so far, at the ends of the elements, that of time included.
+/// is the error of the march so far, at the ends of the elements, that of time included. A point whose own
+/// equations were not solved is left out from there on; the error is infinite.
 double SlabMarch::carry_on(SlabCell& cell, const TensorTrain& train) {
   const Eigen::Index states = collocation_.states();
   const std::vector<double>& borders = cell.slab->borders;
@@ -176,20 +164,26 @@ double SlabMarch::carry_on(SlabCell& cell, const TensorTrain& train) {
     halved.push_back(0.5 * (borders[e - 1] + borders[e]));
     halved.push_back(borders[e]);
   }
-  const SlabPoints carried = collocation_.solve(halved, cell.carried, cell.guards, iteration_tolerance());
+  std::vector<int> sound;
+  for (Eigen::Index j = 0; j < cell.guards.cols(); ++j) {
+    if (cell.carried.col(j).allFinite()) sound.push_back(static_cast<int>(j));
+  }
+  const SlabPoints carried = collocation_.solve(halved, cell.carried(Eigen::all, sound),
+                                                cell.guards(Eigen::all, sound), iteration_tolerance());
   attempt_evaluations_ += carried.evaluations;
-  if (carried.first_failed() >= 0) return std::numeric_limits<double>::infinity();
-  cell.carried = carried.values.bottomRows(states);
-  const Eigen::MatrixXd here = values_at(train, cell.axes, cell.guards);
+  cell.carried(Eigen::all, sound) = carried.values.bottomRows(states);
+  const Eigen::MatrixXd here = values_at(train, cell.axes, cell.guards(Eigen::all, sound));
   const Eigen::Index element = states * options_.time_points;
   double error = 0.0;
-  for (Eigen::Index e = 0; e < static_cast<Eigen::Index>(borders.size()); ++e) {
-    error = std::max(
-        error, (here.middleRows(e * element, states) - carried.values.middleRows(2 * e * element, states))
-                   .cwiseAbs()
-                   .maxCoeff());
-  }
   for (Eigen::Index j = 0; j < carried.values.cols(); ++j) {
+    if (carried.status[static_cast<std::size_t>(j)] != SlabPointStatus::solved) {
+      error = std::numeric_limits<double>::infinity();
+      continue;
+    }
+    for (Eigen::Index e = 0; e < static_cast<Eigen::Index>(borders.size()); ++e) {
+      const auto own = carried.values.col(j).segment(2 * e * element, states);
+      error = std::max(error, (here.col(j).segment(e * element, states) - own).cwiseAbs().maxCoeff());
+    }
     const auto values = carried.values.col(j).reshaped(states, carried.values.rows() / states);
     smallest_ = smallest_.cwiseMin(values.rowwise().minCoeff());
     largest_ = largest_.cwiseMax(values.rowwise().maxCoeff());
@@ -209,7 +203,7 @@ void SlabMarch::accept(SlabCell& cell, const TensorTrain& train, SlabRecord reco
   record.elements = static_cast<int>(cell.slab->borders.size()) - 1;
   record.nodes = sizes_of(cell.axes);
   record.ranks = pieces_.back().field.train().ranks();
-  cell.start = end_of_slab(train, states);
+  cell.start = last_rows(train, states);
   cell.start = rounded(std::move(cell.start), rounding(cell, cell.start));
   cell.time = record.end;
   cell.length = cell.slab->next_length;

@@ -53,7 +53,7 @@ class SlabMarch {
   const std::vector<double>& where() const { return where_; }
   /// Time that all cells have reached.
   double reached() const { return reached_; }
-  int cells() const { return cells_; }
+  int cells() const { return static_cast<int>(cells_.size()); }
   long evaluations() const { return evaluations_ + attempt_evaluations_; }
   double grid_evaluations() const { return grid_evaluations_; }
   double carried_error() const { return carried_error_; }
@@ -66,22 +66,33 @@ class SlabMarch {
 
   // slab_march.cpp: one slab.
   Outcome attempt(SlabCell& cell);
-  CrossResult interpolate_slab(SlabCell& cell, SlabPoints& totals);
+  struct Totals {
+    long entries = 0, evaluations = 0, iterations = 0;
+    double contraction = 0.0;
+  };
+  CrossResult interpolate_slab(SlabCell& cell, Totals& totals);
   double rounding(const SlabCell& cell, const TensorTrain& train) const;
   Axis time_axis(const std::vector<double>& borders) const;
   void accept(SlabCell& cell, const TensorTrain& train, SlabRecord record);
   double carry_on(SlabCell& cell, const TensorTrain& train);
-  bool may_go_on();
+  bool may_go_on(const SlabCell& first);
   Outcome end(SlabStatus status, std::string message, const Eigen::VectorXd& q);
   /// What iterations may leave, in scales.
   double iteration_tolerance() const { return 0.01 * tolerance_; }
 
   // slab_march_time.cpp: how long it is.
+  struct WorstPoint {
+    double error = 0.0;
+    Eigen::Index point = 0;
+  };
   Outcome probe(SlabCell& cell);
-  double error_in_time(const SlabPoints& element, double begin, double end, const Eigen::MatrixXd& q);
-  Outcome shorten(SlabCell& cell, const SlabPoints& points, const Eigen::MatrixXd& q);
+  WorstPoint error_in_time(const SlabPoints& element, double begin, double end, const Eigen::MatrixXd& q);
+  Outcome shorten(SlabCell& cell, const std::vector<int>& bad_entry);
   Outcome give_up(const SlabCell& cell, double length, const SlabPoints& points, const Eigen::MatrixXd& q);
-  bool moves_by_its_size(double t, const Eigen::VectorXd& element, const Eigen::VectorXd& q,
+  Outcome give_up_on_time(const SlabCell& cell, double length, const Eigen::VectorXd& q);
+  Outcome end_at(const SlabCell& cell, SlabStatus status, const char* what, double length,
+                 const Eigen::VectorXd& q);
+  bool moves_by_its_size(double t, const Eigen::VectorXd& start, const Eigen::VectorXd& q,
                          double length) const;
 
   // slab_march_refine.cpp: what is done about errors.
@@ -107,7 +118,7 @@ class SlabMarch {
   const long evaluations_left_;
   SlabCollocation collocation_;
   Random random_;
-  std::deque<SlabCell> cells_to_go_;
+  std::deque<SlabCell> cells_;
   long attempt_evaluations_ = 0;
   std::chrono::steady_clock::time_point attempt_begin_;
 
@@ -117,7 +128,6 @@ class SlabMarch {
   std::string message_;
   std::vector<double> where_;
   double reached_ = 0.0;
-  int cells_ = 1;
   long evaluations_ = 0;
   double grid_evaluations_ = 0.0;
   double carried_error_ = 0.0;

@@ -23,17 +23,6 @@ constexpr double kMostStrict = 0.1;
 /// Every refinement raises what a slab may err by this factor, up to the most that any slab may.
 constexpr double kLeniency = 1.6;
 
-/// Adds grid entries (modes x entries) to the right sets of every mode.
-void add_pivots(CrossPivots& pivots, const IndexBatch& entries) {
-  for (std::size_t k = 1; k < pivots.right.size(); ++k) {
-    IndexBatch& set = pivots.right[k];
-    if (set.rows() == 0) continue;
-    const IndexBatch more = entries.bottomRows(set.rows());
-    set.conservativeResize(Eigen::NoChange, set.cols() + more.cols());
-    set.rightCols(more.cols()) = more;
-  }
-}
-
 }  // namespace
 
 /// The errors at the worst guard points, taken apart: with all coordinates but one moved to the nearest
@@ -86,7 +75,7 @@ SlabMarch::Outcome SlabMarch::refine(SlabCell& cell, const TensorTrain& train, c
   const std::vector<double>& by_axis = found.by_axis;
   if (found.on_grid > kOnGridShare * tolerance && cell.strictness > kMostStrict) {
     cell.strictness *= 0.3;
-    add_pivots(cell.pivots, found.entries);
+    add_entries(cell.pivots, found.entries, options_.max_rank);
     return Outcome::refined;
   }
   std::vector<int> nodes = sizes_of(cell.axes);
@@ -105,14 +94,14 @@ SlabMarch::Outcome SlabMarch::refine(SlabCell& cell, const TensorTrain& train, c
     return Outcome::refined;
   }
   const Basis basis = problem_.parameters[coarsest].basis;
-  if (cells_ < options_.max_cells && basis != Basis::fourier) {
+  if (cells() < options_.max_cells && basis != Basis::fourier) {
     std::vector<SlabCell> parts =
         halves(cell, problem_, static_cast<int>(coarsest), options_.guards, random_);
     parts[0].number = cell.number;
-    parts[1].number = cells_++;
+    parts[1].number = cells();
     // `cell` is an element of the list: it becomes the first half before the second is added.
     cell = std::move(parts[0]);
-    cells_to_go_.push_back(std::move(parts[1]));
+    cells_.push_back(std::move(parts[1]));
     return Outcome::split;
   }
   Eigen::Index worst = 0;
@@ -124,7 +113,7 @@ SlabMarch::Outcome SlabMarch::refine(SlabCell& cell, const TensorTrain& train, c
   return end(
       SlabStatus::not_resolved,
       fmt::format("neighbours part: after t = {:.6g} {}{}, the error at {} is {:.3g} of the range", cell.time,
-                  limit, options_.max_cells > 1 ? fmt::format(" in {} cells", cells_) : std::string(),
+                  limit, options_.max_cells > 1 ? fmt::format(" in {} cells", cells()) : std::string(),
                   described(cell.axes, {at.begin(), at.end()}), error),
       at);
 }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "samara/base/errors.h"
@@ -11,7 +12,7 @@ namespace {
 
 /// Axes of parameters: those of the problem, on their own interval with their own nodes.
 template <class Archive>
-void transfer_axes(Archive& archive, const AdaptiveProblem& problem, std::vector<Axis>& axes) {
+void transfer_axes(Archive& archive, const AdaptiveProblem& problem, int max_nodes, std::vector<Axis>& axes) {
   std::vector<Axis> read;
   for (std::size_t k = 0; k < problem.parameters.size(); ++k) {
     AdaptiveAxis axis = problem.parameters[k];
@@ -22,14 +23,18 @@ void transfer_axes(Archive& archive, const AdaptiveProblem& problem, std::vector
       nodes = axes[k].size();
     }
     archive(axis.lower, axis.upper, nodes);
-    if constexpr (Archive::kReads) read.push_back(make_axis(axis, nodes));
+    if constexpr (Archive::kReads) {
+      if (nodes > std::max(max_nodes, axis.nodes.value_or(0)) + 1)  // p2 and fourier take an odd number
+        throw ArgumentError("the stored state of a march in slabs has more nodes than its options allow");
+      read.push_back(make_axis(axis, nodes));
+    }
   }
   if constexpr (Archive::kReads) axes = std::move(read);
 }
 
 template <class Archive>
-void transfer(Archive& archive, const AdaptiveProblem& problem, SlabCell& cell) {
-  transfer_axes(archive, problem, cell.axes);
+void transfer(Archive& archive, const AdaptiveProblem& problem, int max_nodes, SlabCell& cell) {
+  transfer_axes(archive, problem, max_nodes, cell.axes);
   archive(cell.time, cell.length, cell.usual_length, cell.start, cell.pivots.right, cell.guards, cell.carried,
           cell.strictness, cell.leniency, cell.number);
 }
@@ -46,7 +51,9 @@ void check(const AdaptiveProblem& problem, const SlabCell& cell) {
   bool fits = cell.start.modes() == static_cast<int>(cell.axes.size()) + 1 &&
               cell.guards.rows() == static_cast<Eigen::Index>(cell.axes.size()) &&
               cell.carried.rows() == static_cast<Eigen::Index>(problem.states.size()) &&
-              cell.carried.cols() == cell.guards.cols();
+              cell.carried.cols() == cell.guards.cols() && cell.guards.allFinite() && cell.time >= 0.0 &&
+              cell.time <= problem.end && cell.length > 0.0 && cell.usual_length >= 0.0 &&
+              cell.strictness > 0.0 && cell.leniency > 0.0;
   int left = 1;
   for (std::size_t k = 0; fits && k < cell.start.cores.size(); ++k) {
     const TrainCore& core = cell.start.cores[k];
@@ -63,9 +70,9 @@ void check(const AdaptiveProblem& problem, const SlabCell& cell) {
 
 template <class Archive>
 void SlabMarch::transfer_fields(Archive& archive) {
-  auto count = static_cast<int>(pieces_.size());
-  archive(count);
-  for (int p = 0; p < count; ++p) {
+  auto count = static_cast<Eigen::Index>(pieces_.size());
+  archive.size(count);
+  for (Eigen::Index p = 0; p < count; ++p) {
     int cell = 0;
     std::vector<double> borders;
     std::vector<Axis> axes;
@@ -79,7 +86,7 @@ void SlabMarch::transfer_fields(Archive& archive) {
       train = piece.field.train();
     }
     archive(cell, borders);
-    transfer_axes(archive, problem_, axes);
+    transfer_axes(archive, problem_, options_.max_nodes, axes);
     archive(train);
     if constexpr (Archive::kReads) {
       axes.insert(axes.begin(), time_axis(borders));
@@ -92,20 +99,21 @@ void SlabMarch::transfer_fields(Archive& archive) {
 template <class Archive>
 void SlabMarch::transfer_march(Archive& archive) {
   transfer_fields(archive);
-  auto cells = static_cast<int>(cells_to_go_.size());
-  auto records = static_cast<int>(history_.size());
-  archive(cells, records);
+  auto cells = static_cast<Eigen::Index>(cells_.size());
+  auto records = static_cast<Eigen::Index>(history_.size());
+  archive.size(cells);
+  archive.size(records);
   if constexpr (Archive::kReads) {
-    if (cells < 1 || records < 0) throw ArgumentError("the stored state of a march in slabs has no cell");
-    cells_to_go_.assign(static_cast<std::size_t>(cells), SlabCell());
+    if (cells < 1) throw ArgumentError("the stored state of a march in slabs has no cell");
+    cells_.assign(static_cast<std::size_t>(cells), SlabCell());
     history_.assign(static_cast<std::size_t>(records), SlabRecord());
   }
-  for (SlabCell& cell : cells_to_go_) {
-    transfer(archive, problem_, cell);
+  for (SlabCell& cell : cells_) {
+    transfer(archive, problem_, options_.max_nodes, cell);
     if constexpr (Archive::kReads) check(problem_, cell);
   }
   for (SlabRecord& record : history_) transfer(archive, record);
-  archive(random_, cells_, evaluations_, grid_evaluations_, carried_error_, smallest_, largest_);
+  archive(random_, evaluations_, grid_evaluations_, carried_error_, smallest_, largest_);
 }
 
 std::vector<double> SlabMarch::state() {
@@ -117,6 +125,8 @@ std::vector<double> SlabMarch::state() {
 void SlabMarch::restore(std::span<const double> state) {
   NumberReader reader(state);
   transfer_march(reader);
+  if (!reader.rest().empty())
+    throw ArgumentError("the stored state of a march in slabs is longer than its march");
 }
 
 }  // namespace samara::pgd

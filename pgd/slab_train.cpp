@@ -30,11 +30,11 @@ TensorTrain initial_train(const std::vector<InitialValue>& initial, const Eigen:
   return rounded(to_train(sum), 1e-14 * norm(sum));
 }
 
-TensorTrain end_of_slab(const TensorTrain& slab, int states) {
-  TensorTrain end = slab;
-  end.cores[0] = TrainCore(1, states, slab.cores[0].right);
-  end.cores[0].left_unfolding() = slab.cores[0].left_unfolding().bottomRows(states);
-  return end;
+TensorTrain last_rows(const TensorTrain& train, int rows) {
+  TensorTrain result = train;
+  result.cores[0] = TrainCore(1, rows, train.cores[0].right);
+  result.cores[0].left_unfolding() = train.cores[0].left_unfolding().bottomRows(rows);
+  return result;
 }
 
 TrainField slab_field(const Axis& time, const std::vector<Axis>& parameters,

@@ -18,8 +18,9 @@ namespace samara::pgd {
 TensorTrain initial_train(const std::vector<InitialValue>& initial, const Eigen::VectorXd& scales,
                           const std::vector<Axis>& parameters);
 
-/// The state at the end of a slab: its first mode the states.
-TensorTrain end_of_slab(const TensorTrain& slab, int states);
+/// The last so many entries of the first mode: of a train over a slab, `states` of them are the state at its
+/// end.
+TensorTrain last_rows(const TensorTrain& train, int rows);
 
 /// The field of a slab, in the units of the states.
 TrainField slab_field(const Axis& time, const std::vector<Axis>& parameters,

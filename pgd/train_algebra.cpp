@@ -99,6 +99,12 @@ TensorTrain apply_matrix(TensorTrain a, int mode, const Matrix& matrix) {
 
 }  // namespace
 
+double full_size(const TensorTrain& a) {
+  double entries = 1.0;
+  for (const TrainCore& core : a.cores) entries *= core.size;
+  return entries;
+}
+
 TensorTrain scaled(TensorTrain a, double factor) {
   a.cores.back().data *= factor;
   return a;

@@ -15,6 +15,9 @@
 /// Reference: Oseledets, Tensor-train decomposition, SIAM J. Sci. Comput. 33 (2011), section 4.
 namespace samara::pgd {
 
+/// Entries of the tensor itself, as many as its grid has.
+double full_size(const TensorTrain& a);
+
 /// factor * a. O(n r).
 TensorTrain scaled(TensorTrain a, double factor);
 

@@ -46,17 +46,21 @@ Eigen::MatrixXd values_at(const TensorTrain& train, const std::vector<Axis>& axe
   return values;
 }
 
+Eigen::MatrixXd interpolation_matrix(const Axis& from, const Eigen::VectorXd& points) {
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(points.size(), from.size());
+  InterpolationStencil stencil = from.make_stencil();
+  for (Eigen::Index i = 0; i < points.size(); ++i) {
+    from.interpolate(points[i], stencil, false);
+    matrix.block(i, stencil.first, 1, stencil.value.size()) = stencil.value.transpose();
+  }
+  return matrix;
+}
+
 TensorTrain carried_over(TensorTrain train, const std::vector<Axis>& from, const std::vector<Axis>& to) {
   for (std::size_t k = 0; k < from.size(); ++k) {
     const bool same = from[k].size() == to[k].size() && from[k].nodes() == to[k].nodes();
     if (same) continue;
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(to[k].size(), from[k].size());
-    InterpolationStencil stencil = from[k].make_stencil();
-    for (int i = 0; i < to[k].size(); ++i) {
-      from[k].interpolate(to[k].nodes()[i], stencil, false);
-      matrix.block(i, stencil.first, 1, stencil.value.size()) = stencil.value.transpose();
-    }
-    train = applied(std::move(train), static_cast<int>(k) + 1, matrix);
+    train = applied(std::move(train), static_cast<int>(k) + 1, interpolation_matrix(from[k], to[k].nodes()));
   }
   return train;
 }

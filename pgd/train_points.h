@@ -20,6 +20,9 @@ Eigen::MatrixXd values_at(const TensorTrain& train, const IndexBatch& entries);
 Eigen::MatrixXd values_at(const TensorTrain& train, const std::vector<Axis>& axes,
                           const Eigen::MatrixXd& points);
 
+/// From values at the nodes to values at points: points x nodes.
+Eigen::MatrixXd interpolation_matrix(const Axis& from, const Eigen::VectorXd& points);
+
 /// The same functions on other axes, mode k + 1 carried over to `to[k]` by interpolation on `from[k]`.
 TensorTrain carried_over(TensorTrain train, const std::vector<Axis>& from, const std::vector<Axis>& to);
 

@@ -77,7 +77,8 @@ void run_strategies(const Options& options) {
   problems.push_back({"kirchhoff", kirchhoff(0.4), 4, 8, 5e-3});
   for (const StrategyProblem& problem : problems) {
     if (!options.wants(fmt::format("strategies_{}", problem.name))) continue;
-    for (const auto& [name, strategy] : strategies()) run(problem, *strategy, name, options.quick ? 50 : 300);
+    for (const auto& [name, strategy] : strategies())
+      if (!getenv("ONLY") || name == getenv("ONLY")) run(problem, *strategy, name, options.quick ? 50 : 300);
   }
 }
 

@@ -1,5 +1,9 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -43,7 +47,7 @@ State flow(State x, const Lorenz& p, double end) {
 }
 
 pgd::SamplingResult sampled_map(const State& lower, const State& upper, double end, double tolerance,
-                                long max_calls) {
+                                long max_calls, std::uint64_t seed) {
   std::vector<pgd::SampledCoordinate> box = {{{"x"}, lower[0], upper[0]}, {{"y"}, lower[1], upper[1]},
                                              {{"z"}, lower[2], upper[2]}, {{"sigma"}, 9.0, 11.0},
                                              {{"rho"}, 26.0, 30.0},       {{"beta"}, 2.4, 2.9}};
@@ -57,6 +61,7 @@ pgd::SamplingResult sampled_map(const State& lower, const State& upper, double e
   pgd::SamplingOptions options;
   options.tolerance = tolerance;
   options.max_calls = max_calls;
+  options.seed = seed;
   return pgd::sample(box, {{"x"}, {"y"}, {"z"}}, map, options);
 }
 
@@ -85,24 +90,47 @@ double composed_error(const pgd::TrainField& map, double window, double end, int
   return std::sqrt(squares / size);
 }
 
+/// The largest of every metric over some seeds, in the order in which they came.
+class Worst {
+ public:
+  void take(const std::string& metric, double value) {
+    const auto known = std::ranges::find(metrics_, metric, &Metric::first);
+    if (known == metrics_.end()) {
+      metrics_.emplace_back(metric, value);
+    } else {
+      known->second = std::max(known->second, value);
+    }
+  }
+  void print(const std::string& test_case) const {
+    for (const auto& [metric, value] : metrics_) benchmarks::print({kSampling, test_case, metric, value});
+  }
+
+ private:
+  using Metric = std::pair<std::string, double>;
+  std::vector<Metric> metrics_;
+};
+
 }  // namespace
 
 void run_lorenz(const Options& options) {
   const int points = options.quick ? 200 : 2000;
+  const std::uint64_t seeds = options.quick ? 1 : 5;
   if (options.wants("lorenz_windows")) {
-    // Around all that starts in the box of initial values.
-    const pgd::SamplingResult map =
-        sampled_map({-25.0, -32.0, 0.0}, {25.0, 32.0, 60.0}, 0.05, 1e-10, 400'000);
-    print({kSampling, "lorenz_windows", "calls", static_cast<double>(map.calls)});
-    print({kSampling, "lorenz_windows", "numbers", static_cast<double>(map.field->entries())});
-    for (const int end : {1, 2, 8}) {
-      print({kSampling, "lorenz_windows", fmt::format("error_T{}", end),
-             composed_error(*map.field, 0.05, end, points)});
+    Worst worst;
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+      // Around all that starts in the box of initial values.
+      const pgd::SamplingResult map =
+          sampled_map({-25.0, -32.0, 0.0}, {25.0, 32.0, 60.0}, 0.05, 1e-10, 400'000, seed);
+      worst.take("calls", static_cast<double>(map.calls));
+      worst.take("numbers", static_cast<double>(map.field->entries()));
+      for (const int end : {1, 2, 8})
+        worst.take(fmt::format("error_T{}", end), composed_error(*map.field, 0.05, end, points));
     }
+    worst.print("lorenz_windows");
   }
   if (options.wants("lorenz_global")) {
     const pgd::SamplingResult map =
-        sampled_map({-10.0, -10.0, 15.0}, {10.0, 10.0, 35.0}, 1.0, 1e-2, options.quick ? 20'000 : 400'000);
+        sampled_map({-10.0, -10.0, 15.0}, {10.0, 10.0, 35.0}, 1.0, 1e-2, options.quick ? 20'000 : 400'000, 1);
     print({kSampling, "lorenz_global", "calls", static_cast<double>(map.calls)});
     print({kSampling, "lorenz_global", "error_T1", composed_error(*map.field, 1.0, 1.0, points)});
   }

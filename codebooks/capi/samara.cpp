@@ -1,6 +1,9 @@
 #include "samara/codebooks/capi/samara.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <exception>
+#include <limits>
 #include <new>
 #include <string>
 
@@ -168,6 +171,11 @@ samara_status samara_batch(samara_query* query, size_t count, const double* poin
                            int threads) {
   if (query == nullptr || (count > 0 && (points == nullptr || values == nullptr)))
     return missing("samara_batch was given no query, no points, or no place for the answers");
+  // More numbers than an address can tell apart: a count that went wrong, such as -1.
+  const auto numbers =
+      static_cast<size_t>(std::max(1, query->query.output_count())) + query->query.coordinates().size();
+  if (count > static_cast<size_t>(std::numeric_limits<std::ptrdiff_t>::max()) / sizeof(double) / numbers)
+    return missing("samara_batch was given more points than any memory holds");
   return guarded([&] {
     const auto columns = static_cast<Eigen::Index>(count);
     query->query.batch(Eigen::Map<const Eigen::MatrixXd>(

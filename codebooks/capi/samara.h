@@ -9,7 +9,7 @@
  * fail return a status, or a null pointer, and samara_error() says why in one sentence.
  *
  * A book may be shared between threads; a query holds scratch space, one per thread. Answers do not allocate,
- * except batches on several threads.
+ * except batches on several threads and the first one in a piece of a large file that was not read yet.
  */
 
 #ifdef __cplusplus

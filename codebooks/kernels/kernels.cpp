@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 #include <utility>
 
 #ifdef __SSE2__
@@ -18,20 +19,21 @@ namespace {
 template <class T>
 struct VectorOf {
   using Type [[gnu::vector_size(kVectorBytes)]] = T;
+  /// The same anywhere in memory.
+  using Anywhere [[gnu::vector_size(kVectorBytes), gnu::aligned(alignof(T)), gnu::may_alias]] = T;
 };
 template <class T>
 using Vector = typename VectorOf<T>::Type;
 
+// Not by memcpy, which the compiler splits into the shorter vectors that it prefers to copy with.
 template <class T>
 [[gnu::always_inline]] inline Vector<T> load(const T* from) {
-  Vector<T> v;
-  std::memcpy(&v, from, sizeof v);
-  return v;
+  return *reinterpret_cast<const typename VectorOf<T>::Anywhere*>(from);
 }
 
 template <class T>
 [[gnu::always_inline]] inline void store(const Vector<T>& v, T* to) {
-  std::memcpy(to, &v, sizeof v);
+  *reinterpret_cast<typename VectorOf<T>::Anywhere*>(to) = v;
 }
 
 /// Doubles of a vector of single floats.
@@ -41,9 +43,26 @@ template <class T>
   std::memcpy(to, &wide, sizeof wide);
 }
 
+/// The first `count` lanes, fewer than all.
 template <class T, class U>
 [[gnu::always_inline]] inline void store_part(const Vector<T>& v, U* to, std::ptrdiff_t count) {
+#ifdef __AVX512F__
+  // Lane by lane, the last rows of a product would cost as much as all others.
+  const unsigned lanes = (1u << count) - 1u;
+  const auto low = static_cast<__mmask8>(lanes), high = static_cast<__mmask8>(lanes >> 8);
+  if constexpr (std::is_same_v<U, float>) {
+    _mm512_mask_storeu_ps(to, static_cast<__mmask16>(lanes), __m512(v));
+  } else if constexpr (std::is_same_v<T, double>) {
+    _mm512_mask_storeu_pd(to, low, __m512d(v));
+  } else {
+    const auto left = __builtin_shufflevector(v, v, 0, 1, 2, 3, 4, 5, 6, 7);
+    const auto right = __builtin_shufflevector(v, v, 8, 9, 10, 11, 12, 13, 14, 15);
+    _mm512_mask_storeu_pd(to, low, __m512d(__builtin_convertvector(left, Vector<double>)));
+    _mm512_mask_storeu_pd(to + 8, high, __m512d(__builtin_convertvector(right, Vector<double>)));
+  }
+#else
   for (std::ptrdiff_t i = 0; i < count; ++i) to[i] = static_cast<U>(v[i]);
+#endif
 }
 
 template <class T>
@@ -51,21 +70,37 @@ template <class T>
   return x - Vector<T>{};
 }
 
+/// Sums that stand in registers: loops over them have to be unrolled before the compiler looks at memory.
+template <class T, int kCount>
+struct Sums {
+  Vector<T> at[kCount];
+  [[gnu::always_inline]] inline void clear() {
+#pragma GCC unroll 32
+    for (int i = 0; i < kCount; ++i) at[i] = Vector<T>{};
+  }
+};
+
 /// Vectors first .. first + kVectors - 1 of the blends of kSets lists of weights.
 template <class T, int kSets, int kVectors>
 [[gnu::always_inline]] inline void blend_vectors(const T* core, std::ptrdiff_t stride, int nodes,
                                                  const T* const* weights, T* const* out,
                                                  std::ptrdiff_t first) {
-  std::array<std::array<Vector<T>, kVectors>, kSets> sum = {};
+  Sums<T, kSets * kVectors> sum;
+  sum.clear();
   for (int i = 0; i < nodes; ++i) {
     const T* from = core + i * stride + first;
+#pragma GCC unroll 32
     for (int b = 0; b < kVectors; ++b) {
       const Vector<T> value = load(from + b * kLanes<T>);
-      for (int s = 0; s < kSets; ++s) sum[s][b] += all(weights[s][i]) * value;
+#pragma GCC unroll 4
+      for (int s = 0; s < kSets; ++s) sum.at[s * kVectors + b] += all(weights[s][i]) * value;
     }
   }
+#pragma GCC unroll 4
   for (int s = 0; s < kSets; ++s) {
-    for (int b = 0; b < kVectors; ++b) store<T>(sum[s][b], out[s] + first + b * kLanes<T>);
+    T* const to = out[s] + first;
+#pragma GCC unroll 32
+    for (int b = 0; b < kVectors; ++b) store<T>(sum.at[s * kVectors + b], to + b * kLanes<T>);
   }
 }
 
@@ -91,32 +126,44 @@ template <class T, class U, int kVectors, int kColumns>
 [[gnu::always_inline]] inline void multiply_tile(const T* a, std::ptrdiff_t lda, int inner, const T* const* b,
                                                  U* const* c, std::ptrdiff_t row, std::ptrdiff_t rows) {
   constexpr int kParts = kVectors * kColumns >= 8 ? 1 : kVectors * kColumns >= 4 ? 2 : 4;
-  std::array<std::array<std::array<Vector<T>, kVectors>, kColumns>, kParts> sum = {};
+  constexpr int kTile = kVectors * kColumns;
+  Sums<T, kParts * kTile> sum;
+  sum.clear();
   const T* column = a + row;
   int k = 0;
   for (; k + kParts <= inner; k += kParts) {
+#pragma GCC unroll 4
     for (int part = 0; part < kParts; ++part, column += lda) {
+#pragma GCC unroll 4
       for (int v = 0; v < kVectors; ++v) {
         const Vector<T> value = load(column + v * kLanes<T>);
-        for (int j = 0; j < kColumns; ++j) sum[part][j][v] += value * all(b[j][k + part]);
+#pragma GCC unroll 4
+        for (int j = 0; j < kColumns; ++j)
+          sum.at[part * kTile + j * kVectors + v] += value * all(b[j][k + part]);
       }
     }
   }
   for (; k < inner; ++k, column += lda) {
+#pragma GCC unroll 4
     for (int v = 0; v < kVectors; ++v) {
       const Vector<T> value = load(column + v * kLanes<T>);
-      for (int j = 0; j < kColumns; ++j) sum[0][j][v] += value * all(b[j][k]);
+#pragma GCC unroll 4
+      for (int j = 0; j < kColumns; ++j) sum.at[j * kVectors + v] += value * all(b[j][k]);
     }
   }
+#pragma GCC unroll 4
   for (int j = 0; j < kColumns; ++j) {
+    U* const to = c[j];
+#pragma GCC unroll 4
     for (int v = 0; v < kVectors; ++v) {
-      Vector<T> total = sum[0][j][v];
-      for (int part = 1; part < kParts; ++part) total += sum[part][j][v];
+      Vector<T> total = sum.at[j * kVectors + v];
+#pragma GCC unroll 4
+      for (int part = 1; part < kParts; ++part) total += sum.at[part * kTile + j * kVectors + v];
       const std::ptrdiff_t at = row + v * kLanes<T>;
       if (rows - at >= kLanes<T>) {
-        store(total, c[j] + at);
+        store(total, to + at);
       } else {
-        store_part<T>(total, c[j] + at, rows - at);
+        store_part<T>(total, to + at, rows - at);
       }
     }
   }
@@ -144,24 +191,31 @@ void multiply_columns(const T* a, std::ptrdiff_t lda, std::ptrdiff_t rows, int i
 template <class T, class U, int kVectors, int kColumns>
 [[gnu::always_inline]] inline void multiply_block_tile(const T* a, std::ptrdiff_t lda, int inner, const T* b,
                                                        U* const* c, std::ptrdiff_t row, std::ptrdiff_t rows) {
-  std::array<std::array<Vector<T>, kVectors>, kColumns> sum = {};
+  Sums<T, kColumns * kVectors> sum;
+  sum.clear();
   const T* column = a + row;
   for (int k = 0; k < inner; ++k, column += lda, b += kBlock<T>) {
-    std::array<Vector<T>, kVectors> value;
+    Vector<T> value[kVectors];
+#pragma GCC unroll 4
     for (int v = 0; v < kVectors; ++v) value[v] = load(column + v * kLanes<T>);
+#pragma GCC unroll 8
     for (int j = 0; j < kColumns; ++j) {
       const Vector<T> factor = all(b[j]);
-      for (int v = 0; v < kVectors; ++v) sum[j][v] += value[v] * factor;
+#pragma GCC unroll 4
+      for (int v = 0; v < kVectors; ++v) sum.at[j * kVectors + v] += value[v] * factor;
     }
   }
+#pragma GCC unroll 8
   for (int j = 0; j < kColumns; ++j) {
-    if (c[j] == nullptr) continue;
+    U* const to = c[j];
+    if (to == nullptr) continue;
+#pragma GCC unroll 4
     for (int v = 0; v < kVectors; ++v) {
       const std::ptrdiff_t at = row + v * kLanes<T>;
       if (rows - at >= kLanes<T>) {
-        store(sum[j][v], c[j] + at);
+        store(sum.at[j * kVectors + v], to + at);
       } else {
-        store_part<T>(sum[j][v], c[j] + at, rows - at);
+        store_part<T>(sum.at[j * kVectors + v], to + at, rows - at);
       }
     }
   }
@@ -171,8 +225,8 @@ template <class T, class U, int kVectors, int kColumns>
 template <class T, int kRows, bool kHasColumn>
 [[gnu::always_inline]] inline void contract_rows(const T* core, std::ptrdiff_t stride, int left, int right,
                                                  int nodes, const T* weights, const T* v,
-                                                 std::array<std::array<Vector<T>, 2>, kRows>& sum) {
-  sum = {};
+                                                 Sums<T, 2 * kRows>& sum) {
+  sum.clear();
   for (int i = 0; i < nodes; ++i) {
     const Vector<T> w0 = load(weights + i * kBlock<T>);
     const Vector<T> w1 = load(weights + i * kBlock<T> + kLanes<T>);
@@ -180,10 +234,11 @@ template <class T, int kRows, bool kHasColumn>
     for (int r = 0; r < right; ++r, column += left) {
       const Vector<T> b0 = kHasColumn ? w0 * load(v + r * kBlock<T>) : w0;
       const Vector<T> b1 = kHasColumn ? w1 * load(v + r * kBlock<T> + kLanes<T>) : w1;
+#pragma GCC unroll 16
       for (int l = 0; l < kRows; ++l) {
         const Vector<T> factor = all(column[l]);
-        sum[l][0] += factor * b0;
-        sum[l][1] += factor * b1;
+        sum.at[2 * l] += factor * b0;
+        sum.at[2 * l + 1] += factor * b1;
       }
     }
   }
@@ -194,23 +249,18 @@ constexpr int kMostRows = 12;
 template <class T, int kRows>
 void contract_tile(const T* core, std::ptrdiff_t stride, int left, int right, int nodes, const T* weights,
                    const T* v, T* out) {
-  std::array<std::array<Vector<T>, 2>, kRows> sum;
+  Sums<T, 2 * kRows> sum;
   contract_rows<T, kRows, true>(core, stride, left, right, nodes, weights, v, sum);
-  for (int l = 0; l < kRows; ++l) {
-    store<T>(sum[l][0], out + l * kBlock<T>);
-    store<T>(sum[l][1], out + l * kBlock<T> + kLanes<T>);
-  }
+#pragma GCC unroll 32
+  for (int i = 0; i < 2 * kRows; ++i) store<T>(sum.at[i], out + i * kLanes<T>);
 }
 
 template <class T, int kRows>
 void scale_tile(const T* factor, std::ptrdiff_t stride, int rank, int nodes, const T* weights, T* out) {
-  std::array<std::array<Vector<T>, 2>, kRows> sum;
+  Sums<T, 2 * kRows> sum;
   contract_rows<T, kRows, false>(factor, stride, rank, 1, nodes, weights, nullptr, sum);
-  for (int l = 0; l < kRows; ++l) {
-    T* const to = out + l * kBlock<T>;
-    store<T>(sum[l][0] * load(to), to);
-    store<T>(sum[l][1] * load(to + kLanes<T>), to + kLanes<T>);
-  }
+#pragma GCC unroll 32
+  for (int i = 0; i < 2 * kRows; ++i) store<T>(sum.at[i] * load(out + i * kLanes<T>), out + i * kLanes<T>);
 }
 
 /// Calls run(number of rows as a constant, first row) for tiles of nearly equal size.
@@ -255,7 +305,66 @@ template <int kVectors>
   }
 }
 
+/// Vector kOut of a row-major matrix, from vectors of its first kUsed columns; lanes of others are left over.
+template <int kColumns, int kUsed, int kOut, int... kLane>
+[[gnu::always_inline]] inline Vector<double> interleaved(const Vector<double>* column,
+                                                         std::integer_sequence<int, kLane...> lanes) {
+  constexpr int kLength = sizeof...(kLane), kFirst = kOut * kLength;
+  if constexpr (kUsed == 2) {
+    return __builtin_shufflevector(
+        column[0], column[1],
+        ((kFirst + kLane) % kColumns == 1 ? kLength : 0) + (kFirst + kLane) / kColumns...);
+  } else {
+    return __builtin_shufflevector(
+        interleaved<kColumns, kUsed - 1, kOut>(column, lanes), column[kUsed - 1],
+        ((kFirst + kLane) % kColumns == kUsed - 1 ? kLength + (kFirst + kLane) / kColumns : kLane)...);
+  }
+}
+
+template <int kColumns>
+void residual_columns(const double* values, const double* slopes, const double* observed,
+                      const double* scales, std::ptrdiff_t rows, double* residuals, double* jacobian) {
+  constexpr int kLength = kLanes<double>;
+  std::ptrdiff_t i = 0;
+  for (; i + kLength <= rows; i += kLength) {
+    const Vector<double> weight = 1.0 / load(scales + i);
+    store<double>((load(values + i) - load(observed + i)) * weight, residuals + i);
+    Vector<double> column[kColumns];
+#pragma GCC unroll 8
+    for (int k = 0; k < kColumns; ++k) column[k] = load(slopes + i + rows * k) * weight;
+    double* const to = jacobian + i * kColumns;
+    [&]<int... kOut>(std::integer_sequence<int, kOut...>) {
+      const std::make_integer_sequence<int, kLength> lanes;
+      (store<double>(interleaved<kColumns, kColumns, kOut>(column, lanes), to + kOut * kLength), ...);
+    }
+    (std::make_integer_sequence<int, kColumns>());
+  }
+  for (; i < rows; ++i) {
+    const double weight = 1.0 / scales[i];
+    residuals[i] = (values[i] - observed[i]) * weight;
+    for (int k = 0; k < kColumns; ++k) jacobian[i * kColumns + k] = slopes[i + rows * k] * weight;
+  }
+}
+
 }  // namespace
+
+void residual_rows(const double* values, const double* slopes, const double* observed, const double* scales,
+                   std::ptrdiff_t rows, int columns, double* residuals, double* jacobian) {
+  if (jacobian != nullptr) {
+    const auto run = [&](auto count) {
+      residual_columns<count()>(values, slopes, observed, scales, rows, residuals, jacobian);
+    };
+    if (columns == 2) return run(std::integral_constant<int, 2>());
+    if (columns == 3) return run(std::integral_constant<int, 3>());
+    if (columns == 4) return run(std::integral_constant<int, 4>());
+  }
+  for (std::ptrdiff_t i = 0; i < rows; ++i) {
+    const double weight = 1.0 / scales[i];
+    residuals[i] = (values[i] - observed[i]) * weight;
+    for (int k = 0; jacobian != nullptr && k < columns; ++k)
+      jacobian[i * columns + k] = slopes[i + rows * k] * weight;
+  }
+}
 
 void lagrange(const double* nodes, const double* lambda, int size, double place, double* values) {
   if (size <= kLanes<double>) return lagrange_lanes<1>(nodes, lambda, size, place, values);

@@ -8,7 +8,7 @@ namespace samara::codebooks::kernels {
 
 namespace {
 
-/// A field at times: (times, outputs) x rank, times running fastest.
+/// The chosen outputs in front of all axes.
 RowForm rows_of(const pgd::SeparatedField& field, const RowChoice& choice) {
   RowForm form;
   form.axes = field.axes();
@@ -54,6 +54,7 @@ void drop_axis(RowForm& form, std::size_t axis) {
   }
 }
 
+/// The axis of time goes into the rows: outputs at times, times running fastest.
 void spread_over_times(RowForm& form, const std::vector<double>& times) {
   const auto count = static_cast<Eigen::Index>(times.size());
   const Eigen::Index right = form.is_train ? form.cores[0].right : form.rows.cols();

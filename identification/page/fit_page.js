@@ -188,6 +188,10 @@
     const labels = Object.entries(capture.labels).map(([key, value]) => `${key} ${value}`);
     add(parent, "p", [`${capture.frames} frames`, ...labels, ...own].join(", "), "soft");
     for (const r of capture.residuals) {
+      if (!(r.output in capture.outputs)) {  // the attitude as a whole
+        add(parent, "p", `${r.output}: rms of residuals ${shown(r.rms, 3)} ${r.unit}`);
+        continue;
+      }
       const {measured, model} = capture.outputs[r.output];
       const label = withUnit(r.output, r.unit);
       add(parent, "h3", `${r.output}: rms of residuals ${shown(r.rms, 3)}${r.unit === "1" ? "" : " " + r.unit}`);
@@ -199,7 +203,7 @@
       chart(below, {x: "t [s]", y: "residual", height: 190, series: [points("measured − model", MEASURED)],
                     hooks: rules([{at: 0, axis: "y", colour: FAINT}])}, [capture.times, rest]);
     }
-    const lengths = capture.residuals.filter((r) => r.unit === "m").map((r) => r.output);
+    const lengths = capture.residuals.filter((r) => r.unit === "m" && r.output in capture.outputs).map((r) => r.output);
     if (lengths.length > 1) pathChart(add(parent, "div", null, "wide path"), capture, [lengths[0], lengths[lengths.length - 1]]);
   }
 

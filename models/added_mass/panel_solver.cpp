@@ -85,11 +85,11 @@ SixColumns solve(const PanelSystem& system, const PanelOptions& options, PanelAd
     const auto outcome = added_mass::gmres(system.matrix, system.rhs, options.tolerance,
                                            options.max_iterations, progress, phi);
     result.iterations = outcome.iterations;
-    result.direct = !outcome.converged;
     if (progress.cancelled()) {
       cancelled(result, "iterating");
       return phi;
     }
+    result.direct = !outcome.converged;
   }
   if (result.direct) phi = system.matrix.partialPivLu().solve(system.rhs);
   const SixColumns rest = system.rhs - system.matrix * phi;

@@ -20,7 +20,7 @@ Lanes::Lanes(const ParametricModel& model, const StepKernel& kernel, std::span<c
   p_.resize(defaults_.size() * stride_);
 }
 
-void Lanes::load(int lane, std::span<const double> q) {
+void Lanes::load(int lane, std::span<const double> q, std::span<const int> directions) {
   const auto clear_and_set = [&](std::vector<double>& to, std::size_t variable, double value) {
     for (std::size_t layer = 0; layer < stride_; layer += width_) to[place(variable, lane) + layer] = 0.0;
     to[place(variable, lane)] = value;
@@ -32,8 +32,8 @@ void Lanes::load(int lane, std::span<const double> q) {
   }
   model_.initial(q, initial_);
   for (std::size_t i = 0; i < initial_.size(); ++i) clear_and_set(x_, i, initial_[i]);
-  for (std::size_t d = 0; d < directions_.size(); ++d) {
-    const FreeCoordinate& coordinate = model_.free()[static_cast<std::size_t>(directions_[d])];
+  for (std::size_t d = 0; d < directions.size(); ++d) {
+    const FreeCoordinate& coordinate = model_.free()[static_cast<std::size_t>(directions[d])];
     const std::size_t seed = place(static_cast<std::size_t>(coordinate.index), lane) + (d + 1) * width_;
     (coordinate.is_initial ? x_ : p_)[seed] = 1.0;
   }

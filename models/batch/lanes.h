@@ -18,7 +18,9 @@ class Lanes {
   int width() const { return static_cast<int>(width_); }
 
   /// Puts the trajectory of the (checked) free coordinates q into a lane, at t = 0.
-  void load(int lane, std::span<const double> q);
+  void load(int lane, std::span<const double> q) { load(lane, q, directions_); }
+  /// The same with directions of this lane's own.
+  void load(int lane, std::span<const double> q, std::span<const int> directions);
 
   /// To be called after loads and before steps. The other lanes stay as they are.
   void complete() { kernel_.complete(given_.data(), p_.data()); }

@@ -1,9 +1,11 @@
 #include "samara/models/bodies/ply_check.h"
 
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <sstream>
 #include <vector>
 
@@ -49,13 +51,17 @@ PlyHeader read_header(std::istream& file, const std::string& path) {
   throw InputError(path, "the header has no end, the line \"end_header\"");
 }
 
+/// A number as from_chars reads it, but with a plus in front too, and zero where it is too small for a
+/// double.
 bool skip_number(std::istream& file, double* value = nullptr) {
   std::string word;
   if (!(file >> word)) return false;
-  double number = 0.0;
-  const auto [rest, problem] = std::from_chars(word.data(), word.data() + word.size(), number);
-  if (value != nullptr) *value = number;
-  return problem == std::errc() && rest == word.data() + word.size();
+  const char* const end = word.data() + word.size();
+  const bool plus = word.starts_with('+') && !word.starts_with("+-");
+  long double number = 0.0L;
+  const auto [rest, problem] = std::from_chars(word.data() + (plus ? 1 : 0), end, number);
+  if (value != nullptr) *value = static_cast<double>(number);
+  return problem == std::errc() && rest == end && std::abs(number) <= std::numeric_limits<double>::max();
 }
 
 bool skip_instance(std::istream& file, const PlyElement& element) {

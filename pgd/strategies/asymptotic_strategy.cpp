@@ -3,7 +3,6 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -149,8 +148,7 @@ class SlabDecoupling {
                                                        kProductShare * accuracy_ * root_entries_);
     const std::vector<int> ranks = states_[state].ranks();
     record.terms.push_back(*std::max_element(ranks.begin(), ranks.end()));
-    if (record.terms.back() > options_.max_rank)
-      record.linear_residual = std::numeric_limits<double>::infinity();
+    too_long_ = too_long_ || record.terms.back() > options_.max_rank;
   }
 
   /// The linear problem of one unknown, (I - S a) W = S (a x0 + g).
@@ -214,7 +212,7 @@ class SlabDecoupling {
     // What is left of a contracting iteration is about ratio / (1 - ratio) of its last correction.
     const bool settled = last.correction <= enough ||
                          (ratio > 0.0 && ratio < 0.5 && last.correction * ratio / (1.0 - ratio) <= enough);
-    if (!settled || std::max(last.accuracy, last.linear_residual) > enough) return false;
+    if (!settled || too_long_ || std::max(last.accuracy, last.linear_residual) > enough) return false;
     return stop(
         DecouplingStatus::converged,
         fmt::format("{} iterations, the last correction is {:.3g} of the scales, its ratio to the one "
@@ -242,6 +240,10 @@ class SlabDecoupling {
   /// Linear problems that are solved no better than the iteration changes lead nowhere.
   bool out_of_terms() {
     const DecouplingRecord& last = result_.history.back();
+    if (too_long_) {
+      return stop(DecouplingStatus::rank_limit, fmt::format("a train takes ranks up to {}, {} are allowed",
+                                                            result_.largest_rank(), options_.max_rank));
+    }
     if (last.linear_residual <= std::max(options_.tolerance, 1.1 * last.accuracy) ||
         last.correction > 3.0 * last.linear_residual)
       return false;
@@ -340,6 +342,7 @@ class SlabDecoupling {
   double accuracy_ = 0.0;
   int iterations_ = 0;
   int growths_ = 0;
+  bool too_long_ = false;  ///< a train has longer ranks than are allowed
   bool stopped_ = false;
 };
 

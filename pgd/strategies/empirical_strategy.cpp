@@ -90,8 +90,8 @@ class Empirical final : public Strategy {
     if (!snapshots.allFinite()) {
       Eigen::Index bad = 0;
       while (snapshots.col(bad).allFinite()) ++bad;
-      const std::vector<double> at =
-          slab.coordinates({training_.col(bad).data(), training_.col(bad).data() + training_.rows()});
+      const Eigen::VectorXd q = slab.parameters_at(training_.col(bad));
+      const std::vector<double> at(q.begin(), q.end());
       throw StrategyFailure{StrategyStatus::not_finite,
                             fmt::format("f is not finite between t = {:.6g} and {:.6g} at {}", slab.begin(),
                                         slab.begin() + slab.length(), slab.described(at)),

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <tbb/parallel_for.h>
 
+#include "samara/pgd/slab_collocation.h"
 #include "samara/pgd/train_algebra.h"
 #include "samara/pgd/train_points.h"
 
@@ -32,15 +33,12 @@ Eigen::MatrixXd solve_at(const StrategySlab& slab, const LinearSlab& linear, con
   const Eigen::MatrixXd starts = values_at(slab.start(), entries);
   Eigen::MatrixXd solutions(n * (s + 1), entries.cols());
   tbb::parallel_for(Eigen::Index{0}, entries.cols(), [&](Eigen::Index e) {
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n * s, n * s);
-    for (Eigen::Index j = 0; j < s; ++j) {
-      const Eigen::Map<const Eigen::MatrixXd> jacobian(jacobians.col(e).data() + n * n * j, n, n);
-      for (Eigen::Index i = 0; i < s; ++i) matrix.block(i * n, j * n, n, n) -= integration(i, j) * jacobian;
-    }
     Eigen::MatrixXd rhs = sources.col(e).reshaped(n, s) * integration.transpose();
     rhs.colwise() += starts.col(e);
     solutions.col(e).head(n) = starts.col(e);
-    solutions.col(e).tail(n * s) = matrix.partialPivLu().solve(rhs.reshaped());
+    solutions.col(e).tail(n * s) = collocation_matrix(integration, jacobians.col(e).reshaped(n * n, s))
+                                       .partialPivLu()
+                                       .solve(rhs.reshaped());
   });
   return solutions;
 }

@@ -6,27 +6,27 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/pgd/nodal_approximation.h"
 #include "samara/pgd/slab_collocation.h"
+#include "samara/pgd/strategies/strategy_slab.h"
 
 namespace samara::pgd {
 
 namespace {
 
-constexpr int kMostCornerAxes = 7;
+constexpr std::size_t kMostCornerAxes = 7;
 /// Training states whose Jacobians tell which states f depends on.
 constexpr Eigen::Index kDependenceSamples = 32;
 /// Of the range of a parameter: the step of the slopes of an f that is not affine in it.
 constexpr double kStep = 1e-3;
 
+/// Corners of the box, and its middle.
 Eigen::MatrixXd training_parameters(const std::vector<Axis>& axes) {
-  const auto d = static_cast<int>(axes.size());
-  const int corners = d <= kMostCornerAxes ? 1 << d : 0;
-  Eigen::MatrixXd q(d, corners + 1);
-  for (int k = 0; k < d; ++k) {
-    const Axis& axis = axes[static_cast<std::size_t>(k)];
-    for (int j = 0; j < corners; ++j) q(k, j) = (j >> k) & 1 ? axis.upper() : axis.lower();
-    q(k, corners) = 0.5 * (axis.lower() + axis.upper());
-  }
+  const Eigen::MatrixXd corners = corner_points(axes, kMostCornerAxes);
+  Eigen::MatrixXd q(corners.rows(), corners.cols() + 1);
+  q.leftCols(corners.cols()) = corners;
+  for (std::size_t k = 0; k < axes.size(); ++k)
+    q(static_cast<Eigen::Index>(k), corners.cols()) = 0.5 * (axes[k].lower() + axes[k].upper());
   return q;
 }
 
@@ -82,11 +82,15 @@ TrainingStates train_along(const EvolutionProblem& problem, int samples, double 
 
 PiecewiseLinearSystem::PiecewiseLinearSystem(const EvolutionSystem& system, const TrainingStates& training,
                                              int points, double beta) {
-  if (points < 1 || training.x.cols() < points || !(beta > 0.0)) {
+  if (points < 1 || !(beta > 0.0)) {
     throw ArgumentError(
-        fmt::format("PiecewiseLinearSystem: {} points out of {} training states, beta {}; "
-                    "expected fewer points and a positive beta",
-                    points, training.x.cols(), beta));
+        fmt::format("PiecewiseLinearSystem: {} points, beta {}; expected positive numbers", points, beta));
+  }
+  if (training.x.cols() < points) {
+    throw StrategyFailure{StrategyStatus::not_finite,
+                          fmt::format("training trajectories end after {} states, {} points are to be picked "
+                                      "from them",
+                                      training.x.cols(), points)};
   }
   const std::vector<Eigen::Index> picked = pick(system, training, points);
   sharpness_ *= beta;

@@ -18,8 +18,8 @@
 namespace samara::pgd {
 
 struct StrategyMarchOptions {
-  /// Of every slab, largest error in scales; what a strategy leaves out by nature comes on top, see
-  /// StrategyRecord::defect.
+  /// Of every slab, largest error in scales at its nodes. What too few nodes leave, and what a strategy
+  /// leaves out by nature, comes on top: see StrategyRecord::defect.
   double tolerance = 1e-6;
   int max_iterations = 40;
   int max_rank = 120;

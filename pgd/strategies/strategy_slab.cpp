@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include "samara/pgd/nodal_approximation.h"
 #include "samara/pgd/slab_collocation.h"
+#include "samara/pgd/slab_train.h"
 #include "samara/pgd/train_algebra.h"
 
 namespace samara::pgd {
@@ -19,14 +21,12 @@ constexpr Eigen::Index kChunk = 512;  ///< points of one call of the system
 constexpr int kMostCornerAxes = 5;
 /// A largest error is seldom more than this many times the root mean square.
 constexpr double kPeak = 6.0;
-/// Crosses that miss their tolerance by less than this are let pass: guard entries are strict.
-constexpr double kSlack = 10.0;
+/// Crosses that miss their tolerance by less than this are let pass: it is a share of the slab's.
+constexpr double kSlack = 2.0;
 
 /// Euclidean norm of errors whose largest entry is about `largest`.
 double norm_of(double largest, const TensorTrain& train) {
-  double entries = 1.0;
-  for (const TrainCore& core : train.cores) entries *= core.size;
-  return largest / kPeak * std::sqrt(entries);
+  return largest / kPeak * std::sqrt(full_size(train));
 }
 
 }  // namespace
@@ -48,6 +48,7 @@ StrategySlab::StrategySlab(const EvolutionProblem& problem, int number, TensorTr
       length_(problem.time.borders()[number + 1] - begin_),
       scales_(Eigen::Map<const Eigen::VectorXd>(problem.scales.data(),
                                                 static_cast<Eigen::Index>(problem.scales.size()))),
+      sizes_(sizes_of(problem.parameters)),
       start_(std::move(start)),
       tolerance_(tolerance),
       max_rank_(max_rank),
@@ -56,16 +57,10 @@ StrategySlab::StrategySlab(const EvolutionProblem& problem, int number, TensorTr
   const SlabTime time(problem.time.degree());
   integration_ = time.integration;
   nodes_ = begin_ + length_ * time.nodes.tail(time.points()).array();
-  for (const Axis& axis : problem.parameters) sizes_.push_back(axis.size());
 }
 
 Eigen::MatrixXd StrategySlab::parameters_at(const IndexBatch& entries) const {
-  Eigen::MatrixXd q(entries.rows(), entries.cols());
-  for (Eigen::Index k = 0; k < q.rows(); ++k) {
-    const Eigen::VectorXd& nodes = problem_.parameters[static_cast<std::size_t>(k)].nodes();
-    for (Eigen::Index j = 0; j < q.cols(); ++j) q(k, j) = nodes[entries(k, j)];
-  }
-  return q;
+  return coordinates_at(problem_.parameters, entries);
 }
 
 IndexBatch StrategySlab::training_entries(int random) const {
@@ -82,12 +77,7 @@ IndexBatch StrategySlab::training_entries(int random) const {
 }
 
 IndexBatch StrategySlab::random_entries(int count) const {
-  IndexBatch entries(static_cast<Eigen::Index>(sizes_.size()), count);
-  for (Eigen::Index j = 0; j < count; ++j) {
-    for (Eigen::Index k = 0; k < entries.rows(); ++k)
-      entries(k, j) = random_.below(sizes_[static_cast<std::size_t>(k)]);
-  }
-  return entries;
+  return random_nodes(sizes_, count, random_);
 }
 
 Eigen::MatrixXd StrategySlab::rates(const Eigen::MatrixXd& x, const Eigen::MatrixXd& q,
@@ -160,7 +150,7 @@ TensorTrain StrategySlab::separate(const EntryFunction& function, int outputs, d
   CrossResult result = interpolate(function, outputs, sizes_, options);
   const double end = begin_ + length_;
   if (result.status == CrossStatus::not_finite) {
-    const std::vector<double> at = coordinates(result.bad_entry);
+    const std::vector<double> at = coordinates(problem_.parameters, result.bad_entry);
     throw StrategyFailure{
         StrategyStatus::not_finite,
         fmt::format("{} is not finite between t = {:.6g} and {:.6g} at {}", what, begin_, end, described(at)),
@@ -187,11 +177,7 @@ TensorTrain StrategySlab::product(const TensorTrain& a, const TensorTrain& b, do
 }
 
 TensorTrain StrategySlab::at_points(const TensorTrain& iterate) const {
-  TensorTrain result = iterate;
-  TrainCore core(1, rows(), iterate.cores[0].right);
-  core.left_unfolding() = iterate.cores[0].left_unfolding().bottomRows(rows());
-  result.cores[0] = std::move(core);
-  return result;
+  return last_rows(iterate, rows());
 }
 
 TensorTrain StrategySlab::start_at_points() const {
@@ -202,18 +188,8 @@ TensorTrain StrategySlab::constant() const {
   return applied(start_, 0, for_all_states(Eigen::MatrixXd::Ones(points() + 1, 1), states()));
 }
 
-std::vector<double> StrategySlab::coordinates(const std::vector<int>& entry) const {
-  std::vector<double> result;
-  for (std::size_t k = 0; k < entry.size(); ++k) result.push_back(problem_.parameters[k].nodes()[entry[k]]);
-  return result;
-}
-
 std::string StrategySlab::described(const std::vector<double>& coordinates) const {
-  std::string text;
-  for (std::size_t k = 0; k < coordinates.size(); ++k) {
-    text += fmt::format("{}{} = {:.6g}", k == 0 ? "" : ", ", problem_.parameters[k].name(), coordinates[k]);
-  }
-  return text;
+  return pgd::described(problem_.parameters, coordinates);
 }
 
 }  // namespace samara::pgd

@@ -102,8 +102,7 @@ class StrategySlab {
   /// The iterate that stays at the start.
   TensorTrain constant() const;
 
-  /// Coordinates of an entry; the same in words.
-  std::vector<double> coordinates(const std::vector<int>& entry) const;
+  /// Parameters in words.
   std::string described(const std::vector<double>& coordinates) const;
 
  private:

@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "../io/error_text.h"
 #include "../io/temporary_directory.h"
 #include "samara/codebooks/certify.h"
 #include "samara/codebooks/query.h"
@@ -391,4 +392,27 @@ TEST_CASE("an axis that cannot resolve the solution is named, with the nodes it 
   CHECK_FALSE(result.met);
   CHECK_THAT(result.book.build().message,
              Catch::Matchers::Contains("the axis k does not resolve the solution: with 129 nodes"));
+}
+
+TEST_CASE("a march that ends on its first slab has no result, and says so") {
+  // Ten thousand turns of the plate in one element are beyond any refinement that slabs know.
+  const std::string plan =
+      "model = 'falling_plate_nd'\n[box]\nC_T = [0.8, 1.4]\n[time]\nend = 1e6\n"
+      "[builder]\nkind = 'pgd'\nstrategy = 'slabs'\n";
+  CHECK_THAT(error_text<samara::NoResultError>([&] { build(parse_plan(plan, "plan.toml")); }),
+             Contains("no result on the first slab: "));
+}
+
+TEST_CASE("a sum of products gives up terms for what the builder left of the tolerance, and no initial value") {
+  const BuildResult result = built(fall_plan("area = 4.7144e-4\nthickness = 0.00255\ndensity = 6338.5\n",
+                                             "C_D = [0.8, 1.6]\n'v(0)' = [0, 0.4]\n", "0.4", "1e-4"));
+  CHECK(result.met);
+  CHECK_THAT(result.book.build().message, Contains(" numbers made ") && Contains(" in 1 piece"));
+  const samara::pgd::SeparatedField& sum = *result.book.pieces().front().groups().front().sum();
+  CHECK(sum.rank() <= 20);  // of 26
+  for (const double v0 : {0.0, 0.17, 0.4}) {
+    const Eigen::VectorXd start = sum(std::vector{0.0, 1.3, v0});
+    CHECK_THAT(start[0], WithinAbs(v0, 1e-13));
+    CHECK_THAT(start[1], WithinAbs(0.0, 1e-13));
+  }
 }

@@ -230,7 +230,8 @@ TEST_CASE("a build by sampling that is cancelled says so, asks no more, and give
 TEST_CASE("a build by sampling that is killed again and again ends in the same codebook") {
   struct Killed {};
   // Of the kind auto the trial misses, and the engine has its own part of the checkpoint.
-  for (const std::string builder : {"kind = \"sampling\"\n", "kind = \"auto\"\nmax_calls = 120\n"}) {
+  for (const std::string builder : {"kind = \"sampling\"\n", "kind = \"auto\"\nmax_calls = 120\n",
+                                    "kind = \"auto\"\nmax_calls = 120\nstrategy = \"cross\"\n"}) {
     const TemporaryDirectory directory;
     const std::string plan = coin_plan_of(builder);
     BuildOptions options{.certificate_points = 20, .checkpoint = directory / "c", .resume = true};

@@ -71,10 +71,13 @@ TEST_CASE("builds by a strategy end with their evaluations, report their slabs, 
   build(plan, options);
   CHECK(stage == "cross, round 1: slab 1 of 8");
 
-  plan.builder.max_calls = 1500;
-  try {
-    CHECK(build(plan, few_points()).book.build().status == "max_evaluations");
-  } catch (const samara::NoResultError& error) {
-    CHECK_THAT(error.what(), Contains("1500 evaluations"));
-  }
+  plan.builder.max_calls = 200;
+  CHECK_THROWS_WITH(build(plan, few_points()),
+                    Contains("no result on the first slab: ") && Contains("200 evaluations"));
+  // Enough for the first round, not for the second: status and message say so both.
+  plan.builder.max_calls = 20'000;
+  const BuildResult cut = build(plan, few_points());
+  CAPTURE(cut.book.build().evaluations);
+  CHECK(cut.book.build().status == "max_calls");
+  CHECK_THAT(cut.book.build().message, Contains("allowed are used up; the result is that of round 1"));
 }

@@ -47,7 +47,8 @@ TEST_CASE("unknown units are named with the nearest known one") {
 
 TEST_CASE("times must be there, in a unit of time, and increase") {
   CHECK(table_error("x[m],z[m]\n" + kRows) ==
-        "a.csv:1: no column holds the time; one with the quantity \"t\" was expected");
+        "a.csv:1: no column holds the time; one with the quantity \"t\" was expected, or a "
+        "frame_rate at which rows follow one another");
   CHECK_THAT(table_error("t[m],x[m]\n" + kRows),
              Contains("a.csv:1: column \"t[m]\": time has a unit of dimension m"));
   CHECK_THAT(table_error("t[frame],x[m]\n" + kRows), Contains("`frame_rate` is missing"));

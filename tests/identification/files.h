@@ -27,6 +27,8 @@ class TestFiles {
     std::filesystem::remove_all(path_, ignored);
   }
 
+  const std::filesystem::path& path() const { return path_; }
+
   /// Writes a file and returns its path.
   std::filesystem::path put(const std::string& name, const std::string& text) const {
     std::ofstream(path_ / name, std::ios::binary) << text;

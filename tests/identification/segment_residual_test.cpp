@@ -12,17 +12,17 @@ namespace {
 /// Largest difference between a column of derivatives and central differences of step h, in residuals over
 /// the given range of the unknown.
 void check_gradient(SegmentResidual& residual, const Eigen::VectorXd& shared, const Eigen::VectorXd& own) {
-  REQUIRE(residual.evaluate(shared.data(), own.data(), true));
+  REQUIRE(residual.evaluate(shared.data(), own.data(), nullptr, true));
   const Eigen::MatrixXd by_shared = residual.by_shared();
   const Eigen::MatrixXd by_own = residual.by_own();
   const auto differences = [&](bool of_shared, Eigen::Index k, double h) {
     Eigen::VectorXd s = shared;
     Eigen::VectorXd o = own;
     (of_shared ? s : o)[k] += h;
-    REQUIRE(residual.evaluate(s.data(), o.data(), false));
+    REQUIRE(residual.evaluate(s.data(), o.data(), nullptr, false));
     const Eigen::VectorXd up = residual.residual();
     (of_shared ? s : o)[k] -= 2.0 * h;
-    REQUIRE(residual.evaluate(s.data(), o.data(), false));
+    REQUIRE(residual.evaluate(s.data(), o.data(), nullptr, false));
     return Eigen::VectorXd((up - residual.residual()) / (2.0 * h));
   };
   // Residuals are up to 200 (0.4 m over 2 mm) with an error of 1e-10 relative and more, over h = 1e-4; the
@@ -50,7 +50,7 @@ TEST_CASE("residuals are (model + offset - measured) over the loss scale, missin
   SegmentResidual residual(family, problem, problem.segments[0]);
   const double k = 1.3;
   const Eigen::Vector2d own(0.7, 0.25);  // v(0), offset of x
-  REQUIRE(residual.evaluate(&k, own.data(), false));
+  REQUIRE(residual.evaluate(&k, own.data(), nullptr, false));
   REQUIRE(residual.size() == 3);
   CHECK_THAT(residual.residual()[0], WithinAbs(0.25 / 0.5, 1e-14));
   CHECK_THAT(residual.residual()[2], WithinAbs((BrakedFamily::depth(k, 0.7, 1.5) + 0.25 - 2.0) / 0.5, 1e-14));
@@ -58,7 +58,7 @@ TEST_CASE("residuals are (model + offset - measured) over the loss scale, missin
   SECTION("and offsets can be centred") {
     Eigen::VectorXd moved = own;
     residual.centre_offsets(moved);
-    REQUIRE(residual.evaluate(&k, moved.data(), false));
+    REQUIRE(residual.evaluate(&k, moved.data(), nullptr, false));
     CHECK_THAT(residual.residual().sum(), WithinAbs(0.0, 1e-13));
     CHECK(moved[0] == own[0]);
   }
@@ -98,13 +98,13 @@ TEST_CASE("two outputs stand in one residual, each over its own scale") {
   FitOptions options;
   options.loss.scales = {{"v", 1e-2}};
   const FitProblem problem = make_problem(family->info(), std::vector{capture}, options);
-  REQUIRE(problem.output_names() == std::vector<std::string>{"v", "x"});
+  REQUIRE(problem.requested == std::vector<std::string>{"v", "x"});
   SegmentResidual residual(*family, problem, problem.segments[0]);
   CHECK(residual.size() == 50);
   check_gradient(residual, Eigen::VectorXd::Constant(1, 1.3), Eigen::Vector2d(0.2, 0.1));
   const double C_D = 1.1;
   const Eigen::Vector2d own(0.05, 0.2);
-  REQUIRE(residual.evaluate(&C_D, own.data(), false));
+  REQUIRE(residual.evaluate(&C_D, own.data(), nullptr, false));
   CHECK_THAT(residual.residual()[0], WithinAbs(0.0, 1e-9));  // v(0), over 1 cm/s
   CHECK_THAT(residual.residual()[1], WithinAbs(0.0, 1e-9));
 }

@@ -166,3 +166,18 @@ TEST_CASE("a table is read from a file with its path in errors") {
   CHECK_THAT(error_text<InputError>([&] { DelimitedTable::read(directory.path()); }),
              Contains("is a directory"));
 }
+
+TEST_CASE("a file without a header takes names from the call") {
+  const DelimitedTable t =
+      DelimitedTable::parse("# ball\n0;1.5\n0.01;2\n", "t.csv", {.delimiter = 0, .header = {"t", "x"}});
+  CHECK(t.delimiter() == ';');
+  CHECK(t.rows() == 2);
+  CHECK(t.line_of_row(0) == 2);
+  CHECK(t.numbers("x") == Eigen::Vector2d(1.5, 2.0));
+  CHECK(error_text<InputError>([] {
+          DelimitedTable::parse("0;1;2\n", "t.csv", {.delimiter = ';', .header = {"t", "x"}});
+        }) == "t.csv:1: the row has 3 cells, expected 2 as in the header (the delimiter is \";\")");
+  CHECK(error_text<InputError>([] {
+          DelimitedTable::parse("0;1\n", "t.csv", {.delimiter = ';', .header = {"t", "t"}});
+        }) == "t.csv: the column \"t\" stands twice in the header");
+}

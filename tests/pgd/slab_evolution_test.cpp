@@ -151,6 +151,65 @@ TEST_CASE("slabs cost far fewer evaluations than their grids where there are man
   CHECK(static_cast<double>(result.evaluations) < 0.05 * result.grid_evaluations);
 }
 
+TEST_CASE("a jump of f, which no polynomial follows, is not mistaken for the end of the solution") {
+  // A clock, and x' = q until it shows 0.4321, then -q.
+  const System system(
+      2,
+      [](const Vector& x, const Vector& q) {
+        return Vector(Eigen::Vector2d(1.0, x[0] < 0.4321 ? q[0] : -q[0]));
+      },
+      [](const Vector&, const Vector&) { return Matrix(Matrix::Zero(2, 2)); });
+  AdaptiveProblem problem;
+  problem.system = &system;
+  problem.time = {"t", "s", AxisRole::time};
+  problem.end = 1.0;
+  problem.parameters = {{{"q", "1"}, 1.0, 2.0}};
+  problem.states = {{"clock", "s"}, {"x", "s"}};
+  problem.scales = {1.0, 1.0};
+  problem.scale_floors = {0.0, 0.0};
+  problem.initial = {{0.0, -1}, {0.0, -1}};
+  const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-6});
+  CAPTURE(result.message);
+  CHECK(result.status == SlabStatus::not_resolved);
+  CHECK_THAT(result.message, Contains("no polynomial follows"));
+  CHECK(result.reached == Approx(0.4321).margin(1e-3));
+  // The point it names is that of the largest jump.
+  REQUIRE(result.where.size() == 1);
+  CHECK(result.where[0] == Approx(2.0));
+}
+
+TEST_CASE("a march at smaller tolerances that ends early leaves the one before it, which reached the end") {
+  const System system = triple_product();
+  const AdaptiveProblem problem = triple_problem(system, 0.8);
+  // What the first two marches take; the tolerance is one that the second march misses.
+  SlabOptions options{.tolerance = 3e-8, .max_marches = 2};
+  const SlabResult two = solve_by_slabs(problem, options);
+  REQUIRE(two.status == SlabStatus::missed);
+  options.max_marches = 4;
+  SECTION("the budget is spent within the third march") {
+    options.max_evaluations = two.evaluations + 1000;
+  }
+  SECTION("the budget is spent when the second ends") {
+    options.max_evaluations = two.evaluations;
+  }
+  std::vector<std::vector<double>> states;
+  options.checkpoint = [&](const std::vector<double>& state) { states.push_back(state); };
+  const SlabResult cut = solve_by_slabs(problem, options);
+  CAPTURE(cut.message);
+  CHECK(cut.status == SlabStatus::missed);
+  CHECK_THAT(cut.message, Contains("evaluations used"));
+  CHECK(cut.marches == 3);
+  CHECK(cut.reached == 0.8);
+  CHECK(cut.error == two.error);
+  CHECK(cut.pieces.size() == two.pieces.size());
+  CHECK(largest_error(cut, problem, system, 0.8, 500, 3) <= 2e-7);
+  // A resumed build knows it too.
+  const SlabResult resumed = solve_by_slabs(problem, options, states.back());
+  CHECK(resumed.status == SlabStatus::missed);
+  CHECK(resumed.error == two.error);
+  CHECK(resumed.message == cut.message);
+}
+
 TEST_CASE("a march that may not go on says so: by evaluations, by its caller") {
   const System system = triple_product();
   const AdaptiveProblem problem = triple_problem(system, 0.8);
@@ -202,8 +261,30 @@ TEST_CASE("a march goes on from any of its states to the same bits, in cells too
   std::vector<double> state = states.back();
   state.resize(state.size() / 2);
   CHECK_THROWS_WITH(solve_by_slabs(problem, options, state), Contains("the stored state of a solver"));
-  options.tolerance = 1e-4;
-  CHECK_THROWS_WITH(solve_by_slabs(problem, options, states.back()), Contains("other options"));
+  state = states.back();
+  state.push_back(0.0);
+  CHECK_THROWS_WITH(solve_by_slabs(problem, options, state), Contains("longer than its march"));
+  const auto refused = [&](const AdaptiveProblem& other, const SlabOptions& others) {
+    CHECK_THROWS_WITH(solve_by_slabs(other, others, states.back()), Contains("other options"));
+  };
+  SlabOptions others = options;
+  others.tolerance = 1e-4;
+  refused(problem, others);
+  others = options;
+  others.seed = 2;
+  refused(problem, others);
+  others = options;
+  others.max_rank = 50;
+  refused(problem, others);
+  AdaptiveProblem other = problem;
+  other.parameters[0].upper = 0.4;
+  refused(other, options);
+  other = problem;
+  other.initial[1].value = 0.1;
+  refused(other, options);
+  other = problem;
+  other.scale_floors[0] = 0.1;
+  refused(other, options);
 }
 
 TEST_CASE("options and problems that make no sense are refused") {
@@ -214,6 +295,19 @@ TEST_CASE("options and problems that make no sense are refused") {
   CHECK_THROWS_AS(solve_by_slabs(problem, {.guards = 0}), samara::ArgumentError);
   problem.scale_floors.clear();
   CHECK_THROWS_WITH(solve_by_slabs(problem), Contains("0 scale floors"));
+  CHECK_THROWS_WITH(solve_by_slabs(triple_problem(system, 0.8), {.max_evaluations = -1}),
+                    Contains("max_evaluations -1"));
+  CHECK_THROWS_WITH(solve_by_slabs(triple_problem(system, 0.8), {.joint_slab = std::nan("")}),
+                    Contains("joint_slab nan"));
+  problem = triple_problem(system, 0.8);
+  problem.initial[1].axis = 3;
+  CHECK_THROWS_WITH(solve_by_slabs(problem), Contains("axis 3 of 3"));
+  problem = triple_problem(system, 0.8);
+  problem.scales[2] = 0.0;
+  CHECK_THROWS_WITH(solve_by_slabs(problem), Contains("the scale of u3 is 0"));
+  problem = triple_problem(system, 0.8);
+  problem.time.transform = Transform::logarithm;
+  CHECK_THROWS_WITH(solve_by_slabs(problem), Contains("without a transform"));
   problem = triple_problem(system, -1.0);
   CHECK_THROWS_WITH(solve_by_slabs(problem), Contains("positive time"));
 }

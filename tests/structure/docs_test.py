@@ -27,6 +27,9 @@ class Excerpts(unittest.TestCase):
     def test_own_model(self):
         self.assertIn(f"```cpp\n{text('examples/own_model/own_model.cpp')}```", text("docs/models.md"))
 
+    def test_queries(self):
+        self.assertIn(f"```cpp\n{text('examples/query/query.cpp')}```", text("docs/queries.md"))
+
     def test_strategies(self):
         self.assertIn(f"```cpp\n{text('examples/nonlinear/strategies.cpp')}```", text("docs/strategies.md"))
 

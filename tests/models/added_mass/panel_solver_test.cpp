@@ -218,6 +218,7 @@ TEST_CASE("the panel solver reports its progress, and may be cancelled in each o
     CHECK(K.status == PanelStatus::cancelled);
     CHECK(K.message == "cancelled while " + stage + " " + std::to_string(K.unknowns) + " unknowns");
     CHECK(K.matrix.isZero());
+    CHECK_FALSE(K.direct);
   }
 }
 

@@ -160,6 +160,20 @@ TEST_CASE("files whose indices or counts lead out of them are refused before any
   std::string word = text;
   word[word.find("end_header\n") + 11] = 'x';
   CHECK_THAT(error_of("word.ply", word), Contains("vertex 0 of 12"));
+  // Other ways to write a number.
+  const std::size_t first = text.find("end_header\n") + 11;
+  for (const char* number : {"+0.25", "1e-400", "+1e-320", "-1e-400"}) {
+    std::string other = text;
+    other.replace(first, other.find(' ', first) - first, number);
+    CAPTURE(number);
+    CHECK_THAT(error_of("number.ply", other), !Contains("cut short or no row of numbers"));
+  }
+  for (const char* number : {"+-1", "++1", "1e400", "+", "nan", "inf"}) {
+    std::string other = text;
+    other.replace(first, other.find(' ', first) - first, number);
+    CAPTURE(number);
+    CHECK_THAT(error_of("number.ply", other), Contains("vertex 0 of 12"));
+  }
   // A binary file cut within its last face: what stands there instead is no index.
   std::string binary =
       "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty "

@@ -144,6 +144,11 @@ TEST_CASE("decoupling says when its terms or its iterations are used up, and whe
   const EvolutionProblem problem = products_problem(system, 0.4, 2, 8);
   const DecouplingResult terms = solve_decoupled(problem, {.tolerance = 1e-6, .max_rank = 4});
   CHECK(terms.status == DecouplingStatus::rank_limit);
+  const DecouplingResult ranks =
+      solve_decoupled(problem, {.tolerance = 1e-6, .form = DecoupledForm::trains, .max_rank = 4});
+  CHECK(ranks.status == DecouplingStatus::rank_limit);
+  CHECK_THAT(ranks.message, Contains("4 are allowed"));
+  for (const DecouplingRecord& record : ranks.history) CHECK(std::isfinite(record.linear_residual));
   CHECK_THAT(terms.message, Contains("of at most 4"));
   const DecouplingResult iterations = solve_decoupled(problem, {.tolerance = 1e-6, .max_iterations = 3});
   CHECK(iterations.status == DecouplingStatus::max_iterations);

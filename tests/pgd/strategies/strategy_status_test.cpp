@@ -161,6 +161,70 @@ TEST_CASE("a march ends with the status of what stopped it, and names the place"
   CHECK(reports == 3);
 }
 
+namespace {
+
+/// Solves x' = q, but in one corner of the box falls behind at first, as an iteration does whose Jacobian is
+/// wrong there: by 1e-2, 5e-3 and no more.
+class WrongInACorner final : public Strategy {
+ public:
+  std::string name() const override { return "wrong in a corner"; }
+  LinearSlab linearise(const StrategySlab& slab, const TensorTrain&, std::optional<double>) override {
+    const double wrong = iteration_ == 0 ? 1e-2 : iteration_ == 1 ? 5e-3 : 0.0;
+    ++iteration_;
+    const EntryFunction source = [&](const IndexBatch& entries, Matrix& values) {
+      values = slab.parameters_at(entries).topRows(1).replicate(slab.rows(), 1);
+      for (Eigen::Index j = 0; j < entries.cols(); ++j) {
+        if (entries.col(j).isZero()) values.col(j).array() += wrong;
+      }
+    };
+    CrossPivots pivots;
+    pivots.right = {IndexBatch(), IndexBatch::Zero(1, 1)};
+    return {{}, slab.separate(source, slab.rows(), 1e-6, pivots, "f")};
+  }
+
+ private:
+  int iteration_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("small corrections all over the box do not hide a corner in which the equations do not hold") {
+  const slab_systems::System system(
+      1, [](const Vector&, const Vector& q) { return Vector(q.head(1)); },
+      [](const Vector&, const Vector&) { return Matrix(Matrix::Zero(1, 1)); });
+  const EvolutionProblem problem{&system,
+                                 Axis::radau({"t"}, 0.0, 1.0, 1, 4),
+                                 {Axis::chebyshev({"q"}, 0.5, 1.0, 6), Axis::chebyshev({"r"}, 0.0, 1.0, 6)},
+                                 {{"x"}},
+                                 {1.0},
+                                 {{0.0, -1}}};
+  WrongInACorner strategy;
+  const StrategyResult result = solve_by_strategy(problem, strategy, {.tolerance = 1e-3});
+  CAPTURE(result.message);
+  CHECK(result.status == StrategyStatus::converged);
+  CHECK(std::abs(result.value_at(std::vector{1.0, 0.5, 0.0})[0] - 0.5) <= 1e-3);
+}
+
+TEST_CASE("training trajectories that end too early are a status of the march, not a caller's mistake") {
+  // x' = x^2 from 1 on ends at t = 1, long before the last of many points could be picked.
+  const PolynomialSystem system(1, 1, {{0, 1.0, {1}, {2}}});
+  const EvolutionProblem problem{
+      &system,    Axis::radau({"t"}, 0.0, 40.0, 2, 4), {Axis::chebyshev({"q"}, 1.0, 2.0, 5)}, {{"x"}}, {1.0},
+      {{1.0, -1}}};
+  const auto strategy = piecewise_linear_strategy({.points = 1000, .samples = 1});
+  const StrategyResult result = solve_by_strategy(problem, *strategy, {.tolerance = 1e-3});
+  CHECK(result.status == StrategyStatus::not_finite);
+  CHECK_THAT(result.message, Contains("training trajectories end"));
+  CHECK(result.pieces.empty());
+}
+
+TEST_CASE("a polynomial system of other parameters than the problem's axes is refused") {
+  const PolynomialSystem system(1, 2, {{0, 1.0, {1, 0}, {1}}});
+  const auto strategy = incremental_strategy();
+  CHECK_THROWS_WITH(solve_by_strategy(logistic_problem(system, 1.0, 2), *strategy),
+                    Contains("has 2 parameters, the problem 1 axes"));
+}
+
 TEST_CASE(
     "the Jacobian of a polynomial system is that of its differences, and its split that of its powers") {
   const PolynomialSystem system(3, 2,

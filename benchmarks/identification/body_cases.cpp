@@ -1,0 +1,153 @@
+/// A card in air, seen for a second of its developed three-dimensional motion: coefficients from positions
+/// and attitudes alone.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include "cases.h"
+#include "samara/identification/fit.h"
+#include "samara/identification/step_trajectories.h"
+#include "samara/models/integrate.h"
+#include "samara/pgd/random.h"
+
+namespace samara::benchmarks::identification {
+
+namespace {
+
+using samara::identification::Capture;
+using samara::identification::Coefficient;
+using samara::identification::FitOptions;
+using samara::identification::FitResult;
+using samara::identification::Interval;
+
+constexpr int kFrames = 241;
+constexpr double kRate = 240.0;
+constexpr double kNoise = 1e-3;
+constexpr double kAngleNoise = 2.0 * M_PI / 180.0;
+constexpr double kStartSpread = 0.35;
+constexpr double kSegment = 15.0 / kRate;
+
+using Values = std::map<std::string, double>;
+
+const Values& card() {
+  static const Values values = {{"a", 0.035}, {"b", 0.02}, {"c", 1e-4}, {"density", 1200.0}};
+  return values;
+}
+
+Values pattern(double C_D90, double C_T, double C_R) {
+  return {{"C_D0", 0.05}, {"C_D90", C_D90}, {"C_T", C_T}, {"C_R", C_R}, {"C_w", 2.0}};
+}
+
+Eigen::Vector4d product(const Eigen::Vector4d& p, const Eigen::Vector4d& q) {
+  Eigen::Vector4d r;
+  r[0] = p[0] * q[0] - p.tail<3>().dot(q.tail<3>());
+  r.tail<3>() = p[0] * q.tail<3>() + q[0] * p.tail<3>();
+  r[1] += p[2] * q[3] - p[3] * q[2];
+  r[2] += p[3] * q[1] - p[1] * q[3];
+  r[3] += p[1] * q[2] - p[2] * q[1];
+  return r;
+}
+
+/// The turn by a vector.
+Eigen::Vector4d turn(const Eigen::Vector3d& vector) {
+  const double angle = vector.norm();
+  Eigen::Vector4d q;
+  q[0] = std::cos(0.5 * angle);
+  q.tail<3>() = angle > 0.0 ? Eigen::Vector3d(std::sin(0.5 * angle) / angle * vector) : 0.5 * vector;
+  return q;
+}
+
+/// A second of the fall after an oblique release by 10 degrees, from a random moment on.
+Capture capture(const Values& coefficients, pgd::Random& random) {
+  const auto model = models::find_model("immersed_body");
+  Values values = card();
+  values.insert(coefficients.begin(), coefficients.end());
+  const double direction = 2.0 * M_PI * random.uniform();
+  const double tilt = 10.0 * M_PI / 180.0;
+  const Eigen::Vector4d q = turn(tilt * Eigen::Vector3d(std::cos(direction), std::sin(direction), 0.0));
+  values["qw(0)"] = q[0];
+  values["qx(0)"] = q[1];
+  values["qy(0)"] = q[2];
+  values["qz(0)"] = q[3];
+  const models::ParametricModel parametric(model, values, {});
+  const double begin = 1.0 + random.uniform();
+  std::vector<double> times;
+  for (int k = 0; k < kFrames; ++k) times.push_back(begin + k / kRate);
+  const auto trajectory = models::integrate(parametric, {}, times);
+  Capture result;
+  result.id = "card";
+  result.times = Eigen::Map<const Eigen::VectorXd>(times.data(), kFrames).array() - begin;
+  const char* names[] = {"x", "y", "z", "qw", "qx", "qy", "qz"};
+  Eigen::MatrixXd seen = trajectory.states.leftCols(7);
+  for (Eigen::Index frame = 0; frame < kFrames; ++frame) {
+    for (Eigen::Index k = 0; k < 3; ++k) seen(frame, k) += kNoise * random.normal();
+    const Eigen::Vector3d error(random.normal(), random.normal(), random.normal());
+    const Eigen::Vector4d attitude = seen.row(frame).segment<4>(3).transpose();
+    seen.row(frame).segment<4>(3) = product(attitude, turn(kAngleNoise * error)).transpose();
+  }
+  for (Eigen::Index k = 0; k < 7; ++k) result.channels.push_back({names[k], k < 3 ? "m" : "1", seen.col(k)});
+  return result;
+}
+
+FitResult fit_one(const Values& truth, std::uint64_t seed) {
+  pgd::Random random(seed);
+  const Capture seen = capture(truth, random);
+  std::map<std::string, Interval> box;
+  FitOptions options;
+  for (const auto& [name, value] : truth) {
+    box[name] = {0.2 * value, 3.0 * value};
+    options.initial[name] = value * (1.0 + kStartSpread * (2.0 * random.uniform() - 1.0));
+  }
+  for (const char* name : {"x(0)", "y(0)", "z(0)"}) box[name] = {-50.0, 50.0};
+  for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.1, 1.1};
+  for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-20.0, 20.0};
+  for (const char* name : {"wx(0)", "wy(0)", "wz(0)"}) box[name] = {-300.0, 300.0};
+  options.loss = {.kind = samara::identification::LossKind::none, .length_scale = kNoise};
+  options.attitude_scale = kAngleNoise;
+  options.segments.length = kSegment;
+  options.starts = 1;
+  if (const char* n = std::getenv("ITER")) options.max_iterations = std::atoi(n);
+  const auto family =
+      samara::identification::step_trajectories(models::find_model("immersed_body"), card(), box, 1.05e-3);
+  return samara::identification::fit(*family, std::vector{seen}, options);
+}
+
+void run(const std::string& test_case, const Values& truth, int seeds) {
+  int converged = 0;
+  std::vector<double> times;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    const FitResult result = fit_one(truth, static_cast<std::uint64_t>(seed));
+    times.push_back(result.seconds);
+    bool near = true;
+    for (const Coefficient& c : result.coefficients) {
+      const bool asked = c.name == "C_T" || c.name == "C_R" || c.name == "C_w";
+      if (asked && !(std::abs(c.value / truth.at(c.name) - 1.0) < 0.05)) near = false;
+    }
+    converged += near ? 1 : 0;
+    if (std::getenv("SAMARA_TRACE")) {
+      fmt::print(stderr, "seed {}: {} cost {:.4g} it {} t {:.2f}", seed, near, result.cost, result.iterations,
+                 result.seconds);
+      for (const Coefficient& c : result.coefficients) {
+        fmt::print(stderr, "  {} {:.3f} +- {:.3f}", c.name, c.value / truth.at(c.name),
+                   c.naive_standard_error.value_or(-1.0) / truth.at(c.name));
+      }
+      fmt::print(stderr, "\n");
+    }
+  }
+  std::ranges::sort(times);
+  print({kBench, test_case, "converged_fraction", static_cast<double>(converged) / seeds});
+  print({kBench, test_case, "time", times[times.size() / 2], "s"});
+}
+
+}  // namespace
+
+void body_cases(const Options& options) {
+  const int seeds = options.quick ? 5 : 20;
+  if (options.wants("body3d_zz")) run("body3d_zz", pattern(0.31, 0.91, 0.61), seeds);
+  if (options.wants("body3d_az")) run("body3d_az", pattern(0.61, 1.81, 1.21), seeds);
+  if (options.wants("body3d_ar")) run("body3d_ar", pattern(0.61, 2.71, 0.91), seeds);
+}
+
+}  // namespace samara::benchmarks::identification

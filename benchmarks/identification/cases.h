@@ -1,0 +1,13 @@
+#pragma once
+
+#include "report.h"
+
+/// The cases of the benchmark `identification`, one file each.
+namespace samara::benchmarks::identification {
+
+inline constexpr const char* kBench = "identification";
+
+void plate_cases(const Options& options);
+void body_cases(const Options& options);
+
+}  // namespace samara::benchmarks::identification

@@ -1,0 +1,21 @@
+/// Coefficients from captures: synthetic ones, whose truth is known, and real ones.
+#include <iostream>
+
+#include <glog/logging.h>
+
+#include "cases.h"
+#include "samara/base/errors.h"
+
+int main(int argc, char** argv) {
+  using namespace samara::benchmarks;
+  FLAGS_minloglevel = google::GLOG_FATAL;
+  try {
+    const Options chosen = options(argc, argv);
+    identification::plate_cases(chosen);
+    identification::body_cases(chosen);
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << '\n';
+    return 1;
+  }
+}

@@ -1,0 +1,191 @@
+#include "samara/identification/chart.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <ceres/jet.h>
+
+#include "samara/models/integrators/rotations.h"
+
+namespace samara::identification {
+
+namespace {
+
+/// A number with its derivatives by the parts of two quaternions.
+using Jet = ceres::Jet<double, 8>;
+using JetQuaternion = std::array<Jet, 4>;
+
+/// conj(p) q
+JetQuaternion conjugate_product(const JetQuaternion& p, const JetQuaternion& q) {
+  return {p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3],
+          p[0] * q[1] - p[1] * q[0] - p[2] * q[3] + p[3] * q[2],
+          p[0] * q[2] + p[1] * q[3] - p[2] * q[0] - p[3] * q[1],
+          p[0] * q[3] - p[1] * q[2] + p[2] * q[1] - p[3] * q[0]};
+}
+
+/// The rotation vector of a quaternion of any length and sign.
+std::array<Jet, 3> rotation_vector(JetQuaternion d) {
+  if (d[0].a < 0.0) {
+    for (Jet& part : d) part = -part;
+  }
+  const Jet sine2 = d[1] * d[1] + d[2] * d[2] + d[3] * d[3];
+  Jet factor;
+  if (sine2.a > 1e-14 * d[0].a * d[0].a) {
+    const Jet sine = sqrt(sine2);
+    factor = 2.0 * atan2(sine, d[0]) / sine;
+  } else {
+    factor = 2.0 / d[0];  // tan(x) = x to round-off
+  }
+  return {factor * d[1], factor * d[2], factor * d[3]};
+}
+
+}  // namespace
+
+Chart::Chart(const std::vector<Kind>& kinds) {
+  for (const Kind kind : kinds) {
+    parts_.push_back({kind, size_, directions_});
+    size_ += kind == Kind::quaternion ? 4 : 1;
+    directions_ += directions_of(kind);
+  }
+}
+
+int Chart::directions_of(Kind kind) {
+  if (kind == Kind::held) return 0;
+  return kind == Kind::quaternion ? 3 : 1;
+}
+
+Chart Chart::holding(int unknown) const {
+  std::vector<Kind> kinds;
+  for (const Part& part : parts_) kinds.push_back(part.unknown == unknown ? Kind::held : part.kind);
+  return Chart(kinds);
+}
+
+bool Chart::is_linear() const {
+  return std::ranges::all_of(parts_, [](const Part& part) { return part.kind == Kind::linear; });
+}
+
+bool Chart::is_part_of_quaternion(int unknown) const {
+  return std::ranges::any_of(parts_, [&](const Part& part) {
+    return part.kind == Kind::quaternion && unknown >= part.unknown && unknown < part.unknown + 4;
+  });
+}
+
+int Chart::direction_of(int unknown) const {
+  for (const Part& part : parts_) {
+    const int offset = unknown - part.unknown;
+    if (offset >= 0 && offset < directions_of(part.kind)) return part.direction + offset;
+  }
+  return -1;
+}
+
+void Chart::plus(const double* x, const double* step, double* y) const {
+  for (const Part& part : parts_) {
+    const double* from = x + part.unknown;
+    const double* d = step + part.direction;
+    double* to = y + part.unknown;
+    switch (part.kind) {
+      case Kind::held:
+        to[0] = from[0];
+        break;
+      case Kind::linear:
+        to[0] = from[0] + d[0];
+        break;
+      case Kind::logarithmic:
+        to[0] = from[0] * std::exp(d[0]);
+        break;
+      case Kind::quaternion: {
+        const models::Quaternion moved = models::normalised(models::product(
+            {from[0], from[1], from[2], from[3]}, models::rotation_exponential({d[0], d[1], d[2]})));
+        std::ranges::copy(moved, to);
+        break;
+      }
+    }
+  }
+}
+
+void Chart::minus(const double* y, const double* x, double* step) const {
+  for (const Part& part : parts_) {
+    const double* from = x + part.unknown;
+    const double* to = y + part.unknown;
+    double* d = step + part.direction;
+    switch (part.kind) {
+      case Kind::held:
+        break;
+      case Kind::linear:
+        d[0] = to[0] - from[0];
+        break;
+      case Kind::logarithmic:
+        d[0] = std::log(to[0] / from[0]);
+        break;
+      case Kind::quaternion:
+        Eigen::Map<Eigen::Vector3d, Eigen::Unaligned>{d} = turn_between(from, to).vector;
+        break;
+    }
+  }
+}
+
+Eigen::MatrixXd Chart::plus_jacobian(const double* x) const {
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(size_, directions_);
+  for (const Part& part : parts_) {
+    const double* q = x + part.unknown;
+    switch (part.kind) {
+      case Kind::held:
+        break;
+      case Kind::linear:
+        jacobian(part.unknown, part.direction) = 1.0;
+        break;
+      case Kind::logarithmic:
+        jacobian(part.unknown, part.direction) = q[0];
+        break;
+      case Kind::quaternion:
+        jacobian.block<4, 3>(part.unknown, part.direction) << -q[1], -q[2], -q[3],  //
+            q[0], -q[3], q[2],                                                      //
+            q[3], q[0], -q[1],                                                      //
+            -q[2], q[1], q[0];
+        jacobian.block<4, 3>(part.unknown, part.direction) *= 0.5;
+        break;
+    }
+  }
+  return jacobian;
+}
+
+Eigen::MatrixXd Chart::minus_jacobian(const double* x) const {
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(directions_, size_);
+  for (const Part& part : parts_) {
+    const double* q = x + part.unknown;
+    switch (part.kind) {
+      case Kind::held:
+        break;
+      case Kind::linear:
+        jacobian(part.direction, part.unknown) = 1.0;
+        break;
+      case Kind::logarithmic:
+        jacobian(part.direction, part.unknown) = 1.0 / q[0];
+        break;
+      case Kind::quaternion:
+        jacobian.block<3, 4>(part.direction, part.unknown) = turn_between(q, q).by_to;
+        break;
+    }
+  }
+  return jacobian;
+}
+
+Turn turn_between(const double* from, const double* to) {
+  JetQuaternion p, q;
+  for (int i = 0; i < 4; ++i) {
+    p[static_cast<std::size_t>(i)] = Jet(from[i], i);
+    q[static_cast<std::size_t>(i)] = Jet(to[i], i + 4);
+  }
+  const std::array<Jet, 3> r = rotation_vector(conjugate_product(p, q));
+  Turn turn;
+  for (int i = 0; i < 3; ++i) {
+    const Jet& component = r[static_cast<std::size_t>(i)];
+    turn.vector[i] = component.a;
+    turn.by_from.row(i) = component.v.head<4>().transpose();
+    turn.by_to.row(i) = component.v.tail<4>().transpose();
+  }
+  return turn;
+}
+
+}  // namespace samara::identification

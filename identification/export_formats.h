@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "samara/identification/sidecar.h"
+#include "samara/io/delimited_table.h"
+
+/// Exports of tracking programs, recognised by their content; internal to identification/.
+///
+/// An export is a table under a preamble. It is read as that table, with its own lines, and with the meaning
+/// of its columns for each body in it.
+///  - Tracker (Open Source Physics): the name of a point mass, then a header such as `t x y`; or `#multi:`,
+///  the
+///    names of several masses above their columns, then the header. Delimited by tabs, semicolons or commas;
+///    decimal commas are taken for points where the comma does not delimit. It names no units.
+///  - Motive (OptiTrack), format versions 1.1 to 1.25: `Format Version` and further keys with values, rows
+///  for
+///    kind, name, (ID, parent) and component of each column, then `Frame, Time (Seconds), X, Y, Z, W, ...`.
+namespace samara::identification {
+
+/// One body of an export.
+struct ExportedBody {
+  std::string name;
+  std::vector<ColumnMeaning> columns;
+};
+
+struct Export {
+  io::DelimitedTable table;
+  std::vector<ExportedBody> bodies;
+  std::string program;  ///< "Tracker", "Motive"
+  std::string up;       ///< the axis that is up by the program's convention; empty: not known
+};
+
+/// @returns nothing if the text is no export
+/// @param sidecar gives the units of lengths and angles of a Tracker export
+/// @throws InputError if it looks like one and is not, or if units are missing
+std::optional<Export> read_export(std::string_view text, const Sidecar& sidecar);
+
+}  // namespace samara::identification

@@ -1,0 +1,242 @@
+#include "samara/identification/local_polynomial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <Eigen/Dense>
+
+namespace samara::identification {
+
+namespace {
+
+using Eigen::Index;
+using Frames = std::vector<Index>;
+
+/// Times that differ by rounding are the same.
+constexpr double kSameTime = 1e-3;
+
+constexpr int kAbsoluteIterations = 8;
+constexpr int kReweightings = 4;
+
+/// The `wanted` usable frames nearest to t.
+Frames nearest(const LocalFrames& all, double t, Frames usable, std::size_t wanted) {
+  std::ranges::stable_sort(usable, {}, [&](Index i) { return std::abs(all.times[i] - t); });
+  usable.resize(std::min(wanted, usable.size()));
+  std::ranges::sort(usable);
+  return usable;
+}
+
+Eigen::VectorXd picked(const Eigen::VectorXd& all, const Frames& frames) {
+  Eigen::VectorXd part(static_cast<Index>(frames.size()));
+  for (Index k = 0; k < part.size(); ++k) part[k] = all[frames[static_cast<std::size_t>(k)]];
+  return part;
+}
+
+/// Least absolute residuals by iterated reweighting: an outlier among the frames does not bend it.
+LocalPolynomial fit_absolute(const LocalFrames& all, const Frames& frames, double t0,
+                             const Eigen::MatrixXd& values, double least) {
+  const auto count = static_cast<Index>(frames.size());
+  LocalPolynomial fit = fit_local(all, frames, t0, Eigen::VectorXd::Ones(count), values);
+  for (int k = 0; k < kAbsoluteIterations; ++k) {
+    const Eigen::VectorXd sizes = fit.residuals.rowwise().norm();
+    // Weights over many orders of magnitude would lose digits.
+    const double floor = std::max(least, 1e-3 * sizes.mean());
+    if (!(floor > 0.0)) break;
+    fit = fit_local(all, frames, t0, sizes.cwiseMax(floor).cwiseInverse() * floor, values);
+  }
+  return fit;
+}
+
+/// Deviations of the frames (rows) from polynomials through their neighbours, over the standard deviation of
+/// that for noise of size 1.
+Eigen::MatrixXd deviations(const LocalFrames& frames, const LocalChart& chart, bool absolute, double least) {
+  Eigen::MatrixXd result;
+  for (Index i = 0; i < frames.count(); ++i) {
+    const double t0 = frames.times[i];
+    const Frames others = frames.around(t0, i);
+    const Eigen::MatrixXd values = chart(i, others);
+    const Eigen::VectorXd weights = picked(frames.weights, others);
+    const Eigen::VectorXd equal = Eigen::VectorXd::Ones(weights.size());
+    const LocalPolynomial plain = fit_local(frames, others, t0, absolute ? equal : weights, values);
+    const Eigen::RowVectorXd predicted =
+        (absolute ? fit_absolute(frames, others, t0, values, least) : plain).derivatives.row(0);
+    if (i == 0) result.resize(frames.count(), values.cols());
+    result.row(i) = (chart(i, {i}).row(0) - predicted) / std::sqrt(1.0 + std::pow(plain.deviations[0], 2));
+  }
+  return result;
+}
+
+/// Noise of each coordinate, from the medians of deviations.
+Eigen::RowVectorXd scales_of(const Eigen::MatrixXd& deviations, const RobustOptions& options) {
+  constexpr double kMedianOfNormal = 0.674490;
+  Eigen::RowVectorXd scales(deviations.cols());
+  for (Index k = 0; k < scales.size(); ++k) {
+    const Eigen::VectorXd sizes = deviations.col(k).cwiseAbs();
+    scales[k] = options.noise ? *options.noise : median({sizes.begin(), sizes.end()}) / kMedianOfNormal;
+  }
+  // A direction that hardly moves would make outliers of whatever moves in it.
+  const double least = std::max(options.least_noise, 0.1 * scales.maxCoeff());
+  return scales.cwiseMax(least);
+}
+
+Eigen::VectorXd lengths_of(const Eigen::MatrixXd& deviations, const Eigen::RowVectorXd& scales) {
+  return (deviations.array().rowwise() / scales.array()).matrix().rowwise().norm();
+}
+
+/// Deviation of frame i from the polynomial through others, as deviations().
+Eigen::RowVectorXd deviation_from(const LocalFrames& frames, const LocalChart& chart, Index i,
+                                  const Frames& others) {
+  const Eigen::MatrixXd values = chart(i, others);
+  const LocalPolynomial fit =
+      fit_local(frames, others, frames.times[i], Eigen::VectorXd::Ones(values.rows()), values);
+  return (chart(i, {i}).row(0) - fit.derivatives.row(0)) / std::sqrt(1.0 + std::pow(fit.deviations[0], 2));
+}
+
+/// An outlier at an end of the record bends the polynomials there to itself, so that its neighbours seem
+/// wrong. Seen from the inside it stands alone: frames of the last half window are held one by one against
+/// those before them, and the first against those after them.
+void judge_ends_from_inside(LocalFrames& frames, const LocalChart& chart, const Eigen::RowVectorXd& scales,
+                            double limit) {
+  const auto wanted = static_cast<std::size_t>(frames.degree) + 3;
+  const auto test = [&](Index i, bool forward) {
+    Frames inside;
+    for (Index k = i + (forward ? -1 : 1); k >= 0 && k < frames.count(); k += forward ? -1 : 1) {
+      if (std::abs(frames.times[k] - frames.times[i]) > frames.window && inside.size() >= wanted) break;
+      if (frames.weights[k] > 0.0) inside.push_back(k);
+    }
+    if (inside.size() < wanted) return;
+    if (forward) std::ranges::reverse(inside);
+    frames.weights[i] = lengths_of(deviation_from(frames, chart, i, inside), scales)[0] <= limit ? 1.0 : 0.0;
+  };
+  const double half = 0.5 * frames.window;
+  const double begin = frames.times[0];
+  const double end = frames.times[frames.count() - 1];
+  for (Index i = frames.count() - 1; i >= 0; --i) {
+    if (frames.times[i] <= begin + half) test(i, false);
+  }
+  for (Index i = 0; i < frames.count(); ++i) {
+    if (frames.times[i] >= end - half) test(i, true);
+  }
+}
+
+}  // namespace
+
+double median(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+double median_interval(const Eigen::VectorXd& times) {
+  std::vector<double> intervals;
+  for (Index k = 1; k < times.size(); ++k) intervals.push_back(times[k] - times[k - 1]);
+  return median(intervals);
+}
+
+Frames LocalFrames::around(double t, Index but) const {
+  const double slack = kSameTime * window / 15.0;
+  const double begin = times[0];
+  const double end = times[count() - 1];
+  double lower = t - 0.5 * window;
+  double upper = t + 0.5 * window;
+  if (lower < begin) upper = begin + window;
+  if (upper > end) lower = std::min(lower, end - window);
+  Frames inside;
+  const Index first = std::ranges::lower_bound(times, lower - slack) - times.begin();
+  for (Index i = first; i < count() && times[i] <= upper + slack; ++i) {
+    if (weights[i] > 0.0 && i != but) inside.push_back(i);
+  }
+  const auto wanted = static_cast<std::size_t>(degree) + 2;
+  if (inside.size() >= wanted) return inside;
+  Frames usable;
+  for (Index i = 0; i < count(); ++i) {
+    if (weights[i] > 0.0 && i != but) usable.push_back(i);
+  }
+  return nearest(*this, t, usable, wanted);
+}
+
+LocalPolynomial fit_local(const LocalFrames& all, const Frames& frames, double t0,
+                          const Eigen::VectorXd& weights, const Eigen::MatrixXd& values) {
+  const Eigen::VectorXd since = picked(all.times, frames).array() - t0;
+  const double reach = since.cwiseAbs().maxCoeff();
+  const auto terms = std::min<Index>(all.degree + 1, since.size());
+  Eigen::MatrixXd basis(since.size(), terms);
+  basis.col(0).setOnes();
+  for (Index k = 1; k < terms; ++k) basis.col(k) = basis.col(k - 1).cwiseProduct(since) / reach;
+
+  const Eigen::VectorXd root = weights.cwiseSqrt();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(root.asDiagonal() * basis);
+  const Eigen::MatrixXd coefficients = qr.solve(root.asDiagonal() * values);
+  const Eigen::MatrixXd inverse = qr.matrixQR().topRows(terms).triangularView<Eigen::Upper>().solve(
+      Eigen::MatrixXd::Identity(terms, terms));
+
+  LocalPolynomial fit;
+  fit.residuals = values - basis * coefficients;
+  fit.span = since[since.size() - 1] - since[0];
+  fit.derivatives = Eigen::MatrixXd::Zero(3, values.cols());
+  fit.deviations.setZero();
+  double scale = 1.0;  // k! / reach^k
+  for (Index k = 0; k < std::min<Index>(3, terms); ++k) {
+    if (k > 0) scale *= static_cast<double>(k) / reach;
+    fit.derivatives.row(k) = scale * coefficients.row(k);
+    fit.deviations[k] = scale * inverse.row(k).norm();
+  }
+  return fit;
+}
+
+void weigh_outliers(LocalFrames& frames, const LocalChart& chart, Index coordinates,
+                    const RobustOptions& options) {
+  frames.weights.setOnes(frames.count());
+  if (!std::isfinite(options.threshold)) return;
+  // About as improbable for a vector as `threshold` is for a number.
+  const double limit =
+      std::sqrt(options.threshold * options.threshold + 3.0 * static_cast<double>(coordinates - 1));
+  const auto judge = [&](bool absolute) {
+    const Eigen::MatrixXd found = deviations(frames, chart, absolute, options.least_noise);
+    const Eigen::RowVectorXd scales = scales_of(found, options);
+    return std::pair(Eigen::ArrayXd(lengths_of(found, scales)), scales);
+  };
+  Eigen::ArrayXd lengths = judge(true).first;
+  for (int k = 0; k < kReweightings; ++k) {
+    frames.weights = (1.0 - (lengths / limit).min(1.0).square()).square();  // Tukey's bisquare
+    lengths = judge(false).first;
+  }
+  // In the end a frame counts or not, so that standard errors are those of plain least squares.
+  frames.weights = (lengths <= limit).cast<double>();
+  judge_ends_from_inside(frames, chart, judge(false).second, limit);
+  frames.weights = (judge(false).first <= limit).cast<double>();
+}
+
+double residual_noise(const LocalFrames& frames, const LocalChart& chart, Index coordinates) {
+  std::vector<double> lengths;   // of residuals
+  std::vector<double> freedoms;  // their variance for noise of size 1
+  std::vector<double> sizes;     // of residuals over their standard deviation
+  for (Index i = 0; i < frames.count(); ++i) {
+    if (frames.weights[i] == 0.0) continue;
+    const double t0 = frames.times[i];
+    const Frames used = frames.around(t0);
+    const Eigen::MatrixXd values = chart(i, used);
+    const LocalPolynomial fit = fit_local(frames, used, t0, Eigen::VectorXd::Ones(values.rows()), values);
+    const auto own = std::ranges::find(used, i) - used.begin();
+    lengths.push_back(fit.residuals.row(own).norm());
+    freedoms.push_back(std::max(1.0 - fit.deviations[0] * fit.deviations[0], 1e-12));
+    sizes.push_back(lengths.back() / std::sqrt(freedoms.back()));
+  }
+  // An outlier at an end of the record may hide another; it should not count for all the rest.
+  constexpr double kLargest = 7.5;  // medians: 5 standard deviations
+  const double largest = kLargest * median(sizes);
+  double squares = 0.0;
+  double freedom = 0.0;
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    if (sizes[k] > largest) continue;
+    squares += lengths[k] * lengths[k];
+    freedom += freedoms[k];
+  }
+  return std::sqrt(squares / (static_cast<double>(coordinates) * freedom));
+}
+
+}  // namespace samara::identification

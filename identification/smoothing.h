@@ -1,0 +1,107 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+/// Values, rates and accelerations of a capture, with their standard errors: starting values for fits.
+///
+/// At each time asked for, a polynomial is fitted by least squares to the frames in a window around it
+/// (Savitzky and Golay 1964, for frames at any times and with gaps). A window that would reach over the end
+/// of the record is shifted inward; one that holds too few frames (a gap, a short window) grows to the
+/// nearest degree + 2.
+///
+/// Outliers get no weight: frames whose distance from the polynomial through their *neighbours* is more than
+/// `outlier_threshold` times its standard deviation. They are found by iterated reweighting (Cleveland 1979,
+/// here with residuals of the frame left out, and from a start of least absolute residuals).
+///
+/// What the standard errors mean: independent noise of one size over the frames, carried through the fit.
+/// They do not know what a polynomial of this degree cannot follow (choose a window of at most about half a
+/// swing), and noise that a source has smoothed already is correlated: its errors come out too small.
+///
+///     const auto start = smooth(times, positions, Eigen::VectorXd::Constant(1, 0.1), {.window = 0.15});
+///     start.value.row(0), start.rate.row(0), start.rate_error.row(0)
+namespace samara::identification {
+
+struct SmoothingOptions {
+  /// Of the polynomials; 2 to 6.
+  int degree = 4;
+  /// Width of a window, s. None: 15 median intervals between frames.
+  std::optional<double> window = {};
+  /// Standard deviation of one frame's noise, in the channel's unit (rad for attitudes). None: estimated for
+  /// each channel from the residuals.
+  std::optional<double> noise = {};
+  /// A frame farther from its neighbours than this many standard deviations counts for nothing. Infinite:
+  /// every frame counts.
+  double outlier_threshold = 5.0;
+};
+
+/// Rows: the times asked for; columns: channels.
+struct Smoothed {
+  Eigen::MatrixXd value;
+  Eigen::MatrixXd rate;          ///< 1/s
+  Eigen::MatrixXd acceleration;  ///< 1/s^2
+  Eigen::MatrixXd value_error;   ///< standard errors
+  Eigen::MatrixXd rate_error;
+  Eigen::MatrixXd acceleration_error;
+  Eigen::MatrixXd span;   ///< s, from the first to the last frame that was used
+  Eigen::VectorXd noise;  ///< standard deviation of one frame, for each channel
+  /// frames x channels; true where a frame was seen and left out
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> outlier;
+};
+
+/// @param times of the frames, s, strictly increasing
+/// @param values frames x channels; NaN where a channel was not seen
+/// @param at times asked for, s; within the record
+/// @throws ArgumentError if sizes do not match, times do not increase, `at` is outside the record by more
+///   than a median interval, an option is out of its range, or a channel was seen in fewer than degree + 2
+///   frames.
+Smoothed smooth(const Eigen::VectorXd& times, const Eigen::MatrixXd& values, const Eigen::VectorXd& at,
+                const SmoothingOptions& options = {});
+
+/// An angle, known up to multiples of a period: unwrapped first. One channel.
+/// @param period rad: 2 pi; pi for the inclination of a plate whose sides look alike
+Smoothed smooth_angle(const Eigen::VectorXd& times, const Eigen::VectorXd& angles, double period,
+                      const Eigen::VectorXd& at, const SmoothingOptions& options = {});
+
+/// The angles plus multiples of the period, such that each is nearest to where its predecessors lead (their
+/// median rate). The first seen angle stays as it is; NaN stays.
+/// @throws ArgumentError if `period` is not positive, or sizes do not match.
+Eigen::VectorXd unwrapped(const Eigen::VectorXd& times, const Eigen::VectorXd& angles, double period);
+
+/// Rotations of the body after which it looks as before, as unit quaternions (w, x, y, z), the identity not
+/// among them: q and q * g (body to world) cannot be told apart.
+using BodySymmetries = std::vector<Eigen::Vector4d>;
+
+/// Half turns about the three body axes: a rectangular plate whose sides look alike.
+BodySymmetries half_turns();
+
+/// Rows: the times asked for.
+struct SmoothedAttitude {
+  Eigen::MatrixX4d attitude;              ///< unit quaternions (w, x, y, z), body to world
+  Eigen::MatrixX3d angular_velocity;      ///< w_WB_B, rad/s: of the body in the world, in body axes
+  Eigen::MatrixX3d angular_acceleration;  ///< d/dt of it, rad/s^2
+  Eigen::MatrixX3d attitude_error;        ///< standard errors of a small rotation about the body axes, rad
+  Eigen::MatrixX3d angular_velocity_error;
+  Eigen::MatrixX3d angular_acceleration_error;
+  Eigen::VectorXd span;                           ///< s, from the first to the last frame that was used
+  double noise = 0.0;                             ///< standard deviation of one frame about one axis, rad
+  Eigen::Array<bool, Eigen::Dynamic, 1> outlier;  ///< frames
+};
+
+/// Attitudes: made continuous, then smoothed as rotation vectors from a local reference.
+/// @param quaternions frames x 4, (w, x, y, z), body to world, of any length but 0; NaN where not seen. The
+///   body must turn by less than a turn within half a window.
+/// @throws ArgumentError as smooth()
+SmoothedAttitude smooth_attitude(const Eigen::VectorXd& times, const Eigen::MatrixX4d& quaternions,
+                                 const Eigen::VectorXd& at, const SmoothingOptions& options = {},
+                                 const BodySymmetries& symmetries = {});
+
+/// Unit quaternions of the same looks whose sign and whose symmetry are nearest to where their predecessors
+/// lead. The first seen one is only normalised; NaN stays.
+/// @throws ArgumentError if sizes do not match, or a quaternion is 0.
+Eigen::MatrixX4d continuous_attitudes(const Eigen::VectorXd& times, const Eigen::MatrixX4d& quaternions,
+                                      const BodySymmetries& symmetries = {});
+
+}  // namespace samara::identification

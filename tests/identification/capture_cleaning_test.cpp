@@ -1,0 +1,182 @@
+#include "samara/identification/capture_cleaning.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+
+#include "files.h"
+
+using namespace samara::identification;
+using Eigen::Index;
+
+namespace {
+
+Capture capture_of(const Eigen::VectorXd& times, const std::vector<Channel>& channels) {
+  Capture capture;
+  capture.id = "ball";
+  capture.times = times;
+  capture.channels = channels;
+  return capture;
+}
+
+/// Frame numbers of `count` frames of which some were dropped.
+std::vector<int> numbers_with_drops(int count, std::mt19937_64& random) {
+  std::vector<int> numbers = {0};
+  while (static_cast<int>(numbers.size()) < count) {
+    numbers.push_back(numbers.back() + (random() % 10 == 0 ? 2 + static_cast<int>(random() % 3) : 1));
+  }
+  return numbers;
+}
+
+}  // namespace
+
+TEST_CASE("rounded times go back to the grid they came from") {
+  // 6.933 ms, rounded to ms: the median interval is 1 % off, so that plain counting goes wrong after 50
+  // frames.
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    std::mt19937_64 random(seed);
+    const double period = 6.933e-3;
+    const std::vector<int> numbers = numbers_with_drops(150, random);
+    Eigen::VectorXd times(150);
+    for (Index k = 0; k < 150; ++k)
+      times[k] = std::round(1e3 * (0.0021 + period * numbers[static_cast<std::size_t>(k)])) / 1e3;
+    const FrameGrid grid = on_frame_grid(capture_of(times, {{"x", "m", times}}));
+    for (Index k = 0; k < 150; ++k) {
+      const double place = (grid.capture.times[k] - grid.capture.times[0]) / grid.period;
+      CHECK(std::lround(place) == numbers[static_cast<std::size_t>(k)]);
+    }
+    // Rounding has a standard deviation of 1/sqrt(12) ms, a slope through n of them sqrt(12)/n^1.5 of that.
+    CHECK(std::abs(grid.period - period) < 4.0 * 1e-3 * std::pow(150.0, -1.5));
+    CHECK(std::abs(grid.rms_shift - 1e-3 / std::sqrt(12.0)) < 0.05e-3);
+    CHECK(grid.dropped_frames == numbers.back() + 1 - 150);
+    CHECK(grid.capture.notes.size() == 1);
+  }
+}
+
+TEST_CASE("frames that arrive late keep their order on the grid") {
+  Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(60, 0.0, 0.59);
+  times[20] += 0.008;  // 0.208, just before frame 21: nearest to its place
+  times[40] += 0.006;
+  times[41] += 0.004;
+  const FrameGrid grid = on_frame_grid(capture_of(times, {{"x", "m", times}}));
+  const Eigen::VectorXd steps = (grid.capture.times.tail(59) - grid.capture.times.head(59)) / grid.period;
+  CHECK((steps.array() - 1.0).abs().maxCoeff() < 1e-9);
+  CHECK(grid.dropped_frames == 0);
+  CHECK(std::abs(grid.largest_shift - 0.008) < 0.0005);
+}
+
+TEST_CASE("gaps are where frames, or a quantity, are missing") {
+  Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(20, 0.0, 1.9);
+  times.tail(10).array() += 0.3;
+  Eigen::VectorXd x = times;
+  x.segment(4, 2).setConstant(NAN);
+  const Capture capture = capture_of(times, {{"x", "m", x}});
+  const auto of_frames = gaps(capture);
+  REQUIRE(of_frames.size() == 1);
+  CHECK(std::abs(of_frames[0].begin - 0.9) < 1e-12);
+  CHECK(std::abs(of_frames[0].end - 1.3) < 1e-12);
+  CHECK(of_frames[0].missing == 3);
+  const auto of_x = gaps(capture, "x");
+  REQUIRE(of_x.size() == 2);
+  CHECK(std::abs(of_x[0].begin - 0.3) < 1e-12);
+  CHECK(of_x[0].missing == 2);
+}
+
+namespace {
+
+constexpr double kBounce = 0.2007;  // s
+constexpr double kGravity = 9.81;
+
+/// A ball that falls from its own height on a table at z = 0, and springs back with 0.9 of its speed.
+Capture bouncing_ball(double noise, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal(0.0, noise);
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(60, 0.0, 59 * 0.007);
+  Eigen::VectorXd x(60);
+  Eigen::VectorXd z(60);
+  for (Index k = 0; k < 60; ++k) {
+    const double since = times[k] - kBounce;
+    const double up = since > 0.0 ? 0.9 * kGravity * kBounce : -kGravity * kBounce;
+    x[k] = 5.0 * times[k] - (since > 0.0 ? 0.3 * since : 0.0) + normal(random);
+    z[k] = up * since - 0.5 * kGravity * since * since + normal(random);
+  }
+  return capture_of(times, {{"x", "m", x}, {"z", "m", z}});
+}
+
+}  // namespace
+
+TEST_CASE("a capture is cut before the bounce") {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const Capture ball = bouncing_ball(0.001, seed);
+    const BeforeImpact cut = before_impact(ball, {.quantities = {"x", "z"}});
+    REQUIRE(cut.impact_time);
+    // 1.9 g t = 3.7 m/s down and 0.3 m/s along; slopes of 4 frames err by 0.06 m/s, and the frame at which a
+    // kink is seen by one.
+    CHECK(std::abs(*cut.impact_time - kBounce) < 0.0075);
+    CHECK(std::abs(cut.jump - 3.75) < 0.5);
+    const double last = cut.capture.times[cut.capture.frame_count() - 1];
+    CHECK(last < kBounce);
+    CHECK(last > kBounce - 0.022);
+    CHECK(cut.capture.channel("z").values.size() == cut.capture.frame_count());
+    CHECK(cut.capture.notes.size() == 1);
+  }
+}
+
+TEST_CASE("neither free fall nor one wrong frame is an impact") {
+  Capture ball = bouncing_ball(0.001, 1);
+  ball.times.conservativeResize(28);
+  for (Channel& channel : ball.channels) channel.values.conservativeResize(28);
+  CHECK_FALSE(before_impact(ball, {.quantities = {"x", "z"}}).impact_time);
+  for (Index k = 0; k < 28; ++k) {
+    Capture wrong = ball;
+    wrong.channels[1].values[k] += 0.3;
+    CHECK_FALSE(before_impact(wrong, {.quantities = {"x", "z"}}).impact_time);
+  }
+  ball.channels[1].values.segment(5, 3).setConstant(NAN);
+  const BeforeImpact uncut = before_impact(ball, {.quantities = {"x", "z"}});
+  CHECK(uncut.capture.frame_count() == 28);
+  CHECK(uncut.capture.notes.empty());
+  CHECK(error_of<samara::ArgumentError>([&] { before_impact(ball); }) ==
+        "capture \"ball\" does not measure \"y\"; known: x, z");
+}
+
+TEST_CASE("outliers become missing values and are counted") {
+  std::mt19937_64 random(2);
+  std::normal_distribution<double> normal(0.0, 0.002);
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(80, 0.0, 0.79);
+  Eigen::VectorXd x(80);
+  Eigen::VectorXd theta(80);
+  Eigen::MatrixX4d q(80, 4);
+  for (Index k = 0; k < 80; ++k) {
+    x[k] = std::sin(4.0 * times[k]) + normal(random);
+    theta[k] = std::remainder(15.0 * times[k] + normal(random), 2.0 * std::numbers::pi);
+    const double half = 5.0 * times[k] + normal(random);
+    q.row(k) << std::cos(half), 0.0, std::sin(half), 0.0;
+    if (k % 7 == 0) q.row(k) *= -1.0;
+  }
+  x[30] += 0.2;
+  x[31] += 0.2;
+  theta[50] += 0.5;
+  q.row(11) << 1.0, 0.0, 0.0, 0.0;
+  const Capture capture = capture_of(times, {{"x", "m", x},
+                                             {"theta", "1", theta},
+                                             {"qw", "1", q.col(0)},
+                                             {"qx", "1", q.col(1)},
+                                             {"qy", "1", q.col(2)},
+                                             {"qz", "1", q.col(3)}});
+  const WithoutOutliers clean =
+      without_outliers(capture, {.window = 0.15}, {{"theta", 2.0 * std::numbers::pi}});
+  CHECK(clean.frames ==
+        std::map<std::string, std::vector<int>>{{"attitude", {11}}, {"theta", {50}}, {"x", {30, 31}}});
+  for (const Channel& channel : clean.capture.channels) {
+    for (Index k = 0; k < 80; ++k) {
+      const double before = capture.channel(channel.quantity).values[k];
+      CHECK((std::isnan(channel.values[k]) || channel.values[k] == before));
+    }
+  }
+  CHECK(std::isnan(clean.capture.channel("qz").values[11]));
+  CHECK(clean.capture.notes[0] == "1 of 80 frames of attitude taken out: far from their neighbours");
+}

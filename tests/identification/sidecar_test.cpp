@@ -1,0 +1,156 @@
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "files.h"
+
+using namespace samara::identification;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+
+namespace {
+
+Quaterniond attitude(const Capture& capture, Eigen::Index frame) {
+  return {capture.channel("qw").values[frame], capture.channel("qx").values[frame],
+          capture.channel("qy").values[frame], capture.channel("qz").values[frame]};
+}
+
+}  // namespace
+
+TEST_CASE("Euler angles become a quaternion, and the world turns z up") {
+  // Roll, pitch, yaw of a craft in axes forward, right, down.
+  const TestFiles files;
+  files.put("pose.csv",
+            "p1,p2,p3,roll,pitch,yaw\n"
+            "1,2,-3,10,20,30\n"
+            "1,2,-3,10,20,179\n"
+            "1,2,-3,10,20,-178\n");
+  const std::string text =
+      "file = \"pose.csv\"\nframe_rate = \"60 Hz\"\n"
+      "[columns]\n"
+      "p1 = { quantity = \"x\", unit = \"m\" }\n"
+      "p2 = { quantity = \"y\", unit = \"m\" }\n"
+      "p3 = { quantity = \"z\", unit = \"m\" }\n"
+      "[attitude]\neuler = [\"yaw\", \"pitch\", \"roll\"]\norder = \"zyx\"\nunit = \"deg\"\n";
+  const double deg = std::numbers::pi / 180.0;
+  const auto truth = [&](double yaw) {
+    return Eigen::AngleAxisd(yaw * deg, Vector3d::UnitZ()) *
+           Eigen::AngleAxisd(20.0 * deg, Vector3d::UnitY()) *
+           Eigen::AngleAxisd(10.0 * deg, Vector3d::UnitX());
+  };
+  const Capture as_given = read_captures(files.put("a.toml", text)).front();
+  CHECK(as_given.times.isApprox(Vector3d(0.0, 1.0 / 60.0, 2.0 / 60.0)));
+  CHECK(as_given.channels.size() == 7);
+  CHECK((attitude(as_given, 0).toRotationMatrix() - truth(30.0).toRotationMatrix()).norm() < 1e-14);
+  CHECK((attitude(as_given, 2).toRotationMatrix() - truth(-178.0).toRotationMatrix()).norm() < 1e-14);
+  // From 179 to -178 degrees the quaternion goes on, though its angles jump.
+  CHECK(attitude(as_given, 1).dot(attitude(as_given, 2)) > 0.99);
+
+  const Capture upright = read_captures(files.put("b.toml", "up = \"-z\"\n" + text)).front();
+  CHECK(upright.channel("x").values[0] == 1.0);
+  CHECK(upright.channel("y").values[0] == -2.0);
+  CHECK(upright.channel("z").values[0] == 3.0);
+  const Eigen::Matrix3d turn = Vector3d(1.0, -1.0, -1.0).asDiagonal();
+  CHECK((attitude(upright, 0).toRotationMatrix() - turn * truth(30.0).toRotationMatrix()).norm() < 1e-14);
+}
+
+TEST_CASE("every axis can be up") {
+  const TestFiles files;
+  files.put("p.csv", "t[s],x[m],y[m],z[m]\n0,1,2,3\n1,1,,3\n2,1,2,3\n");
+  const auto turned = [&](const std::string& up) -> Vector3d {
+    const Capture c = read_captures(files.put("p.toml", "file = \"p.csv\"\nup = \"" + up + "\"\n")).front();
+    CHECK(std::isnan(c.channel("x").values[1]) + std::isnan(c.channel("y").values[1]) +
+              std::isnan(c.channel("z").values[1]) ==
+          1);
+    return {c.channel("x").values[0], c.channel("y").values[0], c.channel("z").values[0]};
+  };
+  CHECK(turned("z") == Vector3d(1.0, 2.0, 3.0));
+  CHECK(turned("y") == Vector3d(1.0, -3.0, 2.0));
+  CHECK(turned("x") == Vector3d(-3.0, 2.0, 1.0));
+  CHECK(turned("-z") == Vector3d(1.0, -2.0, -3.0));
+  CHECK(turned("-y") == Vector3d(1.0, 3.0, -2.0));
+  CHECK(turned("-x") == Vector3d(3.0, 2.0, -1.0));
+  files.put("p.csv", "t[s],x[m],z[m]\n0,1,3\n1,1,3\n2,1,3\n");
+  CHECK(reading_error(files.put("p.toml", "file = \"p.csv\"\nup = \"y\"\n")) ==
+        "p.toml:2: up: capture \"p\" measures some of x, y, z; all or none were expected to turn them");
+}
+
+TEST_CASE("many files without a header, with labels from an index") {
+  const TestFiles files;
+  files.put("002.csv", "0.000;1\n0.007;2\n0.007;9\n0.014;3\n0.021;4\n");
+  files.put("010.csv", "0.000;5\n0.007;6\n0.014;7\n");
+  files.put("index.tsv", "flight\tspin\n2\t150\n11\t90\n");
+  const auto captures = read_captures(files.put("flights.toml",
+                                                "file = \"0*.csv\"\nheader = [\"time\", \"height\"]\n"
+                                                "repeated_times = \"keep first\"\n"
+                                                "[columns]\n"
+                                                "time = { quantity = \"t\", unit = \"s\" }\n"
+                                                "height = { quantity = \"z\", unit = \"m\" }\n"
+                                                "[labels]\nfile = \"index.tsv\"\ncolumn = \"flight\"\n"));
+  REQUIRE(captures.size() == 2);
+  CHECK(captures[0].id == "002");
+  CHECK(captures[0].channel("z").values == Vector4d(1.0, 2.0, 3.0, 4.0));
+  CHECK(captures[0].labels.at("spin") == "150");
+  REQUIRE(captures[0].notes.size() == 1);
+  CHECK(captures[0].notes[0] == "1 frames dropped whose time is that of the frame before");
+  CHECK(captures[1].labels.empty());
+  CHECK_THAT(captures[1].notes.at(0), Catch::EndsWith("index.tsv\" has no row for it"));
+  CHECK(reading_error(files.put("none.toml", "file = \"1*.csv\"\n")) ==
+        "none.toml:1: file: no file matches \"" + (files.path() / "1*.csv").string() + "\"");
+}
+
+TEST_CASE("a capture is read from a time until a time") {
+  const TestFiles files;
+  files.put("a.csv", "t[s],x[m]\n1,10\n2,20\n3,30\n4,40\n5,50\n6,60\n");
+  const Capture part =
+      read_captures(files.put("a.toml", "file = \"a.csv\"\nfrom = \"2 s\"\nuntil = \"4500 ms\"\n")).front();
+  CHECK(part.times == Vector3d(0.0, 1.0, 2.0));
+  CHECK(part.channel("x").values == Vector3d(20.0, 30.0, 40.0));
+  CHECK(reading_error(files.put("a.toml", "file = \"a.csv\"\nfrom = \"7 s\"\n")) ==
+        "a.csv:2: capture \"a\" has 0 frames with something visible; at least 3 were expected");
+}
+
+TEST_CASE("a sidecar can ask for cleaning") {
+  const TestFiles files;
+  std::string table = "t[s],x[m],y[m],z[m]\n";
+  for (int k = 0; k < 60; ++k) {
+    const double t = 0.0069 * k;
+    // 3 m/s up and down after the bounce
+    const double z = std::abs(3.0 * (t - 0.2)) - 4.905 * t * t + (k == 10 ? 0.5 : 0.0);
+    table += fmt::format("{:.3f},{},{},{}\n", t, 4.0 * t, 1e-4 * (k % 3), z);
+  }
+  files.put("ball.csv", table);
+  const Capture ball =
+      read_captures(files.put("ball.toml",
+                              "file = \"ball.csv\"\n[clean]\nframe_grid = true\n"
+                              "before_impact = \"1.2 m/s\"\noutliers = 5\nwindow = \"0.1 s\"\n"))
+          .front();
+  CHECK(ball.times[ball.frame_count() - 1] < 0.2);
+  CHECK(ball.times[ball.frame_count() - 1] > 0.17);
+  CHECK(std::abs(ball.times[20] - 20 * 0.0069) < 2e-4);
+  CHECK(std::isnan(ball.channel("z").values[10]));
+  CHECK(ball.notes.size() >= 3);
+}
+
+TEST_CASE("keys of a sidecar that make no sense are refused where they stand") {
+  const TestFiles files;
+  files.put("a.csv", "t[s],x[m],a\n0,1,2\n1,1,2\n2,2,2\n");
+  const auto error = [&](const std::string& text) {
+    return reading_error(files.put("a.toml", "file = \"a.csv\"\n" + text));
+  };
+  CHECK(error("up = \"w\"\n").starts_with("a.toml:2: up: \"w\" is none of its words"));
+  CHECK(error("length_unit = \"s\"\n") == "a.toml:2: length_unit: \"s\" is no unit of length");
+  CHECK(error("[clean]\nbefore_impact = \"-1 m/s\"\n") ==
+        "a.toml:3: [clean] before_impact: -1; more than 0 was expected");
+  CHECK(error("[clean]\nbefore_impact = \"1 m/s\"\n[columns]\nt = {}\n").starts_with("a.toml:5:"));
+  CHECK(error("[attitude]\neuler = [\"a\"]\norder = \"zyx\"\nunit = \"deg\"\n") ==
+        "a.toml:3: [attitude] euler: 1 columns; three were expected");
+  CHECK(error("[attitude]\neuler = [\"a\", \"a\", \"b\"]\norder = \"zzx\"\nunit = \"deg\"\n") ==
+        "a.toml:4: [attitude] order: \"zzx\"; three of x, y, z, none twice in a row, were expected");
+  CHECK(error("[attitude]\neuler = [\"a\", \"a\", \"b\"]\norder = \"zyx\"\nunit = \"m\"\n") ==
+        "a.toml:5: [attitude] unit: is no unit of an angle; \"deg\" or \"rad\" was expected");
+}
