@@ -100,6 +100,21 @@ TEST_CASE("coordinates that the family holds from its box, and shared ones, are 
   CHECK(predict_left_out(family, without, same, options, {.window = 0.6, .ahead = 0.5})[0].largest < 1e-6);
 }
 
+TEST_CASE("windows may be fitted by multiple shooting, and captures may begin late") {
+  const auto family = coin_family();
+  FitOptions options;
+  options.starts = 1;
+  std::vector<Capture> captures;
+  for (int c = 0; c < 3; ++c) captures.push_back(coin_capture(fmt::format("{}", c), 1.2, 0.1 * c, 0.05));
+  const FitResult fitted = fit(*family, captures, options);
+  for (Capture& capture : captures) capture.channels[0].values.head(2).setConstant(std::nan(""));
+  options.segments.length = 0.1;
+  const auto scores = predict_left_out(*family, fitted, captures, options, {.window = 0.25, .ahead = 0.1});
+  // Segments join to a part of their own uncertainty, which without noise is that of the integrator.
+  CHECK(scores[0].captures == 3);
+  CHECK(of(scores, "model", "position, 0.1 s ahead").largest < 1e-5);
+}
+
 TEST_CASE("predictions refuse times that are none, and say nothing of fits that failed") {
   const BrakedFamily family;
   CHECK_THROWS_AS(predict_left_out(family, {}, {}, plain(), {.window = 0.0, .ahead = 0.5}),
