@@ -153,6 +153,12 @@ void add_fit(CLI::App& app, Arguments& arguments) {
   command->add_flag("--profiles", values->profiles,
                     "fit again with each coefficient held at other values: intervals, and whether there is a "
                     "limit to both sides");
+  command
+      ->add_option(
+          "--left-out", values->left_out,
+          "captures to predict: their window is seen, with the coefficients held, and --ahead is compared")
+      ->allow_extra_args(false);
+  command->add_option("--ahead", values->ahead, "how far beyond the window to predict, s or with a unit");
   command->add_option("-o,--output", values->output, "also write the result as JSON to this file");
   command->add_option("--report", values->report, "also write a page for the browser to this file, HTML");
   command->add_flag("--json", values->json, "print one JSON object instead of the table");

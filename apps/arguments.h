@@ -64,6 +64,8 @@ struct FitArguments {
   std::string window;
   bool reference = false;
   bool profiles = false;
+  std::vector<std::string> left_out;
+  std::string ahead;
   std::string output;
   std::string report;
   bool json = false;

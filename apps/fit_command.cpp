@@ -18,6 +18,7 @@
 #include "samara/identification/fit_config.h"
 #include "samara/identification/fit_page.h"
 #include "samara/identification/fit_report.h"
+#include "samara/identification/prediction.h"
 #include "samara/identification/reference_trajectories.h"
 #include "samara/identification/step_trajectories.h"
 #include "samara/io/atomic_file.h"
@@ -86,9 +87,40 @@ Source open_source(const FitArguments& arguments) {
   return source;
 }
 
+std::vector<id::Capture> read_all(const std::vector<std::string>& files) {
+  std::vector<id::Capture> captures;
+  for (const std::string& path : files) {
+    for (id::Capture& capture : id::read_captures(path)) captures.push_back(std::move(capture));
+  }
+  return captures;
+}
+
+/// How captures left out are predicted, if there are any.
+std::optional<id::PredictionOptions> read_prediction(const FitArguments& arguments,
+                                                     const id::FitOptions& options) {
+  if (arguments.left_out.empty()) {
+    if (arguments.ahead.empty()) return {};
+    throw ArgumentError(
+        "--ahead says how far to predict captures; --left-out, with their files, was expected");
+  }
+  if (arguments.ahead.empty())
+    throw ArgumentError("--left-out needs --ahead, the time beyond the window that is to be predicted");
+  id::PredictionOptions prediction;
+  prediction.ahead = number_or_quantity("--ahead", arguments.ahead, "s");
+  if (!arguments.window.empty()) {
+    prediction.window = number_or_quantity("--window", arguments.window, "s");
+  } else if (options.window) {
+    prediction.window = *options.window;
+  } else {
+    throw ArgumentError("--left-out needs --window, or a window in the config: what is seen of each capture");
+  }
+  return prediction;
+}
+
 /// Before any work: what would be overwritten, or cannot be written.
 void check_outputs(const FitArguments& arguments) {
   std::vector<std::string> inputs = arguments.captures;
+  inputs.insert(inputs.end(), arguments.left_out.begin(), arguments.left_out.end());
   inputs.push_back(arguments.source);
   inputs.push_back(arguments.config);
   if (!arguments.output.empty()) check_output(arguments.output, inputs);
@@ -109,17 +141,21 @@ int run(const FitArguments& arguments) {
   check_outputs(arguments);
   Source source = open_source(arguments);
   source.options.profiles = source.options.profiles || arguments.profiles;
-  std::vector<id::Capture> captures;
-  for (const std::string& path : arguments.captures) {
-    for (id::Capture& capture : id::read_captures(path)) captures.push_back(std::move(capture));
-  }
+  const std::optional<id::PredictionOptions> prediction = read_prediction(arguments, source.options);
+  std::vector<id::Capture> captures = read_all(arguments.captures);
   if (!arguments.window.empty()) {
     const double window = number_or_quantity("--window", arguments.window, "s");
     for (id::Capture& capture : captures) capture = id::first(capture, window);
     source.options.window.reset();
   }
-  const id::FitResult result =
-      of_file(arguments.config, [&] { return id::fit(*source.family, captures, source.options); });
+  const id::FitResult result = of_file(arguments.config, [&] {
+    id::FitResult fitted = id::fit(*source.family, captures, source.options);
+    if (prediction) {
+      fitted.predictions = id::predict_left_out(*source.family, fitted, read_all(arguments.left_out),
+                                                source.options, *prediction);
+    }
+    return fitted;
+  });
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::fit_json(result));
   if (!arguments.report.empty()) io::write_text_atomically(arguments.report, id::fit_html(result));
   print(arguments.json ? id::fit_json(result) : printable(id::fit_text(result), "\n"));

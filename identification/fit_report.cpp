@@ -52,10 +52,10 @@ Json json_of(const CaptureFit& capture) {
                          {"at_bound", n.at_bound}});
   }
   Json outputs = Json::object();
-  for (std::size_t o = 0; o < capture.residuals.size(); ++o) {
-    const auto at = static_cast<Eigen::Index>(o);
-    outputs[capture.residuals[o].output] = {{"measured", column(capture.measured.col(at))},
-                                            {"model", column(capture.model.col(at))}};
+  // Residuals may end with the attitude's, which has no column.
+  for (Eigen::Index at = 0; at < capture.measured.cols(); ++at) {
+    outputs[capture.residuals[static_cast<std::size_t>(at)].output] = {
+        {"measured", column(capture.measured.col(at))}, {"model", column(capture.model.col(at))}};
   }
   return {{"id", capture.id},
           {"file", capture.file},

@@ -31,8 +31,10 @@ const Profile* FitResult::find_profile(const std::string& coefficient) const {
 std::string verdict(const FitResult& result, const Coefficient& coefficient) {
   // First: limits of a profile would only be those that the boxes of the others leave.
   if (!coefficient.determined) return "not determined";
-  if (const Profile* profile = result.find_profile(coefficient.name)) return describe(*profile);
-  if (coefficient.at_bound) return "at a bound of its box";
+  const std::string bound = coefficient.at_bound ? "at a bound of its box" : "";
+  if (const Profile* profile = result.find_profile(coefficient.name))
+    return fmt::format("{}{}{}", bound, bound.empty() ? "" : ", ", describe(*profile));
+  if (coefficient.at_bound) return bound;
   const std::optional<double> error =
       coefficient.standard_error ? coefficient.standard_error : coefficient.naive_standard_error;
   if (!error) return "of unknown error";

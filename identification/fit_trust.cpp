@@ -43,6 +43,16 @@ double dispersion_of(const Coefficient& c, double curvature, double naive) {
   return dispersion > 0.0 ? usable(dispersion) : usable(naive);
 }
 
+/// Of the dispersion: from clusters where the error is, else from what is left over of the frames. Joined
+/// segments of a capture stand for one start.
+double degrees_of_freedom(const FitProblem& problem, const Coefficient& c) {
+  if (c.standard_error) return std::max(1, problem.cluster_count - 1);
+  int unknowns = problem.shared_count();
+  for (const Segment& segment : problem.segments)
+    unknowns += problem.own_count() - (segment.joined ? problem.join_rows() : 0);
+  return std::max(1, problem.observation_count() - unknowns);
+}
+
 /// Shared unknowns, then each capture's own, in one vector; and back.
 Eigen::VectorXd packed(const FitPoint& point) {
   Eigen::Index size = point.shared.size();
@@ -153,7 +163,9 @@ void add_profiles(const FitProblem& problem, std::vector<SegmentResidual>& resid
       return fits.solve(value, warm_start);
     };
     const double dispersion = dispersion_of(c, curvatures[at], uncertainty.dispersion);
-    result.profiles.push_back(profile(target, packed(point), solver, {.dispersion = dispersion}));
+    result.profiles.push_back(
+        profile(target, packed(point), solver,
+                {.dispersion = dispersion, .degrees_of_freedom = degrees_of_freedom(problem, c)}));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
@@ -19,6 +20,13 @@ constexpr double kRootStep = 1.0 / 3.0;
 constexpr double kCloseRoot = 0.03;
 constexpr int kMostFailures = 6;
 
+/// The deviance at the ends of the interval.
+double deviance_quantile(const ProfileOptions& options) {
+  if (std::isinf(options.degrees_of_freedom))
+    return quantile(boost::math::chi_squared(1), options.confidence);
+  return quantile(boost::math::fisher_f(1, options.degrees_of_freedom), options.confidence);
+}
+
 struct Node {
   double value = 0.0;
   double cost = 0.0;
@@ -30,10 +38,11 @@ struct Node {
 class Walk {
  public:
   Walk(const ProfileTarget& target, const ProfileOptions& options, const ProfileSolver& solve, double sign)
-      : target_(target), options_(options), solve_(solve), sign_(sign) {
-    const boost::math::chi_squared distribution(1);
-    threshold_ = std::sqrt(quantile(distribution, options.confidence));
-  }
+      : target_(target),
+        options_(options),
+        solve_(solve),
+        sign_(sign),
+        threshold_(std::sqrt(deviance_quantile(options))) {}
 
   void run(const Eigen::VectorXd& warm_start) {
     nodes_.push_back({target_.best, target_.best_cost, 0.0, warm_start});
@@ -128,7 +137,7 @@ class Walk {
   const ProfileOptions& options_;
   const ProfileSolver& solve_;
   double sign_;
-  double threshold_ = 0.0;
+  double threshold_;  ///< of the root
   std::vector<Node> nodes_;
   ProfileEnd end_ = ProfileEnd::flat;
   std::optional<double> crossing_;
@@ -151,6 +160,10 @@ void check(const ProfileTarget& target, const ProfileOptions& options) {
   }
   if (!(options.dispersion > 0.0 && std::isfinite(options.dispersion))) {
     throw ArgumentError(fmt::format("dispersion is {}; a positive number was expected", options.dispersion));
+  }
+  if (!(options.degrees_of_freedom > 0.0)) {
+    throw ArgumentError(
+        fmt::format("degrees_of_freedom is {}; a positive number was expected", options.degrees_of_freedom));
   }
   if (options.max_points < 1) {
     throw ArgumentError(fmt::format("max_points is {}; at least 1 was expected", options.max_points));
@@ -220,11 +233,11 @@ Profile profile(const ProfileTarget& target, const Eigen::VectorXd& warm_start, 
                  .best_cost = target.best_cost,
                  .confidence = options.confidence,
                  .dispersion = options.dispersion,
+                 .degrees_of_freedom = options.degrees_of_freedom,
                  .lower_end = below.end(),
                  .upper_end = above.end(),
                  .solves = below.solves() + above.solves()};
-  const boost::math::chi_squared distribution(1);
-  result.threshold = target.best_cost + 0.5 * options.dispersion * quantile(distribution, options.confidence);
+  result.threshold = target.best_cost + 0.5 * options.dispersion * deviance_quantile(options);
   collect(below, above, result);
   const auto least = static_cast<std::size_t>(std::ranges::min_element(result.costs) - result.costs.begin());
   if (result.deviance(result.costs[least]) < -options.better_margin) {

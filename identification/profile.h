@@ -15,8 +15,9 @@
 ///
 ///     D(v) = 2 (C(v) - C)/dispersion
 ///
-/// is compared with the quantile of chi2 with one degree of freedom: the interval is where D stays below.
-/// Unlike a standard error it follows bends, and it shows when there is no upper or no lower limit at all.
+/// is compared with the quantile of chi2 with one degree of freedom (of F with 1 and nu, if the dispersion is
+/// an estimate that rests on nu degrees of freedom): the interval is where D stays below. Unlike a standard
+/// error it follows bends, and it shows when there is no upper or no lower limit at all.
 ///
 /// Dispersion. 1 where residuals are divided by their true noise. 2 C/(n - p) where the noise is estimated
 /// by the fit. For robust losses, or errors from the scatter between clusters: V h, with V the variance
@@ -81,6 +82,8 @@ using ProfileSolver =
 struct ProfileOptions {
   double confidence = 0.95;  ///< of the interval, between 0 and 1
   double dispersion = 1.0;   ///< see above
+  /// Of the dispersion: clusters - 1, or residuals - unknowns; infinite if it is known.
+  double degrees_of_freedom = std::numeric_limits<double>::infinity();
   /// Solutions on each side, those that close in on the crossing included.
   int max_points = 30;
   /// A deviance below minus this is a better optimum.
@@ -94,6 +97,7 @@ struct Profile {
   double best_cost = 0.0;
   double confidence = 0.95;
   double dispersion = 1.0;
+  double degrees_of_freedom = std::numeric_limits<double>::infinity();
   double threshold = 0.0;  ///< the cost at which the interval ends
   /// Ends of the interval; empty where the threshold was not crossed, or for a better optimum elsewhere.
   std::optional<double> interval_lower = {};

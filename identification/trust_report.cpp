@@ -25,6 +25,7 @@ Json json_of(const Profile& p) {
           {"best_cost", number(p.best_cost)},
           {"confidence", p.confidence},
           {"dispersion", number(p.dispersion)},
+          {"degrees_of_freedom", number(p.degrees_of_freedom)},
           {"threshold", number(p.threshold)},
           {"interval", {number(p.interval_lower), number(p.interval_upper)}},
           {"ends", {to_string(p.lower_end), to_string(p.upper_end)}},
@@ -79,11 +80,11 @@ Json json_of(const GlobalStage& stage) {
 
 void add_prediction_table(const FitResult& result, std::back_insert_iterator<std::string> out) {
   if (result.predictions.empty()) return;
-  fmt::format_to(out, "\n{:<28} {:<24} {:>12} {:>12} {:>9} {:>9}\n", "prediction of", "by", "median", "rms",
+  fmt::format_to(out, "\n{:<34} {:<24} {:>12} {:>12} {:>9} {:>9}\n", "prediction of", "by", "median", "rms",
                  "captures", "values");
   for (const PredictionScore& p : result.predictions) {
     const std::string unit = p.unit == "1" ? "" : fmt::format(" [{}]", p.unit);
-    fmt::format_to(out, "{:<28} {:<24} {:>12.4g} {:>12.4g} {:>9} {:>9}\n", p.quantity + unit, p.predictor,
+    fmt::format_to(out, "{:<34} {:<24} {:>12.4g} {:>12.4g} {:>9} {:>9}\n", p.quantity + unit, p.predictor,
                    p.median, p.rms, p.captures, p.count);
   }
 }

@@ -29,6 +29,9 @@
   function shown(value, digits = 6) {
     return value === null || value === undefined ? "–" : String(Number(value.toPrecision(digits)));
   }
+  function counted(number, noun) {
+    return `${number} ${noun}${number === 1 ? "" : "s"}`;
+  }
   function withUnit(name, unit) {
     return unit && unit !== "1" ? `${name} [${unit}]` : name;
   }
@@ -112,8 +115,9 @@
     lead.id = "status";
     lead.dataset.status = fit.status;
     const cost = fit.cost === null ? "" : `, cost ${shown(fit.cost)}`;
-    add(report, "p", `By ${fit.source}, ${fit.loss} loss, ${fit.captures.length} captures in ${fit.clusters} ` +
-        `clusters, ${fit.residual_count} values${cost}; ${fit.iterations} iterations, ${shown(fit.seconds, 3)} s.`, "soft");
+    add(report, "p", `By ${fit.source}, ${fit.loss} loss, ${counted(fit.captures.length, "capture")} in ` +
+        `${counted(fit.clusters, "cluster")}, ${counted(fit.residual_count, "value")}${cost}; ` +
+        `${counted(fit.iterations, "iteration")}, ${shown(fit.seconds, 3)} s.`, "soft");
   }
 
   function coefficients() {
@@ -184,6 +188,10 @@
     const labels = Object.entries(capture.labels).map(([key, value]) => `${key} ${value}`);
     add(parent, "p", [`${capture.frames} frames`, ...labels, ...own].join(", "), "soft");
     for (const r of capture.residuals) {
+      if (!(r.output in capture.outputs)) {  // the attitude as a whole
+        add(parent, "p", `${r.output}: rms of residuals ${shown(r.rms, 3)} ${r.unit}`);
+        continue;
+      }
       const {measured, model} = capture.outputs[r.output];
       const label = withUnit(r.output, r.unit);
       add(parent, "h3", `${r.output}: rms of residuals ${shown(r.rms, 3)}${r.unit === "1" ? "" : " " + r.unit}`);
@@ -192,10 +200,10 @@
             [capture.times, measured, model]);
       const rest = measured.map((value, k) => value === null || model[k] === null ? null : value - model[k]);
       const below = add(parent, "div", null, "wide residuals");
-      chart(below, {x: "t [s]", y: "residual", height: 160, series: [points("measured − model", MEASURED)],
+      chart(below, {x: "t [s]", y: "residual", height: 190, series: [points("measured − model", MEASURED)],
                     hooks: rules([{at: 0, axis: "y", colour: FAINT}])}, [capture.times, rest]);
     }
-    const lengths = capture.residuals.filter((r) => r.unit === "m").map((r) => r.output);
+    const lengths = capture.residuals.filter((r) => r.unit === "m" && r.output in capture.outputs).map((r) => r.output);
     if (lengths.length > 1) pathChart(add(parent, "div", null, "wide path"), capture, [lengths[0], lengths[lengths.length - 1]]);
   }
 
@@ -244,7 +252,7 @@
         "everything else is fitted again. The interval is where it stays below the dashed threshold.", "soft");
     const grid = add(part, "div", null, "charts");
     for (const p of fit.profiles) {
-      const unit = (fit.coefficients.find((c) => c.name === p.name) || {unit: "1"}).unit;
+      const {unit, determined} = fit.coefficients.find((c) => c.name === p.name) || {unit: "1", determined: true};
       const deviance = (cost) => 2 * (cost - p.best_cost) / p.dispersion;
       const limit = deviance(p.threshold);
       const rise = p.costs.map(deviance);
@@ -252,8 +260,9 @@
       const box = add(grid, "div", null, "profile");
       box.dataset.name = p.name;
       box.dataset.shape = p.shape;
-      add(box, "h3", `${p.name}: ${p.shape}`);
-      add(box, "p", p.verdict, p.shape === "identified" ? "good" : "bad");
+      add(box, "h3", `${p.name}: ${determined ? p.shape : "not determined"}`);
+      add(box, "p", determined ? p.verdict : "where the curve rises, others have met the ends of their boxes",
+          determined && p.shape === "identified" ? "good" : "bad");
       const ends = p.interval.filter((v) => v !== null).map((at) => ({at, axis: "x", colour: MODEL, dash: [2, 3]}));
       const top = Math.min(Math.max(1.2 * limit, ...rise), 3 * limit);
       chart(box, {x: withUnit(p.name, unit), y: "deviance", height: 220, yScale: {range: () => [lowest, top]},

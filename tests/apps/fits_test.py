@@ -54,6 +54,22 @@ class Fits(Case):
         self.assertIn("C_D", result.stdout)
         self.assertEqual(json.loads(target.read_text())["schema"], "samara-fit/1")
 
+    def test_captures_left_out_are_predicted(self):
+        path, capture = book("coin", COIN_PLAN), self.capture()
+        test = write("unseen.csv", capture.read_text())
+        result = run("fit", path, capture, "--reference", "--window", "0.2 s", "--left-out", test, "--ahead", "0.1 s", "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        scores = {(p["predictor"], p["quantity"]): p for p in json.loads(result.stdout)["predictions"]}
+        # The capture is simulated: the model that made it goes on as it did, and a line does not.
+        self.assertLess(scores["model", "position, 0.1 s ahead"]["median"], 1e-6)
+        self.assertGreater(scores["straight line", "position, 0.1 s ahead"]["median"], 1e-3)
+
+    def test_a_prediction_needs_captures_a_window_and_a_time(self):
+        path, capture = book("coin", COIN_PLAN), self.capture()
+        self.check_error(run("fit", path, capture, "--ahead", "0.1 s"), 2, "--ahead", "--left-out")
+        self.check_error(run("fit", path, capture, "--left-out", capture), 2, "--left-out", "--ahead")
+        self.check_error(run("fit", path, capture, "--left-out", capture, "--ahead", "0.1 s"), 2, "--window")
+
 
 if __name__ == "__main__":
     main()

@@ -52,6 +52,14 @@ TEST_CASE("numbers that are not there are null in JSON") {
   CHECK(json["captures"][0]["outputs"]["x"]["measured"][2].is_null());
 }
 
+TEST_CASE("the attitude as a whole has a residual, but no values frame by frame") {
+  FitResult result = example();
+  for (CaptureFit& capture : result.captures) capture.residuals.push_back({"attitude", "rad", 0.02});
+  const nlohmann::json json = nlohmann::json::parse(fit_json(result));
+  CHECK(json["captures"][0]["outputs"].size() == 1);
+  CHECK(json["captures"][0]["residuals"][1]["output"] == "attitude");
+}
+
 TEST_CASE("a fit that never ran has a report as well") {
   CHECK_THAT(fit_text(FitResult{}), Contains("the fit did not run"));
   CHECK(nlohmann::json::parse(fit_json(FitResult{}))["status"] == "failed");

@@ -51,6 +51,18 @@ TEST_CASE("a dispersion widens the interval by its root") {
   CHECK(*q.interval_upper == Approx(1.0).epsilon(1e-4));
 }
 
+TEST_CASE("a dispersion that rests on few degrees of freedom gives Student's quantiles") {
+  const auto cost = [](double v) { return 0.5 * v * v; };
+  // Of t with 4 and with 1 degree of freedom, two-sided 95 %.
+  const auto upper = [&](double nu) {
+    return *profile({"v", 0.0, 0.0, 1.0, -50.0, 50.0}, kNothing, of(cost), {.degrees_of_freedom = nu})
+                .interval_upper;
+  };
+  CHECK(upper(4.0) == Approx(2.776445).epsilon(1e-6));
+  CHECK(upper(1.0) == Approx(12.706205).epsilon(1e-6));
+  CHECK(upper(1e6) == Approx(kRoot).epsilon(1e-5));
+}
+
 TEST_CASE("the interval follows a bend that a standard error does not see") {
   // D = 2 (v - log v - 1): of the rate of an exponential distribution, one observation.
   const auto cost = [](double v) { return v - std::log(v) - 1.0; };
@@ -151,4 +163,6 @@ TEST_CASE("profiles refuse targets and options without meaning") {
   CHECK_THROWS_AS(profile({"v", std::nan(""), 0.0, 1.0, -1.0, 1.0}, kNothing, solve), samara::ArgumentError);
   CHECK_THROWS_AS(profile({"v", 0.0, 0.0}, kNothing, solve, {.confidence = 1.0}), samara::ArgumentError);
   CHECK_THROWS_AS(profile({"v", 0.0, 0.0}, kNothing, solve, {.dispersion = 0.0}), samara::ArgumentError);
+  CHECK_THROWS_AS(profile({"v", 0.0, 0.0}, kNothing, solve, {.degrees_of_freedom = 0.0}),
+                  samara::ArgumentError);
 }

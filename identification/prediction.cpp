@@ -1,0 +1,236 @@
+#include "samara/identification/prediction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/identification/fit.h"
+#include "samara/io/text.h"
+
+namespace samara::identification {
+
+namespace {
+
+/// A frame counts as the last one ahead if it lies within this part of the way from its end.
+constexpr double kAtEnd = 0.1;
+
+void check(const PredictionOptions& prediction) {
+  for (const auto& [name, value] : {std::pair{"window", prediction.window}, {"ahead", prediction.ahead}}) {
+    if (value > 0.0 && std::isfinite(value)) continue;
+    throw ArgumentError(
+        fmt::format("{} of a prediction is {}; a positive number of seconds was expected", name, value));
+  }
+}
+
+/// Outputs with values frame by frame; an attitude as a whole stands behind them in the residuals.
+std::vector<OutputRms> compared_outputs(const FitResult& fitted) {
+  const auto count = static_cast<std::ptrdiff_t>(fitted.captures.front().measured.cols());
+  return {fitted.residuals.begin(), fitted.residuals.begin() + count};
+}
+
+/// The options of the fit, with the coefficients held.
+FitOptions holding(const FitResult& fitted, FitOptions options, const PredictionOptions& prediction) {
+  for (const Coefficient& c : fitted.coefficients) {
+    options.fixed[c.name] = c.value;
+    std::erase(options.shared, c.name);
+    std::erase(options.log_scale, c.name);
+    options.box.erase(c.name);
+    options.priors.erase(c.name);
+    options.initial.erase(c.name);
+  }
+  options.outputs.clear();
+  for (const OutputRms& output : compared_outputs(fitted)) options.outputs.push_back(output.output);
+  if (fitted.captures.front().nuisances.empty()) options.segments.length.reset();
+  options.window = prediction.window;
+  options.cluster_by.clear();
+  options.profiles = false;
+  return options;
+}
+
+/// Frames of the capture by their time since its first.
+std::vector<Eigen::Index> frames_between(const Capture& capture, double after, double until) {
+  // A frame on a border belongs to what lies before it, also where rounding puts it just behind.
+  const double margin = 1e-9 * std::max(1.0, std::abs(capture.times[capture.times.size() - 1]));
+  std::vector<Eigen::Index> frames;
+  for (Eigen::Index k = 0; k < capture.times.size(); ++k) {
+    const double t = capture.times[k] - capture.times[0];
+    if (t > after + margin && t <= until + margin) frames.push_back(k);
+  }
+  return frames;
+}
+
+Eigen::MatrixXd measured(const Capture& capture, const std::vector<std::string>& outputs,
+                         const std::vector<Eigen::Index>& frames) {
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(frames.size()), static_cast<Eigen::Index>(outputs.size()));
+  for (std::size_t o = 0; o < outputs.size(); ++o)
+    values.col(static_cast<Eigen::Index>(o)) = capture.channel(outputs[o]).values(frames);
+  return values;
+}
+
+/// A coordinate or an offset, as the fit of the window has it.
+std::optional<double> value_of(const FitResult& window, const Capture& capture, const FitOptions& options,
+                               const std::string& name) {
+  if (const auto label = options.known.find(name); label != options.known.end())
+    return io::read_number(capture.labels.at(label->second)).value;
+  for (const Nuisance& n : window.captures.front().nuisances) {
+    if (n.name == name) return n.value;
+  }
+  for (const Coefficient& c : window.coefficients) {
+    if (c.name == name) return c.value;
+  }
+  const auto held = window.fixed.find(name);
+  return held == window.fixed.end() ? std::nullopt : std::optional(held->second);
+}
+
+/// The model carried on to other times of the capture, times x outputs.
+std::optional<Eigen::MatrixXd> carried_on(const TrajectoryFamily& family, const FitResult& window,
+                                          const Capture& capture, const FitOptions& options,
+                                          const Eigen::VectorXd& times) {
+  std::vector<double> q;
+  for (const FitCoordinate& c : family.info().coordinates)
+    q.push_back(value_of(window, capture, options, c.name).value());
+  // Segments count their times from their first frame, a capture in one piece counts as its times do.
+  const double origin = options.segments.length ? window.captures.front().times[0] : 0.0;
+  const Eigen::VectorXd since = times.array() - origin;
+  Eigen::MatrixXd values(times.size(), static_cast<Eigen::Index>(options.outputs.size()));
+  const auto source = family.at({since.begin(), since.end()}, options.outputs);
+  if (!source->evaluate(q, values, nullptr) || !values.allFinite()) return {};
+  for (std::size_t o = 0; o < options.outputs.size(); ++o)
+    values.col(static_cast<Eigen::Index>(o)).array() +=
+        value_of(window, capture, options, fmt::format("offset of {}", options.outputs[o])).value_or(0.0);
+  return values;
+}
+
+/// Outputs that are compared as one: all lengths, or a single other one.
+struct Quantity {
+  std::string name, unit;
+  std::vector<int> columns;
+};
+
+std::vector<Quantity> quantities(const std::vector<OutputRms>& outputs) {
+  std::vector<Quantity> result;
+  for (std::size_t o = 0; o < outputs.size(); ++o) {
+    const bool is_length = outputs[o].unit == "m";
+    const auto position = std::ranges::find(result, std::string("position"), &Quantity::name);
+    if (is_length && position != result.end()) {
+      position->columns.push_back(static_cast<int>(o));
+    } else {
+      result.push_back({is_length ? "position" : outputs[o].output, outputs[o].unit, {static_cast<int>(o)}});
+    }
+  }
+  return result;
+}
+
+/// One capture: what was seen, what followed, and what the model made of it.
+struct Outlook {
+  SeenMotion seen;
+  Eigen::VectorXd times;  ///< since the first frame
+  Eigen::MatrixXd truth;
+  Eigen::MatrixXd model;
+};
+
+/// Whether the window holds more values than unknowns.
+bool can_be_fitted(const Eigen::MatrixXd& seen, std::size_t unknowns) {
+  const auto values = static_cast<std::size_t>((seen.array() == seen.array()).count());  // not NaN
+  return seen.rows() >= 3 && values > unknowns;
+}
+
+std::optional<Outlook> outlook_of(const TrajectoryFamily& family, const FitResult& fitted,
+                                  const Capture& capture, const FitOptions& options,
+                                  const PredictionOptions& prediction) {
+  if (capture.times.size() == 0) return {};
+  const std::vector<Eigen::Index> before = frames_between(capture, -1.0, prediction.window);
+  const double end =
+      std::min(prediction.window + prediction.ahead, family.info().end_time - capture.times[0]);
+  const std::vector<Eigen::Index> after = frames_between(capture, prediction.window, end);
+  const Eigen::VectorXd since = capture.times.array() - capture.times[0];
+  Outlook outlook;
+  outlook.seen = {since(before), measured(capture, options.outputs, before)};
+  outlook.times = since(after);
+  outlook.truth = measured(capture, options.outputs, after);
+  const std::size_t unknowns = fitted.captures.front().nuisances.size();
+  if (after.empty() || !can_be_fitted(outlook.seen.positions, unknowns)) return {};
+
+  // Without unknowns of its own there is nothing to fit.
+  const FitResult window = unknowns > 0 ? fit(family, std::span(&capture, 1), options) : fitted;
+  if (window.status == FitStatus::failed) return {};
+  const std::optional<Eigen::MatrixXd> model =
+      carried_on(family, window, capture, options, capture.times(after).cwiseMin(family.info().end_time));
+  if (!model) return {};
+  outlook.model = *model;
+  return outlook;
+}
+
+/// Tallies of one predictor, one pair per quantity.
+struct Predictor {
+  std::optional<Baseline> baseline = {};  ///< empty: the model
+  std::vector<PredictionTally> all = {}, last = {};
+
+  std::string name() const { return baseline ? to_string(*baseline) : "model"; }
+
+  Eigen::MatrixXd predicted(const Outlook& outlook) const {
+    return baseline ? predict(*baseline, outlook.seen, outlook.times) : outlook.model;
+  }
+};
+
+/// The last frame, if it lies near the end of the way; else nothing to compare.
+Eigen::MatrixXd last_row(const Eigen::MatrixXd& rows, const Outlook& outlook,
+                         const PredictionOptions& prediction) {
+  const double end = prediction.window + prediction.ahead;
+  const bool at_end = outlook.times[outlook.times.size() - 1] >= end - kAtEnd * prediction.ahead;
+  return rows.bottomRows(at_end ? 1 : 0);
+}
+
+void tally(const Outlook& outlook, const std::vector<Quantity>& compared, const PredictionOptions& prediction,
+           Predictor& predictor) {
+  const Eigen::MatrixXd predicted = predictor.predicted(outlook);
+  for (std::size_t k = 0; k < compared.size(); ++k) {
+    const Eigen::MatrixXd guess = predicted(Eigen::all, compared[k].columns);
+    const Eigen::MatrixXd truth = outlook.truth(Eigen::all, compared[k].columns);
+    predictor.all[k].add(prediction_distances(guess, truth));
+    predictor.last[k].add(
+        prediction_distances(last_row(guess, outlook, prediction), last_row(truth, outlook, prediction)));
+  }
+}
+
+std::vector<Predictor> predictors(const std::vector<Quantity>& compared,
+                                  const PredictionOptions& prediction) {
+  std::vector<Predictor> all(1);
+  for (const Baseline baseline : all_baselines()) all.push_back({.baseline = baseline});
+  for (Predictor& p : all) {
+    for (const Quantity& q : compared) {
+      p.all.emplace_back(p.name(), fmt::format("{}, up to {:.4g} s ahead", q.name, prediction.ahead), q.unit);
+      p.last.emplace_back(p.name(), fmt::format("{}, {:.4g} s ahead", q.name, prediction.ahead), q.unit);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<PredictionScore> predict_left_out(const TrajectoryFamily& family, const FitResult& fitted,
+                                              std::span<const Capture> left_out, const FitOptions& options,
+                                              const PredictionOptions& prediction) {
+  check(prediction);
+  if (fitted.captures.empty()) return {};
+  const FitOptions held = holding(fitted, options, prediction);
+  const std::vector<Quantity> compared = quantities(compared_outputs(fitted));
+  std::vector<Predictor> all = predictors(compared, prediction);
+  for (const Capture& capture : left_out) {
+    const std::optional<Outlook> outlook = outlook_of(family, fitted, capture, held, prediction);
+    if (!outlook) continue;
+    for (Predictor& predictor : all) tally(*outlook, compared, prediction, predictor);
+  }
+  std::vector<PredictionScore> scores;
+  for (std::size_t k = 0; k < compared.size(); ++k) {
+    for (const auto which : {&Predictor::last, &Predictor::all}) {
+      for (const Predictor& predictor : all) scores.push_back((predictor.*which)[k].score());
+    }
+  }
+  return scores;
+}
+
+}  // namespace samara::identification

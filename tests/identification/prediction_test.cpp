@@ -1,0 +1,123 @@
+#include "samara/identification/prediction.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "samara/base/errors.h"
+#include "samara/identification/fit.h"
+#include "synthetic.h"
+
+using namespace samara::identification;
+
+namespace {
+
+/// Braked motions of k = 1.4 with different speeds.
+std::vector<Capture> braked(int first, int count, double noise) {
+  std::mt19937_64 random(static_cast<std::uint64_t>(first) + 1);
+  const std::vector<double> times = even_times(31, 1.5);
+  std::vector<Capture> captures;
+  for (int c = first; c < first + count; ++c) {
+    captures.push_back(make_capture(fmt::format("{}", c), times,
+                                    BrakedFamily::depths(1.4, 0.6 + 0.1 * c, times).array() + 0.2 * c));
+    add_noise(captures.back(), noise, random);
+  }
+  return captures;
+}
+
+const PredictionScore& of(const std::vector<PredictionScore>& scores, const std::string& predictor,
+                          const std::string& quantity) {
+  const auto found = std::ranges::find_if(
+      scores, [&](const PredictionScore& s) { return s.predictor == predictor && s.quantity == quantity; });
+  REQUIRE(found != scores.end());
+  return *found;
+}
+
+FitOptions plain() {
+  FitOptions options;
+  options.loss.kind = LossKind::none;
+  options.starts = 1;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("the true model predicts captures left out to the last digits, and baselines do not") {
+  const BrakedFamily family;
+  const FitResult fitted = fit(family, braked(0, 4, 0.0), plain());
+  const std::vector<Capture> left_out = braked(4, 3, 0.0);
+  const auto scores = predict_left_out(family, fitted, left_out, plain(), {.window = 0.6, .ahead = 0.5});
+  // Six predictors, at the end and on the way.
+  REQUIRE(scores.size() == 12);
+  const PredictionScore& model = of(scores, "model", "position, 0.5 s ahead");
+  CHECK(model.captures == 3);
+  CHECK(model.count == 3);
+  CHECK(model.unit == "m");
+  CHECK(model.largest < 1e-6);
+  // v = exp(-1.4 t): the straight line runs on at the mean speed of the window.
+  CHECK(of(scores, "straight line", "position, 0.5 s ahead").median > 0.05);
+  CHECK(of(scores, "cubic", "position, 0.5 s ahead").median <
+        of(scores, "quadratic", "position, 0.5 s ahead").median);
+  // Ten frames of 50 ms each.
+  CHECK(of(scores, "model", "position, up to 0.5 s ahead").count == 30);
+}
+
+TEST_CASE("with noise the model is better than every baseline") {
+  const BrakedFamily family;
+  const FitResult fitted = fit(family, braked(0, 6, 2e-3), plain());
+  const auto scores =
+      predict_left_out(family, fitted, braked(6, 20, 2e-3), plain(), {.window = 0.6, .ahead = 0.5});
+  const double model = of(scores, "model", "position, 0.5 s ahead").median;
+  CHECK(model < 0.01);
+  for (const Baseline baseline : all_baselines())
+    CHECK(of(scores, to_string(baseline), "position, 0.5 s ahead").median > 2.0 * model);
+}
+
+TEST_CASE("captures without a window, or with nothing beyond it, are left out of all scores") {
+  const BrakedFamily family;
+  const FitResult fitted = fit(family, braked(0, 4, 0.0), plain());
+  std::vector<Capture> left_out = braked(4, 3, 0.0);
+  left_out[0] = first(left_out[0], 0.6);
+  left_out[1].channels[0].values.head(11).setConstant(std::nan(""));
+  const auto scores = predict_left_out(family, fitted, left_out, plain(), {.window = 0.6, .ahead = 0.5});
+  for (const PredictionScore& score : scores) CHECK(score.captures == 1);
+}
+
+TEST_CASE("coordinates that the family holds from its box, and shared ones, are taken over") {
+  const BrakedFamily family;
+  FitOptions options = plain();
+  options.shared = {"v(0)"};
+  options.box = {{"k", {0.5, 3.0}}};
+  std::vector<Capture> same = braked(0, 1, 0.0);
+  const FitResult fitted = fit(family, same, options);
+  same[0].id = "again";
+  const auto scores = predict_left_out(family, fitted, same, options, {.window = 0.6, .ahead = 0.5});
+  CHECK(of(scores, "model", "position, 0.5 s ahead").largest < 1e-6);
+  // Nothing at all is the capture's own.
+  options.offsets = std::vector<std::string>{};
+  const FitResult without = fit(family, same, options);
+  CHECK(predict_left_out(family, without, same, options, {.window = 0.6, .ahead = 0.5})[0].largest < 1e-6);
+}
+
+TEST_CASE("windows may be fitted by multiple shooting, and captures may begin late") {
+  const auto family = coin_family();
+  FitOptions options;
+  options.starts = 1;
+  std::vector<Capture> captures;
+  for (int c = 0; c < 3; ++c) captures.push_back(coin_capture(fmt::format("{}", c), 1.2, 0.1 * c, 0.05));
+  const FitResult fitted = fit(*family, captures, options);
+  for (Capture& capture : captures) capture.channels[0].values.head(2).setConstant(std::nan(""));
+  options.segments.length = 0.1;
+  const auto scores = predict_left_out(*family, fitted, captures, options, {.window = 0.25, .ahead = 0.1});
+  // Segments join to a part of their own uncertainty, which without noise is that of the integrator.
+  CHECK(scores[0].captures == 3);
+  CHECK(of(scores, "model", "position, 0.1 s ahead").largest < 1e-5);
+}
+
+TEST_CASE("predictions refuse times that are none, and say nothing of fits that failed") {
+  const BrakedFamily family;
+  CHECK_THROWS_AS(predict_left_out(family, {}, {}, plain(), {.window = 0.0, .ahead = 0.5}),
+                  samara::ArgumentError);
+  CHECK(predict_left_out(family, {}, {}, plain(), {.window = 0.5, .ahead = 0.5}).empty());
+}
