@@ -23,14 +23,6 @@ constexpr double kLeastVariance = 1e-12;
 constexpr int kAbsoluteIterations = 8;
 constexpr int kReweightings = 4;
 
-/// The `wanted` usable frames nearest to t.
-Frames nearest(const LocalFrames& all, double t, Frames usable, std::size_t wanted) {
-  std::ranges::stable_sort(usable, {}, [&](Index i) { return std::abs(all.times[i] - t); });
-  usable.resize(std::min(wanted, usable.size()));
-  std::ranges::sort(usable);
-  return usable;
-}
-
 Eigen::VectorXd picked(const Eigen::VectorXd& all, const Frames& frames) {
   Eigen::VectorXd part(static_cast<Index>(frames.size()));
   for (Index k = 0; k < part.size(); ++k) part[k] = all[frames[static_cast<std::size_t>(k)]];
@@ -204,6 +196,22 @@ double median_interval(const Eigen::VectorXd& times) {
   return median(intervals);
 }
 
+Frames LocalFrames::nearest(double t, std::size_t wanted, Index but) const {
+  Frames found;
+  Index after = std::ranges::lower_bound(times, t) - times.begin();
+  Index before = after - 1;
+  const auto is_usable = [&](Index i) { return weights[i] > 0.0 && i != but; };
+  while (found.size() < wanted) {
+    while (before >= 0 && !is_usable(before)) --before;
+    while (after < count() && !is_usable(after)) ++after;
+    if (before < 0 && after >= count()) break;
+    const bool goes_back = after >= count() || (before >= 0 && t - times[before] < times[after] - t);
+    found.push_back(goes_back ? before-- : after++);
+  }
+  std::ranges::sort(found);
+  return found;
+}
+
 Frames LocalFrames::around(double t, Index but) const {
   const double slack = kSameTime * window / 15.0;
   const double begin = times[0];
@@ -219,11 +227,7 @@ Frames LocalFrames::around(double t, Index but) const {
   }
   const auto wanted = static_cast<std::size_t>(degree) + 2;
   if (inside.size() >= wanted) return inside;
-  Frames usable;
-  for (Index i = 0; i < count(); ++i) {
-    if (weights[i] > 0.0 && i != but) usable.push_back(i);
-  }
-  return nearest(*this, t, usable, wanted);
+  return nearest(t, wanted, but);
 }
 
 LocalPolynomial fit_local(const LocalFrames& all, const Frames& frames, double t0,

@@ -25,6 +25,8 @@ struct LocalFrames {
   /// the nearest degree + 2 where it holds fewer (all, if there are not so many).
   /// @param but a frame to leave out; -1: none
   std::vector<Eigen::Index> around(double t, Eigen::Index but = -1) const;
+  /// The nearest frames with a weight, in order; fewer if there are not so many.
+  std::vector<Eigen::Index> nearest(double t, std::size_t wanted, Eigen::Index but = -1) const;
 };
 
 /// A polynomial in t - t0 for each of some coordinates.

@@ -56,6 +56,16 @@ TEST_CASE("rounded times go back to the grid they came from") {
   }
 }
 
+TEST_CASE("a grid holds over a long recording") {
+  const double period = 1.0 / 239.7;
+  const Index count = 20000;
+  Eigen::VectorXd times(count);
+  for (Index k = 0; k < count; ++k) times[k] = std::round(1e3 * period * static_cast<double>(k)) / 1e3;
+  const FrameGrid grid = on_frame_grid(capture_of(times, {{"x", "m", times}}));
+  CHECK(grid.dropped_frames == 0);
+  CHECK(std::abs(grid.period / period - 1.0) < 1e-7);
+}
+
 TEST_CASE("frames that arrive late keep their order on the grid") {
   Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(60, 0.0, 0.59);
   times[20] += 0.008;  // 0.208, just before frame 21: nearest to its place
