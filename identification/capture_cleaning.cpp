@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/errors.h"
 #include "samara/identification/local_polynomial.h"
 
 namespace samara::identification {
@@ -59,6 +60,13 @@ Flags channel_outliers(const Capture& capture, const Channel& channel, const Smo
       .outlier.col(0);
 }
 
+Eigen::VectorXd position(const Capture& capture, const std::vector<std::string>& quantities, Index frame) {
+  Eigen::VectorXd values(static_cast<Index>(quantities.size()));
+  for (Index k = 0; k < values.size(); ++k)
+    values[k] = capture.channel(quantities[static_cast<std::size_t>(k)]).values[frame];
+  return values;
+}
+
 }  // namespace
 
 std::vector<Gap> gaps(const Capture& capture, const std::string& quantity) {
@@ -75,6 +83,53 @@ std::vector<Gap> gaps(const Capture& capture, const std::string& quantity) {
     before = time;
   }
   return found;
+}
+
+std::vector<Capture> continuous_pieces(const Capture& capture, const PieceOptions& options) {
+  if (!(options.longest_gap > 0.0)) {
+    throw ArgumentError(
+        fmt::format("the longest gap is {} s; more than 0 was expected", options.longest_gap));
+  }
+  std::vector<std::pair<Index, Index>> ranges;  // first and last frame
+  Index seen = 0;                               // in the last range
+  const auto close = [&] {
+    if (!ranges.empty() && seen < options.least_frames) ranges.pop_back();
+  };
+  for (Index i = 0; i < capture.times.size(); ++i) {
+    const Eigen::VectorXd here = position(capture, options.quantities, i);
+    if (here.array().isNaN().any()) continue;
+    bool goes_on = seen > 0;
+    if (goes_on) {
+      const Index last = ranges.back().second;
+      const double interval = capture.times[i] - capture.times[last];
+      const double step = (here - position(capture, options.quantities, last)).norm();
+      goes_on =
+          interval <= options.longest_gap && (options.fastest <= 0.0 || step <= options.fastest * interval);
+    }
+    if (goes_on) {
+      ranges.back().second = i;
+      ++seen;
+    } else {
+      close();
+      ranges.emplace_back(i, i);
+      seen = 1;
+    }
+  }
+  close();
+  std::vector<Capture> pieces;
+  for (const auto& [first, last] : ranges) {
+    Capture piece = capture;
+    piece.times = capture.times.segment(first, last + 1 - first);
+    for (Channel& channel : piece.channels)
+      channel.values = channel.values.segment(first, last + 1 - first).eval();
+    if (piece.frame_count() < capture.frame_count()) {
+      piece.notes.push_back(fmt::format("a piece of {} of {} frames, between gaps or jumps",
+                                        piece.frame_count(), capture.frame_count()));
+    }
+    if (ranges.size() > 1) piece.id += fmt::format("#{}", pieces.size() + 1);
+    pieces.push_back(std::move(piece));
+  }
+  return pieces;
 }
 
 WithoutOutliers without_outliers(const Capture& capture, const SmoothingOptions& options,

@@ -69,6 +69,18 @@ struct BeforeImpact {
 /// @throws ArgumentError if a quantity is not measured, or fewer than 3 frames are left
 BeforeImpact before_impact(const Capture& capture, const ImpactOptions& options = {});
 
+struct PieceOptions {
+  std::vector<std::string> quantities = {"x", "y", "z"};  ///< positions that count
+  double longest_gap = 0.1;                               ///< s between frames in which all of them are seen
+  double fastest = 0.0;                                   ///< m/s from one such frame to the next; 0: any
+  int least_frames = 8;
+};
+
+/// The pieces of a capture without gaps and without jumps (a tracker that went on with another body), in
+/// order. They keep the times of the capture, and its id with "#1", "#2", ... where there are several.
+/// @throws ArgumentError if a quantity is not measured, or an option is out of its range
+std::vector<Capture> continuous_pieces(const Capture& capture, const PieceOptions& options = {});
+
 /// The channels of an attitude: all four are set to NaN together.
 inline const std::vector<std::string> kQuaternionChannels = {"qw", "qx", "qy", "qz"};
 

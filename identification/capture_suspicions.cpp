@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -120,6 +122,38 @@ void suspect_speed(const Channel& channel, const SeenValues& seen, Sentences& fo
   }
 }
 
+/// Steps of all positions together.
+void suspect_breaks(const Capture& capture, Sentences& found) {
+  constexpr double kTimes = 4.0;  // as fast as nine frames in ten
+  std::vector<double> speeds;
+  std::vector<double> times;
+  std::optional<std::pair<double, Eigen::VectorXd>> before;
+  for (Index i = 0; i < capture.times.size(); ++i) {
+    std::vector<double> position;
+    for (const Channel& channel : capture.channels) {
+      if (is_position(channel)) position.push_back(channel.values[i]);
+    }
+    const Eigen::VectorXd here =
+        Eigen::Map<Eigen::VectorXd>(position.data(), static_cast<Index>(position.size()));
+    if (position.empty() || !here.allFinite()) continue;
+    if (before) {
+      speeds.push_back((here - before->second).norm() / (capture.times[i] - before->first));
+      times.push_back(capture.times[i]);
+    }
+    before = {capture.times[i], here};
+  }
+  if (speeds.size() < static_cast<std::size_t>(kFramesForMotion)) return;
+  std::vector<double> sorted = speeds;
+  std::ranges::sort(sorted);
+  const double usual = sorted[9 * sorted.size() / 10];
+  const auto fastest = std::ranges::max_element(speeds);
+  if (*fastest <= kTimes * usual || *fastest > kSound) return;
+  found.push_back(
+      fmt::format("the position moves at {:.3g} m/s before {:.4g} s, {:.2g} times what it otherwise does: "
+                  "another body, or a wrong frame?",
+                  *fastest, times[static_cast<std::size_t>(fastest - speeds.begin())], *fastest / usual));
+}
+
 void suspect_span(const Channel& channel, const SeenValues& seen, Sentences& found) {
   const double span = seen.values.maxCoeff() - seen.values.minCoeff();
   if (span < 1e-4) {
@@ -205,6 +239,7 @@ std::vector<std::string> suspicions(const Capture& capture) {
   suspect_quaternion(capture, found);
   if (ordered && capture.times.size() >= kFramesForMotion) {
     suspect_order(capture, found);
+    suspect_breaks(capture, found);
     suspect_acceleration(capture, found);
   }
   return found;

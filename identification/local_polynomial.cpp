@@ -17,16 +17,11 @@ using Frames = std::vector<Index>;
 /// Times that differ by rounding are the same.
 constexpr double kSameTime = 1e-3;
 
+/// A polynomial through as many frames as it has terms leaves no distance.
+constexpr double kLeastVariance = 1e-12;
+
 constexpr int kAbsoluteIterations = 8;
 constexpr int kReweightings = 4;
-
-/// The `wanted` usable frames nearest to t.
-Frames nearest(const LocalFrames& all, double t, Frames usable, std::size_t wanted) {
-  std::ranges::stable_sort(usable, {}, [&](Index i) { return std::abs(all.times[i] - t); });
-  usable.resize(std::min(wanted, usable.size()));
-  std::ranges::sort(usable);
-  return usable;
-}
 
 Eigen::VectorXd picked(const Eigen::VectorXd& all, const Frames& frames) {
   Eigen::VectorXd part(static_cast<Index>(frames.size()));
@@ -34,17 +29,79 @@ Eigen::VectorXd picked(const Eigen::VectorXd& all, const Frames& frames) {
   return part;
 }
 
+/// What noise makes of a fit. @param levers coefficients = levers * values; for independent noise, rows
+/// of the same length do
+void carry_noise(const LocalFrames& all, const Eigen::VectorXd& since, const Eigen::MatrixXd& levers,
+                 double reach, LocalPolynomial& fit) {
+  // Of running means over a range: by how much of it they overlap.
+  const double range = all.averaged * all.interval;
+  const auto overlap = [&](const auto& distance) {
+    return (1.0 - distance.abs() / range).max(0.0).matrix().eval();
+  };
+  const bool is_correlated = all.averaged > 1;
+  Eigen::MatrixXd correlation;
+  if (is_correlated) {
+    correlation.resize(since.size(), since.size());
+    for (Index k = 0; k < since.size(); ++k) correlation.col(k) = overlap(since.array() - since[k]);
+  }
+  double scale = 1.0;  // k! / reach^k
+  for (Index k = 0; k < std::min<Index>(3, levers.rows()); ++k) {
+    if (k > 0) scale *= static_cast<double>(k) / reach;
+    const Eigen::RowVectorXd lever = levers.row(k);
+    fit.deviations[k] =
+        scale * std::sqrt(is_correlated ? lever * correlation * lever.transpose() : lever.squaredNorm());
+  }
+  if (is_correlated) {
+    fit.with_frame = levers.row(0) * overlap(since.array());
+  } else if ((since.array() == 0.0).any()) {
+    fit.with_frame = fit.deviations[0] * fit.deviations[0];
+  }
+}
+
+/// fit_local(), if wanted without what it says about noise.
+LocalPolynomial solve_local(const LocalFrames& all, const Frames& frames, double t0,
+                            const Eigen::VectorXd& weights, const Eigen::MatrixXd& values, bool with_noise) {
+  const Eigen::VectorXd since = picked(all.times, frames).array() - t0;
+  const double reach = since.cwiseAbs().maxCoeff();
+  const auto terms = std::min<Index>(all.degree + 1, since.size());
+  Eigen::MatrixXd basis(since.size(), terms);
+  basis.col(0).setOnes();
+  for (Index k = 1; k < terms; ++k) basis.col(k) = basis.col(k - 1).cwiseProduct(since) / reach;
+
+  const Eigen::VectorXd root = weights.cwiseSqrt();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(root.asDiagonal() * basis);
+  const Eigen::MatrixXd coefficients = qr.solve(root.asDiagonal() * values);
+  LocalPolynomial fit;
+  fit.residuals = values - basis * coefficients;
+  fit.span = since[since.size() - 1] - since[0];
+  fit.derivatives = Eigen::MatrixXd::Zero(3, values.cols());
+  fit.deviations.setZero();
+  double scale = 1.0;  // k! / reach^k
+  for (Index k = 0; k < std::min<Index>(3, terms); ++k) {
+    if (k > 0) scale *= static_cast<double>(k) / reach;
+    fit.derivatives.row(k) = scale * coefficients.row(k);
+  }
+  if (!with_noise) return fit;
+  // Rows of R^-1 are as long as those of R^-1 Q', which is all that independent noise asks for.
+  const Eigen::MatrixXd levers =
+      all.averaged > 1 ? qr.solve(Eigen::MatrixXd(root.asDiagonal()))
+                       : Eigen::MatrixXd(qr.matrixQR().topRows(terms).triangularView<Eigen::Upper>().solve(
+                             Eigen::MatrixXd::Identity(terms, terms)));
+  carry_noise(all, since, levers, reach, fit);
+  return fit;
+}
+
 /// Least absolute residuals by iterated reweighting: an outlier among the frames does not bend it.
 LocalPolynomial fit_absolute(const LocalFrames& all, const Frames& frames, double t0,
                              const Eigen::MatrixXd& values, double least) {
   const auto count = static_cast<Index>(frames.size());
-  LocalPolynomial fit = fit_local(all, frames, t0, Eigen::VectorXd::Ones(count), values);
+  LocalPolynomial fit = solve_local(all, frames, t0, Eigen::VectorXd::Ones(count), values, false);
   for (int k = 0; k < kAbsoluteIterations; ++k) {
     const Eigen::VectorXd sizes = fit.residuals.rowwise().norm();
     // Weights over many orders of magnitude would lose digits.
     const double floor = std::max(least, 1e-3 * sizes.mean());
     if (!(floor > 0.0)) break;
-    fit = fit_local(all, frames, t0, sizes.cwiseMax(floor).cwiseInverse() * floor, values);
+    fit = solve_local(all, frames, t0, sizes.cwiseMax(floor).cwiseInverse() * floor, values, false);
   }
   return fit;
 }
@@ -63,7 +120,8 @@ Eigen::MatrixXd deviations(const LocalFrames& frames, const LocalChart& chart, b
     const Eigen::RowVectorXd predicted =
         (absolute ? fit_absolute(frames, others, t0, values, least) : plain).derivatives.row(0);
     if (i == 0) result.resize(frames.count(), values.cols());
-    result.row(i) = (chart(i, {i}).row(0) - predicted) / std::sqrt(1.0 + std::pow(plain.deviations[0], 2));
+    result.row(i) =
+        (chart(i, {i}).row(0) - predicted) / std::sqrt(std::max(plain.distance_variance(), kLeastVariance));
   }
   return result;
 }
@@ -91,7 +149,8 @@ Eigen::RowVectorXd deviation_from(const LocalFrames& frames, const LocalChart& c
   const Eigen::MatrixXd values = chart(i, others);
   const LocalPolynomial fit =
       fit_local(frames, others, frames.times[i], Eigen::VectorXd::Ones(values.rows()), values);
-  return (chart(i, {i}).row(0) - fit.derivatives.row(0)) / std::sqrt(1.0 + std::pow(fit.deviations[0], 2));
+  return (chart(i, {i}).row(0) - fit.derivatives.row(0)) /
+         std::sqrt(std::max(fit.distance_variance(), kLeastVariance));
 }
 
 /// An outlier at an end of the record bends the polynomials there to itself, so that its neighbours seem
@@ -137,6 +196,22 @@ double median_interval(const Eigen::VectorXd& times) {
   return median(intervals);
 }
 
+Frames LocalFrames::nearest(double t, std::size_t wanted, Index but) const {
+  Frames found;
+  Index after = std::ranges::lower_bound(times, t) - times.begin();
+  Index before = after - 1;
+  const auto is_usable = [&](Index i) { return weights[i] > 0.0 && i != but; };
+  while (found.size() < wanted) {
+    while (before >= 0 && !is_usable(before)) --before;
+    while (after < count() && !is_usable(after)) ++after;
+    if (before < 0 && after >= count()) break;
+    const bool goes_back = after >= count() || (before >= 0 && t - times[before] < times[after] - t);
+    found.push_back(goes_back ? before-- : after++);
+  }
+  std::ranges::sort(found);
+  return found;
+}
+
 Frames LocalFrames::around(double t, Index but) const {
   const double slack = kSameTime * window / 15.0;
   const double begin = times[0];
@@ -152,40 +227,12 @@ Frames LocalFrames::around(double t, Index but) const {
   }
   const auto wanted = static_cast<std::size_t>(degree) + 2;
   if (inside.size() >= wanted) return inside;
-  Frames usable;
-  for (Index i = 0; i < count(); ++i) {
-    if (weights[i] > 0.0 && i != but) usable.push_back(i);
-  }
-  return nearest(*this, t, usable, wanted);
+  return nearest(t, wanted, but);
 }
 
 LocalPolynomial fit_local(const LocalFrames& all, const Frames& frames, double t0,
                           const Eigen::VectorXd& weights, const Eigen::MatrixXd& values) {
-  const Eigen::VectorXd since = picked(all.times, frames).array() - t0;
-  const double reach = since.cwiseAbs().maxCoeff();
-  const auto terms = std::min<Index>(all.degree + 1, since.size());
-  Eigen::MatrixXd basis(since.size(), terms);
-  basis.col(0).setOnes();
-  for (Index k = 1; k < terms; ++k) basis.col(k) = basis.col(k - 1).cwiseProduct(since) / reach;
-
-  const Eigen::VectorXd root = weights.cwiseSqrt();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(root.asDiagonal() * basis);
-  const Eigen::MatrixXd coefficients = qr.solve(root.asDiagonal() * values);
-  const Eigen::MatrixXd inverse = qr.matrixQR().topRows(terms).triangularView<Eigen::Upper>().solve(
-      Eigen::MatrixXd::Identity(terms, terms));
-
-  LocalPolynomial fit;
-  fit.residuals = values - basis * coefficients;
-  fit.span = since[since.size() - 1] - since[0];
-  fit.derivatives = Eigen::MatrixXd::Zero(3, values.cols());
-  fit.deviations.setZero();
-  double scale = 1.0;  // k! / reach^k
-  for (Index k = 0; k < std::min<Index>(3, terms); ++k) {
-    if (k > 0) scale *= static_cast<double>(k) / reach;
-    fit.derivatives.row(k) = scale * coefficients.row(k);
-    fit.deviations[k] = scale * inverse.row(k).norm();
-  }
-  return fit;
+  return solve_local(all, frames, t0, weights, values, true);
 }
 
 void weigh_outliers(LocalFrames& frames, const LocalChart& chart, Index coordinates,
@@ -223,7 +270,7 @@ double residual_noise(const LocalFrames& frames, const LocalChart& chart, Index 
     const LocalPolynomial fit = fit_local(frames, used, t0, Eigen::VectorXd::Ones(values.rows()), values);
     const auto own = std::ranges::find(used, i) - used.begin();
     lengths.push_back(fit.residuals.row(own).norm());
-    freedoms.push_back(std::max(1.0 - fit.deviations[0] * fit.deviations[0], 1e-12));
+    freedoms.push_back(std::max(fit.distance_variance(), kLeastVariance));
     sizes.push_back(lengths.back() / std::sqrt(freedoms.back()));
   }
   // An outlier at an end of the record may hide another; it should not count for all the rest.

@@ -15,20 +15,30 @@ struct LocalFrames {
   Eigen::VectorXd weights;  ///< one per frame; 0: never used
   int degree = 4;
   double window = 0.0;  ///< s
+  /// Noise is a running mean over so many frames: that of frames less than so many intervals apart is
+  /// correlated.
+  int averaged = 1;
+  double interval = 0.0;  ///< s, between frames
 
   Eigen::Index count() const { return times.size(); }
   /// The frames with a weight in the window around t: shifted inward at an end of the record, and grown to
   /// the nearest degree + 2 where it holds fewer (all, if there are not so many).
   /// @param but a frame to leave out; -1: none
   std::vector<Eigen::Index> around(double t, Eigen::Index but = -1) const;
+  /// The nearest frames with a weight, in order; fewer if there are not so many.
+  std::vector<Eigen::Index> nearest(double t, std::size_t wanted, Eigen::Index but = -1) const;
 };
 
 /// A polynomial in t - t0 for each of some coordinates.
 struct LocalPolynomial {
   Eigen::MatrixXd derivatives;  ///< at t0; rows: order 0, 1, 2; columns: coordinates
   Eigen::Vector3d deviations;   ///< standard deviations of those for noise of size 1 and weight 1
+  double with_frame = 0.0;      ///< covariance of its value with the noise of a frame at t0, likewise
   Eigen::MatrixXd residuals;    ///< of the frames it was fitted to
   double span = 0.0;            ///< s, of the frames it was fitted to
+
+  /// Of the distance between its value and a frame at t0, for noise of size 1.
+  double distance_variance() const { return 1.0 + deviations[0] * deviations[0] - 2.0 * with_frame; }
 };
 
 /// Weighted least squares.

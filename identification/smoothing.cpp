@@ -58,6 +58,8 @@ SeenChannel seen_channel(const Eigen::VectorXd& times, const Eigen::VectorXd& va
   }
   seen.frames.degree = options.degree;
   seen.frames.window = window_of(times, options);
+  seen.frames.averaged = options.averaged_frames;
+  seen.frames.interval = median_interval(times);
   return seen;
 }
 
@@ -141,6 +143,9 @@ void check_smoothing(const Eigen::VectorXd& times, Index rows, const Eigen::Vect
     throw ArgumentError(fmt::format("a window is {} s wide; more than 0 s was expected", *options.window));
   if (options.noise && !(*options.noise >= 0.0 && std::isfinite(*options.noise)))
     throw ArgumentError(fmt::format("the noise is {}; a size was expected", *options.noise));
+  if (options.averaged_frames < 1)
+    throw ArgumentError(
+        fmt::format("a frame is the mean of {}; at least 1 was expected", options.averaged_frames));
   if (!(options.outlier_threshold > 0.0))
     throw ArgumentError(
         fmt::format("outlier_threshold is {}; more than 0 was expected", options.outlier_threshold));

@@ -16,9 +16,9 @@
 /// `outlier_threshold` times its standard deviation. They are found by iterated reweighting (Cleveland 1979,
 /// here with residuals of the frame left out, and from a start of least absolute residuals).
 ///
-/// What the standard errors mean: independent noise of one size over the frames, carried through the fit.
-/// They do not know what a polynomial of this degree cannot follow (choose a window of at most about half a
-/// swing), and noise that a source has smoothed already is correlated: its errors come out too small.
+/// What the standard errors mean: noise of one size over the frames, independent from frame to frame unless
+/// `averaged_frames` says otherwise, carried through the fit. They do not know what a polynomial of this
+/// degree cannot follow: choose a window of at most about half a swing.
 ///
 ///     const auto start = smooth(times, positions, Eigen::VectorXd::Constant(1, 0.1), {.window = 0.15});
 ///     start.value.row(0), start.rate.row(0), start.rate_error.row(0)
@@ -32,6 +32,10 @@ struct SmoothingOptions {
   /// Standard deviation of one frame's noise, in the channel's unit (rad for attitudes). None: estimated for
   /// each channel from the residuals.
   std::optional<double> noise = {};
+  /// The source has replaced each frame by the mean of so many around it: noise of neighbours is correlated.
+  /// Without this, errors would come out too small. (What the mean does to the motion is left to the caller:
+  /// it adds (n^2 - 1)/24 interval^2 times the acceleration.)
+  int averaged_frames = 1;
   /// A frame farther from its neighbours than this many standard deviations counts for nothing. Infinite:
   /// every frame counts.
   double outlier_threshold = 5.0;

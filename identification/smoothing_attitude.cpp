@@ -46,6 +46,8 @@ SeenAttitudes seen_attitudes(const Eigen::VectorXd& times, const Eigen::MatrixX4
     seen.frames.times[k] = times[seen.frame[static_cast<std::size_t>(k)]];
   seen.frames.degree = options.degree;
   seen.frames.window = window_of(times, options);
+  seen.frames.averaged = options.averaged_frames;
+  seen.frames.interval = median_interval(times);
   return seen;
 }
 

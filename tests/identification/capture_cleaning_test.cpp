@@ -56,6 +56,16 @@ TEST_CASE("rounded times go back to the grid they came from") {
   }
 }
 
+TEST_CASE("a grid holds over a long recording") {
+  const double period = 1.0 / 239.7;
+  const Index count = 20000;
+  Eigen::VectorXd times(count);
+  for (Index k = 0; k < count; ++k) times[k] = std::round(1e3 * period * static_cast<double>(k)) / 1e3;
+  const FrameGrid grid = on_frame_grid(capture_of(times, {{"x", "m", times}}));
+  CHECK(grid.dropped_frames == 0);
+  CHECK(std::abs(grid.period / period - 1.0) < 1e-7);
+}
+
 TEST_CASE("frames that arrive late keep their order on the grid") {
   Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(60, 0.0, 0.59);
   times[20] += 0.008;  // 0.208, just before frame 21: nearest to its place
@@ -141,6 +151,28 @@ TEST_CASE("neither free fall nor one wrong frame is an impact") {
   CHECK(uncut.capture.notes.empty());
   CHECK(error_of<samara::ArgumentError>([&] { before_impact(ball); }) ==
         "capture \"ball\" does not measure \"y\"; known: x, z");
+}
+
+TEST_CASE("a track that goes on with another body, or after a long gap, is several pieces") {
+  Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(60, 0.0, 1.18);
+  times.tail(20).array() += 0.5;
+  Eigen::VectorXd x = 2.0 * times;
+  x.tail(45).array() += 0.3;  // 17 m/s from frame 14 to 15
+  x.segment(25, 3).setConstant(NAN);
+  const auto pieces = continuous_pieces(capture_of(times, {{"x", "m", x}}),
+                                        {.quantities = {"x"}, .longest_gap = 0.1, .fastest = 5.0});
+  REQUIRE(pieces.size() == 3);
+  CHECK(pieces[0].frame_count() == 15);
+  CHECK(pieces[1].frame_count() == 25);
+  CHECK(pieces[2].frame_count() == 20);
+  CHECK(pieces[1].id == "ball#2");
+  CHECK(pieces[1].times[0] == times[15]);
+  CHECK(pieces[2].channel("x").values[0] == x[40]);
+  const auto longest = continuous_pieces(capture_of(times, {{"x", "m", x}}),
+                                         {.quantities = {"x"}, .longest_gap = 1.0, .least_frames = 30});
+  REQUIRE(longest.size() == 1);
+  CHECK(longest[0].id == "ball");
+  CHECK(longest[0].notes.empty());
 }
 
 TEST_CASE("outliers become missing values and are counted") {

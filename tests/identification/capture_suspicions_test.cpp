@@ -89,6 +89,12 @@ TEST_CASE("bad captures are suspected for what is wrong with them") {
     const Sentences found = suspicions(capture);
     CHECK(std::ranges::any_of(found, [](const std::string& s) { return s.starts_with("z jumps by 28"); }));
   }
+  SECTION("a track that goes on with another body") {
+    z.tail(20).array() += 0.4;
+    CHECK(suspicions(capture).size() == 1);
+    CHECK_THAT(suspicions(capture).front(), Catch::StartsWith("the position moves at 37"));
+    CHECK_THAT(suspicions(capture).front(), Catch::EndsWith("another body, or a wrong frame?"));
+  }
   SECTION("missing and infinite values") {
     z.segment(10, 30).setConstant(NAN);
     z[5] = INFINITY;
