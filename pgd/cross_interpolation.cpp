@@ -6,7 +6,6 @@
 #include <numeric>
 #include <utility>
 
-#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
@@ -21,6 +20,8 @@ namespace {
 
 constexpr int kRandomPivots = 2;
 constexpr int kGuardPivots = 4;
+/// Of the tolerance: entries that a skeleton may leave out.
+constexpr double kNegligible = 0.1;
 
 /// Columns of `set` and `more` without duplicates, at most `max_rank` of them.
 void add_columns(IndexBatch& set, const IndexBatch& more, int max_rank) {
@@ -119,15 +120,9 @@ class Cross {
     return core;
   }
 
-  /// Orthonormal basis of the columns of `matrix`, small directions dropped, and its rows of largest volume.
+  /// Columns that span the others up to a small part of the tolerance, and rows to interpolate them in.
   MaxVolume skeleton(const Eigen::MatrixXd& matrix) const {
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(matrix);
-    const auto pivots = qr.matrixQR().diagonal().cwiseAbs();
-    Eigen::Index rank = 0;
-    while (rank < pivots.size() && rank < options_.max_rank && pivots[rank] > 0.3 * options_.tolerance)
-      ++rank;
-    rank = std::max<Eigen::Index>(rank, 1);
-    return max_volume(qr.householderQ() * Eigen::MatrixXd::Identity(matrix.rows(), rank));
+    return max_volume(matrix, options_.max_rank, kNegligible * options_.tolerance);
   }
 
   /// Interpolates core k from the left and chooses the left set of the next core.

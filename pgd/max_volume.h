@@ -6,14 +6,17 @@
 
 namespace samara::pgd {
 
-/// Rows of a tall matrix of full column rank whose square submatrix has nearly the largest volume: no entry
-/// of `matrix * inverse(submatrix)` exceeds 1.05 in size. Reference: Goreinov, Oseledets, Savostyanov,
-/// Tyrtyshnikov, Zamarashkin, How to find a good submatrix (2010).
+/// Columns of a matrix, and as many of its rows, whose square submatrix has nearly the largest volume: all
+/// rows of these columns are combinations of those rows with coefficients of at most 1.05 in size.
+/// Reference: Goreinov, Oseledets, Savostyanov, Tyrtyshnikov, Zamarashkin, How to find a good submatrix
+/// (2010).
 struct MaxVolume {
   std::vector<int> rows;
-  Eigen::MatrixXd coefficients;  ///< matrix * inverse(submatrix)
+  Eigen::MatrixXd coefficients;  ///< columns * inverse(submatrix)
 };
 
-MaxVolume max_volume(const Eigen::MatrixXd& matrix);
+/// @param negligible columns are chosen until no entry of the others exceeds this once the chosen ones are
+/// eliminated from them
+MaxVolume max_volume(const Eigen::MatrixXd& matrix, int max_rank, double negligible);
 
 }  // namespace samara::pgd

@@ -66,8 +66,7 @@ void SlabMarch::run(const std::function<void()>& between_slabs) {
 
 bool SlabMarch::may_go_on(const SlabCell& first) {
   if (evaluations_left_ >= 0 && evaluations() >= evaluations_left_) {
-    status_ = SlabStatus::max_evaluations;
-    message_ = fmt::format("{} evaluations used, {} allowed", evaluations(), evaluations_left_);
+    out_of_evaluations(first);
     return false;
   }
   double done = 0.0;
@@ -79,6 +78,27 @@ bool SlabMarch::may_go_on(const SlabCell& first) {
   status_ = SlabStatus::cancelled;
   message_ = fmt::format("cancelled at t = {:.6g}", first.time);
   return false;
+}
+
+/// Says where the march stands, and what it took there last.
+void SlabMarch::out_of_evaluations(const SlabCell& cell) {
+  Eigen::VectorXd middle(static_cast<Eigen::Index>(cell.axes.size()));
+  for (std::size_t k = 0; k < cell.axes.size(); ++k)
+    middle[static_cast<Eigen::Index>(k)] = 0.5 * (cell.axes[k].lower() + cell.axes[k].upper());
+  std::string last;
+  const auto record = std::find_if(history_.rbegin(), history_.rend(),
+                                   [&](const SlabRecord& r) { return r.cell == cell.number; });
+  if (record != history_.rend()) {
+    last = fmt::format("; the last slab there, of {:.3g}, took {} of them and ranks up to {}",
+                       record->end - record->begin, record->evaluations,
+                       *std::max_element(record->ranks.begin(), record->ranks.end()));
+  }
+  end(SlabStatus::max_evaluations,
+      fmt::format("{} evaluations used, {} allowed, at t = {:.6g} in {} about {}{}", evaluations(),
+                  evaluations_left_, cell.time,
+                  cells() == 1 ? std::string("the box") : fmt::format("one of {} cells,", cells()),
+                  described(cell.axes, {middle.begin(), middle.end()}), last),
+      middle);
 }
 
 SlabMarch::Outcome SlabMarch::end(SlabStatus status, std::string message, const Eigen::VectorXd& q) {

@@ -76,6 +76,7 @@ class SlabMarch {
   void accept(SlabCell& cell, const TensorTrain& train, SlabRecord record);
   double carry_on(SlabCell& cell, const TensorTrain& train);
   bool may_go_on(const SlabCell& first);
+  void out_of_evaluations(const SlabCell& cell);
   Outcome end(SlabStatus status, std::string message, const Eigen::VectorXd& q);
   /// What iterations may leave, in scales.
   double iteration_tolerance() const { return 0.01 * tolerance_; }

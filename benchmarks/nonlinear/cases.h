@@ -15,8 +15,10 @@ void run_kirchhoff7(const Options& options);
 void run_plates(const Options& options);
 /// Piecewise-linear approximation of the plate, in separated form.
 void run_piecewise_linear(const Options& options);
-/// Six strategies on six problems.
+/// Six strategies on five problems.
 void run_strategies(const Options& options);
+/// Each of them where it meets 1e-6, and at what order.
+void run_strategy_orders(const Options& options);
 /// The immersed body, four sets of coefficients, two releases.
 void run_bodies(const Options& options);
 /// A priori, by sampling, by a full sweep.

@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
     run_plates(chosen);
     run_piecewise_linear(chosen);
     run_strategies(chosen);
+    run_strategy_orders(chosen);
     run_bodies(chosen);
     run_builders(chosen);
     run_resume(chosen);

@@ -43,6 +43,10 @@ Problem quadratic_drag(double end);
 Problem triple_product(double end);
 /// The reference plate over C_T, C_R, A; translations are left out: nothing depends on them.
 Problem plate3(double end);
+/// The reference plate over C_T and C_R, at its terminal speed broadside on but for a tilt. The last state is
+/// that broadside fall.
+Problem broadside_plate(double tilt, double end);
+Eigen::VectorXd broadside_fall();
 /// (6.24) of an ellipsoid in water over six initial velocities, as a polynomial.
 Problem kirchhoff(double end);
 
@@ -53,6 +57,7 @@ codebooks::Plan plate_plan(int coordinates, double end, double tolerance);
 struct Errors {
   Eigen::VectorXd largest;       ///< over the range of the state at these points
   Eigen::VectorXd relative_rms;  ///< over that of the state
+  Eigen::VectorXd absolute;      ///< largest, SI
 };
 /// @param value the states at (time, parameters..)
 Errors errors_of(const Problem& problem, const std::function<Eigen::VectorXd(std::span<const double>)>& value,

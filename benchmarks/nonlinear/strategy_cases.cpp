@@ -1,4 +1,4 @@
-// Six strategies on six problems: what meets 1e-6, and what fails, stands as it is.
+// Six strategies on five problems: what meets its tolerance, and what fails, stands as it is.
 #include <algorithm>
 #include <chrono>
 #include <memory>
@@ -22,7 +22,7 @@ struct StrategyProblem {
   const char* name;
   Problem problem;
   int slabs, nodes;
-  double tolerance = 1e-7;
+  double tolerance = 1e-6;  ///< of the whole, over the ranges; a slab gets a tenth
 };
 
 std::vector<std::pair<std::string, std::unique_ptr<Strategy>>> strategies() {
@@ -37,12 +37,12 @@ std::vector<std::pair<std::string, std::unique_ptr<Strategy>>> strategies() {
 }
 
 /// Seconds after which a march is cancelled: what takes longer has failed.
-constexpr double kPatience = 15.0;
+constexpr double kPatience = 60.0;
 
 void run(const StrategyProblem& at, Strategy& strategy, const std::string& name, int points) {
   const std::string test_case = fmt::format("strategies_{}", at.name);
   const EvolutionProblem problem = at.problem.on(at.slabs, 8, at.nodes);
-  StrategyMarchOptions options{.tolerance = at.tolerance, .max_evaluations = 5'000'000};
+  StrategyMarchOptions options{.tolerance = 0.1 * at.tolerance, .max_evaluations = 50'000'000};
   // It is wrong by about a per cent by nature, and its weights have no separated form to much less.
   if (name == "piecewise_linear") {
     options.tolerance = 5e-3;
@@ -60,8 +60,10 @@ void run(const StrategyProblem& at, Strategy& strategy, const std::string& name,
   print({kNonlinear, test_case, name + "_reached", result.reached});
   if (result.pieces.empty()) return;
   const auto value = [&](std::span<const double> x) { return result.value_at(x); };
-  print({kNonlinear, test_case, name + "_error",
-         errors_of(at.problem, value, result.reached, points).largest.maxCoeff()});
+  const double error = errors_of(at.problem, value, result.reached, points).largest.maxCoeff();
+  print({kNonlinear, test_case, name + "_error", error});
+  const bool met = result.status == StrategyStatus::converged && error <= at.tolerance;
+  print({kNonlinear, test_case, name + "_met", met ? 1.0 : 0.0});
   print({kNonlinear, test_case, name + "_rank", static_cast<double>(result.largest_rank())});
   print({kNonlinear, test_case, name + "_iterations", static_cast<double>(result.largest_iterations())});
 }
@@ -73,12 +75,11 @@ void run_strategies(const Options& options) {
   problems.push_back({"quadratic_drag", quadratic_drag(1.0), 10, 16});
   problems.push_back({"triple_product", triple_product(0.8), 10, 14});
   problems.push_back({"plate3_t2", plate3(2.0), 10, 12});
-  problems.push_back({"plate3_t5", plate3(5.0), 25, 18, 1e-5});
-  problems.push_back({"kirchhoff", kirchhoff(0.4), 4, 8, 5e-3});
+  problems.push_back({"plate3_t5", plate3(5.0), 25, 18, 1e-4});
+  problems.push_back({"kirchhoff", kirchhoff(0.2), 4, 8, 1e-2});
   for (const StrategyProblem& problem : problems) {
     if (!options.wants(fmt::format("strategies_{}", problem.name))) continue;
-    for (const auto& [name, strategy] : strategies())
-      if (!getenv("ONLY") || name == getenv("ONLY")) run(problem, *strategy, name, options.quick ? 50 : 300);
+    for (const auto& [name, strategy] : strategies()) run(problem, *strategy, name, options.quick ? 50 : 300);
   }
 }
 

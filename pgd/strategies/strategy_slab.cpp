@@ -29,6 +29,12 @@ double norm_of(double largest, const TensorTrain& train) {
   return largest / kPeak * std::sqrt(full_size(train));
 }
 
+/// Behind the list of outputs, whose rank is their number.
+int largest_rank(const TensorTrain& train) {
+  const std::vector<int> ranks = train.ranks();
+  return ranks.size() < 2 ? 1 : *std::max_element(ranks.begin() + 1, ranks.end());
+}
+
 }  // namespace
 
 Eigen::MatrixXd for_all_states(const Eigen::MatrixXd& pattern, int states) {
@@ -143,7 +149,7 @@ TensorTrain StrategySlab::separate(const EntryFunction& function, int outputs, d
   CrossOptions options;
   options.tolerance = tolerance;
   options.max_rank = max_rank_;
-  options.max_sweeps = 12;
+  options.max_sweeps = 30;
   options.guard_entries = 100;
   options.seed = random_.bits();
   options.start = pivots;
@@ -159,9 +165,10 @@ TensorTrain StrategySlab::separate(const EntryFunction& function, int outputs, d
   if (!(result.guard_error <= kSlack * tolerance)) {
     throw StrategyFailure{
         StrategyStatus::rank_limit,
-        fmt::format("between t = {:.6g} and {:.6g} {} is separated to {:.3g} only with ranks up to {}, "
-                    "{:.3g} is wanted",
-                    begin_, end, what, result.guard_error, max_rank_, tolerance)};
+        fmt::format("between t = {:.6g} and {:.6g} {} is separated to {:.3g} only with ranks up to {} of {} "
+                    "after {} sweeps, {:.3g} is wanted",
+                    begin_, end, what, result.guard_error, largest_rank(result.train), max_rank_,
+                    result.sweeps, tolerance)};
   }
   pivots = std::move(result.pivots);
   return std::move(result.train);

@@ -215,7 +215,9 @@ TEST_CASE("a march that may not go on says so: by evaluations, by its caller") {
   const AdaptiveProblem problem = triple_problem(system, 0.8);
   const SlabResult few = solve_by_slabs(problem, {.max_evaluations = 20000});
   CHECK(few.status == SlabStatus::max_evaluations);
-  CHECK_THAT(few.message, Contains("20000 allowed"));
+  CHECK_THAT(few.message, Contains("20000 allowed, at t = ") && Contains("took") && Contains("ranks up to"));
+  // Where it stands: the middle of the box, its only cell.
+  CHECK(few.where == std::vector<double>(3, 0.5));
   int reports = 0;
   const SlabResult cancelled =
       solve_by_slabs(problem, {.progress = [&](const samara::Progress&) { return ++reports < 3; }});
