@@ -103,7 +103,8 @@ Prepared prepare(const Codebook& book, const QueryOptions& options,
   if (choice.times && choice.fixed.front())
     throw ArgumentError("a query at given times cannot hold time at another one");
   choice.single = options.precision == Precision::single_precision;
-  Prepared result{std::make_shared<const PreparedFields>(book, choice), Precision::double_precision};
+  Prepared result{std::make_shared<const PreparedFields>(book, choice), Precision::double_precision,
+                  AttitudeLength::of(book, choice.outputs)};
   if (choice.single) result.precision = Precision::single_precision;
   // Trials would read all pieces of a large file.
   const bool is_read = std::ranges::all_of(book.pieces(), [](const Piece& piece) { return piece.is_read(); });
@@ -112,8 +113,10 @@ Prepared prepare(const Codebook& book, const QueryOptions& options,
   if (!is_open || result.fields->rows() == 0) return result;
   choice.single = true;
   auto single = std::make_shared<const PreparedFields>(book, choice);
-  if (single_suffices(book, choice, *result.fields, *single))
-    result = {std::move(single), Precision::single_precision};
+  if (single_suffices(book, choice, *result.fields, *single)) {
+    result.fields = std::move(single);
+    result.precision = Precision::single_precision;
+  }
   return result;
 }
 
