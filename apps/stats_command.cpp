@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -7,7 +8,9 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/store.h"
 #include "samara/io/csv.h"
+#include "samara/pgd/field_algebra.h"
 #include "samara/pgd/statistics.h"
+#include "samara/pgd/train_algebra.h"
 #include "terminal.h"
 
 namespace samara::apps {
@@ -24,25 +27,21 @@ struct OutputStatistics {
 };
 
 struct BookStatistics {
-  std::vector<std::string> inputs;
-  Eigen::VectorXd times;  ///< empty where there is none
+  std::vector<std::string> inputs;  ///< that there are indices of
+  Eigen::VectorXd times;            ///< empty where there is none
   std::vector<OutputStatistics> outputs;
 };
 
-/// Pieces must be slabs of time, each over the whole box: averages over a part of it are none over all.
-void require_whole_pieces(const Codebook& book) {
+/// Whether pieces are slabs of time, each over the whole box.
+bool has_whole_pieces(const Codebook& book) {
   const std::size_t first = book.has_time() ? 1 : 0;
   for (const codebooks::Piece& piece : book.pieces()) {
     for (std::size_t k = first; k < book.coordinates().size(); ++k) {
       const codebooks::Coordinate& c = book.coordinates()[k];
-      if (piece.lower()[k] == c.lower && piece.upper()[k] == c.upper) continue;
-      throw ArgumentError(fmt::format(
-          "the codebook's box is split along {}: statistics are of codebooks whose pieces are slabs of time",
-          c.name));
+      if (piece.lower()[k] != c.lower || piece.upper()[k] != c.upper) return false;
     }
   }
-  if (book.coordinate_count() == static_cast<int>(first))
-    throw ArgumentError("the codebook has no free parameter to take statistics over");
+  return true;
 }
 
 pgd::Statistics statistics_of(const codebooks::FieldGroup& group, bool has_time) {
@@ -58,8 +57,7 @@ void append(Eigen::VectorXd& rows, const Eigen::RowVectorXd& columns, Eigen::Ind
   rows.tail(more) = columns.tail(more).transpose();
 }
 
-BookStatistics statistics_of(const Codebook& book) {
-  require_whole_pieces(book);
+BookStatistics statistics_of_slabs(const Codebook& book) {
   BookStatistics result;
   for (const pgd::OutputLabel& output : book.outputs())
     result.outputs.push_back({output.name, output.unit, {}, {}, {}, {}});
@@ -88,6 +86,110 @@ BookStatistics statistics_of(const Codebook& book) {
     }
   }
   return result;
+}
+
+/// Of a group at one time, over its own part of the box.
+pgd::Statistics statistics_at(const codebooks::FieldGroup& group, double t) {
+  if (const pgd::SeparatedField* sum = group.sum())
+    return pgd::statistics(pgd::restricted(*sum, sum->axes().front().name(), t));
+  const pgd::Axis& time = group.axes().front();
+  pgd::InterpolationStencil stencil = time.make_stencil();
+  time.interpolate(t, stencil, false);
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(time.size());
+  weights.segment(stencil.first, stencil.value.size()) = stencil.value;
+  return pgd::statistics(pgd::contracted(group.train()->train(), 1, weights),
+                         {group.axes().begin() + 1, group.axes().end()});
+}
+
+/// Times of all pieces, each once.
+std::vector<double> times_of(const Codebook& book) {
+  std::vector<double> times;
+  for (const codebooks::Piece& piece : book.pieces()) {
+    const Eigen::VectorXd& nodes = piece.groups().front().axes().front().nodes();
+    times.insert(times.end(), nodes.begin(), nodes.end());
+  }
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
+}
+
+/// The part of the box of parameters that is a piece's.
+double share_of(const Codebook& book, const codebooks::Piece& piece) {
+  double share = 1.0;
+  for (std::size_t k = 1; k < book.coordinates().size(); ++k) {
+    const codebooks::Coordinate& whole = book.coordinates()[k];
+    share *= (piece.upper()[k] - piece.lower()[k]) / (whole.upper - whole.lower);
+  }
+  return share;
+}
+
+/// The pieces that answer at a time, one per cell: of those that meet there the lower one, which comes first.
+std::vector<const codebooks::Piece*> cells_at(const Codebook& book, double t) {
+  std::vector<const codebooks::Piece*> cells;
+  for (const codebooks::Piece& piece : book.pieces()) {
+    const auto same_cell = [&](const codebooks::Piece* other) {
+      return std::equal(piece.lower().begin() + 1, piece.lower().end(), other->lower().begin() + 1) &&
+             std::equal(piece.upper().begin() + 1, piece.upper().end(), other->upper().begin() + 1);
+    };
+    if (t >= piece.lower()[0] && t <= piece.upper()[0] && std::ranges::none_of(cells, same_cell))
+      cells.push_back(&piece);
+  }
+  return cells;
+}
+
+/// Of all outputs at one time.
+struct Moments {
+  Eigen::VectorXd mean, variance;
+};
+
+Moments moments_of(const codebooks::Piece& piece, double t) {
+  Moments moments;
+  for (const codebooks::FieldGroup& group : piece.groups()) {
+    const pgd::Statistics s = statistics_at(group, t);
+    append(moments.mean, s.mean.transpose(), 0);
+    append(moments.variance, s.variance.transpose(), 0);
+  }
+  return moments;
+}
+
+/// A box that is split into cells: means and variances of the parts, weighted by their volumes. Conditional
+/// means, of which the indices are made, would have to be put together along the coordinates.
+BookStatistics statistics_of_cells(const Codebook& book) {
+  book.time("the statistics of a split box");
+  const std::vector<double> times = times_of(book);
+  BookStatistics result;
+  result.times = Eigen::Map<const Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(result.times.size());
+  for (const pgd::OutputLabel& output : book.outputs())
+    result.outputs.push_back({output.name, output.unit, none, none, {}, {}});
+  for (Eigen::Index i = 0; i < result.times.size(); ++i) {
+    const double t = result.times[i];
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(book.output_count()), variance = mean;
+    double weight = 0.0;
+    for (const codebooks::Piece* piece : cells_at(book, t)) {
+      const Moments part = moments_of(*piece, t);
+      const double share = share_of(book, *piece), before = weight;
+      weight += share;
+      // Of two parts with weights a and b: (a V_1 + b V_2)/(a + b) + a b/(a + b)^2 (m_1 - m_2)^2.
+      const Eigen::VectorXd apart = part.mean - mean;
+      variance = (before * variance + share * part.variance) / weight +
+                 before * share / (weight * weight) * apart.cwiseAbs2();
+      mean += share / weight * apart;
+    }
+    for (std::size_t o = 0; o < result.outputs.size(); ++o) {
+      result.outputs[o].mean[i] = mean[static_cast<Eigen::Index>(o)];
+      result.outputs[o].deviation[i] = std::sqrt(variance[static_cast<Eigen::Index>(o)]);
+    }
+  }
+  return result;
+}
+
+BookStatistics statistics_of(const Codebook& book) {
+  if (book.coordinate_count() == (book.has_time() ? 1 : 0))
+    throw ArgumentError("the codebook has no free parameter to take statistics over");
+  if (has_whole_pieces(book)) return statistics_of_slabs(book);
+  warn("the box is split into cells: mean and deviation only, no Sobol' indices");
+  return statistics_of_cells(book);
 }
 
 std::string to_csv(const Codebook& book, const BookStatistics& s) {

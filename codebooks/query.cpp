@@ -41,6 +41,7 @@ struct Query::Impl {
 
   void answer(std::span<const double> x, int order) {
     fields().point(piece_at(x), x.data(), order, workspace, columns.data());
+    if (prepared.attitude) prepared.attitude->restore(columns.data(), order, fields().coordinate_count(), 1);
   }
 
   void run(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Eigen::MatrixXd> values,
@@ -54,6 +55,10 @@ struct Query::Impl {
         batch.places().push_back({piece_at({x, static_cast<std::size_t>(d)}), static_cast<int>(j)});
       }
       batch.run(points.col(first).data(), workspace, values.col(first).data(), values.outerStride());
+      for (Eigen::Index j = 0; prepared.attitude && j < count; ++j) {
+        double* const column = values.col(first + j).data();
+        prepared.attitude->restore(&column, 0, 0, 1);
+      }
     }
   }
 };

@@ -1,6 +1,7 @@
 #include "samara/codebooks/query_choice.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <thread>
 #include <utility>
@@ -102,7 +103,8 @@ Prepared prepare(const Codebook& book, const QueryOptions& options,
   if (choice.times && choice.fixed.front())
     throw ArgumentError("a query at given times cannot hold time at another one");
   choice.single = options.precision == Precision::single_precision;
-  Prepared result{std::make_shared<const PreparedFields>(book, choice), Precision::double_precision};
+  Prepared result{std::make_shared<const PreparedFields>(book, choice), Precision::double_precision,
+                  AttitudeLength::of(book, choice.outputs)};
   if (choice.single) result.precision = Precision::single_precision;
   // Trials would read all pieces of a large file.
   const bool is_read = std::ranges::all_of(book.pieces(), [](const Piece& piece) { return piece.is_read(); });
@@ -111,10 +113,35 @@ Prepared prepare(const Codebook& book, const QueryOptions& options,
   if (!is_open || result.fields->rows() == 0) return result;
   choice.single = true;
   auto single = std::make_shared<const PreparedFields>(book, choice);
-  if (single_suffices(book, choice, *result.fields, *single))
-    result = {std::move(single), Precision::single_precision};
+  if (single_suffices(book, choice, *result.fields, *single)) {
+    result.fields = std::move(single);
+    result.precision = Precision::single_precision;
+  }
   return result;
 }
+
+namespace {
+
+/// What TBB orders, told once more to the thread sanitizer, which does not look into TBB.
+class Handover {
+ public:
+#ifdef __SANITIZE_THREAD__
+  void give() {
+    mark_.fetch_add(1, std::memory_order_release);
+  }
+  void take() const {
+    mark_.load(std::memory_order_acquire);
+  }
+
+ private:
+  std::atomic<int> mark_ = 0;
+#else
+  void give() {}
+  void take() const {}
+#endif
+};
+
+}  // namespace
 
 void in_ranges(Eigen::Index count, int threads, const std::function<void(Eigen::Index, Eigen::Index)>& run) {
   if (threads < 0) throw ArgumentError(fmt::format("a batch on {} threads, expected 0 or more", threads));
@@ -122,6 +149,8 @@ void in_ranges(Eigen::Index count, int threads, const std::function<void(Eigen::
   const int used = threads == 0 ? machine : std::min(threads, machine);
   if (used == 1 || count <= kBatchChunk) return run(0, count);
   tbb::task_arena arena(used);
+  Handover begin, end;
+  begin.give();
   arena.execute([&] {
     // A few ranges per thread: whoever is done takes the next one.
     const Eigen::Index chunks = (count + kBatchChunk - 1) / kBatchChunk;
@@ -129,10 +158,13 @@ void in_ranges(Eigen::Index count, int threads, const std::function<void(Eigen::
     tbb::parallel_for(
         tbb::blocked_range<Eigen::Index>(0, chunks, static_cast<std::size_t>(grain)),
         [&](const tbb::blocked_range<Eigen::Index>& range) {
+          begin.take();
           run(range.begin() * kBatchChunk, std::min(count, range.end() * kBatchChunk));
+          end.give();
         },
         tbb::simple_partitioner());
   });
+  end.take();
 }
 
 }  // namespace samara::codebooks

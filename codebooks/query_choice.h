@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "samara/codebooks/attitude_length.h"
 #include "samara/codebooks/prepared_fields.h"
 #include "samara/codebooks/query.h"
 
@@ -16,6 +17,7 @@ namespace samara::codebooks {
 struct Prepared {
   std::shared_ptr<const PreparedFields> fields;
   Precision precision = Precision::double_precision;
+  std::optional<AttitudeLength> attitude = {};
 };
 
 /// Reads the options, and prepares what they ask for.

@@ -77,6 +77,10 @@ struct TrajectoryQuery::Impl {
       if (!is_complete) mark(piece);
     }
     if (!is_complete) require_all_answered();
+    if (prepared.attitude) {
+      const int count = static_cast<int>(times.size());
+      prepared.attitude->restore(columns.data(), order, fields().coordinate_count(), count);
+    }
   }
 
   /// Where every piece answers for every point, and no point needs another element than its neighbours: block
@@ -107,7 +111,19 @@ struct TrajectoryQuery::Impl {
 
   void run(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Eigen::MatrixXd> values,
            Eigen::Index begin, Eigen::Index end) {
-    if (is_complete && fields().has_one_cell()) return run_in_blocks(points, values, begin, end);
+    if (is_complete && fields().has_one_cell()) {
+      run_in_blocks(points, values, begin, end);
+    } else {
+      run_by_cells(points, values, begin, end);
+    }
+    for (Eigen::Index j = begin; prepared.attitude && j < end; ++j) {
+      double* const column = values.col(j).data();
+      prepared.attitude->restore(&column, 0, 0, static_cast<int>(times.size()));
+    }
+  }
+
+  void run_by_cells(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Eigen::MatrixXd> values,
+                    Eigen::Index begin, Eigen::Index end) {
     const auto d = static_cast<std::size_t>(points.rows());
     for (Eigen::Index first = begin; first < end; first += kBatchChunk) {
       const Eigen::Index count = std::min<Eigen::Index>(kBatchChunk, end - first);
