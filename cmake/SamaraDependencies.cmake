@@ -1,6 +1,7 @@
 # Third-party packages. Every one of them is also named in SamaraConfig.cmake.in, for consumers of a static build.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Ceres 2.1 REQUIRED)
+find_package(NLopt 2.7 REQUIRED)
 if(SAMARA_SUITESPARSE)
   find_package(UMFPACK REQUIRED)  # CHOLMOD comes with Ceres
 endif()

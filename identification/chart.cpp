@@ -71,6 +71,11 @@ bool Chart::is_part_of_quaternion(int unknown) const {
   });
 }
 
+bool Chart::is_logarithmic(int unknown) const {
+  return std::ranges::any_of(
+      parts_, [&](const Part& part) { return part.kind == Kind::logarithmic && part.unknown == unknown; });
+}
+
 int Chart::direction_of(int unknown) const {
   for (const Part& part : parts_) {
     const int offset = unknown - part.unknown;

@@ -32,6 +32,7 @@ class Chart {
   int directions() const { return directions_; }
   bool is_linear() const;
   bool is_part_of_quaternion(int unknown) const;
+  bool is_logarithmic(int unknown) const;
   /// The direction that belongs to an unknown: the first three of a quaternion have one each; its last, and
   /// what is held, none (-1).
   int direction_of(int unknown) const;

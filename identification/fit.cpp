@@ -9,6 +9,7 @@
 #include "samara/identification/fit_problem.h"
 #include "samara/identification/fit_summary.h"
 #include "samara/identification/fit_trust.h"
+#include "samara/identification/global_search.h"
 #include "samara/identification/join_weights.h"
 #include "samara/identification/minimize.h"
 #include "samara/identification/segment_residual.h"
@@ -56,6 +57,13 @@ class Descents {
     return result;
   }
 
+  /// The first start, from a search of the box.
+  std::optional<GlobalSearch> search() {
+    if (options_.global.method == GlobalMethod::none || problem_.shared_count() == 0) return {};
+    searched_.emplace(first_point(0));
+    return search_box(problem_, residuals_, options_.global, FitPoint(*searched_), *searched_);
+  }
+
   /// The largest difference between a segment's end and the next start, at the residuals' last point, over
   /// the deviations of starts.
   double join_defect() const {
@@ -72,6 +80,7 @@ class Descents {
   /// Segments begin where the capture shows them.
   FitPoint first_point(int index) {
     FitPoint point = start_point(problem_, residuals_, index);
+    if (index == 0 && searched_) point.shared = searched_->shared;
     const models::ParametricModel* equations = family_.equations();
     if (equations != nullptr && options_.segments.length) {
       find_start_states(*equations, problem_, residuals_, point);
@@ -84,6 +93,7 @@ class Descents {
   std::vector<SegmentResidual>& residuals_;
   const FitOptions& options_;
   Eigen::VectorXd deviations_;
+  std::optional<FitPoint> searched_;
 };
 
 /// Costs that differ by less are equal: a millionth, and what rounding leaves of an exact fit.
@@ -142,6 +152,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
   std::vector<SegmentResidual> residuals = make_residuals(family, problem);
 
   Descents descend(family, problem, residuals, options);
+  const std::optional<GlobalSearch> search = descend.search();
   std::vector<MinimizeResult> runs;
   for (int k = 0; k < options.starts; ++k) runs.push_back(descend(k));
   const std::optional<std::size_t> best = best_of(runs);
@@ -150,6 +161,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
                    .source = family.info().source,
                    .loss = to_string(problem.loss),
                    .fixed = problem.fixed};
+  result.global_search = search;
   record_starts(problem, runs, best, result);
   if (best) {
     const FitPoint& point = runs[*best].point;
@@ -160,6 +172,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     add_captures(problem, residuals, point, uncertainty, result);
     conclude(runs[*best], uncertainty, result);
     add_misfit_warnings(problem, result);
+    add_capture_warnings(captures, result);
     add_warnings(uncertainty, result);
     add_whiteness(result);
     add_identifiability(uncertainty, result);

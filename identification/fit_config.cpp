@@ -107,6 +107,28 @@ SegmentOptions read_segments(const TomlTable& root) {
   return segments;
 }
 
+/// `global = "crs"`, or a table with budget and seed.
+GlobalOptions read_global(const TomlTable& root) {
+  GlobalOptions global;
+  const auto method = [&](const TomlTable& table, const std::string& key) {
+    try {
+      global.method = global_method_from_string(table.string(key));
+    } catch (const ArgumentError& error) {
+      throw table.error(key, error.what());
+    }
+  };
+  if (!root.is_table("global")) {
+    method(root, "global");
+    return global;
+  }
+  const TomlTable table = root.table("global");
+  table.expect_keys({"method", "budget", "seed"});
+  method(table, "method");
+  if (table.has("budget")) global.budget = positive_integer(table, "budget");
+  if (table.has("seed")) global.seed = static_cast<std::uint64_t>(positive_integer(table, "seed"));
+  return global;
+}
+
 std::map<std::string, std::string> read_known(const TomlTable& table, const Units& coordinates) {
   table.expect_keys(names_of(coordinates));
   std::map<std::string, std::string> known;
@@ -154,10 +176,10 @@ void read_tables(const TomlTable& root, const ConfigNames& names, FitOptions& op
 }
 
 FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
-  root.expect_keys({"window",   "outputs",    "loss",      "shared",         "per_capture",
-                    "offsets",  "cluster_by", "starts",    "max_iterations", "profiles",
-                    "segments", "step",       "log_scale", "attitude_scale", "fixed",
-                    "initial",  "known",      "priors",    "periods",        "box"});
+  root.expect_keys(
+      {"window",         "outputs",        "loss",     "shared",   "per_capture", "offsets", "cluster_by",
+       "starts",         "max_iterations", "profiles", "segments", "global",      "step",    "log_scale",
+       "attitude_scale", "fixed",          "initial",  "known",    "priors",      "periods", "box"});
   FitOptions options;
   if (root.has("window")) options.window = positive_quantity(root, "window", "s");
   if (root.has("outputs")) options.outputs = known_names(root, "outputs", names.outputs);
@@ -170,6 +192,7 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
   if (root.has("max_iterations")) options.max_iterations = positive_integer(root, "max_iterations");
   options.profiles = root.optional_boolean("profiles").value_or(false);
   if (root.has("segments")) options.segments = read_segments(root);
+  if (root.has("global")) options.global = read_global(root);
   if (root.has("step")) options.step = positive_quantity(root, "step", "s");
   if (root.has("log_scale")) options.log_scale = known_names(root, "log_scale", names.coordinates);
   if (root.has("attitude_scale")) options.attitude_scale = positive_quantity(root, "attitude_scale", "rad");

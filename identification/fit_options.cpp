@@ -1,10 +1,13 @@
 #include "samara/identification/fit_options.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/names.h"
 
 namespace samara::identification {
 
@@ -19,7 +22,24 @@ void require_at_least_one(const std::string& field, int value) {
   if (value < 1) throw ArgumentError(fmt::format("{} is {}; at least 1 was expected", field, value));
 }
 
+constexpr std::array kGlobalNames = {
+    std::pair{GlobalMethod::none, "none"}, std::pair{GlobalMethod::controlled_random, "crs"},
+    std::pair{GlobalMethod::direct, "direct"}, std::pair{GlobalMethod::evolution, "isres"}};
+
 }  // namespace
+
+std::string to_string(GlobalMethod method) {
+  return std::ranges::find(kGlobalNames, method, [](const auto& pair) { return pair.first; })->second;
+}
+
+GlobalMethod global_method_from_string(const std::string& name) {
+  std::vector<std::string> known;
+  for (const auto& [method, text] : kGlobalNames) {
+    if (name == text) return method;
+    known.push_back(text);
+  }
+  throw ArgumentError(fmt::format("there is no global search \"{}\"{}", name, suggestion(name, known)));
+}
 
 void validate(const FitOptions& options) {
   if (options.window) require_positive("window", *options.window);
@@ -57,6 +77,7 @@ void validate(const FitOptions& options) {
       throw ArgumentError(fmt::format("the period of \"{}\" is {}; 0 or more was expected", name, period));
     }
   }
+  require_at_least_one("global.budget", options.global.budget);
   require_at_least_one("starts", options.starts);
   constexpr int kMostStarts = 10000;
   if (options.starts > kMostStarts) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -37,6 +38,26 @@ struct SegmentOptions {
   std::optional<double> length = {};
   /// Weights of a difference between segments, relative to how well a segment alone determines its start.
   std::vector<double> stages = {0.05, 0.5, 5.0, 50.0, 500.0};
+};
+
+/// Global searches of NLopt (S. G. Johnson, github.com/stevengj/nlopt).
+enum class GlobalMethod {
+  none,
+  controlled_random,  ///< "crs": P. Kaelo, M. M. Ali, J. Optim. Theory Appl. 130 (2006) 253-264
+  direct,             ///< "direct": J. M. Gablonsky, C. T. Kelley, J. Global Optim. 21 (2001) 27-37
+  evolution,          ///< "isres": T. P. Runarsson, X. Yao, IEEE Trans. Syst. Man Cybern. C 35 (2005) 233-243
+};
+
+/// "none", "crs", "direct", "isres".
+std::string to_string(GlobalMethod method);
+/// @throws ArgumentError naming the nearest.
+GlobalMethod global_method_from_string(const std::string& name);
+
+/// A search of the whole box of the shared coordinates, whose best point is the first start.
+struct GlobalOptions {
+  GlobalMethod method = GlobalMethod::none;
+  int budget = 300;  ///< points of the box that are looked at
+  std::uint64_t seed = 1;
 };
 
 struct FitOptions {
@@ -78,6 +99,7 @@ struct FitOptions {
   /// not by the reference integrator. For whoever makes the family.
   std::optional<double> step = {};
   SegmentOptions segments = {};
+  GlobalOptions global = {};
   /// Columns of the captures' labels: captures with the same labels there count as one observation of the
   /// coefficients. Empty: each capture is one.
   std::vector<std::string> cluster_by = {};

@@ -82,16 +82,12 @@ struct StartRecord {
   bool reached_best = false;
 };
 
-/// A search over the whole box, or many starts, before the fit itself.
-struct GlobalStage {
-  std::string method = {};  ///< "multistart", or the name of the search
-  int starts = 0;
-  int reached_best = 0;            ///< starts that ended at the best cost
-  std::vector<double> costs = {};  ///< where each start ended; NaN for those that led nowhere
+/// A search of the whole box before the fit itself.
+struct GlobalSearch {
+  std::string method = {};  ///< as FitOptions::global
+  int evaluations = 0;      ///< points of the box looked at
+  double cost = 0.0;        ///< the least met, segments not joined; NaN if no point had a trajectory
   double seconds = 0.0;
-
-  /// Part of the starts that reached the best cost: how much luck the result needed.
-  double fraction() const { return starts > 0 ? static_cast<double>(reached_best) / starts : 0.0; }
 };
 
 struct FitResult {
@@ -131,7 +127,7 @@ struct FitResult {
   std::optional<Identifiability> identifiability = {};
   std::optional<Whiteness> whiteness = {};
   std::vector<PredictionScore> predictions = {};  ///< on captures or windows left out of the fit
-  std::optional<GlobalStage> global_stage = {};
+  std::optional<GlobalSearch> global_search = {};
 
   /// Null if the coefficient has none.
   const Profile* find_profile(const std::string& coefficient) const;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "samara/identification/fit_problem.h"
@@ -19,6 +20,9 @@ void add_captures(const FitProblem& problem, const std::vector<SegmentResidual>&
 
 /// Outputs whose residuals are many times their loss scale. Needs the residuals over all captures.
 void add_misfit_warnings(const FitProblem& problem, FitResult& result);
+
+/// What is suspicious about the captures as such, and what was done to them.
+void add_capture_warnings(std::span<const Capture> captures, FitResult& result);
 
 /// What the reader must know: coefficients at bounds or not determined, errors that cannot be trusted, other
 /// optima. Needs coefficients, captures and starts.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/names.h"
+#include "samara/identification/capture_suspicions.h"
 #include "samara/identification/fit_summary.h"
 
 namespace samara::identification {
@@ -137,6 +138,13 @@ void add_misfit_warnings(const FitProblem& problem, FitResult& result) {
         "the model misses {} by {:.3g}{} in the root mean square, {:.2g} times the loss scale of {:.3g}{}: "
         "perhaps the model, what is fixed, a unit or the window is not that of the captures",
         residual.output, residual.rms, unit, residual.rms / scale, scale, unit));
+  }
+}
+
+void add_capture_warnings(std::span<const Capture> captures, FitResult& result) {
+  for (const Capture& capture : captures) {
+    for (const std::string& doubt : suspicions(capture)) result.warnings.push_back(doubt);
+    for (const std::string& note : capture.notes) result.warnings.push_back(note);
   }
 }
 

@@ -73,9 +73,11 @@ Json json_of(const PredictionScore& p) {
           {"rms", number(p.rms)},     {"largest", number(p.largest)}};
 }
 
-Json json_of(const GlobalStage& stage) {
-  return {{"method", stage.method},       {"starts", stage.starts},     {"reached_best", stage.reached_best},
-          {"fraction", stage.fraction()}, {"costs", list(stage.costs)}, {"seconds", number(stage.seconds)}};
+Json json_of(const GlobalSearch& search) {
+  return {{"method", search.method},
+          {"evaluations", search.evaluations},
+          {"cost", number(search.cost)},
+          {"seconds", number(search.seconds)}};
 }
 
 void add_prediction_table(const FitResult& result, std::back_insert_iterator<std::string> out) {
@@ -112,7 +114,7 @@ void add_trust(const FitResult& result, Json& object) {
   object["whiteness"] = result.whiteness ? json_of(*result.whiteness) : Json(nullptr);
   object["predictions"] = Json::array();
   for (const PredictionScore& p : result.predictions) object["predictions"].push_back(json_of(p));
-  object["global_stage"] = result.global_stage ? json_of(*result.global_stage) : Json(nullptr);
+  object["global_search"] = result.global_search ? json_of(*result.global_search) : Json(nullptr);
 }
 
 void add_trust_text(const FitResult& result, std::string& text) {
@@ -123,10 +125,10 @@ void add_trust_text(const FitResult& result, std::string& text) {
       fmt::format_to(out, "determined by the captures: {}\n", phrase);
   }
   if (result.whiteness) fmt::format_to(out, "residuals: {}\n", result.whiteness->sentence);
-  if (result.global_stage) {
-    const GlobalStage& g = *result.global_stage;
-    fmt::format_to(out, "{}: {} of {} starts ({:.0f} %) reached the best cost\n", g.method, g.reached_best,
-                   g.starts, 100.0 * g.fraction());
+  if (result.global_search) {
+    const GlobalSearch& g = *result.global_search;
+    fmt::format_to(out, "search of the box by {}: {} points, least cost {:.6g} with segments not joined\n",
+                   g.method, g.evaluations, g.cost);
   }
 }
 

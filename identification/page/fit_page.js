@@ -274,12 +274,12 @@
 
   function starts() {
     const part = section("Starts");
-    if (fit.global_stage) {
-      const g = fit.global_stage;
-      add(part, "p", `${g.method}: ${g.reached_best} of ${g.starts} starts (${shown(100 * g.fraction, 3)} %) reached the best cost`);
+    if (fit.global_search) {
+      const g = fit.global_search;
+      add(part, "p", `search of the box by ${g.method}: ${g.evaluations} points, least cost ${shown(g.cost, 6)} with segments not joined`);
     }
     add(part, "p", `${fit.starts_at_best} of ${fit.starts.length} starts of the fit reached the best cost`).id = "starts-at-best";
-    const costs = (fit.global_stage ? fit.global_stage.costs : fit.starts.map((s) => s.cost)).filter((c) => c !== null);
+    const costs = fit.starts.map((s) => s.cost).filter((c) => c !== null);
     if (costs.length > 5) {
       costs.sort((a, b) => a - b);
       chart(add(part, "div", null, "wide"), {x: "start, best first", y: "cost", height: 160, whole: true,

@@ -188,8 +188,7 @@ TEST_CASE("the JSON holds what a fit may claim") {
   FitResult result = fit(family, braked(4, 2e-3), options);
   result.predictions = {
       {.predictor = "model", .quantity = "position, 0.1 s ahead", .captures = 2, .median = 0.01}};
-  result.global_stage =
-      GlobalStage{.method = "multistart", .starts = 4, .reached_best = 3, .costs = {1.0, std::nan("")}};
+  result.global_search = GlobalSearch{.method = "crs", .evaluations = 300, .cost = std::nan("")};
   const nlohmann::json json = nlohmann::json::parse(fit_json(result));
   const nlohmann::json& profile = json["profiles"][0];
   CHECK(profile["name"] == "k");
@@ -200,8 +199,8 @@ TEST_CASE("the JSON holds what a fit may claim") {
   CHECK(json["identifiability"]["directions"][0]["kind"] == "determined");
   CHECK(json["whiteness"]["series"].size() == 4);
   CHECK(json["predictions"][0]["median"] == 0.01);
-  CHECK(json["global_stage"]["fraction"] == 0.75);
-  CHECK(json["global_stage"]["costs"][1].is_null());
+  CHECK(json["global_search"]["evaluations"] == 300);
+  CHECK(json["global_search"]["cost"].is_null());
   const std::string text = fit_text(result);
-  CHECK_THAT(text, Contains("position, 0.1 s ahead [m]") && Contains("3 of 4 starts (75 %)"));
+  CHECK_THAT(text, Contains("position, 0.1 s ahead [m]") && Contains("search of the box by crs: 300 points"));
 }

@@ -2,8 +2,11 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
+#include "samara/codebooks/build.h"
+#include "samara/codebooks/plan.h"
 #include "samara/identification/fit.h"
 #include "samara/identification/fit_problem.h"
+#include "samara/identification/mixed_trajectories.h"
 #include "samara/identification/segment_residual.h"
 #include "samara/identification/step_trajectories.h"
 #include "samara/models/integrate.h"
@@ -280,4 +283,78 @@ TEST_CASE("a capture that the model cannot follow is said not to join") {
                              warning.find("do not join") != std::string::npos;
                     });
   CHECK(told);
+}
+
+TEST_CASE("a search of the box finds the valley from a corner, the same one every time") {
+  const std::vector captures = {tumbling(kNoise, 19)};
+  FitOptions options = plate_options();
+  options.initial = {{"C_T", 3.5}, {"C_R", 1.0}, {"A", 4.0}, {"mu1", 0.07}};
+  for (const GlobalMethod method : {GlobalMethod::controlled_random, GlobalMethod::direct}) {
+    options.global = {.method = method, .budget = 120, .seed = 3};
+    const FitResult result = fit(*plate_family(), captures, options);
+    INFO(to_string(method));
+    REQUIRE(result.global_search);
+    CHECK(result.global_search->method == to_string(method));
+    CHECK(result.global_search->evaluations <= 120);
+    CHECK(result.global_search->evaluations > 20);
+    for (const Coefficient& c : result.coefficients)
+      CHECK(std::abs(c.value - truth().at(c.name)) < 4.0 * c.naive_standard_error.value());
+    const FitResult again = fit(*plate_family(), captures, options);
+    CHECK(again.global_search->cost == result.global_search->cost);
+    CHECK(again.coefficients[0].value == result.coefficients[0].value);
+  }
+}
+
+TEST_CASE("a codebook answers inside its box, and the integrator outside, with the same derivatives") {
+  const auto book = samara::codebooks::build(samara::codebooks::parse_plan(R"toml(
+model = "falling_plate_nd"
+[fixed]
+inertia_ratio = 1.4
+beta = 0.07142857142857142
+B = 1.0
+C_R = 3.0
+A = 1.4
+mu1 = 0.2
+"vx(0)" = 0.3
+"vy(0)" = -0.2
+"x(0)" = 5.0
+[box]
+C_T = [1.0, 1.4]
+"w(0)" = [-0.5, 0.5]
+"theta(0)" = [-0.3, 0.3]
+[time]
+end = 0.3
+[tolerance]
+relative = 1e-4
+)toml",
+                                                                           "plan.toml"))
+                        .book;
+  std::map<std::string, double> held = plate(1.4);
+  for (const auto& [name, value] :
+       std::map<std::string, double>{{"C_R", 3.0}, {"A", 1.4}, {"mu1", 0.2}, {"vx(0)", 0.3}, {"vy(0)", -0.2}})
+    held[name] = value;
+  std::map<std::string, Interval> box = {
+      {"C_T", {0.5, 2.0}}, {"theta(0)", {-60.0, 60.0}}, {"w(0)", {-8.0, 8.0}}, {"x(0)", {-100.0, 100.0}}};
+  const auto make = [&] { return step_trajectories(find_model("falling_plate_nd"), held, box, 0.005); };
+  const auto mixed = mixed_trajectories(book, make());
+  const auto exact = make();
+  const std::vector<double> times = {0.1, 0.2, 0.3};
+  const std::vector<std::string> outputs = {"x", "theta", "y"};
+  const auto a = mixed->at(times, outputs);
+  const auto b = exact->at(times, outputs);
+  Eigen::MatrixXd values_a(3, 3), values_b(3, 3), by_a(3, 12), by_b(3, 12);
+  // C_T, theta(0), w(0), x(0), in the order of their names.
+  for (const std::vector<double>& q : {std::vector{1.2, 0.1, 0.2, 7.0}, std::vector{1.3, -0.2, -0.4, -3.0},
+                                       std::vector{1.7, 0.9, 0.2, 7.0}}) {
+    REQUIRE(a->evaluate(q, values_a, &by_a));
+    REQUIRE(b->evaluate(q, values_b, &by_b));
+    // 1e-4 of ranges of about 0.3; derivatives of that over a quarter of the box.
+    CHECK((values_a - values_b).cwiseAbs().maxCoeff() < 1e-4);
+    CHECK((by_a - by_b).cwiseAbs().maxCoeff() < 2e-3);
+  }
+  // Outside, it is the integrator to the bit.
+  CHECK(values_a == values_b);
+
+  held["A"] = 1.5;
+  CHECK_THROWS_WITH(mixed_trajectories(book, make()), Catch::Contains("holds \"A\" at 1.4"));
 }
