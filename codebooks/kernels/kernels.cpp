@@ -3,72 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstring>
-#include <type_traits>
 #include <utility>
 
-#ifdef __SSE2__
-#include <immintrin.h>
-#endif
+#include "samara/codebooks/kernels/vectors.h"
 
 namespace samara::codebooks::kernels {
 
 namespace {
-
-/// A vector of the compiler: instructions of the machine where it has them, else several smaller ones.
-template <class T>
-struct VectorOf {
-  using Type [[gnu::vector_size(kVectorBytes)]] = T;
-  /// The same anywhere in memory.
-  using Anywhere [[gnu::vector_size(kVectorBytes), gnu::aligned(alignof(T)), gnu::may_alias]] = T;
-};
-template <class T>
-using Vector = typename VectorOf<T>::Type;
-
-// Not by memcpy, which the compiler splits into the shorter vectors that it prefers to copy with.
-template <class T>
-[[gnu::always_inline]] inline Vector<T> load(const T* from) {
-  return *reinterpret_cast<const typename VectorOf<T>::Anywhere*>(from);
-}
-
-template <class T>
-[[gnu::always_inline]] inline void store(const Vector<T>& v, T* to) {
-  *reinterpret_cast<typename VectorOf<T>::Anywhere*>(to) = v;
-}
-
-/// Doubles of a vector of single floats.
-[[gnu::always_inline]] inline void store(const Vector<float>& v, double* to) {
-  using Wide [[gnu::vector_size(2 * kVectorBytes)]] = double;
-  const Wide wide = __builtin_convertvector(v, Wide);
-  std::memcpy(to, &wide, sizeof wide);
-}
-
-/// The first `count` lanes, fewer than all.
-template <class T, class U>
-[[gnu::always_inline]] inline void store_part(const Vector<T>& v, U* to, std::ptrdiff_t count) {
-#ifdef __AVX512F__
-  // Lane by lane, the last rows of a product would cost as much as all others.
-  const unsigned lanes = (1u << count) - 1u;
-  const auto low = static_cast<__mmask8>(lanes), high = static_cast<__mmask8>(lanes >> 8);
-  if constexpr (std::is_same_v<U, float>) {
-    _mm512_mask_storeu_ps(to, static_cast<__mmask16>(lanes), __m512(v));
-  } else if constexpr (std::is_same_v<T, double>) {
-    _mm512_mask_storeu_pd(to, low, __m512d(v));
-  } else {
-    const auto left = __builtin_shufflevector(v, v, 0, 1, 2, 3, 4, 5, 6, 7);
-    const auto right = __builtin_shufflevector(v, v, 8, 9, 10, 11, 12, 13, 14, 15);
-    _mm512_mask_storeu_pd(to, low, __m512d(__builtin_convertvector(left, Vector<double>)));
-    _mm512_mask_storeu_pd(to + 8, high, __m512d(__builtin_convertvector(right, Vector<double>)));
-  }
-#else
-  for (std::ptrdiff_t i = 0; i < count; ++i) to[i] = static_cast<U>(v[i]);
-#endif
-}
-
-template <class T>
-[[gnu::always_inline]] inline Vector<T> all(T x) {
-  return x - Vector<T>{};
-}
 
 /// Sums that stand in registers: loops over them have to be unrolled before the compiler looks at memory.
 template <class T, int kCount>
@@ -305,66 +246,7 @@ template <int kVectors>
   }
 }
 
-/// Vector kOut of a row-major matrix, from vectors of its first kUsed columns; lanes of others are left over.
-template <int kColumns, int kUsed, int kOut, int... kLane>
-[[gnu::always_inline]] inline Vector<double> interleaved(const Vector<double>* column,
-                                                         std::integer_sequence<int, kLane...> lanes) {
-  constexpr int kLength = sizeof...(kLane), kFirst = kOut * kLength;
-  if constexpr (kUsed == 2) {
-    return __builtin_shufflevector(
-        column[0], column[1],
-        ((kFirst + kLane) % kColumns == 1 ? kLength : 0) + (kFirst + kLane) / kColumns...);
-  } else {
-    return __builtin_shufflevector(
-        interleaved<kColumns, kUsed - 1, kOut>(column, lanes), column[kUsed - 1],
-        ((kFirst + kLane) % kColumns == kUsed - 1 ? kLength + (kFirst + kLane) / kColumns : kLane)...);
-  }
-}
-
-template <int kColumns>
-void residual_columns(const double* values, const double* slopes, const double* observed,
-                      const double* scales, std::ptrdiff_t rows, double* residuals, double* jacobian) {
-  constexpr int kLength = kLanes<double>;
-  std::ptrdiff_t i = 0;
-  for (; i + kLength <= rows; i += kLength) {
-    const Vector<double> weight = 1.0 / load(scales + i);
-    store<double>((load(values + i) - load(observed + i)) * weight, residuals + i);
-    Vector<double> column[kColumns];
-#pragma GCC unroll 8
-    for (int k = 0; k < kColumns; ++k) column[k] = load(slopes + i + rows * k) * weight;
-    double* const to = jacobian + i * kColumns;
-    [&]<int... kOut>(std::integer_sequence<int, kOut...>) {
-      const std::make_integer_sequence<int, kLength> lanes;
-      (store<double>(interleaved<kColumns, kColumns, kOut>(column, lanes), to + kOut * kLength), ...);
-    }
-    (std::make_integer_sequence<int, kColumns>());
-  }
-  for (; i < rows; ++i) {
-    const double weight = 1.0 / scales[i];
-    residuals[i] = (values[i] - observed[i]) * weight;
-    for (int k = 0; k < kColumns; ++k) jacobian[i * kColumns + k] = slopes[i + rows * k] * weight;
-  }
-}
-
 }  // namespace
-
-void residual_rows(const double* values, const double* slopes, const double* observed, const double* scales,
-                   std::ptrdiff_t rows, int columns, double* residuals, double* jacobian) {
-  if (jacobian != nullptr) {
-    const auto run = [&](auto count) {
-      residual_columns<count()>(values, slopes, observed, scales, rows, residuals, jacobian);
-    };
-    if (columns == 2) return run(std::integral_constant<int, 2>());
-    if (columns == 3) return run(std::integral_constant<int, 3>());
-    if (columns == 4) return run(std::integral_constant<int, 4>());
-  }
-  for (std::ptrdiff_t i = 0; i < rows; ++i) {
-    const double weight = 1.0 / scales[i];
-    residuals[i] = (values[i] - observed[i]) * weight;
-    for (int k = 0; jacobian != nullptr && k < columns; ++k)
-      jacobian[i * columns + k] = slopes[i + rows * k] * weight;
-  }
-}
 
 void lagrange(const double* nodes, const double* lambda, int size, double place, double* values) {
   if (size <= kLanes<double>) return lagrange_lanes<1>(nodes, lambda, size, place, values);

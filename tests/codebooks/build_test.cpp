@@ -403,7 +403,8 @@ TEST_CASE("a march that ends on its first slab has no result, and says so") {
              Contains("no result on the first slab: "));
 }
 
-TEST_CASE("a sum of products gives up terms for what the builder left of the tolerance, and no initial value") {
+TEST_CASE(
+    "a sum of products gives up terms for what the builder left of the tolerance, and no initial value") {
   const BuildResult result = built(fall_plan("area = 4.7144e-4\nthickness = 0.00255\ndensity = 6338.5\n",
                                              "C_D = [0.8, 1.6]\n'v(0)' = [0, 0.4]\n", "0.4", "1e-4"));
   CHECK(result.met);
