@@ -90,14 +90,20 @@ TensorTrain to_train(const SeparatedTensor& tensor) {
 
 TensorTrain rounded(TensorTrain train, double tolerance) {
   orthogonalise_left(train);
+  return cut_ranks(std::move(train), tolerance);
+}
+
+TensorTrain cut_ranks(TensorTrain train, double tolerance) {
   const double per_cut = tolerance / std::sqrt(std::max(1.0, static_cast<double>(train.modes() - 1)));
   for (std::size_t k = train.cores.size(); k-- > 1;) {
     TrainCore& core = train.cores[k];
-    const Eigen::MatrixXd unfolding = core.right_unfolding();
-    Eigen::BDCSVD<Eigen::MatrixXd> svd(unfolding, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    // Unfoldings are mostly wide: of that, only a square is left to the singular values.
+    Eigen::MatrixXd square;
+    const Eigen::MatrixXd rows = thin_qr(core.right_unfolding().transpose(), square);
+    const Eigen::BDCSVD<Eigen::MatrixXd> svd(square.transpose(), Eigen::ComputeThinU | Eigen::ComputeThinV);
     const int rank = kept_rank(svd.singularValues(), per_cut);
     TrainCore cut(rank, core.size, core.right);
-    cut.right_unfolding() = svd.matrixV().leftCols(rank).transpose();
+    cut.right_unfolding() = (rows * svd.matrixV().leftCols(rank)).transpose();
     const Eigen::MatrixXd carry = svd.matrixU().leftCols(rank) * svd.singularValues().head(rank).asDiagonal();
     TrainCore& before = train.cores[k - 1];
     TrainCore next(before.left, before.size, rank);

@@ -58,6 +58,9 @@ TensorTrain to_train(const SeparatedTensor& tensor);
 /// the smallest ranks up to a factor sqrt(d - 1) in the tolerance. O(d n r^3).
 TensorTrain rounded(TensorTrain train, double tolerance);
 
+/// The same of a train whose cores but the last are orthonormal already (left unfoldings).
+TensorTrain cut_ranks(TensorTrain train, double tolerance);
+
 /// Euclidean norm by orthogonalisation: accurate to round-off of the train itself.
 double norm(const TensorTrain& train);
 /// Euclidean norm of a sum of products to eight digits or better, also where terms cancel: by inner products

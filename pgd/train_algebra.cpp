@@ -151,15 +151,27 @@ TensorTrain hadamard(const TensorTrain& a, const TensorTrain& b) {
 
 TensorTrain rounded_hadamard(const TensorTrain& a, const TensorTrain& b, double tolerance) {
   require_same_sizes("product", sizes_of(a), sizes_of(b));
+  if (a.modes() == 1) return rounded(hadamard(a, b), tolerance);
+  // The last core has more rows than the mode has nodes: only as many as those are kept for the core before.
+  const TrainCore& last_a = a.cores.back();
+  const TrainCore& last_b = b.cores.back();
+  Eigen::MatrixXd last(last_a.size, Eigen::Index{last_a.left} * last_b.left);
+  for (int i = 0; i < last_a.size; ++i)
+    last.row(i) = (last_a.slice(i) * last_b.slice(i).transpose()).reshaped().transpose();
+  Eigen::MatrixXd rest;
+  last = thin_qr(last, rest);
   TensorTrain result;
   Eigen::MatrixXd carry = Eigen::MatrixXd::Ones(1, 1);
-  for (std::size_t k = 0; k < a.cores.size(); ++k) {
+  for (std::size_t k = 0; k + 1 < a.cores.size(); ++k) {
     const Eigen::Index left = carry.rows();
     Eigen::MatrixXd unfolding = carried_product(carry, a.cores[k], b.cores[k]);
-    if (k + 1 < a.cores.size()) unfolding = thin_qr(unfolding, carry);
-    result.cores.push_back(core_from_unfolding(unfolding, left, a.cores[k].size));
+    if (k + 2 == a.cores.size()) unfolding = (unfolding * rest.transpose()).eval();
+    result.cores.push_back(core_from_unfolding(thin_qr(unfolding, carry), left, a.cores[k].size));
   }
-  return rounded(std::move(result), tolerance);
+  TrainCore core(static_cast<int>(carry.rows()), last_a.size, 1);
+  core.right_unfolding() = carry * last.transpose();
+  result.cores.push_back(std::move(core));
+  return cut_ranks(std::move(result), tolerance);
 }
 
 TensorTrain contracted(const TensorTrain& a, int mode, const Eigen::VectorXd& weights) {

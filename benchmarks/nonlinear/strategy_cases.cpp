@@ -1,6 +1,7 @@
 // Six strategies on five problems: what meets its tolerance, and what fails, stands as it is.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
@@ -53,17 +54,19 @@ void run(const StrategyProblem& at, Strategy& strategy, const std::string& name,
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < kPatience;
   };
   const StrategyResult result = solve_by_strategy(problem, strategy, options);
-  // The status by its number and, as the unit, its word.
-  print({kNonlinear, test_case, name + "_status", static_cast<double>(result.status),
-         to_string(result.status)});
   print({kNonlinear, test_case, name + "_time", result.seconds, "s"});
   print({kNonlinear, test_case, name + "_reached", result.reached});
-  if (result.pieces.empty()) return;
   const auto value = [&](std::span<const double> x) { return result.value_at(x); };
-  const double error = errors_of(at.problem, value, result.reached, points).largest.maxCoeff();
+  const double error = result.pieces.empty()
+                           ? std::nan("")
+                           : errors_of(at.problem, value, result.reached, points).largest.maxCoeff();
+  // What converges to other equations, or with too few nodes, has missed.
+  const bool missed = result.status == StrategyStatus::converged && !(error <= at.tolerance);
+  // The status by its number and, as the unit, its word.
+  print({kNonlinear, test_case, name + "_status", static_cast<double>(result.status),
+         missed ? "missed" : to_string(result.status)});
+  if (result.pieces.empty()) return;
   print({kNonlinear, test_case, name + "_error", error});
-  const bool met = result.status == StrategyStatus::converged && error <= at.tolerance;
-  print({kNonlinear, test_case, name + "_met", met ? 1.0 : 0.0});
   print({kNonlinear, test_case, name + "_rank", static_cast<double>(result.largest_rank())});
   print({kNonlinear, test_case, name + "_iterations", static_cast<double>(result.largest_iterations())});
 }
