@@ -175,10 +175,11 @@ std::string fit_text(const FitResult& result) {
                  result.message);
   add_coefficient_table(result, out);
   if (!result.captures.empty()) add_capture_table(result, out);
+  if (!result.residuals.empty()) fmt::format_to(out, "\n");
   for (const OutputRms& r : result.residuals) {
-    fmt::format_to(out, "\nrms of {}: {:.4g}{} over {} values\n", r.output, r.rms, unit_text(r.unit),
-                   result.residual_count);
+    fmt::format_to(out, "rms of {}: {:.4g}{}\n", r.output, r.rms, unit_text(r.unit));
   }
+  if (result.residual_count > 0) fmt::format_to(out, "{} values compared\n", result.residual_count);
   add_trust_text(result, text);
   fmt::format_to(out, "{} iterations, {} trajectories, {:.3g} s\n", result.iterations, result.evaluations,
                  result.seconds);
