@@ -1,6 +1,7 @@
 #include "blimp.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -27,7 +28,7 @@ constexpr Eigen::Index kRate = 60;  // Hz
 /// s: one step of RK4 per frame; nothing here changes within a tenth of a second.
 constexpr double kStep = 1.01 / static_cast<double>(kRate);
 constexpr Eigen::Index kWindow = kRate;       ///< frame intervals of a window to fit
-constexpr Eigen::Index kSeen = 18;            ///< frame intervals that predictors see
+constexpr Eigen::Index kSeen = 6;             ///< frame intervals that predictors see
 constexpr Eigen::Index kBetweenMoments = 30;  ///< frames from one prediction to the next
 constexpr double kUncut = 1e3;                ///< s: longer than every window
 
@@ -56,6 +57,8 @@ const std::map<std::string, double>& body() {
   return values;
 }
 
+constexpr std::array kStates = {"x", "y", "z", "qw", "qx", "qy", "qz", "ux", "uy", "uz", "wx", "wy", "wz"};
+
 Box start_box() {
   Box box;
   for (const char* name : {"x(0)", "y(0)", "z(0)"}) box[name] = {-50.0, 50.0};
@@ -66,17 +69,34 @@ Box start_box() {
   return box;
 }
 
-/// What is measured of a window weighs by what the model lacks in a second, not by the noise.
-FitOptions window_options() {
+/// Scales are what the model lacks in a second, not the noise.
+FitOptions base_options() {
   FitOptions options;
   options.loss.kind = LossKind::none;
   options.loss.length_scale = 0.01;
-  for (const char* name : {"ux", "uy", "uz"}) options.loss.scales[name] = 0.02;
-  for (const char* name : {"wx", "wy", "wz"}) options.loss.scales[name] = 0.03;
   options.attitude_scale = 0.01;
   for (const auto& [quantity, name] : kKnown) options.known[name] = name;
-  options.segments.length = kUncut;
   options.starts = 1;
+  return options;
+}
+
+/// Of coefficients: a window starts from the state measured at its first frame (labels named like the
+/// coordinates), as predictions do. With starts of their own, windows hide errors of the moments in their
+/// starts: damping came out with the wrong sign.
+FitOptions coefficient_options() {
+  FitOptions options = base_options();
+  for (const char* state : kStates) options.known[fmt::format("{}(0)", state)] = fmt::format("{}(0)", state);
+  options.outputs = {"x", "y", "z", "qw", "qx", "qy", "qz"};
+  options.cluster_by = {"flight"};
+  return options;
+}
+
+/// Of the state at the end of a short time that was seen: rates as measured say most of it.
+FitOptions start_options() {
+  FitOptions options = base_options();
+  for (const char* name : {"ux", "uy", "uz"}) options.loss.scales[name] = 0.02;
+  for (const char* name : {"wx", "wy", "wz"}) options.loss.scales[name] = 0.03;
+  options.segments.length = kUncut;
   return options;
 }
 
@@ -95,8 +115,12 @@ std::vector<Capture> windows_of(const std::vector<BlimpFlight>& flights) {
   std::vector<Capture> windows;
   for (const BlimpFlight& flight : flights) {
     const Eigen::Index frames = flight.capture.frame_count();
-    for (Eigen::Index first = 0; first + kWindow < frames; first += kWindow)
-      windows.push_back(window_of(flight.capture, first, kWindow));
+    for (Eigen::Index first = 0; first + kWindow < frames; first += kWindow) {
+      Capture window = window_of(flight.capture, first, kWindow);
+      for (const char* state : kStates)
+        window.labels[fmt::format("{}(0)", state)] = fmt::format("{}", window.channel(state).values[0]);
+      windows.push_back(std::move(window));
+    }
   }
   return windows;
 }
@@ -172,9 +196,7 @@ FitResult fit_blimp(const std::vector<BlimpFlight>& flights) {
   // Wide: terms of the sideslip hardly show, least its fourth power.
   for (const std::string& name : blimp_coefficients()) box[name] = {-1e3, 1e3};
   box["Cmyb"] = {-1e6, 1e6};
-  FitOptions options = window_options();
-  options.cluster_by = {"flight"};
-  return fit(*family({}, box), windows_of(flights), options);
+  return fit(*family({}, box), windows_of(flights), coefficient_options());
 }
 
 Coefficients jackknife_errors(const std::vector<BlimpFlight>& flights) {
@@ -207,7 +229,7 @@ std::map<std::string, BlimpErrors> predict_blimp(const std::vector<BlimpFlight>&
   }
   std::map<std::string, BlimpErrors> errors;
   const auto blimp = family(coefficients, start_box());
-  const FitOptions options = window_options();
+  const FitOptions options = start_options();
   const FitResult starts = fit(*blimp, seen, options);
   for (std::size_t k = 0; k < seen.size(); ++k) {
     const double time = truth[k].times[0];

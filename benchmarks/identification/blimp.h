@@ -40,7 +40,7 @@ const Coefficients& makers_coefficients();
 /// Names of the 21 coefficients, in the order of the model.
 const std::vector<std::string>& blimp_coefficients();
 
-/// From windows of a second, each with a start of its own, clustered by flight.
+/// From windows of a second, each from the state measured at its start, clustered by flight.
 FitResult fit_blimp(const std::vector<BlimpFlight>& flights);
 
 /// Standard errors by leaving out one flight at a time (jackknife).

@@ -26,8 +26,8 @@ using samara::identification::TrajectoryFamily;
 constexpr double kStep = 7e-3;
 /// rad/s: what the spin of a ball is in each direction, before anything is seen.
 constexpr double kSpinPrior = 100.0;
-/// m: noise of a frame on the grid, and a little of what the model lacks.
-constexpr double kNoise = 1e-3;
+/// m: noise of a frame on the grid, along the track.
+constexpr double kNoise = 0.86e-3;
 
 /// s: longer than every flight, so that each starts from where it is seen to start, in one piece.
 constexpr double kUncut = 10.0;

@@ -63,13 +63,20 @@ void compare(const std::string& metric, const std::vector<Capture>& flights, con
   report(metric, median_of(differences), "rad/s");
 }
 
+Distances joined(Distances some, const Distances& others) {
+  for (const auto& [name, values] : others) some[name].insert(some[name].end(), values.begin(), values.end());
+  return some;
+}
+
 void report_distances(const std::string& prefix, const Distances& distances) {
   for (const auto& [name, values] : distances) {
-    const std::string suffix = name == "model" ? "" : name == "drag only" ? "_drag_only" : "_" + name;
-    report(prefix + "_median" + suffix, median_of(values), "m");
-    report(prefix + "_rms" + suffix, rms_of(values), "m");
+    const std::string suffix = name == "model"       ? ""
+                               : name == "drag only" ? std::string("_drag_only")
+                                                     : fmt::format("_{}", name);
+    report(fmt::format("{}_median{}", prefix, suffix), median_of(values), "m");
+    report(fmt::format("{}_rms{}", prefix, suffix), rms_of(values), "m");
   }
-  report(prefix + "_flights", static_cast<double>(distances.at("model").size()));
+  report(fmt::format("{}_flights", prefix), static_cast<double>(distances.at("model").size()));
 }
 
 }  // namespace
@@ -91,8 +98,13 @@ void table_tennis_case(const Options& options) {
   report("CD_drag_only", value_of(drag_only, "C_D"));
   compare("spin_from_label", flights.labelled, fitted);
   compare("spin_from_label_shifted", flights.shifted, fitted);
-  report_distances("prediction", predict_left_out_flights(flights.labelled, start, kFolds, {}));
-  report_distances("prediction_shifted", predict_flights(flights.shifted, fitted, drag_only, {}));
+  for (const auto& [name, horizon] :
+       {std::pair{"prediction", Horizon{0.15, 0.30}}, std::pair{"prediction_short", Horizon{0.10, 0.20}}}) {
+    const Distances labelled = predict_left_out_flights(flights.labelled, start, kFolds, horizon);
+    const Distances shifted = predict_flights(flights.shifted, fitted, drag_only, horizon);
+    report_distances(name, joined(labelled, shifted));
+    report_distances(fmt::format("{}_labelled_flights", name), labelled);
+  }
 }
 
 }  // namespace samara::benchmarks::identification
