@@ -40,8 +40,11 @@ const Coefficients& makers_coefficients();
 /// Names of the 21 coefficients, in the order of the model.
 const std::vector<std::string>& blimp_coefficients();
 
-/// From windows of a second, each from the state measured at its start, clustered by flight.
-FitResult fit_blimp(const std::vector<BlimpFlight>& flights);
+enum class AddedMass { none, diagonal };
+
+/// From windows of a second, each from the state measured at its start, clustered by flight. 21 coefficients,
+/// with diagonal added mass and inertia 27.
+FitResult fit_blimp(const std::vector<BlimpFlight>& flights, AddedMass added_mass = AddedMass::none);
 
 /// Standard errors by leaving out one flight at a time (jackknife).
 Coefficients jackknife_errors(const std::vector<BlimpFlight>& flights);

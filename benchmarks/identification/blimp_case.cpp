@@ -69,6 +69,16 @@ void blimp_case(const Options& options) {
   // The spirals exchanged, and other straights.
   const BlimpSplit other = split_blimp(flights, {120, 124, 130, 136});
   report_predictions(other.left_out, values_of(fit_blimp(other.training)), "_other_split");
+  if (!options.quick) {
+    const FitResult with_added_mass = fit_blimp(split.training, AddedMass::diagonal);
+    report_predictions(split.left_out, values_of(with_added_mass), "_added_mass");
+    const FitResult other_with = fit_blimp(other.training, AddedMass::diagonal);
+    report_predictions(other.left_out, values_of(other_with), "_added_mass_other_split");
+    for (const char* name : {"M_x", "M_y", "M_z", "J_x", "J_y", "J_z"}) {
+      report(name, value_of(with_added_mass, name));
+      report(fmt::format("{}_stderr", name), error_of(with_added_mass, name));
+    }
+  }
   Coefficients errors;
   if (!options.quick) errors = jackknife_errors(split.training);
   for (const std::string& name : blimp_coefficients()) {

@@ -82,8 +82,10 @@ FitOptions coefficient_options() {
   return options_with(LossKind::huber, 2e-3);
 }
 
+/// Of what a flight shows of its start: single frames err by more than the noise, and a short window feels
+/// them.
 FitOptions window_options() {
-  return options_with(LossKind::none, kNoise);
+  return options_with(LossKind::huber, kNoise);
 }
 
 /// Where each flight is at a time after its first frame, from a fit of its own unknowns to what it shows.
@@ -192,6 +194,16 @@ LiftCoefficient lift_coefficient(const FitResult& fitted, double S) {
     }
   }
   return {slope * S / lag, std::sqrt(variance)};
+}
+
+double median_flight_rms(const FitResult& fitted) {
+  std::vector<double> flights;
+  for (const auto& flight : fitted.captures) {
+    double sum = 0.0;
+    for (const auto& output : flight.residuals) sum += output.rms * output.rms;
+    flights.push_back(std::sqrt(sum));
+  }
+  return median_of(flights);
 }
 
 std::vector<SpinComparison> compare_spins(const std::vector<Capture>& flights, const FitResult& fitted) {

@@ -47,6 +47,9 @@ struct LiftCoefficient {
 };
 LiftCoefficient lift_coefficient(const FitResult& fitted, double S);
 
+/// m: the distance between flight and fit, rms over a flight, median over flights.
+double median_flight_rms(const FitResult& fitted);
+
 /// The spin of a flight from how it bends, beside its label turned into the table's axes: the parts
 /// perpendicular to the mean velocity, rad/s (the part along it bends nothing).
 struct SpinComparison {

@@ -96,6 +96,8 @@ void table_tennis_case(const Options& options) {
   report("CL_at_0.4_stderr", lift.standard_error);
   const FitResult drag_only = fit_drag_only(flights.labelled);
   report("CD_drag_only", value_of(drag_only, "C_D"));
+  report("flight_rms", median_flight_rms(fitted), "m");
+  report("flight_rms_drag_only", median_flight_rms(drag_only), "m");
   compare("spin_from_label", flights.labelled, fitted);
   compare("spin_from_label_shifted", flights.shifted, fitted);
   for (const auto& [name, horizon] :
