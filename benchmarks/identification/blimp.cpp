@@ -191,7 +191,8 @@ const std::vector<std::string>& blimp_coefficients() {
   return names;
 }
 
-FitResult fit_blimp(const std::vector<BlimpFlight>& flights, AddedMass added_mass) {
+FitResult fit_blimp(const std::vector<BlimpFlight>& flights, AddedMass added_mass,
+                    const Coefficients& initial) {
   Box box = start_box();
   // Wide: terms of the sideslip hardly show, least its fourth power.
   for (const std::string& name : blimp_coefficients()) box[name] = {-1e3, 1e3};
@@ -200,7 +201,9 @@ FitResult fit_blimp(const std::vector<BlimpFlight>& flights, AddedMass added_mas
     for (const char* name : {"M_x", "M_y", "M_z"}) box[name] = {0.0, 0.5};
     for (const char* name : {"J_x", "J_y", "J_z"}) box[name] = {0.0, 0.1};
   }
-  return fit(*family({}, box), windows_of(flights), coefficient_options());
+  FitOptions options = coefficient_options();
+  options.initial = initial;
+  return fit(*family({}, box), windows_of(flights), options);
 }
 
 Coefficients jackknife_errors(const std::vector<BlimpFlight>& flights) {

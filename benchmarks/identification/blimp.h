@@ -44,7 +44,9 @@ enum class AddedMass { none, diagonal };
 
 /// From windows of a second, each from the state measured at its start, clustered by flight. 21 coefficients,
 /// with diagonal added mass and inertia 27.
-FitResult fit_blimp(const std::vector<BlimpFlight>& flights, AddedMass added_mass = AddedMass::none);
+/// @param initial where the descent begins; others at zero, or in the middle of their boxes
+FitResult fit_blimp(const std::vector<BlimpFlight>& flights, AddedMass added_mass = AddedMass::none,
+                    const Coefficients& initial = {});
 
 /// Standard errors by leaving out one flight at a time (jackknife).
 Coefficients jackknife_errors(const std::vector<BlimpFlight>& flights);

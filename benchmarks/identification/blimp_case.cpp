@@ -65,6 +65,9 @@ void blimp_case(const Options& options) {
   const BlimpSplit split = split_blimp(flights, {98, 126, 132, 138});
   const FitResult fitted = fit_blimp(split.training);
   report("time", fitted.seconds, "s");
+  report("iterations", fitted.iterations);
+  report("cost", fitted.cost);
+  report("cost_from_makers", fit_blimp(split.training, AddedMass::none, makers_coefficients()).cost);
   report_predictions(split.left_out, values_of(fitted), "");
   // The spirals exchanged, and other straights.
   const BlimpSplit other = split_blimp(flights, {120, 124, 130, 136});
