@@ -70,7 +70,7 @@ class Descents {
     double largest = 0.0;
     for (const SegmentResidual& residual : residuals_) {
       if (!residual.segment().joined) continue;
-      const auto joins = residual.residual().tail(residual.size() - residual.data_size());
+      const auto joins = residual.residual().tail(residual.join_size());
       largest = std::max(largest, joins.cwiseAbs().maxCoeff());
     }
     return largest / options_.segments.stages.back();

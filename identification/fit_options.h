@@ -81,7 +81,8 @@ struct FitOptions {
   std::map<std::string, std::string> known = {};
   /// Shared coordinates that move by factors, not by differences; their boxes must be positive.
   std::vector<std::string> log_scale = {};
-  /// Of shared coordinates.
+  /// Of shared coordinates, and of those of each capture's own: there of every capture alike, and of where
+  /// its first segment starts.
   std::map<std::string, Prior> priors = {};
   /// Outputs that get a free constant for each capture, added to the model. Empty: those in which the model
   /// has a translation symmetry and whose initial value is not a coordinate.

@@ -280,8 +280,8 @@ FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captu
   add_charts(family, options, problem);
   add_priors(options, problem);
   set_initial(options, problem);
-  if (options.segments.length) add_joins(family, problem);
   add_segments(family, captures, options, problem);
+  if (problem.is_joined()) add_joins(family, problem);
   return problem;
 }
 

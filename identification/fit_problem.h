@@ -93,6 +93,12 @@ struct SharedPrior {
   Prior prior;
 };
 
+/// Of the start of every motion.
+struct OwnPrior {
+  int own = 0;
+  Prior prior;
+};
+
 /// A prior as a residual: how many deviations from the mean, and the derivative of that.
 struct PriorResidual {
   double value = 0.0;
@@ -107,6 +113,7 @@ struct FitProblem {
   std::vector<FitCoordinate> own;     ///< likewise; each segment has these
   Chart shared_chart, own_chart;
   std::vector<SharedPrior> priors;
+  std::vector<OwnPrior> own_priors;
   Eigen::VectorXd initial;  ///< of the shared coordinates, at the first start
   std::vector<ComparedOutput> outputs;
   std::optional<double> attitude_scale;  ///< if attitudes are compared

@@ -102,18 +102,31 @@ void add_charts(const FamilyInfo& family, const FitOptions& options, FitProblem&
 
 void add_priors(const FitOptions& options, FitProblem& problem) {
   for (const auto& [name, prior] : options.priors) {
-    const std::size_t at = position(problem.shared, name);
-    if (at == problem.shared.size()) {
-      throw ArgumentError(fmt::format("priors: \"{}\" is not a shared coordinate{}", name,
-                                      suggestion(name, names_of(problem.shared))));
+    const std::size_t shared = position(problem.shared, name);
+    const std::size_t own = position(problem.own, name);
+    const bool is_shared = shared < problem.shared.size();
+    if (!is_shared && own == problem.own.size()) {
+      std::vector<std::string> known = names_of(problem.shared);
+      for (const std::string& other : names_of(problem.own)) known.push_back(other);
+      throw ArgumentError(
+          fmt::format("priors: \"{}\" is not a free coordinate{}", name, suggestion(name, known)));
     }
-    if (prior.logarithmic && !(problem.shared[at].lower > 0.0)) {
+    if (!is_shared && problem.own_chart.is_part_of_quaternion(static_cast<int>(own))) {
+      throw ArgumentError(fmt::format(
+          "priors: \"{}\" is a part of an attitude; a coordinate that moves by itself was expected", name));
+    }
+    const FitCoordinate& c = is_shared ? problem.shared[shared] : problem.own[own];
+    if (prior.logarithmic && !(c.lower > 0.0)) {
       throw ArgumentError(
           fmt::format("priors: \"{}\" has a logarithmic prior, but its box begins at {}; a positive number "
                       "was expected",
-                      name, problem.shared[at].lower));
+                      name, c.lower));
     }
-    problem.priors.push_back({static_cast<int>(at), prior});
+    if (is_shared) {
+      problem.priors.push_back({static_cast<int>(shared), prior});
+    } else {
+      problem.own_priors.push_back({static_cast<int>(own), prior});
+    }
   }
 }
 

@@ -33,11 +33,13 @@ SegmentResidual::SegmentResidual(const TrajectoryFamily& family, const FitProble
   const auto coordinates = static_cast<Eigen::Index>(problem.slots.size());
   frame_count_ = times - (segment.joined ? 1 : 0);
   data_size_ = static_cast<int>(segment.observations.size() + 3 * segment.attitudes.size());
+  const bool is_first = &segment == &problem.segments[problem.motion_of(segment).first_segment];
+  prior_size_ = is_first ? static_cast<int>(problem.own_priors.size()) : 0;
   const int joins = segment.joined ? problem.join_rows() : 0;
   q_.setZero(coordinates);
   values_.setZero(times, outputs);
   derivatives_.setZero(times, outputs * coordinates);
-  residual_.setZero(data_size_ + joins);
+  residual_.setZero(data_size_ + prior_size_ + joins);
   join_weights_.setOnes(joins);
   by_shared_.setZero(residual_.size(), problem.shared_count());
   by_own_.setZero(residual_.size(), problem.own_count());
@@ -53,6 +55,7 @@ bool SegmentResidual::evaluate(const double* shared, const double* own, const do
   compare(own);
   if (with_derivatives) fill_derivatives();
   compare_attitudes(with_derivatives);
+  add_priors(own, with_derivatives);
   if (segment_->joined) join(own, next, with_derivatives);
   return residual_.allFinite();
 }
@@ -114,16 +117,26 @@ void SegmentResidual::compare_attitudes(bool with_derivatives) {
   }
 }
 
+void SegmentResidual::add_priors(const double* own, bool with_derivatives) {
+  for (int k = 0; k < prior_size_; ++k) {
+    const OwnPrior& known = problem_->own_priors[static_cast<std::size_t>(k)];
+    const PriorResidual prior = prior_residual(known.prior, own[known.own]);
+    residual_[data_size_ + k] = prior.value;
+    if (with_derivatives) by_own_(data_size_ + k, known.own) = prior.derivative;
+  }
+}
+
 void SegmentResidual::join(const double* own, const double* next, bool with_derivatives) {
   const Eigen::Index end = frame_count_;
-  Eigen::Index row = data_size_;
+  const Eigen::Index first = data_size_ + prior_size_;
+  Eigen::Index row = first;
   for (const JoinRule& rule : problem_->joins) {
     if (rule.kind == JoinRule::Kind::turn) {
       join_turn(rule, row, next, with_derivatives);
       row += rule.rows();
       continue;
     }
-    const double weight = join_weights_[row - data_size_];
+    const double weight = join_weights_[row - first];
     const bool is_constant = rule.kind == JoinRule::Kind::constant;
     const bool is_state = rule.kind == JoinRule::Kind::state;
     const double moved = is_constant ? own[rule.own]
@@ -144,7 +157,7 @@ void SegmentResidual::join_turn(const JoinRule& rule, Eigen::Index row, const do
   const Eigen::Index end = frame_count_;
   const Eigen::Vector4d model = values_.row(end).segment<4>(rule.column).transpose();
   const Turn turn = turn_between(next + rule.own, model.data());
-  const Eigen::Vector3d weights = join_weights_.segment<3>(row - data_size_);
+  const Eigen::Vector3d weights = join_weights_.segment<3>(row - data_size_ - prior_size_);
   residual_.segment<3>(row) = weights.cwiseProduct(turn.vector);
   if (!with_derivatives) return;
   const auto outputs = static_cast<Eigen::Index>(problem_->requested.size());

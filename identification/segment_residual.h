@@ -15,7 +15,7 @@ namespace samara::identification {
 /// construction, beyond what the source does.
 ///
 /// Rows are the observations, then three for each attitude (the turn from measured to model, in body axes),
-/// then the differences at the join.
+/// then the priors of the start of a motion, then the differences at the join.
 class SegmentResidual {
  public:
   SegmentResidual(const TrajectoryFamily& family, const FitProblem& problem, const Segment& segment);
@@ -29,6 +29,9 @@ class SegmentResidual {
   int size() const { return static_cast<int>(residual_.size()); }
   /// Rows that compare with the capture.
   int data_size() const { return data_size_; }
+  /// Rows after them that hold what was known of the start beforehand.
+  int prior_size() const { return prior_size_; }
+  int join_size() const { return size() - data_size_ - prior_size_; }
   long evaluations() const { return evaluations_; }
 
   /// (model - measured)/scale, per row; at a join, (end - next start) * weight.
@@ -55,6 +58,7 @@ class SegmentResidual {
  private:
   void compare(const double* own);
   void compare_attitudes(bool with_derivatives);
+  void add_priors(const double* own, bool with_derivatives);
   void join(const double* own, const double* next, bool with_derivatives);
   void join_turn(const JoinRule& rule, Eigen::Index row, const double* next, bool with_derivatives);
   void fill_derivatives();
@@ -66,6 +70,7 @@ class SegmentResidual {
   std::unique_ptr<TrajectorySource> source_;
   Eigen::Index frame_count_ = 0;  ///< without the end of a joined segment
   int data_size_ = 0;
+  int prior_size_ = 0;
   Eigen::VectorXd q_;
   Eigen::MatrixXd values_;
   Eigen::MatrixXd derivatives_;

@@ -27,19 +27,23 @@ constexpr double kFarAbove = 4.0;
 constexpr int kFirstFrames = 4;
 
 /// How many residuals belong to the first frames, and where: observations first, then attitudes, both in the
-/// order of frames.
+/// order of frames. Priors count with every number of frames.
 struct ComparedRows {
   Eigen::Index values = 0;
   Eigen::Index turns_begin = 0, turns = 0;
+  Eigen::Index priors_begin = 0, priors = 0;
 };
 
-ComparedRows rows_of(const Segment& segment, int frames) {
+ComparedRows rows_of(const SegmentResidual& residual, int frames) {
+  const Segment& segment = residual.segment();
   ComparedRows rows;
   rows.values =
       std::ranges::count_if(segment.observations, [&](const Observation& o) { return o.frame < frames; });
   rows.turns_begin = static_cast<Eigen::Index>(segment.observations.size());
   rows.turns = 3 * std::ranges::count_if(segment.attitudes,
                                          [&](const AttitudeObservation& a) { return a.frame < frames; });
+  rows.priors_begin = residual.data_size();
+  rows.priors = residual.prior_size();
   return rows;
 }
 
@@ -52,19 +56,21 @@ class OwnProblem {
         residual_(residual),
         shared_(shared),
         next_(own),
-        rows_(rows_of(residual.segment(), frames)) {}
+        rows_(rows_of(residual, frames)) {}
 
   /// 1/2 sum rho, infinite where there is no trajectory; slopes are filled for gradient and normal.
   double evaluate(const Eigen::VectorXd& own, bool with_derivatives) {
     const double* next = residual_.segment().joined ? next_.data() : nullptr;
     if (!residual_.evaluate(shared_.data(), own.data(), next, with_derivatives)) return kInfinity;
     double sum = 0.0;
-    psi_.resize(rows_.values + rows_.turns);
-    for (Eigen::Index k = 0; k < psi_.size(); ++k) {
+    psi_.resize(rows_.values + rows_.turns + rows_.priors);
+    for (Eigen::Index k = 0; k < rows_.values + rows_.turns; ++k) {
       const LossValue value = loss_value(problem_.loss, residual_.residual()[row(k)]);
       sum += 0.5 * value.rho;
       psi_[k] = value.psi;
     }
+    psi_.tail(rows_.priors) = residual_.residual().segment(rows_.priors_begin, rows_.priors);
+    sum += 0.5 * psi_.tail(rows_.priors).squaredNorm();
     return sum;
   }
 
@@ -73,7 +79,9 @@ class OwnProblem {
     const Eigen::MatrixXd moves = problem_.own_chart.plus_jacobian(own.data());
     Eigen::MatrixXd J(psi_.size(), moves.cols());
     J.topRows(rows_.values) = residual_.by_own().topRows(rows_.values) * moves;
-    J.bottomRows(rows_.turns) = residual_.by_own().middleRows(rows_.turns_begin, rows_.turns) * moves;
+    J.middleRows(rows_.values, rows_.turns) =
+        residual_.by_own().middleRows(rows_.turns_begin, rows_.turns) * moves;
+    J.bottomRows(rows_.priors) = residual_.by_own().middleRows(rows_.priors_begin, rows_.priors) * moves;
     normal = J.transpose() * J;
     gradient = J.transpose() * psi_;
   }

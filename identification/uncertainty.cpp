@@ -96,7 +96,7 @@ Eigen::VectorXd influence_floor(const std::vector<FitCoordinate>& coordinates, c
 /// they can move, segment after segment.
 struct MotionEquations {
   Eigen::MatrixXd by_shared, by_own;
-  Eigen::VectorXd psi, dpsi;  ///< of joins: the residual, and one
+  Eigen::VectorXd psi, dpsi;  ///< of priors and joins: the residual, and one
   double psi_squares = 0.0;   ///< of data alone
   double dpsi_sum = 0.0;
 };

@@ -19,6 +19,7 @@
   LAW(kirchhoff_body)            \
   LAW(quadratic_drag_fall)       \
   LAW(sphere_flight)             \
+  LAW(sphere_flight_turned_spin) \
   LAW(vertical_fall)
 
 namespace samara::models {

@@ -10,5 +10,7 @@ inline constexpr const char* kBench = "identification";
 void plate_cases(const Options& options);
 void body_cases(const Options& options);
 void segment_map_case(const Options& options);
+void table_tennis_case(const Options& options);
+void blimp_case(const Options& options);
 
 }  // namespace samara::benchmarks::identification

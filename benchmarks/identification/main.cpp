@@ -14,6 +14,8 @@ int main(int argc, char** argv) {
     identification::plate_cases(chosen);
     identification::body_cases(chosen);
     identification::segment_map_case(chosen);
+    identification::table_tennis_case(chosen);
+    identification::blimp_case(chosen);
     return 0;
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';

@@ -14,13 +14,13 @@ using Values = std::map<std::string, double>;
 
 /// The motion of a sphere from rest at the origin but for v and w.
 Eigen::MatrixXd flight(Values values, const Eigen::Vector3d& v, const Eigen::Vector3d& w,
-                       const std::vector<double>& times) {
+                       const std::vector<double>& times, const char* name = "sphere_flight") {
   const char* axes[] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i) {
     values[std::string("v") + axes[i] + "(0)"] = v[i];
     values[std::string("w") + axes[i] + "(0)"] = w[i];
   }
-  const ParametricModel model(find_model("sphere_flight"), values, {});
+  const ParametricModel model(find_model(name), values, {});
   const Trajectory trajectory = integrate(model, {}, times, {.relative_tolerance = 1e-12});
   REQUIRE(trajectory.is_usable());
   return trajectory.states;
@@ -100,5 +100,49 @@ TEST_CASE("drag takes energy, the Magnus force none, and the terms sum to the ra
     CHECK(terms[2].power < 0.0);
     const double energy_rate = m * v.dot(rate) + parameter(*model, p, "inertia") * w.dot(spin_rate);
     CHECK_THAT(power, WithinAbs(energy_rate, 1e-14 * force.norm() * v.norm()));
+  }
+}
+
+TEST_CASE("a saturating Magnus force has half its slope where the spin parameter is the inverse saturation") {
+  // b S = 1: C_L = C_M S/2. The floors change V and r |w| by 1e-7 of them at most.
+  const double b = 2.5, speed = 4.0;
+  const double w = speed / (b * 0.02);
+  const auto model = find_model("sphere_flight");
+  const std::vector<double> x = {0.0, 0.0, 0.0, speed, 0.0, 0.0, 0.0, 0.0, w};
+  const auto magnus = [&](double saturation) {
+    std::vector<Wrench> terms(4);
+    model->forces(0.0, x, parameter_values(*model, {{"magnus_saturation", saturation}}), terms);
+    return terms[1].force;
+  };
+  CHECK((magnus(b) - 0.5 * magnus(0.0)).norm() < 1e-7 * magnus(0.0).norm());
+  CHECK_THAT(magnus(0.0).y(), WithinRel(0.5 * 1.2 * std::numbers::pi * 4e-4 * 0.02 * w * speed, 1e-6));
+}
+
+TEST_CASE("a ball at rest without spin has finite derivatives by everything") {
+  for (const char* name : {"sphere_flight", "sphere_flight_turned_spin"}) {
+    const auto model = find_model(name);
+    const ParameterValues p = parameter_values(*model, {});
+    std::vector<double> f(9);
+    Eigen::MatrixXd df_dx(9, 9);
+    Eigen::MatrixXd df_dp(9, static_cast<Eigen::Index>(p.value.size()));
+    model->rhs_with_derivatives(0.0, std::vector<double>(9, 0.0), p, f, df_dx, df_dp);
+    CHECK(df_dx.allFinite());
+    CHECK(df_dp.allFinite());
+  }
+}
+
+TEST_CASE("a spin given in turned axes acts as the turned spin in the world's") {
+  std::mt19937 random(11);
+  for (int k = 0; k < 5; ++k) {
+    const Eigen::Vector3d turn = random_vector(random, 1.5);
+    const Eigen::Vector3d v = random_vector(random, 6.0);
+    const Eigen::Vector3d w = random_vector(random, 150.0);
+    const Eigen::Vector3d in_world = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * w;
+    Values values = {{"magnus_saturation", 1.3}, {"spin_decay", 0.5}};
+    const Eigen::MatrixXd expected = flight(values, v, in_world, {0.3});
+    values.insert({{"spin_frame_x", turn.x()}, {"spin_frame_y", turn.y()}, {"spin_frame_z", turn.z()}});
+    const Eigen::MatrixXd turned = flight(values, v, w, {0.3}, "sphere_flight_turned_spin");
+    CHECK((turned.leftCols(6) - expected.leftCols(6)).norm() < 1e-9 * expected.norm());
+    CHECK((turned.rightCols(3).transpose() - std::exp(-0.15) * w).norm() < 1e-9 * w.norm());
   }
 }

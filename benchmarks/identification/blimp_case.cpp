@@ -1,0 +1,94 @@
+/// A miniature blimp: 21 coefficients from eight flights, and four others predicted.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "blimp.h"
+#include "cases.h"
+#include "real_data.h"
+
+namespace samara::benchmarks::identification {
+
+namespace {
+
+constexpr const char* kCase = "blimp";
+
+void report(const std::string& metric, double value, const std::string& unit = "1") {
+  print({kBench, kCase, metric, value, unit});
+}
+
+std::string with_underscores(std::string text) {
+  for (char& c : text) c = c == ' ' ? '_' : c;
+  return text;
+}
+
+std::vector<BlimpFlight> kind_of(const std::vector<BlimpFlight>& flights, bool spirals) {
+  std::vector<BlimpFlight> chosen;
+  for (const BlimpFlight& flight : flights) {
+    if (flight.is_spiral == spirals) chosen.push_back(flight);
+  }
+  return chosen;
+}
+
+/// The model fitted, as its makers have it, and without physics.
+void report_predictions(const std::vector<BlimpFlight>& left_out, const Coefficients& fitted,
+                        const std::string& suffix) {
+  for (const bool spirals : {false, true}) {
+    const std::vector<BlimpFlight> flights = kind_of(left_out, spirals);
+    for (const double ahead : {1.0, 2.0}) {
+      const std::string name = fmt::format("{}{:.0f}s", spirals ? "spiral" : "straight", ahead);
+      const auto print_errors = [&](const BlimpErrors& errors, const std::string& predictor) {
+        report(fmt::format("{}_position{}{}", name, predictor, suffix), rms_of(errors.position), "m");
+        report(fmt::format("{}_pitch{}{}", name, predictor, suffix), rms_of(errors.pitch), "rad");
+      };
+      for (const auto& [predictor, errors] : predict_blimp(flights, fitted, ahead))
+        print_errors(errors, predictor == "model" ? "" : fmt::format("_{}", with_underscores(predictor)));
+      print_errors(predict_blimp(flights, makers_coefficients(), ahead).at("model"), "_makers");
+    }
+  }
+}
+
+Coefficients values_of(const FitResult& fitted) {
+  Coefficients values;
+  for (const auto& c : fitted.coefficients) values[c.name] = c.value;
+  return values;
+}
+
+}  // namespace
+
+void blimp_case(const Options& options) {
+  if (!options.wants(kCase)) return;
+  const auto folder = measured_set(kCase, "blimp-rgblimp-mocap");
+  if (!folder) return;
+  const std::vector<BlimpFlight> flights =
+      read_blimp(*folder, std::filesystem::path(SAMARA_EXAMPLES_DIR) / "captures" / "blimp.toml");
+  const BlimpSplit split = split_blimp(flights, {98, 126, 132, 138});
+  const FitResult fitted = fit_blimp(split.training);
+  report("time", fitted.seconds, "s");
+  report("iterations", fitted.iterations);
+  report("cost", fitted.cost);
+  report("cost_from_makers", fit_blimp(split.training, AddedMass::none, makers_coefficients()).cost);
+  report_predictions(split.left_out, values_of(fitted), "");
+  // The spirals exchanged, and other straights.
+  const BlimpSplit other = split_blimp(flights, {120, 124, 130, 136});
+  report_predictions(other.left_out, values_of(fit_blimp(other.training)), "_other_split");
+  if (!options.quick) {
+    const FitResult with_added_mass = fit_blimp(split.training, AddedMass::diagonal);
+    report_predictions(split.left_out, values_of(with_added_mass), "_added_mass");
+    const FitResult other_with = fit_blimp(other.training, AddedMass::diagonal);
+    report_predictions(other.left_out, values_of(other_with), "_added_mass_other_split");
+    for (const char* name : {"M_x", "M_y", "M_z", "J_x", "J_y", "J_z"}) {
+      report(name, value_of(with_added_mass, name));
+      report(fmt::format("{}_stderr", name), error_of(with_added_mass, name));
+    }
+  }
+  Coefficients errors;
+  if (!options.quick) errors = jackknife_errors(split.training);
+  for (const std::string& name : blimp_coefficients()) {
+    report(name, value_of(fitted, name));
+    report(name + "_stderr", error_of(fitted, name));
+    if (!options.quick) report(name + "_stderr_left_out", errors.at(name));
+  }
+}
+
+}  // namespace samara::benchmarks::identification

@@ -1,0 +1,71 @@
+#include "real_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <limits>
+
+#include "samara/base/errors.h"
+
+namespace samara::benchmarks::identification {
+
+using samara::identification::Capture;
+using samara::identification::Channel;
+using samara::identification::Coefficient;
+using samara::identification::FitResult;
+
+std::optional<std::filesystem::path> measured_set(const std::string& test_case, const std::string& set) {
+  const char* const root = std::getenv("SAMARA_DATA");
+  const std::filesystem::path path = root ? std::filesystem::path(root) / set : std::filesystem::path();
+  if (root && std::filesystem::is_directory(path)) return path;
+  std::cerr << test_case << " skipped: SAMARA_DATA does not lead to \"" << set << "\"\n";
+  return {};
+}
+
+Capture frames_of(const Capture& capture, Eigen::Index first, Eigen::Index count, double origin) {
+  Capture part = capture;
+  part.times = capture.times.segment(first, count).array() - origin;
+  for (Channel& channel : part.channels)
+    channel.values = Eigen::VectorXd(channel.values.segment(first, count));
+  return part;
+}
+
+Eigen::MatrixX3d positions_of(const Capture& capture) {
+  Eigen::MatrixX3d positions(capture.frame_count(), 3);
+  for (Eigen::Index k = 0; k < 3; ++k) positions.col(k) = capture.channel(std::string(1, "xyz"[k])).values;
+  return positions;
+}
+
+namespace {
+
+const Coefficient& coefficient_of(const FitResult& result, const std::string& name) {
+  const auto found = std::ranges::find(result.coefficients, name, &Coefficient::name);
+  if (found == result.coefficients.end()) throw ArgumentError("the fit has no coefficient \"" + name + "\"");
+  return *found;
+}
+
+}  // namespace
+
+double value_of(const FitResult& result, const std::string& name) {
+  return coefficient_of(result, name).value;
+}
+
+double error_of(const FitResult& result, const std::string& name) {
+  return coefficient_of(result, name).standard_error.value_or(std::numeric_limits<double>::quiet_NaN());
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::ranges::sort(values);
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+double rms_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+}  // namespace samara::benchmarks::identification

@@ -1,0 +1,286 @@
+#include "table_tennis.h"
+
+#include <cmath>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "real_data.h"
+#include "samara/identification/capture_file.h"
+#include "samara/identification/fit.h"
+#include "samara/identification/fitted_motion.h"
+#include "samara/identification/prediction_score.h"
+#include "samara/identification/step_trajectories.h"
+#include "samara/models/model.h"
+
+namespace samara::benchmarks::identification {
+
+namespace {
+
+using samara::identification::FitOptions;
+using samara::identification::fitted_motion;
+using samara::identification::LossKind;
+using samara::identification::TrajectoryFamily;
+
+/// s: one step of RK4 per frame, which errs by less than a micrometre in 0.3 s.
+constexpr double kStep = 7e-3;
+/// rad/s: what the spin of a ball is in each direction, before anything is seen.
+constexpr double kSpinPrior = 100.0;
+/// m: noise of a frame on the grid, along the track.
+constexpr double kNoise = 0.86e-3;
+
+/// s: longer than every flight, so that each starts from where it is seen to start, in one piece.
+constexpr double kUncut = 10.0;
+
+const std::vector<std::string> kPosition = {"x", "y", "z"};
+
+Box start_box() {
+  Box box;
+  for (const char* name : {"x(0)", "y(0)", "z(0)"}) box[name] = {-4.0, 4.0};
+  for (const char* name : {"vx(0)", "vy(0)", "vz(0)"}) box[name] = {-30.0, 30.0};
+  return box;
+}
+
+void add_spins(Box& box) {
+  for (const char* name : {"wx(0)", "wy(0)", "wz(0)"}) box[name] = {-4000.0, 4000.0};
+}
+
+std::unique_ptr<TrajectoryFamily> family(const std::string& model, const std::map<std::string, double>& fixed,
+                                         const Box& box) {
+  return step_trajectories(models::find_model(model), fixed, box, kStep);
+}
+
+/// Spins from labels.
+std::map<std::string, std::string> labels() {
+  return {{"wx(0)", "x_spin"}, {"wy(0)", "y_spin"}, {"wz(0)", "z_spin"}};
+}
+
+std::map<std::string, double> values_of(const FitResult& fitted) {
+  std::map<std::string, double> values;
+  for (const auto& c : fitted.coefficients) values[c.name] = c.value;
+  return values;
+}
+
+/// The forces alone, without the turn of the labels.
+std::map<std::string, double> forces_of(const FitResult& fitted) {
+  std::map<std::string, double> values = values_of(fitted);
+  for (const char* name : {"spin_frame_x", "spin_frame_y", "spin_frame_z"}) values.erase(name);
+  return values;
+}
+
+FitOptions options_with(LossKind kind, double scale) {
+  FitOptions options;
+  options.loss.kind = kind;
+  options.loss.length_scale = scale;
+  options.starts = 1;
+  options.segments.length = kUncut;
+  return options;
+}
+
+/// For coefficients: labels err, and robustly so.
+FitOptions coefficient_options() {
+  return options_with(LossKind::huber, 2e-3);
+}
+
+/// Of what a flight shows of its start: single frames err by more than the noise, and a short window feels
+/// them.
+FitOptions window_options() {
+  return options_with(LossKind::huber, kNoise);
+}
+
+/// Where each flight is at a time after its first frame, from a fit of its own unknowns to what it shows.
+std::vector<std::optional<Eigen::Vector3d>> carried_on(const TrajectoryFamily& family,
+                                                       const FitOptions& options,
+                                                       const std::vector<Capture>& seen,
+                                                       const std::vector<double>& times) {
+  const FitResult fitted = fit(family, seen, options);
+  std::vector<std::optional<Eigen::Vector3d>> places;
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    const auto place = fitted_motion(family, options, fitted, k, {times[k]}, kPosition);
+    places.push_back(place ? std::optional<Eigen::Vector3d>(place->row(0).transpose()) : std::nullopt);
+  }
+  return places;
+}
+
+/// The turn of the labels' axes.
+Eigen::Matrix3d rotation_of(const FitResult& fitted) {
+  const Eigen::Vector3d turn(value_of(fitted, "spin_frame_x"), value_of(fitted, "spin_frame_y"),
+                             value_of(fitted, "spin_frame_z"));
+  return turn.norm() > 0.0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()
+                           : Eigen::Matrix3d::Identity();
+}
+
+Eigen::Vector3d labelled_spin(const Capture& flight) {
+  Eigen::Vector3d spin;
+  for (Eigen::Index k = 0; k < 3; ++k)
+    spin[k] = std::stod(flight.labels.at(std::string(1, "xyz"[k]) + "_spin"));
+  return spin;
+}
+
+/// The part of a flight that predictors see, and the frame that they predict.
+struct Question {
+  Capture seen;
+  double time = 0.0;
+  Eigen::Vector3d place;
+};
+
+std::optional<Question> question_of(const Capture& flight, const Horizon& horizon) {
+  const Eigen::VectorXd since = flight.times.array() - flight.times[0];
+  const double half_frame = 0.5 * (since[1] - since[0]);
+  Eigen::Index frame = 0;
+  (since.array() - horizon.end).abs().minCoeff(&frame);
+  if (std::abs(since[frame] - horizon.end) > 1.01 * half_frame) return {};
+  const auto count = static_cast<Eigen::Index>((since.array() <= horizon.window + 1e-9).count());
+  return Question{frames_of(flight, 0, count, flight.times[0]), since[frame],
+                  positions_of(flight).row(frame).transpose()};
+}
+
+}  // namespace
+
+Flights read_flights(const std::filesystem::path& folder, const std::filesystem::path& sidecar,
+                     int least_frames) {
+  Flights flights;
+  for (Capture& flight : samara::identification::read_captures(folder / "[0-9]*.csv", sidecar)) {
+    if (flight.frame_count() < least_frames) continue;
+    const std::string stem = std::filesystem::path(flight.file).stem().string();
+    const int number = std::stoi(stem);
+    flight.labels["number"] = stem;
+    const bool belongs = number <= 50 || (number >= 106 && number <= 212);
+    (belongs ? flights.labelled : flights.shifted)
+        .push_back(frames_of(flight, 0, flight.frame_count(), flight.times[0]));
+  }
+  return flights;
+}
+
+FitResult fit_labelled(const std::vector<Capture>& flights, const RotationStart& start) {
+  Box box = start_box();
+  add_spins(box);
+  box["C_D"] = {0.1, 1.5};
+  // Each sign by itself: a descent would go from one to the other.
+  box["C_M"] = start.C_M < 0.0 ? Box::mapped_type{-10.0, -1e-3} : Box::mapped_type{1e-3, 10.0};
+  box["magnus_saturation"] = {0.0, 30.0};
+  for (const char* name : {"spin_frame_x", "spin_frame_y", "spin_frame_z"}) box[name] = {-4.0, 4.0};
+  FitOptions options = coefficient_options();
+  options.known = labels();
+  options.initial = {{"C_D", 0.5},
+                     {"C_M", start.C_M},
+                     {"magnus_saturation", 1.0},
+                     {"spin_frame_x", start.about_x},
+                     {"spin_frame_y", 0.0},
+                     {"spin_frame_z", 0.0}};
+  return fit(*family("sphere_flight_turned_spin", {}, box), flights, options);
+}
+
+FitResult fit_drag_only(const std::vector<Capture>& flights) {
+  Box box = start_box();
+  box["C_D"] = {0.1, 1.5};
+  return fit(*family("sphere_flight", {{"C_M", 0.0}}, box), flights, coefficient_options());
+}
+
+LiftCoefficient lift_coefficient(const FitResult& fitted, double S) {
+  const double slope = value_of(fitted, "C_M");
+  const double lag = 1.0 + value_of(fitted, "magnus_saturation") * S;
+  Eigen::VectorXd by = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(fitted.coefficients.size()));
+  for (std::size_t k = 0; k < fitted.coefficients.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    if (fitted.coefficients[k].name == "C_M") by[at] = S / lag;
+    if (fitted.coefficients[k].name == "magnus_saturation") by[at] = -slope * S * S / (lag * lag);
+  }
+  // What is at a bound or not determined is NaN in the covariance, and so is an answer that needs it.
+  double variance = 0.0;
+  for (Eigen::Index i = 0; i < by.size(); ++i) {
+    for (Eigen::Index j = 0; j < by.size(); ++j) {
+      if (by[i] != 0.0 && by[j] != 0.0) variance += by[i] * fitted.covariance(i, j) * by[j];
+    }
+  }
+  return {slope * S / lag, std::sqrt(variance)};
+}
+
+double median_flight_rms(const FitResult& fitted) {
+  std::vector<double> flights;
+  for (const auto& flight : fitted.captures) {
+    double sum = 0.0;
+    for (const auto& output : flight.residuals) sum += output.rms * output.rms;
+    flights.push_back(std::sqrt(sum));
+  }
+  return median_of(flights);
+}
+
+std::vector<SpinComparison> compare_spins(const std::vector<Capture>& flights, const FitResult& fitted) {
+  Box box = start_box();
+  add_spins(box);
+  FitOptions options = window_options();
+  for (const char* name : {"wx(0)", "wy(0)", "wz(0)"}) options.priors[name] = {.deviation = kSpinPrior};
+  const FitResult own = fit(*family("sphere_flight", forces_of(fitted), box), flights, options);
+  const Eigen::Matrix3d R = rotation_of(fitted);
+  std::vector<SpinComparison> comparisons;
+  for (std::size_t k = 0; k < flights.size(); ++k) {
+    const Eigen::MatrixX3d path = positions_of(flights[k]);
+    const Eigen::Vector3d way = (path.bottomRows(1) - path.topRows(1)).transpose().normalized();
+    const auto across = [&way](const Eigen::Vector3d& w) { return Eigen::Vector3d(w - way * way.dot(w)); };
+    Eigen::Vector3d spin;
+    for (const auto& n : own.captures[k].nuisances) {
+      if (n.name[0] == 'w') spin[n.name[1] - 'x'] = n.value;
+    }
+    comparisons.push_back(
+        {flights[k].labels.at("number"), across(spin), across(R * labelled_spin(flights[k]))});
+  }
+  return comparisons;
+}
+
+Distances predict_flights(const std::vector<Capture>& flights, const FitResult& fitted,
+                          const FitResult& drag_only, const Horizon& horizon) {
+  using namespace samara::identification;
+  std::vector<Capture> seen;
+  std::vector<double> times;
+  std::vector<Eigen::Vector3d> truth;
+  for (const Capture& flight : flights) {
+    const auto question = question_of(flight, horizon);
+    if (!question) continue;
+    seen.push_back(question->seen);
+    times.push_back(question->time);
+    truth.push_back(question->place);
+  }
+  Distances distances;
+  if (seen.empty()) return distances;
+  const auto add = [&](const std::string& name, const TrajectoryFamily& family, const FitOptions& options) {
+    const auto places = carried_on(family, options, seen, times);
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+      distances[name].push_back(places[k] ? (*places[k] - truth[k]).norm() : INFINITY);
+    }
+  };
+  Box with_spin = start_box();
+  add_spins(with_spin);
+  FitOptions own_spin = window_options();
+  for (const char* name : {"wx(0)", "wy(0)", "wz(0)"}) own_spin.priors[name] = {.deviation = kSpinPrior};
+  add("model", *family("sphere_flight", forces_of(fitted), with_spin), own_spin);
+  FitOptions known_spin = window_options();
+  known_spin.known = labels();
+  add("labels", *family("sphere_flight_turned_spin", values_of(fitted), with_spin), known_spin);
+  std::map<std::string, double> drag = values_of(drag_only);
+  drag["C_M"] = 0.0;
+  add("drag only", *family("sphere_flight", drag, start_box()), window_options());
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    const Eigen::VectorXd at = Eigen::VectorXd::Constant(1, times[k]);
+    const Eigen::MatrixXd place = predict(Baseline::quadratic, {seen[k].times, positions_of(seen[k])}, at);
+    distances["parabola"].push_back((place.row(0).transpose() - truth[k]).norm());
+  }
+  return distances;
+}
+
+Distances predict_left_out_flights(const std::vector<Capture>& flights, const RotationStart& start, int folds,
+                                   const Horizon& horizon) {
+  Distances all;
+  for (int fold = 0; fold < folds; ++fold) {
+    std::vector<Capture> training, test;
+    for (std::size_t k = 0; k < flights.size(); ++k) {
+      (static_cast<int>(k) % folds == fold ? test : training).push_back(flights[k]);
+    }
+    const Distances part =
+        predict_flights(test, fit_labelled(training, start), fit_drag_only(training), horizon);
+    for (const auto& [name, values] : part) all[name].insert(all[name].end(), values.begin(), values.end());
+  }
+  return all;
+}
+
+}  // namespace samara::benchmarks::identification
