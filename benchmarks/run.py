@@ -9,7 +9,7 @@ import platform
 import subprocess
 import sys
 
-NAMES = ["first_walk", "linear_engine", "nonlinear", "sampling", "models", "query"]
+NAMES = ["first_walk", "linear_engine", "nonlinear", "sampling", "models", "query", "identification"]
 
 
 def run(program, arguments):
