@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
     const Options chosen = options(argc, argv);
     identification::plate_cases(chosen);
     identification::body_cases(chosen);
+    identification::falling_paper_case(chosen);
     return 0;
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
