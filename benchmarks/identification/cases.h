@@ -10,5 +10,6 @@ inline constexpr const char* kBench = "identification";
 void plate_cases(const Options& options);
 void body_cases(const Options& options);
 void falling_paper_case(const Options& options);
+void settling_plates_case(const Options& options);
 
 }  // namespace samara::benchmarks::identification

@@ -36,7 +36,6 @@ void one_split(const std::vector<samara::identification::Capture>& drops, std::u
   const auto point = point_family();
   const FitResult of_point =
       samara::identification::fit(*point, captures_of(windows.fitted), point_options());
-  fmt::print(stderr, "point: {} {}\n", of_point.message, of_point.coefficients.empty() ? 0.0 : of_point.coefficients[0].value);
   note(worst, "next_median_point_drag",
        median_of(predict_unseen(*point, point_options(), of_point, windows.unseen).errors));
   const auto body = paper_family();

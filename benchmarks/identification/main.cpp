@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
     identification::plate_cases(chosen);
     identification::body_cases(chosen);
     identification::falling_paper_case(chosen);
+    identification::settling_plates_case(chosen);
     return 0;
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
