@@ -24,8 +24,8 @@ GuessedAttitude guess_attitude(const Eigen::Vector3d& push, const Eigen::Vector3
   const double side = push.z() < 0.0 ? -1.0 : 1.0;
   const Eigen::Vector3d n = side * push.normalized();
   const Eigen::Vector3d n_later = side * push_later.normalized();
-  const models::Quaternion q = models::product(
-      turn_of_z(n), models::rotation_exponential({guess.tilt_1, guess.tilt_2, 0.0}));
+  const models::Quaternion q =
+      models::product(turn_of_z(n), models::rotation_exponential({guess.tilt_1, guess.tilt_2, 0.0}));
   GuessedAttitude result{.q_WB = {q[0], q[1], q[2], q[3]}, .rate = Eigen::Vector4d::Zero()};
   if (!guess.turning) return result;
   const Eigen::Vector3d w = n.cross(n_later) / later;  // world axes: q' = 1/2 (0, w) q

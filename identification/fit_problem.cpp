@@ -282,12 +282,12 @@ FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captu
   add_priors(options, problem);
   set_initial(options, problem);
   add_segments(family, captures, options, problem);
-  if (problem.is_joined()) add_joins(family, problem);
   if (options.round_body && problem.is_joined()) {
     throw ArgumentError(
         "round_body is set and captures are cut into joined segments; segments.length no shorter than the "
         "captures was expected");
   }
+  if (problem.is_joined()) add_joins(family, problem);
   return problem;
 }
 

@@ -53,7 +53,7 @@ struct AttitudeObservation {
 /// A part of a capture with a start state of its own.
 struct Segment {
   int motion = 0;
-  double start = 0.0;  ///< s, of the capture's times: where its state is
+  double start = 0.0;     ///< s, of the capture's times: where its state is
   double interval = 0.0;  ///< s, between the frames of a mean; 0 where frames are no means
   double lead = 0.0;      ///< s, from its state to its first frame: half the width of a mean
   /// Since the start: of frames with something to compare, and if `joined`, last, where the next one starts.

@@ -23,7 +23,7 @@ constexpr double kScanStep = 0.15;
 
 /// A parabola and one frequency fitted to the horizontal coordinates.
 struct Oscillation {
-  double rest = 0.0;  ///< sum of squares that is left
+  double rest = 0.0;      ///< sum of squares that is left
   Eigen::Matrix2d waves;  ///< rows: cosine, sine; columns: x, y
 };
 

@@ -141,7 +141,8 @@ std::optional<Eigen::MatrixX3d> pushes(const models::ParametricModel& equations,
                                        const Record& record, const Eigen::VectorXd& at,
                                        const StartSmoothing& smoothing) {
   const models::ModelInfo& info = equations.model().info();
-  const auto group = std::ranges::find(info.groups, models::StateGroupKind::position, &models::StateGroup::kind);
+  const auto group =
+      std::ranges::find(info.groups, models::StateGroupKind::position, &models::StateGroup::kind);
   if (group == info.groups.end()) return {};
   const double window = window_of(record.times, smoothing);
   Eigen::MatrixX3d result(at.size(), 3);
@@ -149,9 +150,8 @@ std::optional<Eigen::MatrixX3d> pushes(const models::ParametricModel& equations,
     const std::string& name = info.states[static_cast<std::size_t>(group->first + axis)].name;
     const auto output = std::ranges::find(problem.outputs, name, &ComparedOutput::name);
     if (output == problem.outputs.end()) return {};
-    const Smoothed smoothed =
-        smooth(record.times, record.values.col(output - problem.outputs.begin()), at,
-               {.degree = smoothing.degree, .window = window, .noise = output->scale});
+    const Smoothed smoothed = smooth(record.times, record.values.col(output - problem.outputs.begin()), at,
+                                     {.degree = smoothing.degree, .window = window, .noise = output->scale});
     result.col(axis) = smoothed.acceleration.col(0);
   }
   result.col(2).array() += kGravity;

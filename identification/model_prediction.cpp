@@ -65,8 +65,8 @@ Eigen::MatrixXd predict(const TrajectoryFamily& family, const FitOptions& option
     return values;
   }
   for (std::size_t o = 0; o < problem.requested.size(); ++o) {
-    const auto offset = std::ranges::find(seen.nuisances, fmt::format("offset of {}", problem.requested[o]),
-                                          &Nuisance::name);
+    const auto offset =
+        std::ranges::find(seen.nuisances, fmt::format("offset of {}", problem.requested[o]), &Nuisance::name);
     if (offset != seen.nuisances.end()) values.col(static_cast<Eigen::Index>(o)).array() += offset->value;
   }
   return values;

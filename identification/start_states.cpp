@@ -24,15 +24,14 @@ constexpr std::array kSmoothings = {StartSmoothing{2, 5}, StartSmoothing{3, 7}, 
 /// Where attitudes are free and were not measured: as the pushes of the fluid say, at rest or turning, and
 /// tilted against them.
 constexpr double kTilt = 0.5;
-constexpr std::array kGuesses = {
-    StartSmoothing{3, 9, AttitudeGuess{true}},
-    StartSmoothing{4, 15, AttitudeGuess{true}},
-    StartSmoothing{3, 9, AttitudeGuess{}},
-    StartSmoothing{4, 15, AttitudeGuess{}},
-    StartSmoothing{4, 15, AttitudeGuess{false, kTilt, 0.0}},
-    StartSmoothing{4, 15, AttitudeGuess{false, -kTilt, 0.0}},
-    StartSmoothing{4, 15, AttitudeGuess{false, 0.0, kTilt}},
-    StartSmoothing{4, 15, AttitudeGuess{false, 0.0, -kTilt}}};
+constexpr std::array kGuesses = {StartSmoothing{3, 9, AttitudeGuess{true}},
+                                 StartSmoothing{4, 15, AttitudeGuess{true}},
+                                 StartSmoothing{3, 9, AttitudeGuess{}},
+                                 StartSmoothing{4, 15, AttitudeGuess{}},
+                                 StartSmoothing{4, 15, AttitudeGuess{false, kTilt, 0.0}},
+                                 StartSmoothing{4, 15, AttitudeGuess{false, -kTilt, 0.0}},
+                                 StartSmoothing{4, 15, AttitudeGuess{false, 0.0, kTilt}},
+                                 StartSmoothing{4, 15, AttitudeGuess{false, 0.0, -kTilt}}};
 constexpr int kTrialIterations = 4;
 constexpr int kIterations = 15;
 /// A segment whose cost is so many times the median has not found its motion.

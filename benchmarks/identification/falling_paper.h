@@ -12,8 +12,8 @@ namespace samara::benchmarks::identification {
 
 inline constexpr int kPaperAhead = 10;  ///< frames of 1/98 s: 0.1 s
 
-/// Drops of discs, in the order of the source, without the release and what is near the floor, with what the model must know
-/// of each as labels.
+/// Drops of discs, in the order of the source, without the release and what is near the floor, with what the
+/// model must know of each as labels.
 std::vector<samara::identification::Capture> paper_drops(const std::filesystem::path& folder);
 
 struct PaperSplit {

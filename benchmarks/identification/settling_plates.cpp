@@ -23,10 +23,11 @@ using samara::identification::Interval;
 
 namespace {
 
-constexpr double kSide = 0.01;      ///< m
-constexpr double kWater = 1000.0;   ///< kg/m^3
-constexpr double kStep = 4.2e-3;    ///< s: eight a frame
+constexpr double kSide = 0.01;       ///< m
+constexpr double kWater = 1000.0;    ///< kg/m^3
+constexpr double kStep = 4.2e-3;     ///< s: eight a frame
 constexpr double kFrameRate = 30.0;  ///< Hz
+constexpr Eigen::Index kReleaseFrames = 30;
 constexpr double kFall = 12.0, kTransient = 4.0;  ///< s
 constexpr double kSpeedWeight = 0.01, kFrequencyWeight = 0.01, kAmplitudeWeight = 0.03;
 constexpr double kTilts[] = {0.1, 0.25, 0.4, 0.6};  ///< rad
@@ -57,6 +58,12 @@ std::map<std::string, double> plate(const PlateKind& kind) {
 bool is_clean(const Capture& drop) {
   return std::stod(drop.labels.at("max_step_cm")) < 2.0 && std::stod(drop.labels.at("max_gap_s")) < 0.1 &&
          drop.labels.at("labels_disagree") == "0";
+}
+
+void keep_developed(Capture& drop) {
+  const auto kept = Eigen::seq(kReleaseFrames, Eigen::last);
+  drop.times = Eigen::VectorXd(drop.times(kept));
+  for (auto& channel : drop.channels) channel.values = Eigen::VectorXd(channel.values(kept));
 }
 
 Eigen::MatrixX3d positions_of(const Capture& drop) {
@@ -90,8 +97,8 @@ class Joint {
       names_.push_back(a.name);
       centre_[i] = std::log(a.value);
       for (Eigen::Index k = 0; k < n; ++k) {
-        const double value = windows.covariance(i, k) / a.value /
-                             windows.coefficients[static_cast<std::size_t>(k)].value;
+        const double value =
+            windows.covariance(i, k) / a.value / windows.coefficients[static_cast<std::size_t>(k)].value;
         // What the windows do not determine is known within a factor of e.
         covariance(i, k) = std::isfinite(value) ? value : (i == k ? 1.0 : 0.0);
       }
@@ -140,7 +147,8 @@ double total(const JointFit& fit) {
 }  // namespace
 
 const PlateKind& plate_kind(const std::string& material) {
-  static const PlateKind kinds[] = {{"POM", 0.133e-6, 1410.0, 1.5}, {"PTFE", 0.089e-6, 2175.0, 1.0}};
+  static const PlateKind kinds[] = {{"POM", 0.133e-6, 1410.0, 1.5, 15, 6},
+                                    {"PTFE", 0.089e-6, 2175.0, 1.0, 11, 4}};
   const auto* const kind = std::ranges::find(kinds, material, &PlateKind::material);
   if (kind == std::end(kinds)) throw ArgumentError("there is no plate of " + material);
   return *kind;
@@ -152,7 +160,9 @@ std::vector<Capture> plate_drops(const std::filesystem::path& folder, const Plat
   for (const char* position : {"pos1", "pos2", "pos3"}) {
     const auto table = folder / fmt::format("{}_1x1_{}.csv", kind.material, position);
     for (Capture& drop : samara::identification::read_captures(table, sidecar)) {
-      if (is_clean(drop)) clean.push_back(std::move(drop));
+      if (!is_clean(drop)) continue;
+      keep_developed(drop);
+      clean.push_back(std::move(drop));
     }
   }
   return clean;
@@ -171,8 +181,8 @@ std::unique_ptr<samara::identification::TrajectoryFamily> plate_family(const Pla
   std::map<std::string, Interval> box;
   for (const char* name : {"x(0)", "y(0)", "z(0)"}) box[name] = {-2.0, 2.0};
   for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.1, 1.1};
-  for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-0.6, 0.6};
-  for (const char* name : {"wx(0)", "wy(0)"}) box[name] = {-60.0, 60.0};
+  for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-0.4, 0.4};
+  for (const char* name : {"wx(0)", "wy(0)"}) box[name] = {-40.0, 40.0};
   for (const std::string& name : coefficient_names()) box[name] = {0.01, 50.0};
   return samara::identification::step_trajectories(models::find_model("immersed_body"), plate(kind), box,
                                                    kStep);
@@ -211,10 +221,8 @@ std::optional<Flutter> simulated_flutter(const PlateKind& kind, const Coefficien
   std::vector<Flutter> all;
   for (Eigen::Index k = 0; k < points.rows(); ++k) {
     if (batch.status[static_cast<std::size_t>(k)] != models::BatchStatus::done) continue;
-    const Eigen::MatrixX3d positions =
-        batch.states.block(0, batch.column(k, first), 3, count).transpose();
-    const auto one =
-        samara::identification::typical_flutter(batch.times.tail(count), positions, kind.part);
+    const Eigen::MatrixX3d positions = batch.states.block(0, batch.column(k, first), 3, count).transpose();
+    const auto one = samara::identification::typical_flutter(batch.times.tail(count), positions, kind.part);
     if (one) all.push_back(*one);
   }
   if (all.empty()) return {};

@@ -19,12 +19,14 @@ struct PlateKind {
   double volume;   ///< m^3, of the source
   double density;  ///< kg/m^3, of handbooks: not measured
   double part;     ///< s, about three swings: of the statistics
+  int frames;      ///< of a window: one swing
+  int ahead;       ///< frames from its end to what is predicted: 0.4 swings
 };
 const PlateKind& plate_kind(const std::string& material);
 
 using Coefficients = std::map<std::string, double>;
 
-/// Drops of which the source's index finds no jump, gap or swapped label.
+/// Drops of which the source's index finds no jump, gap or swapped label, without their first second.
 std::vector<samara::identification::Capture> plate_drops(const std::filesystem::path& folder,
                                                          const PlateKind& kind);
 

@@ -19,8 +19,6 @@ using samara::identification::FitResult;
 using samara::identification::Flutter;
 
 constexpr const char* kCase = "settling_plates";
-constexpr int kFrames = 15;  ///< 0.5 s
-constexpr int kAhead = 6;    ///< 0.2 s
 constexpr int kSweeps = 25;
 
 void say(const char* what, const Flutter& f) {
@@ -47,7 +45,7 @@ Score one_material(const std::filesystem::path& folder, const std::string& mater
     for (std::size_t k = 0; k < std::min(most_drops, all.size()); ++k) {
       // Spread over the positions of release.
       const Capture& drop = all[k * all.size() / std::min(most_drops, all.size())];
-      for (Window& window : cut(drop, kFrames, kAhead)) windows.push_back(std::move(window));
+      for (Window& window : cut(drop, kind.frames, kind.ahead)) windows.push_back(std::move(window));
     }
     return windows;
   };
@@ -56,8 +54,9 @@ Score one_material(const std::filesystem::path& folder, const std::string& mater
   const auto family = plate_family(kind);
   const FitOptions options = plate_options();
   const FitResult of_windows = samara::identification::fit(*family, captures_of(seen), options);
-  fmt::print(stderr, "{} {}: {} drops, {} windows in {:.1f} s\n", kCase, material, drops.size(), seen.size(),
-             of_windows.seconds);
+  fmt::print(stderr, "{} {}: {} drops, {} windows in {:.1f} s, {} iterations; {}\n", kCase, material,
+             drops.size(), seen.size(), of_windows.seconds, of_windows.iterations, of_windows.message);
+  fmt::print(stderr, "windows fit {:.2f} mm\n", 1e3 * median_of(window_misfits(of_windows)));
   for (const auto& c : of_windows.coefficients) {
     fmt::print(stderr, "  {} {:.3g} +- {:.2g}\n", c.name, c.value, c.standard_error.value_or(-1.0));
   }
@@ -68,7 +67,8 @@ Score one_material(const std::filesystem::path& folder, const std::string& mater
   for (const auto& c : of_windows.coefficients) of_windows_alone[c.name] = c.value;
   if (const auto alone = simulated_flutter(kind, of_windows_alone)) say("windows alone", *alone);
   say("windows and statistics", joint.simulated);
-  fmt::print(stderr, "  cost of windows {:.3g}, of statistics {:.3g}\n", joint.cost.windows, joint.cost.statistics);
+  fmt::print(stderr, "  cost of windows {:.3g}, of statistics {:.3g}\n", joint.cost.windows,
+             joint.cost.statistics);
 
   FitOptions held = options;
   held.rounds = 1;

@@ -53,9 +53,9 @@ std::vector<Window> cut(const Capture& motion, int frames, int ahead) {
     window.capture.file = motion.file;
     window.capture.labels = motion.labels;
     window.capture.times = motion.times.segment(first, frames).array() - motion.times[first];
-    Eigen::Index column = 0;
-    for (const char* name : {"x", "y", "z"}) {
-      window.capture.channels.push_back({name, "m", positions.col(column++).segment(first, frames)});
+    for (const auto& channel : motion.channels) {
+      window.capture.channels.push_back(channel);
+      window.capture.channels.back().values = channel.values.segment(first, frames).eval();
     }
     if (positions.middleRows(first, frames + ahead).allFinite()) windows.push_back(std::move(window));
   }
@@ -83,8 +83,8 @@ std::vector<double> model_errors(const samara::identification::TrajectoryFamily&
   std::vector<double> errors;
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const Eigen::VectorXd time = Eigen::VectorXd::Constant(1, windows[k].next_time);
-    const Eigen::MatrixXd predicted = samara::identification::predict(family, options, result, k, time,
-                                                                      interval_of(windows[k].capture));
+    const Eigen::MatrixXd predicted =
+        samara::identification::predict(family, options, result, k, time, interval_of(windows[k].capture));
     const double error = (predicted.leftCols(3).row(0) - windows[k].next).norm();
     errors.push_back(std::isfinite(error) ? error : std::numeric_limits<double>::infinity());
   }
@@ -105,7 +105,8 @@ std::vector<double> baseline_errors(Baseline baseline, std::span<const Window> w
 std::vector<double> window_misfits(const FitResult& result) {
   std::vector<double> misfits;
   for (const auto& capture : result.captures) {
-    misfits.push_back(std::sqrt((capture.measured - capture.model).rowwise().squaredNorm().mean()));
+    misfits.push_back(
+        std::sqrt((capture.measured - capture.model).leftCols<3>().rowwise().squaredNorm().mean()));
   }
   return misfits;
 }

@@ -20,7 +20,7 @@ namespace samara::benchmarks::identification {
 std::filesystem::path measured_set(const std::string& name);
 
 struct Window {
-  samara::identification::Capture capture;  ///< x, y, z and labels of the motion; times from 0
+  samara::identification::Capture capture;  ///< what is measured and the labels of the motion; times from 0
   double next_time = 0.0;                   ///< s, in the window's times
   Eigen::RowVector3d next;                  ///< m, measured there
 };
