@@ -30,7 +30,7 @@ constexpr double kFrameRate = 30.0;  ///< Hz
 constexpr Eigen::Index kReleaseFrames = 30;
 constexpr double kFall = 12.0, kTransient = 4.0;  ///< s
 constexpr double kSpeedWeight = 0.01, kFrequencyWeight = 0.01, kAmplitudeWeight = 0.03;
-constexpr double kTilts[] = {0.1, 0.25, 0.4, 0.6};  ///< rad
+constexpr double kTilts[] = {0.05, 0.1, 0.16, 0.22, 0.28, 0.34, 0.4, 0.46, 0.52, 0.58, 0.64, 0.7};  ///< rad
 
 const std::vector<std::string>& coefficient_names() {
   static const std::vector<std::string> names = {"C_D0", "C_D90", "C_R", "C_T", "C_w"};

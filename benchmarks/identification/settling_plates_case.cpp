@@ -74,7 +74,7 @@ Score one_material(const std::filesystem::path& folder, const std::string& mater
   held.rounds = 1;
   for (const auto& [name, value] : joint.coefficients) {
     held.fixed[name] = value;
-    fmt::print(stderr, "  {} {:.3g}\n", name, value);
+    fmt::print(stderr, "  {} {:.4g}\n", name, value);
   }
   held.log_scale.clear();
   held.priors.clear();

@@ -18,7 +18,7 @@ TEST_CASE("falling paper: the body predicts drops that it has not seen better th
   const auto folder = measured_data("falling-paper-cambridge");
   if (folder.empty()) return;
   const auto drops = paper_drops(folder);
-  CHECK(drops.size() == 70);
+  CHECK(drops.size() == 85);
   const PaperSplit windows = split(drops, 6, 20, 1);
   const auto body = paper_family();
   auto options = paper_options();
