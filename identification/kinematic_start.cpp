@@ -195,7 +195,7 @@ class StateSearch {
     q_.setZero(static_cast<Eigen::Index>(problem.slots.size()));
     family_point(problem, motion, shared.data(), middle_.data(), q_);
     for (std::size_t slot = 0; slot < problem.slots.size(); ++slot) {
-      if (problem.slots[slot].role == CoordinateRole::own) {
+      if (problem.slots[slot].role == CoordinateRole::own && equations.free()[slot].is_initial) {
         state_of_own_.push_back({problem.slots[slot].index, equations.free()[slot].index});
       }
     }

@@ -25,6 +25,7 @@ constexpr double kThickness = 2.5 / 36000.0;  ///< m, as the source has it
 constexpr double kPaper = 0.070;              ///< kg/m^2
 constexpr double kAir = 1.2754;               ///< kg/m^3
 constexpr double kNearFloor = 0.03;           ///< m
+constexpr double kMisfit = 6e-3;              ///< m: twice what the model misses, not the noise
 constexpr Eigen::Index kReleaseFrames = 30;   ///< 0.3 s of which every predictor knows the weight only
 constexpr double kStep = 5.2e-3;              ///< s: two a frame
 
@@ -100,7 +101,7 @@ FitOptions paper_options() {
     options.log_scale.push_back(name);
     options.priors[name] = {.mean = value, .deviation = 1.0, .logarithmic = true};
   }
-  options.loss.length_scale = 2e-3;
+  options.loss.length_scale = kMisfit;
   options.averaged_frames = 5;
   options.round_body = true;
   options.segments.length = 10.0;
@@ -125,7 +126,7 @@ std::unique_ptr<TrajectoryFamily> point_family() {
 FitOptions point_options() {
   FitOptions options;
   options.initial = {{"C_D", 1.0}};
-  options.loss.length_scale = 2e-3;
+  options.loss.length_scale = kMisfit;
   options.averaged_frames = 5;
   options.segments.length = 10.0;
   options.cluster_by = {"traj"};

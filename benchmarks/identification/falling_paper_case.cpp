@@ -41,6 +41,7 @@ void try_silhouettes(const PaperSplit& windows, const FitOptions& positions, con
   const auto family = with_silhouettes(paper_family());
   FitOptions options = positions;
   options.rounds = 1;
+  options.max_iterations = 15;
   for (const auto& c : fitted.coefficients) options.initial[c.name] = c.value;
   for (const char* name : {"size_1", "size_2"}) {
     options.initial[name] = kSilhouetteSize;
@@ -48,7 +49,7 @@ void try_silhouettes(const PaperSplit& windows, const FitOptions& positions, con
   }
   for (const char* name : {"silhouette_1", "silhouette_2"}) options.loss.scales[name] = kSilhouetteScale;
   FitResult best;
-  for (const double view : {0.0, 0.25 * std::numbers::pi, 0.5 * std::numbers::pi, 0.75 * std::numbers::pi}) {
+  for (const double view : {0.0, 0.25 * std::numbers::pi}) {
     options.initial["view_1"] = view;
     options.initial["view_2"] = view + 0.5 * std::numbers::pi;
     FitResult result = samara::identification::fit(*family, captures_of(windows.fitted), options);

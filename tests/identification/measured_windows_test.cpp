@@ -19,7 +19,7 @@ TEST_CASE("falling paper: the body predicts drops that it has not seen better th
   if (folder.empty()) return;
   const auto drops = paper_drops(folder);
   CHECK(drops.size() == 85);
-  const PaperSplit windows = split(drops, 6, 20, 1);
+  const PaperSplit windows = split(drops, 5, 20, 1);
   const auto body = paper_family();
   auto options = paper_options();
   options.rounds = 1;
@@ -45,7 +45,7 @@ TEST_CASE("settling plates: drops left out flutter like the ones fitted") {
 
   SECTION("and so does a plate with the coefficients of the benchmark") {
     const auto simulated = simulated_flutter(
-        kind, {{"C_D0", 0.928}, {"C_D90", 13.6}, {"C_R", 0.723}, {"C_T", 3.22}, {"C_w", 1.12}});
+        kind, {{"C_D0", 1.253}, {"C_D90", 13.36}, {"C_R", 0.9072}, {"C_T", 2.579}, {"C_w", 0.9195}});
     REQUIRE(simulated);
     CHECK(std::abs(simulated->fall_speed / all.fall_speed - 1.0) < 0.05);
     CHECK(std::abs(simulated->frequency / all.frequency - 1.0) < 0.05);

@@ -212,6 +212,17 @@ TEST_CASE("coefficients of a disc are found from positions alone, smoothed by th
   for (const OutputRms& output : result.residuals) CHECK(output.rms < 5e-5);
 }
 
+TEST_CASE("a parameter may be each capture's own where start states are found") {
+  const std::vector<Capture> captures = {coin_capture("a", 1.0, 0.05, 0.3), coin_capture("b", 1.3, 0.1, 0.2)};
+  FitOptions options;
+  options.per_capture = {"C_D"};
+  options.segments.length = 10.0;
+  const FitResult result = fit(*coin_family(), captures, options);
+  // The data are the integrator's own.
+  CHECK_THAT(result.captures[0].nuisances[0].value, WithinRel(1.0, 1e-5));
+  CHECK_THAT(result.captures[1].nuisances[0].value, WithinRel(1.3, 1e-5));
+}
+
 TEST_CASE("a round body in joined segments is refused") {
   FitOptions options;
   options.round_body = true;
