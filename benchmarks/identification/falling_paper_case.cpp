@@ -22,6 +22,7 @@ using samara::identification::FitResult;
 constexpr const char* kCase = "falling_paper";
 constexpr std::size_t kDrops = 20;
 constexpr int kSplits = 3;
+constexpr int kRepeats = 8;  ///< of the bootstrap
 constexpr int kFrames = 20;
 constexpr double kSilhouetteSize = 7e5;     ///< px^2/m^2, a start
 constexpr double kSilhouetteScale = 150.0;  ///< px^2
@@ -120,8 +121,14 @@ void one_split(const std::vector<samara::identification::Capture>& drops, std::u
       kCase, seed, windows.fitted.size(), fitted.seconds, fitted.iterations, windows.unseen.size(),
       unseen.fit.seconds, 1e3 * median_of(window_misfits(fitted)), 1e3 * median_of(unseen.errors),
       1e3 * rms_of(unseen.errors), 1e3 * median_of(line), 1e3 * rms_of(line));
+  std::map<std::string, double> scatter;
+  if (with_trials && seed == 1) {
+    scatter = bootstrap_errors(*body, options, fitted, windows.fitted, "traj", kRepeats);
+  }
   for (const Coefficient& c : fitted.coefficients) {
-    fmt::print(stderr, "  {} {:.3g} +- {:.2g}\n", c.name, c.value, c.standard_error.value_or(-1.0));
+    fmt::print(stderr, "  {} {:.3g} +- {:.2g}", c.name, c.value, c.standard_error.value_or(-1.0));
+    if (scatter.contains(c.name)) fmt::print(stderr, ", bootstrap {:.2g}", c.value * scatter.at(c.name));
+    fmt::print(stderr, "\n");
   }
 }
 

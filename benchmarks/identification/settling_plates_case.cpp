@@ -20,6 +20,7 @@ using samara::identification::Flutter;
 
 constexpr const char* kCase = "settling_plates";
 constexpr int kSweeps = 25;
+constexpr int kRepeats = 8;  ///< of the bootstrap
 
 void say(const char* what, const Flutter& f) {
   fmt::print(stderr, "  {}: {:.2f} cm/s, {:.2f} Hz, {:.2f} cm\n", what, 100.0 * f.fall_speed, f.frequency,
@@ -31,7 +32,8 @@ struct Score {
   double speed_error = 0.0, frequency_error = 0.0, amplitude_error = 0.0;
 };
 
-Score one_material(const std::filesystem::path& folder, const std::string& material, std::size_t most_drops) {
+Score one_material(const std::filesystem::path& folder, const std::string& material, std::size_t most_drops,
+                   int repeats) {
   const PlateKind& kind = plate_kind(material);
   const std::vector<Capture> drops = plate_drops(folder, kind);
   std::vector<Capture> fitted;
@@ -56,9 +58,12 @@ Score one_material(const std::filesystem::path& folder, const std::string& mater
   const FitResult of_windows = samara::identification::fit(*family, captures_of(seen), options);
   fmt::print(stderr, "{} {}: {} drops, {} windows in {:.1f} s, {} iterations; {}\n", kCase, material,
              drops.size(), seen.size(), of_windows.seconds, of_windows.iterations, of_windows.message);
-  fmt::print(stderr, "windows fit {:.2f} mm\n", 1e3 * median_of(window_misfits(of_windows)));
+  std::map<std::string, double> scatter;
+  if (repeats > 0) scatter = bootstrap_errors(*family, options, of_windows, seen, "drop", repeats);
   for (const auto& c : of_windows.coefficients) {
-    fmt::print(stderr, "  {} {:.3g} +- {:.2g}\n", c.name, c.value, c.standard_error.value_or(-1.0));
+    fmt::print(stderr, "  {} {:.3g} +- {:.2g}", c.name, c.value, c.standard_error.value_or(-1.0));
+    if (scatter.contains(c.name)) fmt::print(stderr, ", bootstrap {:.2g}", c.value * scatter.at(c.name));
+    fmt::print(stderr, "\n");
   }
   const JointFit joint = fit_jointly(kind, of_windows, measured, kSweeps);
   say("measured, fitted drops", measured);
@@ -101,7 +106,7 @@ void settling_plates_case(const Options& options) {
   if (folder.empty()) return;
   Score worst;
   for (const char* material : {"POM", "PTFE"}) {
-    const Score score = one_material(folder, material, options.quick ? 5 : 10);
+    const Score score = one_material(folder, material, options.quick ? 5 : 10, options.quick ? 0 : kRepeats);
     for (double Score::*part : {&Score::fit_median, &Score::next_median, &Score::next_median_line,
                                 &Score::speed_error, &Score::frequency_error, &Score::amplitude_error}) {
       worst.*part = std::max(worst.*part, score.*part);

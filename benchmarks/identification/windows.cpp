@@ -8,7 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "samara/identification/fit.h"
 #include "samara/identification/model_prediction.h"
+#include "samara/pgd/random.h"
 
 namespace samara::benchmarks::identification {
 
@@ -109,6 +111,38 @@ std::vector<double> window_misfits(const FitResult& result) {
         std::sqrt((capture.measured - capture.model).leftCols<3>().rowwise().squaredNorm().mean()));
   }
   return misfits;
+}
+
+std::map<std::string, double> bootstrap_errors(const samara::identification::TrajectoryFamily& family,
+                                               FitOptions options, const FitResult& fitted,
+                                               std::span<const Window> windows, const std::string& label,
+                                               int repeats) {
+  options.rounds = 1;
+  for (const auto& c : fitted.coefficients) options.initial[c.name] = c.value;
+  std::map<std::string, std::vector<const Capture*>> drops;
+  for (const Window& window : windows) drops[window.capture.labels.at(label)].push_back(&window.capture);
+  std::map<std::string, std::vector<double>> logs;
+  pgd::Random random(1);
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    std::vector<Capture> drawn;
+    for (std::size_t k = 0; k < drops.size(); ++k) {
+      const auto which = static_cast<std::ptrdiff_t>(random.uniform() * static_cast<double>(drops.size()));
+      for (const Capture* capture : std::next(drops.begin(), which)->second) {
+        drawn.push_back(*capture);
+        drawn.back().id += fmt::format(", {}", k);
+      }
+    }
+    for (const auto& c : samara::identification::fit(family, drawn, options).coefficients) {
+      logs[c.name].push_back(std::log(c.value));
+    }
+  }
+  std::map<std::string, double> errors;
+  for (const auto& [name, values] : logs) {
+    const auto count = static_cast<Eigen::Index>(values.size());
+    const Eigen::Map<const Eigen::ArrayXd> all(values.data(), count);
+    errors[name] = std::sqrt((all - all.mean()).square().sum() / static_cast<double>(count - 1));
+  }
+  return errors;
 }
 
 double median_of(std::vector<double> values) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -47,6 +48,15 @@ std::vector<double> baseline_errors(samara::identification::Baseline baseline,
 
 /// Root mean square distances between windows and the model inside them.
 std::vector<double> window_misfits(const samara::identification::FitResult& result);
+
+/// Standard errors of the logarithms of the coefficients: their scatter over fits to drops drawn with
+/// replacement, each from the fit of all.
+/// @param label of the captures, names the drop
+std::map<std::string, double> bootstrap_errors(const samara::identification::TrajectoryFamily& family,
+                                               samara::identification::FitOptions options,
+                                               const samara::identification::FitResult& fitted,
+                                               std::span<const Window> windows, const std::string& label,
+                                               int repeats);
 
 double median_of(std::vector<double> values);
 double rms_of(const std::vector<double>& values);
