@@ -45,14 +45,22 @@ std::array<Jet, 3> rotation_vector(JetQuaternion d) {
 Chart::Chart(const std::vector<Kind>& kinds) {
   for (const Kind kind : kinds) {
     parts_.push_back({kind, size_, directions_});
-    size_ += kind == Kind::quaternion ? 4 : 1;
+    size_ += is_attitude(kind) ? 4 : 1;
     directions_ += directions_of(kind);
   }
 }
 
 int Chart::directions_of(Kind kind) {
-  if (kind == Kind::held) return 0;
-  return kind == Kind::quaternion ? 3 : 1;
+  switch (kind) {
+    case Kind::held:
+      return 0;
+    case Kind::quaternion:
+      return 3;
+    case Kind::axis:
+      return 2;
+    default:
+      return 1;
+  }
 }
 
 Chart Chart::holding(int unknown) const {
@@ -67,7 +75,7 @@ bool Chart::is_linear() const {
 
 bool Chart::is_part_of_quaternion(int unknown) const {
   return std::ranges::any_of(parts_, [&](const Part& part) {
-    return part.kind == Kind::quaternion && unknown >= part.unknown && unknown < part.unknown + 4;
+    return is_attitude(part.kind) && unknown >= part.unknown && unknown < part.unknown + 4;
   });
 }
 
@@ -99,9 +107,11 @@ void Chart::plus(const double* x, const double* step, double* y) const {
       case Kind::logarithmic:
         to[0] = from[0] * std::exp(d[0]);
         break;
+      case Kind::axis:
       case Kind::quaternion: {
+        const double about_z = part.kind == Kind::axis ? 0.0 : d[2];
         const models::Quaternion moved = models::normalised(models::product(
-            {from[0], from[1], from[2], from[3]}, models::rotation_exponential({d[0], d[1], d[2]})));
+            {from[0], from[1], from[2], from[3]}, models::rotation_exponential({d[0], d[1], about_z})));
         std::ranges::copy(moved, to);
         break;
       }
@@ -126,6 +136,9 @@ void Chart::minus(const double* y, const double* x, double* step) const {
       case Kind::quaternion:
         Eigen::Map<Eigen::Vector3d, Eigen::Unaligned>{d} = turn_between(from, to).vector;
         break;
+      case Kind::axis:
+        Eigen::Map<Eigen::Vector2d, Eigen::Unaligned>{d} = turn_between(from, to).vector.head<2>();
+        break;
     }
   }
 }
@@ -144,12 +157,16 @@ Eigen::MatrixXd Chart::plus_jacobian(const double* x) const {
         jacobian(part.unknown, part.direction) = q[0];
         break;
       case Kind::quaternion:
-        jacobian.block<4, 3>(part.unknown, part.direction) << -q[1], -q[2], -q[3],  //
-            q[0], -q[3], q[2],                                                      //
-            q[3], q[0], -q[1],                                                      //
+      case Kind::axis: {
+        Eigen::Matrix<double, 4, 3> by_turn;
+        by_turn << -q[1], -q[2], -q[3],  //
+            q[0], -q[3], q[2],           //
+            q[3], q[0], -q[1],           //
             -q[2], q[1], q[0];
-        jacobian.block<4, 3>(part.unknown, part.direction) *= 0.5;
+        const int directions = directions_of(part.kind);
+        jacobian.block(part.unknown, part.direction, 4, directions) = 0.5 * by_turn.leftCols(directions);
         break;
+      }
     }
   }
   return jacobian;
@@ -169,8 +186,12 @@ Eigen::MatrixXd Chart::minus_jacobian(const double* x) const {
         jacobian(part.direction, part.unknown) = 1.0 / q[0];
         break;
       case Kind::quaternion:
-        jacobian.block<3, 4>(part.direction, part.unknown) = turn_between(q, q).by_to;
+      case Kind::axis: {
+        const int directions = directions_of(part.kind);
+        jacobian.block(part.direction, part.unknown, directions, 4) =
+            turn_between(q, q).by_to.topRows(directions);
         break;
+      }
     }
   }
   return jacobian;

@@ -19,10 +19,11 @@ class Chart {
     held,         ///< not at all
     quaternion,   ///< q times the turn by the vector d in body axes: four unknowns (w, x, y, z), three
                   ///< directions
+    axis,         ///< the same, by turns about body x and y alone: where body z points; two directions
   };
 
   Chart() = default;
-  /// @param kinds in the order of the unknowns; a quaternion stands for four of them
+  /// @param kinds in the order of the unknowns; a quaternion or an axis stands for four of them
   explicit Chart(const std::vector<Kind>& kinds);
 
   /// The same with one more unknown held, not of a quaternion.
@@ -53,6 +54,7 @@ class Chart {
     int unknown, direction;  ///< the first of its own
   };
   static int directions_of(Kind kind);
+  static bool is_attitude(Kind kind) { return kind == Kind::quaternion || kind == Kind::axis; }
   std::vector<Part> parts_;
   int size_ = 0;
   int directions_ = 0;

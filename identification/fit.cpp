@@ -37,9 +37,7 @@ class Descents {
   /// From start number `index` to a minimum; where there are joins, stage by stage until they hold.
   MinimizeResult operator()(int index) {
     FitPoint point = first_point(index);
-    if (!problem_.is_joined()) {
-      return minimize(problem_, residuals_, std::move(point), options_.max_iterations);
-    }
+    if (!problem_.is_joined()) return in_rounds(std::move(point));
     // The same for all starts, or their costs could not be compared.
     if (deviations_.size() == 0) deviations_ = start_deviations(problem_, residuals_, point);
     MinimizeResult result;
@@ -77,6 +75,21 @@ class Descents {
   }
 
  private:
+  /// To a minimum, with start states found anew in each round; the best round.
+  MinimizeResult in_rounds(FitPoint point) {
+    MinimizeResult best = minimize(problem_, residuals_, std::move(point), options_.max_iterations);
+    const models::ParametricModel* equations = family_.equations();
+    if (equations == nullptr || !options_.segments.length) return best;
+    for (int round = 1; round < options_.rounds && best.status != FitStatus::failed; ++round) {
+      FitPoint again = best.point;
+      find_start_states(*equations, problem_, residuals_, again, true);
+      MinimizeResult next = minimize(problem_, residuals_, std::move(again), options_.max_iterations);
+      next.iterations += best.iterations;
+      if (next.status != FitStatus::failed && next.cost < best.cost) best = std::move(next);
+    }
+    return best;
+  }
+
   /// Segments begin where the capture shows them.
   FitPoint first_point(int index) {
     FitPoint point = start_point(problem_, residuals_, index);

@@ -193,6 +193,9 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
   options.profiles = root.optional_boolean("profiles").value_or(false);
   if (root.has("segments")) options.segments = read_segments(root);
   if (root.has("global")) options.global = read_global(root);
+  if (root.has("rounds")) options.rounds = positive_integer(root, "rounds");
+  if (root.has("averaged_frames")) options.averaged_frames = positive_integer(root, "averaged_frames");
+  options.round_body = root.optional_boolean("round_body").value_or(false);
   if (root.has("step")) options.step = positive_quantity(root, "step", "s");
   if (root.has("log_scale")) options.log_scale = known_names(root, "log_scale", names.coordinates);
   if (root.has("attitude_scale")) options.attitude_scale = positive_quantity(root, "attitude_scale", "rad");

@@ -24,6 +24,9 @@
 ///     segments = "60 ms"                              # or { length = "60 ms", stages = [0.05, 0.5, 5, 50] }
 ///     global = "crs"                                  # or { method = "crs", budget = 300, seed = 1 }
 ///     step = "1 ms"                                   # of a model without a codebook: Runge-Kutta steps
+///     averaged_frames = 5                             # of the running mean that the source took
+///     round_body = true                               # a disc: turns about its axis change nothing
+///     rounds = 2                                      # start states found again after the fit, and so on
 ///     log_scale = ["C_D"]
 ///     attitude_scale = "2 deg"
 ///

@@ -94,6 +94,9 @@ struct FitOptions {
   /// rad: the loss scale of an attitude, if all captures measure its four outputs: the residual is the vector
   /// of the turn between measured and model, in body axes.
   double attitude_scale = 0.035;
+  /// Each frame is the mean of so many frames of the source, centred on it: the model's frames go through the
+  /// same mean, from a start that lies half of them earlier. Odd; frames must come at equal times.
+  int averaged_frames = 1;
 
   // How
   /// s: a model without a codebook is integrated by Runge-Kutta steps of this length (step_trajectories.h),
@@ -101,6 +104,12 @@ struct FitOptions {
   std::optional<double> step = {};
   SegmentOptions segments = {};
   GlobalOptions global = {};
+  /// So often start states are found (with the coefficients of the last time, the last start states among the
+  /// candidates) and all is fitted, where `segments.length` is given and segments are not joined.
+  int rounds = 1;
+  /// The body moves alike after any turn about its z axis: start attitudes do not turn that way. Not with
+  /// joined segments.
+  bool round_body = false;
   /// Columns of the captures' labels: captures with the same labels there count as one observation of the
   /// coefficients. Empty: each capture is one.
   std::vector<std::string> cluster_by = {};

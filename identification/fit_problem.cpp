@@ -271,6 +271,7 @@ FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captu
   check_names(family, options);
   FitProblem problem;
   problem.loss = options.loss.kind;
+  problem.averaged_frames = options.averaged_frames;
   problem.fixed = family.fixed;
   assign_roles(family, options, problem);
   assign_outputs(family, captures, options, problem);
@@ -281,6 +282,11 @@ FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captu
   add_priors(options, problem);
   set_initial(options, problem);
   add_segments(family, captures, options, problem);
+  if (options.round_body && problem.is_joined()) {
+    throw ArgumentError(
+        "round_body is set and captures are cut into joined segments; segments.length no shorter than the "
+        "captures was expected");
+  }
   if (problem.is_joined()) add_joins(family, problem);
   return problem;
 }

@@ -53,7 +53,9 @@ struct AttitudeObservation {
 /// A part of a capture with a start state of its own.
 struct Segment {
   int motion = 0;
-  double start = 0.0;  ///< s, of the capture's times
+  double start = 0.0;     ///< s, of the capture's times: where its state is
+  double interval = 0.0;  ///< s, between the frames of a mean; 0 where frames are no means
+  double lead = 0.0;      ///< s, from its state to its first frame: half the width of a mean
   /// Since the start: of frames with something to compare, and if `joined`, last, where the next one starts.
   std::vector<double> times = {};
   std::vector<Observation> observations = {};
@@ -112,11 +114,13 @@ struct FitProblem {
   std::vector<FitCoordinate> shared;  ///< with the box of the fit
   std::vector<FitCoordinate> own;     ///< likewise; each segment has these
   Chart shared_chart, own_chart;
+  std::optional<std::size_t> own_attitude;  ///< the first of its four own unknowns
   std::vector<SharedPrior> priors;
   std::vector<OwnPrior> own_priors;
   Eigen::VectorXd initial;  ///< of the shared coordinates, at the first start
   std::vector<ComparedOutput> outputs;
   std::optional<double> attitude_scale;  ///< if attitudes are compared
+  int averaged_frames = 1;               ///< in the mean behind each frame
   std::vector<std::string> offsets;      ///< outputs with one
   /// Outputs taken from the family: the compared ones, then the attitude, then what joins need.
   std::vector<std::string> requested;

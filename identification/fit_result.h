@@ -63,6 +63,7 @@ struct CaptureFit {
   int cluster = 0;  ///< number of its cluster, from 0
   int frames = 0;   ///< in the window, with something to compare
   int segments = 1;
+  double start = 0.0;  ///< s, of the first segment, in the capture's times
   /// At the start of the first segment.
   std::vector<Nuisance> nuisances = {};
   std::vector<OutputRms> residuals = {};

@@ -150,6 +150,7 @@ void add_captures(const FitProblem& problem, const std::vector<SegmentResidual>&
                        .labels = motion.labels,
                        .cluster = motion.cluster,
                        .segments = static_cast<int>(motion.segment_count),
+                       .start = problem.segments[first].start,
                        .nuisances = nuisances_of(problem, point.own[first], uncertainty.own[first]),
                        .residuals = squares.rms(problem)};
     add_frames(problem, motion, residuals, point, capture);

@@ -92,10 +92,12 @@ void add_charts(const FamilyInfo& family, const FitOptions& options, FitProblem&
   problem.shared_chart = Chart(kinds);
 
   const std::optional<std::size_t> attitude = own_attitude(family, problem);
+  problem.own_attitude = attitude;
+  const Chart::Kind turns = options.round_body ? Chart::Kind::axis : Chart::Kind::quaternion;
   std::vector<Chart::Kind> own;
   for (std::size_t k = 0; k < static_cast<std::size_t>(problem.own_count()); ++k) {
     if (attitude && k > *attitude && k < *attitude + 4) continue;
-    own.push_back(attitude && k == *attitude ? Chart::Kind::quaternion : Chart::Kind::linear);
+    own.push_back(attitude && k == *attitude ? turns : Chart::Kind::linear);
   }
   problem.own_chart = Chart(own);
 }

@@ -7,12 +7,18 @@
 
 #include <Eigen/Cholesky>
 
+#include "samara/identification/local_polynomial.h"
 #include "samara/identification/smoothing.h"
 
 namespace samara::identification {
 
 namespace {
 
+constexpr double kGravity = 9.81;  ///< m/s^2
+/// A push is compared with that so many frames later for the rate at which it turns.
+constexpr int kLaterFrames = 2;
+/// Small: a guess is kept as it is.
+constexpr double kGuessError = 1e-4;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// A motion as a table again: rows are frames of all its segments.
@@ -72,8 +78,17 @@ double window_of(const Eigen::VectorXd& times, const StartSmoothing& smoothing) 
   return (smoothing.frames - 0.5) * duration / static_cast<double>(times.size() - 1);
 }
 
-void add_smoothed(const models::ParametricModel& equations, const FitProblem& problem, const Record& record,
-                  const Eigen::VectorXd& at, const StartSmoothing& smoothing, std::vector<Known>& known) {
+/// A frame that is a mean shows the state half its width later: back to the state.
+void go_back(double lead, const Smoothed& smoothed, Eigen::Index row, int state, Known& known) {
+  const double rate = smoothed.rate(row, 0);
+  const double acceleration = smoothed.acceleration(row, 0);
+  known.value[state] = smoothed.value(row, 0) - lead * (rate - 0.5 * lead * acceleration);
+  known.rate[state] = rate - lead * acceleration;
+}
+
+void add_smoothed(const models::ParametricModel& equations, const FitProblem& problem, const Motion& motion,
+                  const Record& record, const Eigen::VectorXd& at, const StartSmoothing& smoothing,
+                  std::vector<Known>& known) {
   const double window = window_of(record.times, smoothing);
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
     const ComparedOutput& output = problem.outputs[o];
@@ -86,9 +101,8 @@ void add_smoothed(const models::ParametricModel& equations, const FitProblem& pr
     if (state == equations.state_count()) continue;  // an output that is no state
     for (std::size_t k = 0; k < known.size(); ++k) {
       const auto row = static_cast<Eigen::Index>(k);
-      known[k].value[state] = smoothed.value(row, 0);
+      go_back(problem.segments[motion.first_segment + k].lead, smoothed, row, state, known[k]);
       known[k].value_error[state] = smoothed.value_error(row, 0);
-      known[k].rate[state] = smoothed.rate(row, 0);
       known[k].rate_error[state] = smoothed.rate_error(row, 0);
     }
   }
@@ -122,6 +136,51 @@ void add_smoothed_attitude(const models::ParametricModel& equations, const FitPr
   }
 }
 
+/// Acceleration less that of gravity, world axes: rows as `at`. Empty if positions were not all measured.
+std::optional<Eigen::MatrixX3d> pushes(const models::ParametricModel& equations, const FitProblem& problem,
+                                       const Record& record, const Eigen::VectorXd& at,
+                                       const StartSmoothing& smoothing) {
+  const models::ModelInfo& info = equations.model().info();
+  const auto group =
+      std::ranges::find(info.groups, models::StateGroupKind::position, &models::StateGroup::kind);
+  if (group == info.groups.end()) return {};
+  const double window = window_of(record.times, smoothing);
+  Eigen::MatrixX3d result(at.size(), 3);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string& name = info.states[static_cast<std::size_t>(group->first + axis)].name;
+    const auto output = std::ranges::find(problem.outputs, name, &ComparedOutput::name);
+    if (output == problem.outputs.end()) return {};
+    const Smoothed smoothed = smooth(record.times, record.values.col(output - problem.outputs.begin()), at,
+                                     {.degree = smoothing.degree, .window = window, .noise = output->scale});
+    result.col(axis) = smoothed.acceleration.col(0);
+  }
+  result.col(2).array() += kGravity;
+  return result;
+}
+
+void add_guessed_attitude(const models::ParametricModel& equations, const FitProblem& problem,
+                          const Record& record, const Eigen::VectorXd& at, const StartSmoothing& smoothing,
+                          std::vector<Known>& known) {
+  const double later = kLaterFrames * median_interval(record.times);
+  const auto push = pushes(equations, problem, record, at, smoothing);
+  const auto push_later = pushes(equations, problem, record, at.array() + later, smoothing);
+  if (!push || !push_later) return;
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const GuessedAttitude guessed =
+        guess_attitude(push->row(row).transpose(), push_later->row(row).transpose(), later, *smoothing.guess);
+    for (std::size_t part = 0; part < 4; ++part) {
+      const std::string& coordinate = problem.own[*problem.own_attitude + part].name;
+      const int state = state_index(equations, coordinate.substr(0, coordinate.find('(')));
+      const auto at_part = static_cast<Eigen::Index>(part);
+      known[k].value[state] = guessed.q_WB[at_part];
+      known[k].value_error[state] = kGuessError;
+      known[k].rate[state] = guessed.rate[at_part];
+      known[k].rate_error[state] = kGuessError;
+    }
+  }
+}
+
 /// The own coordinates whose states agree best with values and rates: Gauss-Newton on the equations.
 class StateSearch {
  public:
@@ -136,7 +195,7 @@ class StateSearch {
     q_.setZero(static_cast<Eigen::Index>(problem.slots.size()));
     family_point(problem, motion, shared.data(), middle_.data(), q_);
     for (std::size_t slot = 0; slot < problem.slots.size(); ++slot) {
-      if (problem.slots[slot].role == CoordinateRole::own) {
+      if (problem.slots[slot].role == CoordinateRole::own && equations.free()[slot].is_initial) {
         state_of_own_.push_back({problem.slots[slot].index, equations.free()[slot].index});
       }
     }
@@ -218,11 +277,16 @@ std::vector<Eigen::VectorXd> kinematic_start(const models::ParametricModel& equa
   const Record record = record_of(problem, motion);
   Eigen::VectorXd at(static_cast<Eigen::Index>(motion.segment_count));
   for (std::size_t k = 0; k < motion.segment_count; ++k) {
-    at[static_cast<Eigen::Index>(k)] = problem.segments[motion.first_segment + k].start;
+    const Segment& segment = problem.segments[motion.first_segment + k];
+    at[static_cast<Eigen::Index>(k)] = segment.start + segment.lead;
   }
   std::vector<Known> known(motion.segment_count, Known(equations.state_count()));
-  add_smoothed(equations, problem, record, at, smoothing, known);
+  add_smoothed(equations, problem, motion, record, at, smoothing, known);
   if (problem.attitude_scale) add_smoothed_attitude(equations, problem, record, at, smoothing, known);
+
+  if (smoothing.guess && problem.own_attitude && !problem.attitude_scale) {
+    add_guessed_attitude(equations, problem, record, at, smoothing, known);
+  }
 
   StateSearch search(equations, problem, motion, shared);
   std::vector<Eigen::VectorXd> result;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "samara/identification/attitude_guess.h"
 #include "samara/identification/fit_problem.h"
 #include "samara/models/parametric_model.h"
 
@@ -12,6 +14,8 @@ namespace samara::identification {
 struct StartSmoothing {
   int degree = 4;
   int frames = 15;  ///< in the window
+  /// Of an attitude that is free and was not measured.
+  std::optional<AttitudeGuess> guess = {};
 };
 
 /// Start states of the segments of a motion, from the capture alone: what is measured is smoothed

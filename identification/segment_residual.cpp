@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "samara/identification/averaged_source.h"
+
 namespace samara::identification {
 
 namespace {
@@ -27,7 +29,7 @@ SegmentResidual::SegmentResidual(const TrajectoryFamily& family, const FitProble
                                  const Segment& segment)
     : problem_(&problem),
       segment_(&segment),
-      source_(family.at(segment.times, problem.requested, wanted_coordinates(problem))) {
+      source_(averaged_source(family, problem, segment, wanted_coordinates(problem))) {
   const auto times = static_cast<Eigen::Index>(segment.times.size());
   const auto outputs = static_cast<Eigen::Index>(problem.requested.size());
   const auto coordinates = static_cast<Eigen::Index>(problem.slots.size());

@@ -10,6 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/identification/local_polynomial.h"
 #include "samara/io/text.h"
 #include "samara/io/units.h"
 
@@ -134,7 +135,11 @@ class Frames {
 
 void check_times(const FamilyInfo& family, const Motion& motion, Segment& segment) {
   double previous = 0.0;
-  for (const double time : segment.times) {
+  const bool averages = segment.interval > 0.0;
+  // The end of a segment lies before the last of the frames whose means reach over it.
+  const std::size_t frames = segment.times.size() - (segment.joined && averages ? 1 : 0);
+  for (std::size_t k = 0; k < frames; ++k) {
+    const double time = segment.times[k];
     if (!(time >= previous)) {
       refuse(motion.file,
              fmt::format("capture \"{}\" has a frame at {} s; times that begin at 0 or later and do not "
@@ -143,6 +148,7 @@ void check_times(const FamilyInfo& family, const Motion& motion, Segment& segmen
     }
     previous = time;
   }
+  if (averages) previous += segment.lead;
   if (previous <= family.end_time) return;
   // Rounding may put a frame on the border just behind it, as in first().
   const double interval = previous / static_cast<double>(segment.times.size());
@@ -152,7 +158,7 @@ void check_times(const FamilyInfo& family, const Motion& motion, Segment& segmen
                        "expected",
                        motion.id, previous, family.source, family.end_time));
   }
-  segment.times.back() = family.end_time;
+  if (!averages) segment.times.back() = family.end_time;
 }
 
 std::size_t compared_count(const Segment& segment) {
@@ -208,12 +214,20 @@ void add_motion(const FamilyInfo& family, const Capture& capture, const FitOptio
     Segment segment{.motion = static_cast<int>(problem.motions.size())};
     segment.joined = k + 1 < motion.segment_count;
     if (!starts.empty()) segment.start = capture.times[starts[k]];
+    if (options.averaged_frames > 1) {
+      segment.interval = median_interval(capture.times);
+      segment.lead = 0.5 * (options.averaged_frames - 1) * segment.interval;
+      segment.start -= segment.lead;
+    }
     for (const Eigen::Index frame : seen) {
       const bool before = !starts.empty() && frame < starts[k];
       const bool behind = segment.joined && frame >= starts[k + 1];
       if (!before && !behind) frames.add(frame, segment);
     }
-    if (segment.joined) segment.times.push_back(capture.times[starts[k + 1]] - segment.start);
+    if (segment.joined) {
+      // The next one's state is before its first frame by as much as this one's.
+      segment.times.push_back(capture.times[starts[k + 1]] - capture.times[starts[k]]);
+    }
     check_times(family, motion, segment);
     problem.segments.push_back(std::move(segment));
   }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include <Eigen/Cholesky>
 #include <tbb/parallel_for.h>
@@ -20,6 +21,17 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// From frames that nearly touch, for bodies that turn fast, to a window that averages much noise away.
 constexpr std::array kSmoothings = {StartSmoothing{2, 5}, StartSmoothing{3, 7}, StartSmoothing{3, 9},
                                     StartSmoothing{4, 15}};
+/// Where attitudes are free and were not measured: as the pushes of the fluid say, at rest or turning, and
+/// tilted against them.
+constexpr double kTilt = 0.5;
+constexpr std::array kGuesses = {StartSmoothing{3, 9, AttitudeGuess{true}},
+                                 StartSmoothing{4, 15, AttitudeGuess{true}},
+                                 StartSmoothing{3, 9, AttitudeGuess{}},
+                                 StartSmoothing{4, 15, AttitudeGuess{}},
+                                 StartSmoothing{4, 15, AttitudeGuess{false, kTilt, 0.0}},
+                                 StartSmoothing{4, 15, AttitudeGuess{false, -kTilt, 0.0}},
+                                 StartSmoothing{4, 15, AttitudeGuess{false, 0.0, kTilt}},
+                                 StartSmoothing{4, 15, AttitudeGuess{false, 0.0, -kTilt}}};
 constexpr int kTrialIterations = 4;
 constexpr int kIterations = 15;
 /// A segment whose cost is so many times the median has not found its motion.
@@ -177,10 +189,14 @@ double minimize_own(const FitProblem& problem, SegmentResidual& residual, const 
 }
 
 void find_start_states(const models::ParametricModel& equations, const FitProblem& problem,
-                       std::vector<SegmentResidual>& residuals, FitPoint& point) {
+                       std::vector<SegmentResidual>& residuals, FitPoint& point, bool also_point) {
   // Per smoothing and segment.
   std::vector<std::vector<Eigen::VectorXd>> candidates;
-  for (const StartSmoothing& smoothing : kSmoothings) {
+  const bool must_guess = problem.own_attitude && !problem.attitude_scale;
+  const std::span<const StartSmoothing> smoothings =
+      must_guess ? std::span<const StartSmoothing>(kGuesses) : kSmoothings;
+  if (also_point) candidates.push_back(point.own);
+  for (const StartSmoothing& smoothing : smoothings) {
     std::vector<Eigen::VectorXd>& all = candidates.emplace_back();
     for (const Motion& motion : problem.motions) {
       for (auto& own : kinematic_start(equations, problem, motion, point.shared, smoothing)) {

@@ -16,8 +16,9 @@ namespace samara::identification {
 /// @param equations with the coordinates of the family free, in their order
 /// @param residuals one per segment; scratch
 /// @param point its own unknowns are replaced
+/// @param also_point its own unknowns are candidates too
 void find_start_states(const models::ParametricModel& equations, const FitProblem& problem,
-                       std::vector<SegmentResidual>& residuals, FitPoint& point);
+                       std::vector<SegmentResidual>& residuals, FitPoint& point, bool also_point = false);
 
 /// The own unknowns of one segment alone, the shared ones held and the next segment out of sight, by
 /// Levenberg and Marquardt.

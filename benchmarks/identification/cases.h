@@ -12,5 +12,7 @@ void body_cases(const Options& options);
 void segment_map_case(const Options& options);
 void table_tennis_case(const Options& options);
 void blimp_case(const Options& options);
+void falling_paper_case(const Options& options);
+void settling_plates_case(const Options& options);
 
 }  // namespace samara::benchmarks::identification

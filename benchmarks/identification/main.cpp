@@ -16,6 +16,8 @@ int main(int argc, char** argv) {
     identification::segment_map_case(chosen);
     identification::table_tennis_case(chosen);
     identification::blimp_case(chosen);
+    identification::falling_paper_case(chosen);
+    identification::settling_plates_case(chosen);
     return 0;
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';

@@ -42,7 +42,11 @@ cluster_by = ["drop"]
 starts = 5
 max_iterations = 50
 segments = { length = "60 ms", stages = [1, 10] }
+global = { method = "direct", budget = 40, seed = 7 }
 step = "1 ms"
+averaged_frames = 5
+round_body = true
+rounds = 2
 log_scale = ["C_D"]
 attitude_scale = "2 deg"
 [initial]
@@ -75,6 +79,12 @@ C_D = [0.6, 2.0]
   CHECK_THAT(*options.step, WithinRel(1e-3, 1e-15));
   CHECK(options.log_scale == std::vector<std::string>{"C_D"});
   CHECK_THAT(options.attitude_scale, WithinRel(2.0 * M_PI / 180.0, 1e-15));
+  CHECK(options.global.method == GlobalMethod::direct);
+  CHECK(options.global.budget == 40);
+  CHECK(options.global.seed == 7);
+  CHECK(options.averaged_frames == 5);
+  CHECK(options.round_body);
+  CHECK(options.rounds == 2);
   CHECK(options.initial.at("C_D") == 1.1);
   CHECK(options.known.at("area") == "area_m2");
   CHECK(options.priors.at("C_D").logarithmic);
@@ -120,6 +130,7 @@ TEST_CASE("options of segments and priors outside their meaning are refused with
   CHECK_THAT(config_error("segments = \"0 s\"\n"), StartsWith("fit.toml:1: "));
   CHECK_THAT(config_error("segments = { length = \"1 s\", stages = [] }\n"), Contains("the list is empty"));
   CHECK_THAT(config_error("segments = { length = \"1 s\", stages = [1, -2] }\n"), Contains("-2"));
+  CHECK_THAT(config_error("global = \"anneal\"\n"), Contains("no global search \"anneal\""));
   CHECK_THAT(config_error("step = \"1 m\"\n"), StartsWith("fit.toml:1: "));
   CHECK_THAT(config_error("[priors]\nC_D = { mean = 1, deviation = 0 }\n"), StartsWith("fit.toml:2: "));
   CHECK_THAT(config_error("[priors]\nC_D = { mean = -1, deviation = 1, logarithmic = true }\n"),

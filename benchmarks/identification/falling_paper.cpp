@@ -1,0 +1,149 @@
+#include "falling_paper.h"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "samara/identification/capture_file.h"
+#include "samara/identification/fit.h"
+#include "samara/identification/step_trajectories.h"
+#include "samara/pgd/random.h"
+
+namespace samara::benchmarks::identification {
+
+using samara::identification::Capture;
+using samara::identification::FitOptions;
+using samara::identification::FitResult;
+using samara::identification::Interval;
+using samara::identification::TrajectoryFamily;
+
+namespace {
+
+constexpr double kThickness = 2.5 / 36000.0;  ///< m, as the source has it
+constexpr double kPaper = 0.070;              ///< kg/m^2
+constexpr double kAir = 1.2754;               ///< kg/m^3
+constexpr double kNearFloor = 0.03;           ///< m
+constexpr double kMisfit = 6e-3;              ///< m: twice what the model misses, not the noise
+constexpr Eigen::Index kReleaseFrames = 30;   ///< 0.3 s of which every predictor knows the weight only
+constexpr double kStep = 5.2e-3;              ///< s: two a frame
+
+void keep_developed(Capture& drop) {
+  const Eigen::VectorXd z = drop.channel("z").values;
+  Eigen::Index end = kReleaseFrames;
+  while (end < z.size() && !(z[end] < kNearFloor)) ++end;
+  const auto kept = Eigen::seq(kReleaseFrames, end - 1);
+  drop.times = Eigen::VectorXd(drop.times(kept));
+  for (auto& channel : drop.channels) channel.values = Eigen::VectorXd(channel.values(kept));
+}
+
+std::map<std::string, Interval> start_box(double speed, double rate) {
+  std::map<std::string, Interval> box;
+  for (const char* name : {"x(0)", "y(0)", "z(0)"}) box[name] = {-5.0, 5.0};
+  for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.1, 1.1};
+  for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-speed, speed};
+  for (const char* name : {"wx(0)", "wy(0)"}) box[name] = {-rate, rate};
+  return box;
+}
+
+}  // namespace
+
+std::vector<Capture> paper_drops(const std::filesystem::path& folder) {
+  const auto sidecar = std::filesystem::path(SAMARA_EXAMPLES_DIR) / "captures" / "falling_paper.toml";
+  std::vector<Capture> drops = samara::identification::read_captures(folder / "circle.csv", sidecar);
+  for (Capture& drop : drops) {
+    keep_developed(drop);
+    const double radius = std::stod(drop.labels.at("radius_m"));
+    const double mass = kPaper * std::numbers::pi * radius * radius;
+    drop.labels["inertia"] = fmt::format("{}", mass * radius * radius / 4.0);
+    drop.labels["inertia_z"] = fmt::format("{}", mass * radius * radius / 2.0);
+  }
+  return drops;
+}
+
+PaperSplit split(const std::vector<Capture>& all, std::size_t drops, int frames, std::uint64_t seed) {
+  pgd::Random random(seed);
+  std::vector<std::size_t> order(all.size());
+  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+  for (std::size_t k = order.size() - 1; k > 0; --k) {
+    std::swap(order[k], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(k + 1))]);
+  }
+  PaperSplit result;
+  for (std::size_t k = 0; k < 2 * drops; ++k) {
+    std::vector<Window>& windows = k < drops ? result.fitted : result.unseen;
+    for (Window& window : cut(all[order[k]], frames, kPaperAhead)) windows.push_back(std::move(window));
+  }
+  return result;
+}
+
+std::unique_ptr<TrajectoryFamily> paper_family() {
+  // An ellipsoid with 3/4 of the thickness as semi-axis has the volume and the mass of the disc.
+  const std::map<std::string, double> fixed = {
+      {"c", 0.75 * kThickness}, {"density", kPaper / kThickness}, {"fluid_density", kAir}, {"wz(0)", 0.0}};
+  std::map<std::string, Interval> box = start_box(5.0, 100.0);
+  for (const char* name : {"a", "b"}) box[name] = {0.01, 0.1};
+  for (const char* name : {"I_x", "I_y", "I_z"}) box[name] = {1e-9, 1e-4};
+  box["C_D0"] = {0.01, 3.0};
+  box["C_D90"] = {0.3, 20.0};
+  box["C_T"] = {0.05, 10.0};
+  box["C_R"] = {0.05, 10.0};
+  box["C_w"] = {0.05, 50.0};
+  return samara::identification::step_trajectories(models::find_model("immersed_body"), fixed, box, kStep);
+}
+
+FitOptions paper_options() {
+  FitOptions options;
+  options.known = {
+      {"a", "radius_m"}, {"b", "radius_m"}, {"I_x", "inertia"}, {"I_y", "inertia"}, {"I_z", "inertia_z"}};
+  options.initial = {{"C_D0", 0.2}, {"C_D90", 4.0}, {"C_T", 1.5}, {"C_R", 1.0}, {"C_w", 2.0}};
+  for (const auto& [name, value] : options.initial) {
+    options.log_scale.push_back(name);
+    options.priors[name] = {.mean = value, .deviation = 1.0, .logarithmic = true};
+  }
+  options.loss.length_scale = kMisfit;
+  options.averaged_frames = 5;
+  options.round_body = true;
+  options.segments.length = 10.0;
+  options.cluster_by = {"traj"};
+  options.starts = 1;
+  options.rounds = 2;
+  options.max_iterations = 25;
+  return options;
+}
+
+std::unique_ptr<TrajectoryFamily> point_family() {
+  // Drag and weight of any disc of the paper: diameter and mass of one of 1 m^2.
+  const std::map<std::string, double> fixed = {
+      {"diameter", 2.0 / std::sqrt(std::numbers::pi)}, {"mass", kPaper},  {"fluid_density", kAir},
+      {"displaced_mass", kAir * kThickness},           {"added_mass", 0}, {"C_M", 0.0}};
+  std::map<std::string, Interval> box;
+  for (const char* name : {"x(0)", "y(0)", "z(0)", "vx(0)", "vy(0)", "vz(0)"}) box[name] = {-3.0, 3.0};
+  box["C_D"] = {0.05, 5.0};
+  return samara::identification::step_trajectories(models::find_model("sphere_flight"), fixed, box, kStep);
+}
+
+FitOptions point_options() {
+  FitOptions options;
+  options.initial = {{"C_D", 1.0}};
+  options.loss.length_scale = kMisfit;
+  options.averaged_frames = 5;
+  options.segments.length = 10.0;
+  options.cluster_by = {"traj"};
+  options.starts = 1;
+  options.max_iterations = 40;
+  return options;
+}
+
+Prediction predict_unseen(const TrajectoryFamily& family, const FitOptions& options, const FitResult& fitted,
+                          std::span<const Window> unseen) {
+  FitOptions held = with_coefficients(options, fitted);
+  held.rounds = 1;
+  held.max_iterations = 15;  // they stand alone, and have found their states already
+  Prediction result{.fit = samara::identification::fit(family, captures_of(unseen), held), .errors = {}};
+  if (result.fit.captures.empty()) throw std::runtime_error(result.fit.message);
+  result.errors = model_errors(family, held, result.fit, unseen);
+  return result;
+}
+
+}  // namespace samara::benchmarks::identification

@@ -1,0 +1,258 @@
+#include "settling_plates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/identification/capture_file.h"
+#include "samara/identification/step_trajectories.h"
+#include "samara/models/batch/batch.h"
+
+namespace samara::benchmarks::identification {
+
+using samara::identification::Capture;
+using samara::identification::FitOptions;
+using samara::identification::FitResult;
+using samara::identification::Flutter;
+using samara::identification::Interval;
+
+namespace {
+
+constexpr double kSide = 0.01;       ///< m
+constexpr double kWater = 1000.0;    ///< kg/m^3
+constexpr double kStep = 4.2e-3;     ///< s: eight a frame
+constexpr double kFrameRate = 30.0;  ///< Hz
+constexpr Eigen::Index kReleaseFrames = 30;
+constexpr double kFall = 12.0, kTransient = 4.0;  ///< s
+constexpr double kSpeedWeight = 0.01, kFrequencyWeight = 0.01, kAmplitudeWeight = 0.03;
+constexpr double kTilts[] = {0.05, 0.1, 0.16, 0.22, 0.28, 0.34, 0.4, 0.46, 0.52, 0.58, 0.64, 0.7};  ///< rad
+
+const std::vector<std::string>& coefficient_names() {
+  static const std::vector<std::string> names = {"C_D0", "C_D90", "C_R", "C_T", "C_w"};
+  return names;
+}
+
+std::map<std::string, double> plate(const PlateKind& kind) {
+  const double thickness = kind.volume / (kSide * kSide);
+  const double radius = kSide / std::sqrt(std::numbers::pi);
+  const double mass = kind.density * kind.volume;
+  const double in_plane = mass * (kSide * kSide + thickness * thickness) / 12.0;
+  return {{"a", radius},
+          {"b", radius},
+          {"c", 0.75 * thickness},
+          {"density", kind.density},
+          {"fluid_density", kWater},
+          {"I_x", in_plane},
+          {"I_y", in_plane},
+          {"I_z", mass * kSide * kSide / 6.0},
+          {"speed_floor", 2e-3},
+          {"rate_floor", 0.3},
+          {"wz(0)", 0.0}};
+}
+
+bool is_clean(const Capture& drop) {
+  return std::stod(drop.labels.at("max_step_cm")) < 2.0 && std::stod(drop.labels.at("max_gap_s")) < 0.1 &&
+         drop.labels.at("labels_disagree") == "0";
+}
+
+void keep_developed(Capture& drop) {
+  const auto kept = Eigen::seq(kReleaseFrames, Eigen::last);
+  drop.times = Eigen::VectorXd(drop.times(kept));
+  for (auto& channel : drop.channels) channel.values = Eigen::VectorXd(channel.values(kept));
+}
+
+Eigen::MatrixX3d positions_of(const Capture& drop) {
+  Eigen::MatrixX3d positions(drop.frame_count(), 3);
+  Eigen::Index column = 0;
+  for (const char* name : {"x", "y", "z"}) positions.col(column++) = drop.channel(name).values;
+  return positions;
+}
+
+Flutter medians(const std::vector<Flutter>& all) {
+  std::vector<double> speed;
+  std::vector<double> frequency;
+  std::vector<double> amplitude;
+  for (const Flutter& one : all) {
+    speed.push_back(one.fall_speed);
+    frequency.push_back(one.frequency);
+    amplitude.push_back(one.amplitude);
+  }
+  return {median_of(speed), median_of(frequency), median_of(amplitude)};
+}
+
+/// The joint cost around the optimum of the windows.
+class Joint {
+ public:
+  Joint(const PlateKind& kind, const FitResult& windows, const Flutter& measured)
+      : kind_(kind), measured_(measured), centre_(static_cast<Eigen::Index>(windows.coefficients.size())) {
+    const auto n = centre_.size();
+    Eigen::MatrixXd covariance(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto& a = windows.coefficients[static_cast<std::size_t>(i)];
+      names_.push_back(a.name);
+      centre_[i] = std::log(a.value);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const double value =
+            windows.covariance(i, k) / a.value / windows.coefficients[static_cast<std::size_t>(k)].value;
+        // What the windows do not determine is known within a factor of e.
+        covariance(i, k) = std::isfinite(value) ? value : (i == k ? 1.0 : 0.0);
+      }
+    }
+    // Few drops leave the covariance nearly singular: 3 % of each coefficient are never known.
+    covariance.diagonal().array() += 0.03 * 0.03;
+    inverse_ = covariance.ldlt();
+  }
+
+  const Eigen::VectorXd& centre() const { return centre_; }
+
+  JointFit operator()(const Eigen::VectorXd& logs) const {
+    JointFit fit;
+    for (std::size_t k = 0; k < names_.size(); ++k) {
+      fit.coefficients[names_[k]] = std::exp(logs[static_cast<Eigen::Index>(k)]);
+    }
+    const Eigen::VectorXd d = logs - centre_;
+    fit.cost.windows = 0.5 * d.dot(inverse_.solve(d));
+    const std::optional<Flutter> simulated = simulated_flutter(kind_, fit.coefficients);
+    if (!simulated) {
+      fit.cost.statistics = std::numeric_limits<double>::infinity();
+      return fit;
+    }
+    fit.simulated = *simulated;
+    const auto part = [](double value, double wanted, double weight) {
+      return 0.5 * std::pow(std::log(std::max(value, 1e-6) / wanted) / weight, 2);
+    };
+    fit.cost.statistics = part(simulated->fall_speed, measured_.fall_speed, kSpeedWeight) +
+                          part(simulated->frequency, measured_.frequency, kFrequencyWeight) +
+                          part(simulated->amplitude, measured_.amplitude, kAmplitudeWeight);
+    return fit;
+  }
+
+ private:
+  const PlateKind& kind_;
+  Flutter measured_;
+  std::vector<std::string> names_;
+  Eigen::VectorXd centre_;
+  Eigen::LDLT<Eigen::MatrixXd> inverse_;
+};
+
+double total(const JointFit& fit) {
+  return fit.cost.windows + fit.cost.statistics;
+}
+
+}  // namespace
+
+const PlateKind& plate_kind(const std::string& material) {
+  static const PlateKind kinds[] = {{"POM", 0.133e-6, 1410.0, 1.5, 15, 6},
+                                    {"PTFE", 0.089e-6, 2175.0, 1.0, 11, 4}};
+  const auto* const kind = std::ranges::find(kinds, material, &PlateKind::material);
+  if (kind == std::end(kinds)) throw ArgumentError("there is no plate of " + material);
+  return *kind;
+}
+
+std::vector<Capture> plate_drops(const std::filesystem::path& folder, const PlateKind& kind) {
+  const auto sidecar = std::filesystem::path(SAMARA_EXAMPLES_DIR) / "captures" / "settling_plates.toml";
+  std::vector<Capture> clean;
+  for (const char* position : {"pos1", "pos2", "pos3"}) {
+    const auto table = folder / fmt::format("{}_1x1_{}.csv", kind.material, position);
+    for (Capture& drop : samara::identification::read_captures(table, sidecar)) {
+      if (!is_clean(drop)) continue;
+      keep_developed(drop);
+      clean.push_back(std::move(drop));
+    }
+  }
+  return clean;
+}
+
+Flutter measured_flutter(const std::vector<Capture>& drops, const PlateKind& kind) {
+  std::vector<Flutter> all;
+  for (const Capture& drop : drops) {
+    const auto one = samara::identification::typical_flutter(drop.times, positions_of(drop), kind.part);
+    if (one) all.push_back(*one);
+  }
+  return medians(all);
+}
+
+std::unique_ptr<samara::identification::TrajectoryFamily> plate_family(const PlateKind& kind) {
+  std::map<std::string, Interval> box;
+  for (const char* name : {"x(0)", "y(0)", "z(0)"}) box[name] = {-2.0, 2.0};
+  for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.1, 1.1};
+  for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-0.4, 0.4};
+  for (const char* name : {"wx(0)", "wy(0)"}) box[name] = {-40.0, 40.0};
+  for (const std::string& name : coefficient_names()) box[name] = {0.01, 50.0};
+  return samara::identification::step_trajectories(models::find_model("immersed_body"), plate(kind), box,
+                                                   kStep);
+}
+
+FitOptions plate_options() {
+  FitOptions options;
+  options.initial = {{"C_D0", 0.3}, {"C_D90", 4.0}, {"C_T", 1.5}, {"C_R", 1.0}, {"C_w", 3.0}};
+  for (const auto& [name, value] : options.initial) {
+    options.log_scale.push_back(name);
+    options.priors[name] = {.mean = value, .deviation = 1.0, .logarithmic = true};
+  }
+  options.loss.length_scale = 1e-3;
+  options.round_body = true;
+  options.segments.length = 20.0;
+  options.cluster_by = {"drop"};
+  options.starts = 1;
+  options.rounds = 2;
+  options.max_iterations = 25;
+  return options;
+}
+
+std::optional<Flutter> simulated_flutter(const PlateKind& kind, const Coefficients& coefficients) {
+  std::map<std::string, double> fixed = plate(kind);
+  fixed.insert(coefficients.begin(), coefficients.end());
+  const models::ParametricModel model(models::find_model("immersed_body"), fixed, {"qw(0)", "qx(0)"});
+  Eigen::MatrixXd points(std::ssize(kTilts), 2);
+  for (Eigen::Index k = 0; k < points.rows(); ++k) {
+    points.row(k) << std::cos(0.5 * kTilts[k]), std::sin(0.5 * kTilts[k]);
+  }
+  std::vector<double> times;
+  for (int k = 0; k <= static_cast<int>(kFall * kFrameRate); ++k) times.push_back(k / kFrameRate);
+  const auto batch = models::integrate_batch(model, points, times, {.step = kStep});
+  const auto first = static_cast<Eigen::Index>(kTransient * kFrameRate);
+  const Eigen::Index count = batch.times.size() - first;
+  std::vector<Flutter> all;
+  for (Eigen::Index k = 0; k < points.rows(); ++k) {
+    if (batch.status[static_cast<std::size_t>(k)] != models::BatchStatus::done) continue;
+    const Eigen::MatrixX3d positions = batch.states.block(0, batch.column(k, first), 3, count).transpose();
+    const auto one = samara::identification::typical_flutter(batch.times.tail(count), positions, kind.part);
+    if (one) all.push_back(*one);
+  }
+  if (all.empty()) return {};
+  return medians(all);
+}
+
+JointFit fit_jointly(const PlateKind& kind, const FitResult& windows, const Flutter& measured, int sweeps) {
+  const Joint joint(kind, windows, measured);
+  // Statistics of simulations are not smooth: a search by comparisons, along each coefficient and along the
+  // last way that led down.
+  Eigen::VectorXd at = joint.centre();
+  JointFit best = joint(at);
+  Eigen::VectorXd steps = Eigen::VectorXd::Constant(at.size(), 0.3);
+  for (int sweep = 0; sweep < sweeps && steps.maxCoeff() > 1e-3; ++sweep) {
+    const Eigen::VectorXd before = at;
+    const auto attempt = [&](const Eigen::VectorXd& trial) {
+      JointFit there = joint(trial);
+      if (!(total(there) < total(best))) return false;
+      best = std::move(there);
+      at = trial;
+      return true;
+    };
+    for (Eigen::Index k = 0; k < at.size(); ++k) {
+      const Eigen::VectorXd step = steps[k] * Eigen::VectorXd::Unit(at.size(), k);
+      const bool found = attempt(at + step) || attempt(at - step);
+      steps[k] *= found ? 1.5 : 0.5;
+    }
+    if (before != at) attempt(at + (at - before));
+  }
+  return best;
+}
+
+}  // namespace samara::benchmarks::identification

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "samara/identification/flutter.h"
+#include "windows.h"
+
+/// Plastic plates of 10 x 10 mm that settle in water (J. Lofty, Cardiff), seen as positions alone: discs of
+/// the same area, volume and mass, with the inertia of the square.
+namespace samara::benchmarks::identification {
+
+struct PlateKind {
+  std::string material;
+  double volume;   ///< m^3, of the source
+  double density;  ///< kg/m^3, of handbooks: not measured
+  double part;     ///< s, about three swings: of the statistics
+  int frames;      ///< of a window: one swing
+  int ahead;       ///< frames from its end to what is predicted: 0.4 swings
+};
+const PlateKind& plate_kind(const std::string& material);
+
+using Coefficients = std::map<std::string, double>;
+
+/// Drops of which the source's index finds no jump, gap or swapped label, without their first second.
+std::vector<samara::identification::Capture> plate_drops(const std::filesystem::path& folder,
+                                                         const PlateKind& kind);
+
+/// Medians over drops.
+samara::identification::Flutter measured_flutter(const std::vector<samara::identification::Capture>& drops,
+                                                 const PlateKind& kind);
+
+std::unique_ptr<samara::identification::TrajectoryFamily> plate_family(const PlateKind& kind);
+samara::identification::FitOptions plate_options();
+
+/// Medians over falls of 12 s from several tilts, the first 4 s left out; nothing if none exists.
+std::optional<samara::identification::Flutter> simulated_flutter(const PlateKind& kind,
+                                                                 const Coefficients& coefficients);
+
+/// One cost of windows and statistics, of the logarithms of the coefficients:
+///
+///   1/2 d . C^-1 d + 1/2 sum_k (log(simulated_k/measured_k)/weight_k)^2
+///
+/// d from the optimum of the windows, C its covariance between drops; weights 1 % of the fall speed, 1 % of
+/// the frequency, 3 % of the amplitude.
+struct JointCost {
+  double windows = 0.0, statistics = 0.0;
+};
+struct JointFit {
+  Coefficients coefficients;
+  JointCost cost;
+  samara::identification::Flutter simulated;
+};
+JointFit fit_jointly(const PlateKind& kind, const samara::identification::FitResult& windows,
+                     const samara::identification::Flutter& measured, int sweeps);
+
+}  // namespace samara::benchmarks::identification

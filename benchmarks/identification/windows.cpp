@@ -1,0 +1,161 @@
+#include "windows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "samara/identification/fit.h"
+#include "samara/identification/model_prediction.h"
+#include "samara/pgd/random.h"
+
+namespace samara::benchmarks::identification {
+
+using samara::identification::Baseline;
+using samara::identification::Capture;
+using samara::identification::FitOptions;
+using samara::identification::FitResult;
+
+namespace {
+
+/// frames x (x, y, z)
+Eigen::MatrixX3d positions_of(const Capture& capture) {
+  Eigen::MatrixX3d positions(capture.frame_count(), 3);
+  Eigen::Index column = 0;
+  for (const char* name : {"x", "y", "z"}) positions.col(column++) = capture.channel(name).values;
+  return positions;
+}
+
+double interval_of(const Capture& capture) {
+  return (capture.times[capture.times.size() - 1] - capture.times[0]) / (capture.frame_count() - 1);
+}
+
+}  // namespace
+
+std::filesystem::path measured_set(const std::string& name) {
+  const char* const root = std::getenv("SAMARA_DATA");
+  const std::filesystem::path path = root ? std::filesystem::path(root) / name : std::filesystem::path();
+  if (root && std::filesystem::is_directory(path)) return path;
+  std::cerr << "skipped: SAMARA_DATA does not lead to \"" << name << "\"\n";
+  return {};
+}
+
+std::vector<Window> cut(const Capture& motion, int frames, int ahead) {
+  const Eigen::MatrixX3d positions = positions_of(motion);
+  std::vector<Window> windows;
+  for (int first = 0; first + frames + ahead <= motion.frame_count(); first += frames) {
+    const int next = first + frames - 1 + ahead;
+    Window window;
+    window.next_time = motion.times[next] - motion.times[first];
+    window.next = positions.row(next);
+    window.capture.id = fmt::format("{} from {}", motion.id, first);
+    window.capture.file = motion.file;
+    window.capture.labels = motion.labels;
+    window.capture.times = motion.times.segment(first, frames).array() - motion.times[first];
+    for (const auto& channel : motion.channels) {
+      window.capture.channels.push_back(channel);
+      window.capture.channels.back().values = channel.values.segment(first, frames).eval();
+    }
+    if (positions.middleRows(first, frames + ahead).allFinite()) windows.push_back(std::move(window));
+  }
+  return windows;
+}
+
+std::vector<Capture> captures_of(std::span<const Window> windows) {
+  std::vector<Capture> captures;
+  for (const Window& window : windows) captures.push_back(window.capture);
+  return captures;
+}
+
+FitOptions with_coefficients(FitOptions options, const FitResult& result) {
+  for (const auto& coefficient : result.coefficients) options.fixed[coefficient.name] = coefficient.value;
+  options.shared.clear();
+  options.log_scale.clear();
+  options.priors.clear();
+  options.initial.clear();
+  return options;
+}
+
+std::vector<double> model_errors(const samara::identification::TrajectoryFamily& family,
+                                 const FitOptions& options, const FitResult& result,
+                                 std::span<const Window> windows) {
+  std::vector<double> errors;
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    const Eigen::VectorXd time = Eigen::VectorXd::Constant(1, windows[k].next_time);
+    const Eigen::MatrixXd predicted =
+        samara::identification::predict(family, options, result, k, time, interval_of(windows[k].capture));
+    const double error = (predicted.leftCols(3).row(0) - windows[k].next).norm();
+    errors.push_back(std::isfinite(error) ? error : std::numeric_limits<double>::infinity());
+  }
+  return errors;
+}
+
+std::vector<double> baseline_errors(Baseline baseline, std::span<const Window> windows) {
+  std::vector<double> errors;
+  for (const Window& window : windows) {
+    const Eigen::VectorXd time = Eigen::VectorXd::Constant(1, window.next_time);
+    const Eigen::MatrixXd predicted = samara::identification::predict(
+        baseline, {.times = window.capture.times, .positions = positions_of(window.capture)}, time);
+    errors.push_back((predicted.row(0) - window.next).norm());
+  }
+  return errors;
+}
+
+std::vector<double> window_misfits(const FitResult& result) {
+  std::vector<double> misfits;
+  for (const auto& capture : result.captures) {
+    misfits.push_back(
+        std::sqrt((capture.measured - capture.model).leftCols<3>().rowwise().squaredNorm().mean()));
+  }
+  return misfits;
+}
+
+std::map<std::string, double> bootstrap_errors(const samara::identification::TrajectoryFamily& family,
+                                               FitOptions options, const FitResult& fitted,
+                                               std::span<const Window> windows, const std::string& label,
+                                               int repeats) {
+  options.rounds = 1;
+  for (const auto& c : fitted.coefficients) options.initial[c.name] = c.value;
+  std::map<std::string, std::vector<const Capture*>> drops;
+  for (const Window& window : windows) drops[window.capture.labels.at(label)].push_back(&window.capture);
+  std::map<std::string, std::vector<double>> logs;
+  pgd::Random random(1);
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    std::vector<Capture> drawn;
+    for (std::size_t k = 0; k < drops.size(); ++k) {
+      const auto which = static_cast<std::ptrdiff_t>(random.uniform() * static_cast<double>(drops.size()));
+      for (const Capture* capture : std::next(drops.begin(), which)->second) {
+        drawn.push_back(*capture);
+        drawn.back().id += fmt::format(", {}", k);
+      }
+    }
+    for (const auto& c : samara::identification::fit(family, drawn, options).coefficients) {
+      logs[c.name].push_back(std::log(c.value));
+    }
+  }
+  std::map<std::string, double> errors;
+  for (const auto& [name, values] : logs) {
+    const auto count = static_cast<Eigen::Index>(values.size());
+    const Eigen::Map<const Eigen::ArrayXd> all(values.data(), count);
+    errors[name] = std::sqrt((all - all.mean()).square().sum() / static_cast<double>(count - 1));
+  }
+  return errors;
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::ranges::sort(values);
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+double rms_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+}  // namespace samara::benchmarks::identification
