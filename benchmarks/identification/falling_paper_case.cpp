@@ -7,6 +7,7 @@
 
 #include "cases.h"
 #include "falling_paper.h"
+#include "real_data.h"
 #include "samara/identification/fit.h"
 #include "silhouettes.h"
 
@@ -136,9 +137,9 @@ void one_split(const std::vector<samara::identification::Capture>& drops, std::u
 
 void falling_paper_case(const Options& options) {
   if (!options.wants(kCase)) return;
-  const std::filesystem::path folder = measured_set("falling-paper-cambridge");
-  if (folder.empty()) return;
-  const auto drops = paper_drops(folder);
+  const auto folder = measured_set(kCase, "falling-paper-cambridge");
+  if (!folder) return;
+  const auto drops = paper_drops(*folder);
   Worst worst;
   for (int seed = 1; seed <= (options.quick ? 1 : kSplits); ++seed) {
     one_split(drops, static_cast<std::uint64_t>(seed), !options.quick, worst);

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
+#include "real_data.h"
 #include "samara/base/errors.h"
 #include "samara/identification/capture_file.h"
 #include "samara/identification/step_trajectories.h"
@@ -64,13 +65,6 @@ void keep_developed(Capture& drop) {
   const auto kept = Eigen::seq(kReleaseFrames, Eigen::last);
   drop.times = Eigen::VectorXd(drop.times(kept));
   for (auto& channel : drop.channels) channel.values = Eigen::VectorXd(channel.values(kept));
-}
-
-Eigen::MatrixX3d positions_of(const Capture& drop) {
-  Eigen::MatrixX3d positions(drop.frame_count(), 3);
-  Eigen::Index column = 0;
-  for (const char* name : {"x", "y", "z"}) positions.col(column++) = drop.channel(name).values;
-  return positions;
 }
 
 Flutter medians(const std::vector<Flutter>& all) {
@@ -188,7 +182,7 @@ std::unique_ptr<samara::identification::TrajectoryFamily> plate_family(const Pla
                                                    kStep);
 }
 
-FitOptions plate_options() {
+FitOptions settling_options() {
   FitOptions options;
   options.initial = {{"C_D0", 0.3}, {"C_D90", 4.0}, {"C_T", 1.5}, {"C_R", 1.0}, {"C_w", 3.0}};
   for (const auto& [name, value] : options.initial) {

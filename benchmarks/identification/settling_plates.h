@@ -35,7 +35,7 @@ samara::identification::Flutter measured_flutter(const std::vector<samara::ident
                                                  const PlateKind& kind);
 
 std::unique_ptr<samara::identification::TrajectoryFamily> plate_family(const PlateKind& kind);
-samara::identification::FitOptions plate_options();
+samara::identification::FitOptions settling_options();
 
 /// Medians over falls of 12 s from several tilts, the first 4 s left out; nothing if none exists.
 std::optional<samara::identification::Flutter> simulated_flutter(const PlateKind& kind,

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "cases.h"
+#include "real_data.h"
 #include "samara/identification/fit.h"
 #include "settling_plates.h"
 
@@ -54,7 +55,7 @@ Score one_material(const std::filesystem::path& folder, const std::string& mater
   const std::vector<Window> seen = windows_of(fitted);
   const std::vector<Window> unseen = windows_of(others);
   const auto family = plate_family(kind);
-  const FitOptions options = plate_options();
+  const FitOptions options = settling_options();
   const FitResult of_windows = samara::identification::fit(*family, captures_of(seen), options);
   fmt::print(stderr, "{} {}: {} drops, {} windows in {:.1f} s, {} iterations; {}\n", kCase, material,
              drops.size(), seen.size(), of_windows.seconds, of_windows.iterations, of_windows.message);
@@ -102,11 +103,11 @@ Score one_material(const std::filesystem::path& folder, const std::string& mater
 
 void settling_plates_case(const Options& options) {
   if (!options.wants(kCase)) return;
-  const std::filesystem::path folder = measured_set("settling-plates-water-cardiff");
-  if (folder.empty()) return;
+  const auto folder = measured_set(kCase, "settling-plates-water-cardiff");
+  if (!folder) return;
   Score worst;
   for (const char* material : {"POM", "PTFE"}) {
-    const Score score = one_material(folder, material, options.quick ? 5 : 10, options.quick ? 0 : kRepeats);
+    const Score score = one_material(*folder, material, options.quick ? 5 : 10, options.quick ? 0 : kRepeats);
     for (double Score::*part : {&Score::fit_median, &Score::next_median, &Score::next_median_line,
                                 &Score::speed_error, &Score::frequency_error, &Score::amplitude_error}) {
       worst.*part = std::max(worst.*part, score.*part);

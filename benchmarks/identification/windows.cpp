@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "real_data.h"
 #include "samara/identification/fit.h"
 #include "samara/identification/model_prediction.h"
 #include "samara/pgd/random.h"
@@ -21,27 +22,11 @@ using samara::identification::FitResult;
 
 namespace {
 
-/// frames x (x, y, z)
-Eigen::MatrixX3d positions_of(const Capture& capture) {
-  Eigen::MatrixX3d positions(capture.frame_count(), 3);
-  Eigen::Index column = 0;
-  for (const char* name : {"x", "y", "z"}) positions.col(column++) = capture.channel(name).values;
-  return positions;
-}
-
 double interval_of(const Capture& capture) {
   return (capture.times[capture.times.size() - 1] - capture.times[0]) / (capture.frame_count() - 1);
 }
 
 }  // namespace
-
-std::filesystem::path measured_set(const std::string& name) {
-  const char* const root = std::getenv("SAMARA_DATA");
-  const std::filesystem::path path = root ? std::filesystem::path(root) / name : std::filesystem::path();
-  if (root && std::filesystem::is_directory(path)) return path;
-  std::cerr << "skipped: SAMARA_DATA does not lead to \"" << name << "\"\n";
-  return {};
-}
 
 std::vector<Window> cut(const Capture& motion, int frames, int ahead) {
   const Eigen::MatrixX3d positions = positions_of(motion);
@@ -51,14 +36,8 @@ std::vector<Window> cut(const Capture& motion, int frames, int ahead) {
     Window window;
     window.next_time = motion.times[next] - motion.times[first];
     window.next = positions.row(next);
+    window.capture = frames_of(motion, first, frames, motion.times[first]);
     window.capture.id = fmt::format("{} from {}", motion.id, first);
-    window.capture.file = motion.file;
-    window.capture.labels = motion.labels;
-    window.capture.times = motion.times.segment(first, frames).array() - motion.times[first];
-    for (const auto& channel : motion.channels) {
-      window.capture.channels.push_back(channel);
-      window.capture.channels.back().values = channel.values.segment(first, frames).eval();
-    }
     if (positions.middleRows(first, frames + ahead).allFinite()) windows.push_back(std::move(window));
   }
   return windows;
@@ -143,19 +122,6 @@ std::map<std::string, double> bootstrap_errors(const samara::identification::Tra
     errors[name] = std::sqrt((all - all.mean()).square().sum() / static_cast<double>(count - 1));
   }
   return errors;
-}
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::ranges::sort(values);
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
-
-double rms_of(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value * value;
-  return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
 }  // namespace samara::benchmarks::identification

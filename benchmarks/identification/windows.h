@@ -16,10 +16,6 @@
 /// some motions, and what follows the windows of others is predicted.
 namespace samara::benchmarks::identification {
 
-/// Where a set of measurements lies that the project may not contain; empty, with a line on stderr, where the
-/// environment variable SAMARA_DATA is not set or does not have it.
-std::filesystem::path measured_set(const std::string& name);
-
 struct Window {
   samara::identification::Capture capture;  ///< what is measured and the labels of the motion; times from 0
   double next_time = 0.0;                   ///< s, in the window's times
@@ -57,8 +53,5 @@ std::map<std::string, double> bootstrap_errors(const samara::identification::Tra
                                                const samara::identification::FitResult& fitted,
                                                std::span<const Window> windows, const std::string& label,
                                                int repeats);
-
-double median_of(std::vector<double> values);
-double rms_of(const std::vector<double>& values);
 
 }  // namespace samara::benchmarks::identification

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "identification/falling_paper.h"
+#include "identification/real_data.h"
 #include "identification/settling_plates.h"
 #include "measured_data.h"
 #include "samara/identification/fit.h"
