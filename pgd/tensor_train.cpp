@@ -6,11 +6,11 @@
 #include <numeric>
 #include <utility>
 
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/pgd/thin_qr.h"
+#include "samara/pgd/thin_svd.h"
 
 namespace samara::pgd {
 
@@ -100,11 +100,11 @@ TensorTrain cut_ranks(TensorTrain train, double tolerance) {
     // Unfoldings are mostly wide: of that, only a square is left to the singular values.
     Eigen::MatrixXd square;
     const Eigen::MatrixXd rows = thin_qr(core.right_unfolding().transpose(), square);
-    const Eigen::BDCSVD<Eigen::MatrixXd> svd(square.transpose(), Eigen::ComputeThinU | Eigen::ComputeThinV);
-    const int rank = kept_rank(svd.singularValues(), per_cut);
+    const ThinSvd svd = thin_svd(square.transpose());
+    const int rank = kept_rank(svd.singular, per_cut);
     TrainCore cut(rank, core.size, core.right);
-    cut.right_unfolding() = (rows * svd.matrixV().leftCols(rank)).transpose();
-    const Eigen::MatrixXd carry = svd.matrixU().leftCols(rank) * svd.singularValues().head(rank).asDiagonal();
+    cut.right_unfolding() = (rows * svd.v.leftCols(rank)).transpose();
+    const Eigen::MatrixXd carry = svd.u.leftCols(rank) * svd.singular.head(rank).asDiagonal();
     TrainCore& before = train.cores[k - 1];
     TrainCore next(before.left, before.size, rank);
     next.left_unfolding() = before.left_unfolding() * carry;

@@ -4,12 +4,12 @@
 #include <vector>
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/pgd/strategies/separated_rates.h"
 #include "samara/pgd/strategies/strategy.h"
+#include "samara/pgd/thin_svd.h"
 #include "samara/pgd/train_algebra.h"
 #include "samara/pgd/train_points.h"
 
@@ -97,11 +97,11 @@ class Empirical final : public Strategy {
                                         slab.begin() + slab.length(), slab.described(at)),
                             at};
     }
-    const Eigen::BDCSVD<Eigen::MatrixXd> svd(snapshots, Eigen::ComputeThinU);
+    const ThinSvd svd = thin_svd(snapshots);
     const double cut = 0.1 * kSourceShare * slab.tolerance();
     Eigen::Index rank = 1;
-    while (rank < svd.singularValues().size() && svd.singularValues()[rank] > cut) ++rank;
-    const Eigen::MatrixXd basis = svd.matrixU().leftCols(rank);
+    while (rank < svd.singular.size() && svd.singular[rank] > cut) ++rank;
+    const Eigen::MatrixXd basis = svd.u.leftCols(rank);
     const std::vector<int> rows = interpolation_rows(basis);
     Interpolation result;
     result.from_rows = basis * basis(rows, Eigen::all).partialPivLu().inverse();
