@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "samara/identification/capture_cleaning.h"
-#include "samara/identification/local_polynomial.h"
+#include "samara/identification/medians.h"
 #include "samara/identification/smoothing.h"
 
 namespace samara::identification {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/identification/local_polynomial.h"
+#include "samara/identification/medians.h"
 #include "samara/identification/rotation_vectors.h"
 #include "samara/identification/smoothing.h"
 #include "samara/identification/smoothing_checks.h"

@@ -12,16 +12,18 @@
 
 namespace samara::identification {
 
-/// What a fitted capture does at times at which there need be no frames: between them, or beyond.
+/// What a fitted capture does at times at which there need be no frames: between them, or beyond. It starts
+/// from the capture's own start, and goes through the same mean of frames (FitOptions::averaged_frames).
 /// @param family, options those of the fit
 /// @param capture its number in `fitted.captures`
-/// @param times s, not decreasing, since the capture's first segment began (its first frame)
+/// @param times s, of the capture, not decreasing, not before CaptureFit::start and half a mean of frames
 /// @param outputs of the family
+/// @param interval s, between frames, where they are means
 /// @returns times x outputs, SI, offsets included; empty where the family has no trajectory
 /// @throws ArgumentError if there is no such capture or output
 std::optional<Eigen::MatrixXd> fitted_motion(const TrajectoryFamily& family, const FitOptions& options,
                                              const FitResult& fitted, std::size_t capture,
                                              const std::vector<double>& times,
-                                             const std::vector<std::string>& outputs);
+                                             const std::vector<std::string>& outputs, double interval = 0.0);
 
 }  // namespace samara::identification

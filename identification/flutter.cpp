@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/identification/local_polynomial.h"
+#include "samara/identification/medians.h"
 
 namespace samara::identification {
 

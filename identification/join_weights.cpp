@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "samara/identification/medians.h"
+
 namespace samara::identification {
 
 namespace {
@@ -26,12 +28,6 @@ Eigen::VectorXd widest(const FitProblem& problem) {
     }
   }
   return width;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 }  // namespace

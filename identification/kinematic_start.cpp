@@ -7,7 +7,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "samara/identification/local_polynomial.h"
+#include "samara/identification/medians.h"
 #include "samara/identification/smoothing.h"
 
 namespace samara::identification {

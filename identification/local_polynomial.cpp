@@ -7,6 +7,8 @@
 
 #include <Eigen/Dense>
 
+#include "samara/identification/medians.h"
+
 namespace samara::identification {
 
 namespace {
@@ -181,20 +183,6 @@ void judge_ends_from_inside(LocalFrames& frames, const LocalChart& chart, const 
 }
 
 }  // namespace
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
-
-double median_interval(const Eigen::VectorXd& times) {
-  std::vector<double> intervals;
-  for (Index k = 1; k < times.size(); ++k) intervals.push_back(times[k] - times[k - 1]);
-  return median(intervals);
-}
 
 Frames LocalFrames::nearest(double t, std::size_t wanted, Index but) const {
   Frames found;

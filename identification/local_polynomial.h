@@ -65,10 +65,4 @@ void weigh_outliers(LocalFrames& frames, const LocalChart& chart, Eigen::Index c
 /// Standard deviation of a frame's noise in one coordinate, from the residuals of fits around each frame.
 double residual_noise(const LocalFrames& frames, const LocalChart& chart, Eigen::Index coordinates);
 
-/// Median of the intervals between frames, s.
-double median_interval(const Eigen::VectorXd& times);
-
-/// Median; NaN if there is none.
-double median(std::vector<double> values);
-
 }  // namespace samara::identification

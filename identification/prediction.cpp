@@ -8,7 +8,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/identification/fit.h"
-#include "samara/io/text.h"
+#include "samara/identification/fitted_motion.h"
 
 namespace samara::identification {
 
@@ -70,40 +70,6 @@ Eigen::MatrixXd measured(const Capture& capture, const std::vector<std::string>&
   return values;
 }
 
-/// A coordinate or an offset, as the fit of the window has it.
-std::optional<double> value_of(const FitResult& window, const Capture& capture, const FitOptions& options,
-                               const std::string& name) {
-  if (const auto label = options.known.find(name); label != options.known.end())
-    return io::read_number(capture.labels.at(label->second)).value;
-  for (const Nuisance& n : window.captures.front().nuisances) {
-    if (n.name == name) return n.value;
-  }
-  for (const Coefficient& c : window.coefficients) {
-    if (c.name == name) return c.value;
-  }
-  const auto held = window.fixed.find(name);
-  return held == window.fixed.end() ? std::nullopt : std::optional(held->second);
-}
-
-/// The model carried on to other times of the capture, times x outputs.
-std::optional<Eigen::MatrixXd> carried_on(const TrajectoryFamily& family, const FitResult& window,
-                                          const Capture& capture, const FitOptions& options,
-                                          const Eigen::VectorXd& times) {
-  std::vector<double> q;
-  for (const FitCoordinate& c : family.info().coordinates)
-    q.push_back(value_of(window, capture, options, c.name).value());
-  // Segments count their times from their first frame, a capture in one piece counts as its times do.
-  const double origin = options.segments.length ? window.captures.front().times[0] : 0.0;
-  const Eigen::VectorXd since = times.array() - origin;
-  Eigen::MatrixXd values(times.size(), static_cast<Eigen::Index>(options.outputs.size()));
-  const auto source = family.at({since.begin(), since.end()}, options.outputs);
-  if (!source->evaluate(q, values, nullptr) || !values.allFinite()) return {};
-  for (std::size_t o = 0; o < options.outputs.size(); ++o)
-    values.col(static_cast<Eigen::Index>(o)).array() +=
-        value_of(window, capture, options, fmt::format("offset of {}", options.outputs[o])).value_or(0.0);
-  return values;
-}
-
 /// Outputs that are compared as one: all lengths, or a single other one.
 struct Quantity {
   std::string name, unit;
@@ -124,6 +90,11 @@ std::vector<Quantity> quantities(const std::vector<OutputRms>& outputs) {
   return result;
 }
 
+/// s, between frames.
+double mean_interval(const Capture& capture) {
+  return (capture.times[capture.times.size() - 1] - capture.times[0]) / (capture.frame_count() - 1);
+}
+
 /// One capture: what was seen, what followed, and what the model made of it.
 struct Outlook {
   SeenMotion seen;
@@ -136,6 +107,12 @@ struct Outlook {
 bool can_be_fitted(const Eigen::MatrixXd& seen, std::size_t unknowns) {
   const auto values = static_cast<std::size_t>((seen.array() == seen.array()).count());  // not NaN
   return seen.rows() >= 3 && values > unknowns;
+}
+
+/// What a fit of the capture would give where nothing is its own.
+FitResult without_unknowns(FitResult fitted, const Capture& capture) {
+  fitted.captures = {CaptureFit{.id = capture.id, .labels = capture.labels}};
+  return fitted;
 }
 
 std::optional<Outlook> outlook_of(const TrajectoryFamily& family, const FitResult& fitted,
@@ -155,10 +132,12 @@ std::optional<Outlook> outlook_of(const TrajectoryFamily& family, const FitResul
   if (after.empty() || !can_be_fitted(outlook.seen.positions, unknowns)) return {};
 
   // Without unknowns of its own there is nothing to fit.
-  const FitResult window = unknowns > 0 ? fit(family, std::span(&capture, 1), options) : fitted;
+  const FitResult window =
+      unknowns > 0 ? fit(family, std::span(&capture, 1), options) : without_unknowns(fitted, capture);
   if (window.status == FitStatus::failed) return {};
-  const std::optional<Eigen::MatrixXd> model =
-      carried_on(family, window, capture, options, capture.times(after).cwiseMin(family.info().end_time));
+  const Eigen::VectorXd times = capture.times(after).cwiseMin(family.info().end_time);
+  const std::optional<Eigen::MatrixXd> model = fitted_motion(
+      family, options, window, 0, {times.begin(), times.end()}, options.outputs, mean_interval(capture));
   if (!model) return {};
   outlook.model = *model;
   return outlook;

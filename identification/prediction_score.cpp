@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/identification/medians.h"
 
 namespace samara::identification {
 
@@ -76,13 +77,6 @@ Eigen::VectorXd predict_component(Baseline baseline, const Eigen::VectorXd& wind
   const Eigen::VectorXd values = component(frames);
   const Eigen::VectorXd polynomial = powers(t, degree, origin, length).colPivHouseholderQr().solve(values);
   return powers(times, degree, origin, length) * polynomial;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
-#include "samara/identification/local_polynomial.h"
+#include "samara/identification/medians.h"
 #include "samara/io/text.h"
 #include "samara/io/units.h"
 

@@ -8,6 +8,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/identification/local_polynomial.h"
+#include "samara/identification/medians.h"
 #include "samara/identification/smoothing_checks.h"
 
 namespace samara::identification {

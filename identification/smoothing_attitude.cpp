@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "samara/identification/local_polynomial.h"
+#include "samara/identification/medians.h"
 #include "samara/identification/rotation_vectors.h"
 #include "samara/identification/smoothing.h"
 #include "samara/identification/smoothing_checks.h"

@@ -11,6 +11,7 @@
 
 #include "samara/identification/kinematic_start.h"
 #include "samara/identification/loss.h"
+#include "samara/identification/medians.h"
 
 namespace samara::identification {
 
@@ -151,12 +152,6 @@ double grow(const FitProblem& problem, SegmentResidual& residual, const Eigen::V
     cost = std::min(cost, reached);
   }
   return cost;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/identification/medians.h"
 
 namespace samara::identification {
 
@@ -18,13 +19,6 @@ constexpr int kMostLags = 10;
 constexpr double kLevel = 0.05;
 /// A grid with more places than this many per residual is none: the times are not those of a camera.
 constexpr double kSparsestGrid = 1000.0;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
 
 /// The residuals that are there, with their places on the grid of frames.
 struct Series {

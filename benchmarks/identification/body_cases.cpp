@@ -8,6 +8,7 @@
 #include "samara/identification/fit.h"
 #include "samara/identification/step_trajectories.h"
 #include "samara/models/integrate.h"
+#include "samara/models/integrators/rotations.h"
 #include "samara/pgd/random.h"
 
 namespace samara::benchmarks::identification {
@@ -38,25 +39,6 @@ Values pattern(double C_D90, double C_T, double C_R) {
   return {{"C_D0", 0.05}, {"C_D90", C_D90}, {"C_T", C_T}, {"C_R", C_R}, {"C_w", 2.0}};
 }
 
-Eigen::Vector4d product(const Eigen::Vector4d& p, const Eigen::Vector4d& q) {
-  Eigen::Vector4d r;
-  r[0] = p[0] * q[0] - p.tail<3>().dot(q.tail<3>());
-  r.tail<3>() = p[0] * q.tail<3>() + q[0] * p.tail<3>();
-  r[1] += p[2] * q[3] - p[3] * q[2];
-  r[2] += p[3] * q[1] - p[1] * q[3];
-  r[3] += p[1] * q[2] - p[2] * q[1];
-  return r;
-}
-
-/// The turn by a vector.
-Eigen::Vector4d turn(const Eigen::Vector3d& vector) {
-  const double angle = vector.norm();
-  Eigen::Vector4d q;
-  q[0] = std::cos(0.5 * angle);
-  q.tail<3>() = angle > 0.0 ? Eigen::Vector3d(std::sin(0.5 * angle) / angle * vector) : 0.5 * vector;
-  return q;
-}
-
 /// A second of the fall after an oblique release by 10 degrees, from a random moment on.
 Capture capture(const Values& coefficients, pgd::Random& random) {
   const auto model = models::find_model("immersed_body");
@@ -64,7 +46,8 @@ Capture capture(const Values& coefficients, pgd::Random& random) {
   values.insert(coefficients.begin(), coefficients.end());
   const double direction = 2.0 * std::numbers::pi * random.uniform();
   const double tilt = 10.0 * std::numbers::pi / 180.0;
-  const Eigen::Vector4d q = turn(tilt * Eigen::Vector3d(std::cos(direction), std::sin(direction), 0.0));
+  const models::Quaternion q =
+      models::rotation_exponential(tilt * Eigen::Vector3d(std::cos(direction), std::sin(direction), 0.0));
   values["qw(0)"] = q[0];
   values["qx(0)"] = q[1];
   values["qy(0)"] = q[2];
@@ -82,8 +65,10 @@ Capture capture(const Values& coefficients, pgd::Random& random) {
   for (Eigen::Index frame = 0; frame < kFrames; ++frame) {
     for (Eigen::Index k = 0; k < 3; ++k) seen(frame, k) += kNoise * random.normal();
     const Eigen::Vector3d error(random.normal(), random.normal(), random.normal());
-    const Eigen::Vector4d attitude = seen.row(frame).segment<4>(3).transpose();
-    seen.row(frame).segment<4>(3) = product(attitude, turn(kAngleNoise * error)).transpose();
+    const models::Quaternion attitude = {seen(frame, 3), seen(frame, 4), seen(frame, 5), seen(frame, 6)};
+    const models::Quaternion turned =
+        models::product(attitude, models::rotation_exponential(kAngleNoise * error));
+    seen.row(frame).segment<4>(3) = Eigen::RowVector4d(turned.data());
   }
   for (Eigen::Index k = 0; k < 7; ++k) result.channels.push_back({names[k], k < 3 ? "m" : "1", seen.col(k)});
   return result;

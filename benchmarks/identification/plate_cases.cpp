@@ -4,6 +4,7 @@
 
 #include "cases.h"
 #include "plate.h"
+#include "real_data.h"
 #include "samara/identification/fit.h"
 #include "samara/identification/step_trajectories.h"
 
@@ -38,12 +39,6 @@ bool is_identified(const Coefficient& c) {
   return c.naive_standard_error && *c.naive_standard_error < kIdentified * std::abs(c.value);
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return std::nan("");
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-  return values[values.size() / 2];
-}
-
 void run(const std::string& test_case, double inertia_ratio, int seeds) {
   int converged = 0;
   int identified = 0;
@@ -67,11 +62,11 @@ void run(const std::string& test_case, double inertia_ratio, int seeds) {
     converged += near ? 1 : 0;
   }
   print({kBench, test_case, "converged_fraction", static_cast<double>(converged) / seeds});
-  print({kBench, test_case, "median_error", median(errors)});
+  print({kBench, test_case, "median_error", median_of(errors)});
   print({kBench, test_case, "coverage95", static_cast<double>(covered) / std::max(1, identified)});
   print({kBench, test_case, "identified_fraction",
          static_cast<double>(identified) / (seeds * static_cast<double>(plate_coefficients().size()))});
-  print({kBench, test_case, "time", median(times), "s"});
+  print({kBench, test_case, "time", median_of(times), "s"});
 }
 
 }  // namespace

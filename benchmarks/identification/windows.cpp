@@ -10,7 +10,7 @@
 
 #include "real_data.h"
 #include "samara/identification/fit.h"
-#include "samara/identification/model_prediction.h"
+#include "samara/identification/fitted_motion.h"
 #include "samara/pgd/random.h"
 
 namespace samara::benchmarks::identification {
@@ -63,11 +63,10 @@ std::vector<double> model_errors(const samara::identification::TrajectoryFamily&
                                  std::span<const Window> windows) {
   std::vector<double> errors;
   for (std::size_t k = 0; k < windows.size(); ++k) {
-    const Eigen::VectorXd time = Eigen::VectorXd::Constant(1, windows[k].next_time);
-    const Eigen::MatrixXd predicted =
-        samara::identification::predict(family, options, result, k, time, interval_of(windows[k].capture));
-    const double error = (predicted.leftCols(3).row(0) - windows[k].next).norm();
-    errors.push_back(std::isfinite(error) ? error : std::numeric_limits<double>::infinity());
+    const auto predicted = samara::identification::fitted_motion(
+        family, options, result, k, {windows[k].next_time}, {"x", "y", "z"}, interval_of(windows[k].capture));
+    errors.push_back(predicted ? (predicted->row(0) - windows[k].next).norm()
+                               : std::numeric_limits<double>::infinity());
   }
   return errors;
 }

@@ -6,8 +6,8 @@
 #include "samara/identification/attitude_guess.h"
 #include "samara/identification/chart.h"
 #include "samara/identification/fit.h"
+#include "samara/identification/fitted_motion.h"
 #include "samara/identification/flutter.h"
-#include "samara/identification/model_prediction.h"
 #include "samara/identification/segment_residual.h"
 #include "samara/identification/step_trajectories.h"
 #include "samara/models/integrators/rotations.h"
@@ -109,8 +109,9 @@ TEST_CASE("frames that are means of five are met by the model's means, whose sta
   // And beyond the window, at the mean of frames there.
   const std::vector<double> later = frames(1.0, 3);
   const Capture truth = braked_means(later, 1.7, 0.9);
-  const Eigen::MatrixXd predicted = predict(family, options, result, 0, truth.times, kInterval);
-  CHECK((predicted.col(0) - truth.channels[0].values).norm() < 1e-7);
+  const auto predicted = fitted_motion(family, options, result, 0, later, {"x"}, kInterval);
+  REQUIRE(predicted);
+  CHECK((predicted->col(0) - truth.channels[0].values).norm() < 1e-7);
 }
 
 TEST_CASE("joined segments of means join at their states, not at means") {
