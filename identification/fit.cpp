@@ -39,13 +39,12 @@ class Descents {
     FitPoint point = first_point(index);
     if (!problem_.is_joined()) return in_rounds(std::move(point));
     // The same for all starts, or their costs could not be compared.
-    if (deviations_.size() == 0) deviations_ = start_deviations(problem_, residuals_, point);
-    MinimizeResult result;
+    if (!deviations_) deviations_ = start_deviations(problem_, residuals_, point);
+    MinimizeResult result{.point = point, .message = "there is no trajectory at this start"};
+    if (!deviations_) return result;
     int iterations = 0;
     for (const double stage : options_.segments.stages) {
-      for (SegmentResidual& residual : residuals_) {
-        if (residual.segment().joined) residual.set_join_weights(stage * deviations_.cwiseInverse());
-      }
+      tighten_joins(stage);
       result = minimize(problem_, residuals_, std::move(point), options_.max_iterations);
       iterations += result.iterations;
       point = result.point;
@@ -53,6 +52,12 @@ class Descents {
     }
     result.iterations = iterations;
     return result;
+  }
+
+  /// Joins as the last stage has them, whatever the last start made of them: for all that is asked of a
+  /// minimum.
+  void finish_joins() {
+    if (deviations_) tighten_joins(options_.segments.stages.back());
   }
 
   /// The first start, from a search of the box.
@@ -75,6 +80,12 @@ class Descents {
   }
 
  private:
+  void tighten_joins(double stage) {
+    for (SegmentResidual& residual : residuals_) {
+      if (residual.segment().joined) residual.set_join_weights(stage * deviations_->cwiseInverse());
+    }
+  }
+
   /// To a minimum, with start states found anew in each round; the best round.
   MinimizeResult in_rounds(FitPoint point) {
     MinimizeResult best = minimize(problem_, residuals_, std::move(point), options_.max_iterations);
@@ -105,7 +116,7 @@ class Descents {
   const FitProblem& problem_;
   std::vector<SegmentResidual>& residuals_;
   const FitOptions& options_;
-  Eigen::VectorXd deviations_;
+  std::optional<Eigen::VectorXd> deviations_;
   std::optional<FitPoint> searched_;
 };
 
@@ -142,12 +153,14 @@ void record_starts(const FitProblem& problem, const std::vector<MinimizeResult>&
   }
 }
 
-void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, FitResult& result) {
+void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, int max_iterations,
+              FitResult& result) {
   result.status = best.status;
   const std::string reached = fmt::format("{} of {} starts reached the best cost, {:.6g}",
                                           result.starts_at_best, result.starts.size(), result.cost);
   if (best.status == FitStatus::iteration_limit) {
-    result.message = fmt::format("did not converge within {} iterations; {}", best.iterations, reached);
+    result.message = fmt::format("did not converge within {} iterations{}; {}", max_iterations,
+                                 best.iterations > max_iterations ? " of a stage" : "", reached);
   } else if (!uncertainty.undetermined_sets.empty()) {
     result.status = FitStatus::not_determined;
     result.message =
@@ -177,18 +190,19 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
   result.global_search = search;
   record_starts(problem, runs, best, result);
   if (best) {
+    descend.finish_joins();
     const FitPoint& point = runs[*best].point;
     result.cost = runs[*best].cost;
     const Uncertainty uncertainty = estimate_uncertainty(problem, residuals, point);
     if (problem.is_joined()) result.join_defect = descend.join_defect();
     add_coefficients(problem, point, uncertainty, result);
     add_captures(problem, residuals, point, uncertainty, result);
-    conclude(runs[*best], uncertainty, result);
+    conclude(runs[*best], uncertainty, options.max_iterations, result);
     add_misfit_warnings(problem, result);
     add_capture_warnings(captures, result);
     add_warnings(uncertainty, result);
     add_whiteness(result);
-    add_identifiability(uncertainty, result);
+    add_identifiability(problem, uncertainty, result);
     if (options.profiles) {
       add_profiles(problem, residuals, point, uncertainty, options.max_iterations, result);
       add_profile_warnings(result);

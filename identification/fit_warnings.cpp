@@ -44,6 +44,13 @@ void warn_about_undetermined(const Uncertainty& uncertainty, FitResult& result) 
                   "the captures do not determine {}: they can change together without changing the residuals",
                   join(names)));
   }
+  for (const std::vector<int>& set : uncertainty.sets_held_by_priors) {
+    std::vector<std::string> names;
+    for (const int k : set) names.push_back(result.coefficients[static_cast<std::size_t>(k)].name);
+    result.warnings.push_back(
+        fmt::format("the captures alone do not determine {}: what is said of {} rests on the priors",
+                    join(names), names.size() == 1 ? "it" : "them"));
+  }
   std::size_t segment = 0;
   for (std::size_t c = 0; c < result.captures.size(); ++c) {
     const OwnUncertainty& own = uncertainty.own[segment];

@@ -135,7 +135,10 @@ void add_priors(const FitOptions& options, FitProblem& problem) {
 void set_initial(const FitOptions& options, FitProblem& problem) {
   problem.initial.resize(problem.shared_count());
   for (std::size_t k = 0; k < problem.shared.size(); ++k) {
-    problem.initial[static_cast<Eigen::Index>(k)] = 0.5 * (problem.shared[k].lower + problem.shared[k].upper);
+    const FitCoordinate& c = problem.shared[k];
+    problem.initial[static_cast<Eigen::Index>(k)] = problem.shared_chart.is_logarithmic(static_cast<int>(k))
+                                                        ? std::sqrt(c.lower * c.upper)
+                                                        : 0.5 * (c.lower + c.upper);
   }
   for (const auto& [name, value] : options.initial) {
     const std::size_t at = position(problem.shared, name);
