@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iostream>
+#include <limits>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -40,6 +41,21 @@ double time_of(const std::function<void()>& call, int repeats, double least_seco
   for (int i = 0; i < repeats; ++i) times.push_back(time_calls(call, count));
   std::nth_element(times.begin(), times.begin() + repeats / 2, times.end());
   return times[static_cast<std::size_t>(repeats / 2)];
+}
+
+Pair time_both(const std::function<void()>& ours, const std::function<void()>& theirs, int rounds) {
+  constexpr double kSlice = 2e-3;
+  const auto count_of = [&](const std::function<void()>& call) {
+    call();
+    return std::max(1L, static_cast<long>(kSlice / std::max(time_calls(call, 3), 1e-9)));
+  };
+  const long a = count_of(ours), b = count_of(theirs);
+  Pair best{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  for (int i = 0; i < rounds; ++i) {
+    best.ours = std::min(best.ours, time_calls(ours, a));
+    best.theirs = std::min(best.theirs, time_calls(theirs, b));
+  }
+  return best;
 }
 
 Options options(int argc, char** argv) {

@@ -24,6 +24,14 @@ void print(const Measurement& measurement);
 /// each.
 double time_of(const std::function<void()>& call, int repeats = 9, double least_seconds = 0.01);
 
+/// Shortest times of two calls, taken in turns so that what else the machine does meets both.
+struct Pair {
+  double ours = 0.0;
+  double theirs = 0.0;
+  double ratio() const { return theirs / ours; }
+};
+Pair time_both(const std::function<void()>& ours, const std::function<void()>& theirs, int rounds = 25);
+
 struct Options {
   bool quick = false;     ///< fewer repeats, the same cases
   std::string only_case;  ///< empty: all

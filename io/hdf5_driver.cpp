@@ -99,6 +99,9 @@ herr_t refuse_write(H5FD_t*, H5FD_mem_t, hid_t, haddr_t, size_t, const void*) {
 
 H5FD_class_t make_class() {
   H5FD_class_t driver = {};
+#ifdef H5FD_CLASS_VERSION
+  driver.version = H5FD_CLASS_VERSION;  // since HDF5 1.14, which refuses others
+#endif
   driver.name = "samara_guarded";
   driver.maxaddr = kLargestAddress;
   driver.fc_degree = H5F_CLOSE_STRONG;
