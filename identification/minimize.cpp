@@ -81,12 +81,16 @@ class Evaluation final : public ceres::EvaluationCallback {
 
 /// The residuals of one segment for Ceres: sign(r) sqrt(rho(r)), so that half their squares sum to the cost,
 /// frame by frame (a ceres::LossFunction would see all frames of a capture as one residual). The derivative
-/// is psi/sqrt(rho) times that of r. Joins have no loss.
+/// is psi/sqrt(rho) times that of r. Joins have no loss. All of it goes with the weight of the motion.
 class SegmentCost final : public ceres::CostFunction {
  public:
   SegmentCost(const FitProblem& problem, const SegmentResidual& residual, const Evaluation& evaluation,
               std::size_t number)
-      : loss_(problem.loss), residual_(residual), evaluation_(evaluation), number_(number) {
+      : loss_(problem.loss),
+        root_weight_(std::sqrt(problem.motion_of(residual.segment()).weight)),
+        residual_(residual),
+        evaluation_(evaluation),
+        number_(number) {
     set_num_residuals(residual.size());
     if (problem.shared_count() > 0) add_block(problem.shared_count(), residual.by_shared());
     if (problem.own_count() > 0) add_block(problem.own_count(), residual.by_own());
@@ -97,13 +101,13 @@ class SegmentCost final : public ceres::CostFunction {
     if (!evaluation_.has_trajectory(number_)) return false;
     for (Eigen::Index row = 0; row < residual_.size(); ++row) {
       const double r = residual_.residual()[row];
-      double factor = 1.0;
-      residuals[row] = r;
+      double factor = root_weight_;
+      residuals[row] = root_weight_ * r;
       if (row < residual_.data_size()) {
         const LossValue value = loss_value(loss_, r);
         const double size = std::sqrt(value.rho);
-        residuals[row] = std::copysign(size, r);
-        if (size > 0.0) factor = std::abs(value.psi) / size;
+        residuals[row] = root_weight_ * std::copysign(size, r);
+        if (size > 0.0) factor *= std::abs(value.psi) / size;
       }
       for (std::size_t block = 0; jacobians && block < blocks_.size(); ++block) {
         if (jacobians[block]) fill(jacobians[block], row, factor, *blocks_[block]);
@@ -126,6 +130,7 @@ class SegmentCost final : public ceres::CostFunction {
   }
 
   LossKind loss_;
+  double root_weight_;
   const SegmentResidual& residual_;
   const Evaluation& evaluation_;
   std::size_t number_;
@@ -196,15 +201,14 @@ void set_box(ceres::Problem& problem, double* block, const std::vector<FitCoordi
   }
 }
 
-ceres::Solver::Options solver_options(const FitProblem& problem, Unknowns& unknowns, int max_iterations) {
+ceres::Solver::Options solver_options(const FitProblem& problem, Unknowns& unknowns, int max_iterations,
+                                      double tolerance) {
   ceres::Solver::Options options;
   options.max_num_iterations = max_iterations;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   options.minimizer_progress_to_stdout = false;
-  // Where many residuals are outliers the steps converge linearly only. At a relative change of 1e-11 the
-  // coefficients stand still within a thousandth of their standard errors.
-  options.function_tolerance = 1e-11;
+  options.function_tolerance = tolerance;
   options.gradient_tolerance = 1e-12;
   options.parameter_tolerance = 1e-11;
   const bool has_shared = problem.shared_chart.directions() > 0;
@@ -269,7 +273,7 @@ void add_costs(const FitProblem& problem, const std::vector<SegmentResidual>& re
 }  // namespace
 
 MinimizeResult minimize(const FitProblem& problem, std::vector<SegmentResidual>& residuals, FitPoint start,
-                        int max_iterations) {
+                        int max_iterations, double tolerance) {
   MinimizeResult result{.point = std::move(start), .message = "there is no trajectory at this start"};
   Unknowns unknowns(result.point, problem.shared_count(), problem.own_count());
   Evaluation evaluation(residuals, unknowns);
@@ -284,7 +288,7 @@ MinimizeResult minimize(const FitProblem& problem, std::vector<SegmentResidual>&
   ceres::Problem ceres_problem(ownership);
   add_costs(problem, residuals, evaluation, unknowns, costs, ceres_problem);
   ceres::Solver::Summary summary;
-  ceres::Solve(solver_options(problem, unknowns, max_iterations), &ceres_problem, &summary);
+  ceres::Solve(solver_options(problem, unknowns, max_iterations, tolerance), &ceres_problem, &summary);
   evaluation.rethrow();
 
   unknowns.store(result.point);
