@@ -64,8 +64,10 @@ Options options(int argc, char** argv) {
     const std::string text = argv[i];
     if (text == "--quick") {
       result.quick = true;
+    } else if (text == "--pictures" && i + 1 < argc) {
+      result.pictures = argv[++i];
     } else if (text.starts_with("-") || !result.only_case.empty()) {
-      throw ArgumentError("unknown argument \"" + text + "\", expected [--quick] [CASE]");
+      throw ArgumentError("unknown argument \"" + text + "\", expected [--quick] [--pictures FOLDER] [CASE]");
     } else {
       result.only_case = text;
     }

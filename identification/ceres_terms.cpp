@@ -55,7 +55,11 @@ bool Evaluation::all_have_trajectories() {
 
 SegmentCost::SegmentCost(const FitProblem& problem, const SegmentResidual& residual,
                          const Evaluation& evaluation, std::size_t number)
-    : loss_(problem.loss), residual_(residual), evaluation_(evaluation), number_(number) {
+    : loss_(problem.loss),
+      root_weight_(std::sqrt(problem.motion_of(residual.segment()).weight)),
+      residual_(residual),
+      evaluation_(evaluation),
+      number_(number) {
   set_num_residuals(residual.size());
   if (problem.shared_count() > 0) add_block(problem.shared_count(), residual.by_shared());
   if (problem.own_count() > 0) add_block(problem.own_count(), residual.by_own());
@@ -71,13 +75,13 @@ bool SegmentCost::Evaluate(double const* const* /*parameters*/, double* residual
   if (!evaluation_.has_trajectory(number_)) return false;
   for (Eigen::Index row = 0; row < residual_.size(); ++row) {
     const double r = residual_.residual()[row];
-    double factor = 1.0;
-    residuals[row] = r;
+    double factor = root_weight_;
+    residuals[row] = root_weight_ * r;
     if (row < residual_.data_size()) {
       const LossValue value = loss_value(loss_, r);
       const double size = std::sqrt(value.rho);
-      residuals[row] = std::copysign(size, r);
-      if (size > 0.0) factor = std::abs(value.psi) / size;
+      residuals[row] = root_weight_ * std::copysign(size, r);
+      if (size > 0.0) factor *= std::abs(value.psi) / size;
     }
     for (std::size_t block = 0; jacobians && block < blocks_.size(); ++block) {
       if (jacobians[block]) fill(jacobians[block], row, factor, *blocks_[block]);

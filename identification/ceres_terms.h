@@ -57,7 +57,7 @@ class Evaluation final : public ceres::EvaluationCallback {
 
 /// The residuals of one segment: sign(r) sqrt(rho(r)), so that half their squares sum to the cost, frame by
 /// frame (a ceres::LossFunction would see all frames of a capture as one residual). The derivative is
-/// psi/sqrt(rho) times that of r. Joins have no loss.
+/// psi/sqrt(rho) times that of r. Joins have no loss. All of it goes with the weight of the motion.
 class SegmentCost final : public ceres::CostFunction {
  public:
   SegmentCost(const FitProblem& problem, const SegmentResidual& residual, const Evaluation& evaluation,
@@ -68,6 +68,7 @@ class SegmentCost final : public ceres::CostFunction {
   void add_block(int size, const Eigen::MatrixXd& derivatives);
 
   LossKind loss_;
+  double root_weight_;
   const SegmentResidual& residual_;
   const Evaluation& evaluation_;
   std::size_t number_;

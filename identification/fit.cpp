@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "samara/identification/bootstrap.h"
 #include "samara/identification/fit_problem.h"
 #include "samara/identification/fit_summary.h"
 #include "samara/identification/fit_trust.h"
@@ -207,6 +208,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
       add_profiles(problem, residuals, point, uncertainty, options.max_iterations, result);
       add_profile_warnings(result);
     }
+    add_bootstrap(problem, residuals, point, options, result);
   } else {
     result.message =
         fmt::format("none of {} starts led anywhere; the first: {}", runs.size(), runs.front().message);

@@ -129,6 +129,16 @@ GlobalOptions read_global(const TomlTable& root) {
   return global;
 }
 
+/// `bootstrap = 100`, or a table with a seed.
+BootstrapOptions read_bootstrap(const TomlTable& root) {
+  if (!root.is_table("bootstrap")) return {.replicates = positive_integer(root, "bootstrap")};
+  const TomlTable table = root.table("bootstrap");
+  table.expect_keys({"replicates", "seed"});
+  BootstrapOptions bootstrap{.replicates = positive_integer(table, "replicates")};
+  if (table.has("seed")) bootstrap.seed = static_cast<std::uint64_t>(positive_integer(table, "seed"));
+  return bootstrap;
+}
+
 std::map<std::string, std::string> read_known(const TomlTable& table, const Units& coordinates) {
   table.expect_keys(names_of(coordinates));
   std::map<std::string, std::string> known;
@@ -177,10 +187,10 @@ void read_tables(const TomlTable& root, const ConfigNames& names, FitOptions& op
 
 FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
   root.expect_keys(
-      {"window",     "outputs", "loss",           "shared",          "per_capture", "offsets",
-       "cluster_by", "starts",  "max_iterations", "profiles",        "segments",    "global",
-       "step",       "rounds",  "round_body",     "averaged_frames", "log_scale",   "attitude_scale",
-       "fixed",      "initial", "known",          "priors",          "periods",     "box"});
+      {"window",     "outputs",         "loss",      "shared",         "per_capture", "offsets", "cluster_by",
+       "starts",     "max_iterations",  "profiles",  "segments",       "global",      "step",    "rounds",
+       "round_body", "averaged_frames", "log_scale", "attitude_scale", "fixed",       "initial", "known",
+       "priors",     "periods",         "box",       "bootstrap"});
   FitOptions options;
   if (root.has("window")) options.window = positive_quantity(root, "window", "s");
   if (root.has("outputs")) options.outputs = known_names(root, "outputs", names.outputs);
@@ -192,6 +202,7 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
   if (root.has("starts")) options.starts = positive_integer(root, "starts");
   if (root.has("max_iterations")) options.max_iterations = positive_integer(root, "max_iterations");
   options.profiles = root.optional_boolean("profiles").value_or(false);
+  if (root.has("bootstrap")) options.bootstrap = read_bootstrap(root);
   if (root.has("segments")) options.segments = read_segments(root);
   if (root.has("global")) options.global = read_global(root);
   if (root.has("rounds")) options.rounds = positive_integer(root, "rounds");

@@ -21,6 +21,7 @@
 ///     starts = 3
 ///     max_iterations = 500
 ///     profiles = true
+///     bootstrap = 100                                 # or { replicates = 100, seed = 1 }
 ///     segments = "60 ms"                              # or { length = "60 ms", stages = [0.05, 0.5, 5, 50] }
 ///     global = "crs"                                  # or { method = "crs", budget = 300, seed = 1 }
 ///     step = "1 ms"                                   # of a model without a codebook: Runge-Kutta steps

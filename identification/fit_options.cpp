@@ -84,6 +84,10 @@ void validate(const FitOptions& options) {
     throw ArgumentError(fmt::format("starts is {}; at most {} was expected", options.starts, kMostStarts));
   }
   require_at_least_one("max_iterations", options.max_iterations);
+  if (options.bootstrap.replicates < 0) {
+    throw ArgumentError(
+        fmt::format("bootstrap.replicates is {}; 0 or more was expected", options.bootstrap.replicates));
+  }
   require_at_least_one("rounds", options.rounds);
   if (options.averaged_frames < 1 || options.averaged_frames % 2 == 0) {
     throw ArgumentError(fmt::format("averaged_frames is {}; an odd number, at least 1, was expected",

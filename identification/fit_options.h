@@ -60,6 +60,12 @@ struct GlobalOptions {
   std::uint64_t seed = 1;
 };
 
+/// Errors from fits with random weights, cluster by cluster: see FitResult::bootstrap.
+struct BootstrapOptions {
+  int replicates = 0;  ///< 0: none; 50 tell an error to 10 %
+  std::uint64_t seed = 1;
+};
+
 struct FitOptions {
   // What is compared
   /// s: only this much of each capture, from its first frame. Empty: all of it.
@@ -124,6 +130,7 @@ struct FitOptions {
   /// The profile of every shared coefficient: ten to twenty fits each, with it held. Whether it is
   /// determined, bounded to one side, or not at all, and an interval that follows bends.
   bool profiles = false;
+  BootstrapOptions bootstrap = {};
 };
 
 /// @throws ArgumentError naming field, value and requirement.

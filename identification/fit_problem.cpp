@@ -9,6 +9,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/identification/coordinate_names.h"
 #include "samara/identification/joins.h"
 #include "samara/identification/segments.h"
 #include "samara/io/units.h"
@@ -17,19 +18,9 @@ namespace samara::identification {
 
 namespace {
 
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::ranges::count(names, name) > 0;
-}
-
-std::vector<std::string> coordinate_names(const FamilyInfo& family) {
-  std::vector<std::string> names;
-  for (const FitCoordinate& c : family.coordinates) names.push_back(c.name);
-  return names;
-}
-
 /// @throws ArgumentError for the first name that is no coordinate.
 void check_coordinate(const FamilyInfo& family, const std::string& field, const std::string& name) {
-  const std::vector<std::string> known = coordinate_names(family);
+  const std::vector<std::string> known = names_of(family.coordinates);
   if (contains(known, name)) return;
   throw ArgumentError(fmt::format("{}: the {} of \"{}\" has no free coordinate \"{}\"{}", field,
                                   family.source, family.model, name, suggestion(name, known)));
@@ -180,7 +171,7 @@ double period_of(const FitOutput& output, const FitOptions& options) {
 
 bool has_offset(const FamilyInfo& family, const FitOptions& options, const std::string& output) {
   if (options.offsets) return contains(*options.offsets, output);
-  return contains(family.translations, output) && !contains(coordinate_names(family), output + "(0)");
+  return contains(family.translations, output) && !contains(names_of(family.coordinates), output + "(0)");
 }
 
 void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures, const FitOptions& options,

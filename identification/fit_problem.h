@@ -68,6 +68,7 @@ struct Motion {
   std::string id, file;
   std::map<std::string, std::string> labels;
   int cluster = 0;
+  double weight = 1.0;        ///< of its part of the cost
   std::vector<double> known;  ///< values of known coordinates
   std::size_t first_segment = 0;
   std::size_t segment_count = 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -91,6 +92,17 @@ struct GlobalSearch {
   double seconds = 0.0;
 };
 
+/// Fits of the same captures with clusters weighted at random, from the answer on (D. B. Rubin, Ann. Statist.
+/// 9 (1981) 130-134): unlike clustered standard errors, which follow the slopes at the answer, they move away
+/// from it, and show where it bends. They do not look for other optima.
+struct Bootstrap {
+  int replicates = 0;  ///< that led somewhere
+  std::uint64_t seed = 1;
+  Eigen::MatrixXd coefficients = {};  ///< replicates x coefficients, SI
+  /// Their scatter, widened by sqrt((C + 1)/(C - 1)) for C clusters: beside the clustered standard errors.
+  std::vector<double> standard_errors = {};
+};
+
 struct FitResult {
   FitStatus status = FitStatus::failed;
   std::string message = "the fit did not run";  ///< why it stopped, in one sentence
@@ -129,6 +141,7 @@ struct FitResult {
   std::optional<Whiteness> whiteness = {};
   std::vector<PredictionScore> predictions = {};  ///< on captures or windows left out of the fit
   std::optional<GlobalSearch> global_search = {};
+  std::optional<Bootstrap> bootstrap = {};
 
   /// Null if the coefficient has none.
   const Profile* find_profile(const std::string& coefficient) const;

@@ -7,41 +7,26 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/identification/coordinate_names.h"
 
 namespace samara::identification {
 
 namespace {
 
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::ranges::count(names, name) > 0;
-}
-
-/// Position of the coordinate of that name; the size of the list if there is none.
-std::size_t position(const std::vector<FitCoordinate>& coordinates, const std::string& name) {
-  return static_cast<std::size_t>(std::ranges::find(coordinates, name, &FitCoordinate::name) -
-                                  coordinates.begin());
-}
-
-std::vector<std::string> names_of(const std::vector<FitCoordinate>& coordinates) {
-  std::vector<std::string> names;
-  for (const FitCoordinate& c : coordinates) names.push_back(c.name);
-  return names;
-}
-
 /// Where the four initial values of the attitude begin among the own coordinates, if they are there.
 /// @throws ArgumentError if only some are, or in another order.
 std::optional<std::size_t> own_attitude(const FamilyInfo& family, const FitProblem& problem) {
   if (family.attitude.empty()) return {};
-  const std::size_t first = position(problem.own, family.attitude[0] + "(0)");
+  const std::optional<std::size_t> first = position(problem.own, family.attitude[0] + "(0)");
   bool all = true;
   bool any = false;
   for (std::size_t k = 0; k < family.attitude.size(); ++k) {
-    const std::size_t at = position(problem.own, family.attitude[k] + "(0)");
-    any = any || at < problem.own.size();
-    all = all && at == first + k;
+    const std::optional<std::size_t> at = position(problem.own, family.attitude[k] + "(0)");
+    any = any || at;
+    all = all && first && at == *first + k;
   }
   if (!any) return {};
-  if (all && first + 4 <= problem.own.size()) return first;
+  if (all) return first;
   throw ArgumentError(fmt::format(
       "of the initial attitude only a part is free in each capture; all of {}, one after the other, "
       "or none was expected",
@@ -63,8 +48,7 @@ double held_start(const FitProblem& problem, const std::string& output) {
 
 void check_states(const FamilyInfo& family, const FitProblem& problem) {
   for (const FitOutput& output : family.outputs) {
-    const bool own = position(problem.own, output.name + "(0)") < problem.own.size();
-    if (own || contains(family.translations, output.name)) continue;
+    if (position(problem.own, output.name + "(0)") || contains(family.translations, output.name)) continue;
     throw ArgumentError(
         fmt::format("segments start with the state in which the one before them ends, but \"{}(0)\" is not a "
                     "free coordinate of each capture; a box for it was expected",
@@ -77,17 +61,17 @@ void check_states(const FamilyInfo& family, const FitProblem& problem) {
 void add_charts(const FamilyInfo& family, const FitOptions& options, FitProblem& problem) {
   std::vector<Chart::Kind> kinds(problem.shared.size(), Chart::Kind::linear);
   for (const std::string& name : options.log_scale) {
-    const std::size_t at = position(problem.shared, name);
-    if (at == problem.shared.size()) {
+    const std::optional<std::size_t> at = position(problem.shared, name);
+    if (!at) {
       throw ArgumentError(fmt::format("log_scale: \"{}\" is not a shared coordinate{}", name,
                                       suggestion(name, names_of(problem.shared))));
     }
-    if (!(problem.shared[at].lower > 0.0)) {
+    if (!(problem.shared[*at].lower > 0.0)) {
       throw ArgumentError(
           fmt::format("log_scale: the box of \"{}\" begins at {}; a positive number was expected", name,
-                      problem.shared[at].lower));
+                      problem.shared[*at].lower));
     }
-    kinds[at] = Chart::Kind::logarithmic;
+    kinds[*at] = Chart::Kind::logarithmic;
   }
   problem.shared_chart = Chart(kinds);
 
@@ -104,30 +88,29 @@ void add_charts(const FamilyInfo& family, const FitOptions& options, FitProblem&
 
 void add_priors(const FitOptions& options, FitProblem& problem) {
   for (const auto& [name, prior] : options.priors) {
-    const std::size_t shared = position(problem.shared, name);
-    const std::size_t own = position(problem.own, name);
-    const bool is_shared = shared < problem.shared.size();
-    if (!is_shared && own == problem.own.size()) {
+    const std::optional<std::size_t> shared = position(problem.shared, name);
+    const std::optional<std::size_t> own = position(problem.own, name);
+    if (!shared && !own) {
       std::vector<std::string> known = names_of(problem.shared);
       for (const std::string& other : names_of(problem.own)) known.push_back(other);
       throw ArgumentError(
           fmt::format("priors: \"{}\" is not a free coordinate{}", name, suggestion(name, known)));
     }
-    if (!is_shared && problem.own_chart.is_part_of_quaternion(static_cast<int>(own))) {
+    if (own && problem.own_chart.is_part_of_quaternion(static_cast<int>(*own))) {
       throw ArgumentError(fmt::format(
           "priors: \"{}\" is a part of an attitude; a coordinate that moves by itself was expected", name));
     }
-    const FitCoordinate& c = is_shared ? problem.shared[shared] : problem.own[own];
+    const FitCoordinate& c = shared ? problem.shared[*shared] : problem.own[*own];
     if (prior.logarithmic && !(c.lower > 0.0)) {
       throw ArgumentError(
           fmt::format("priors: \"{}\" has a logarithmic prior, but its box begins at {}; a positive number "
                       "was expected",
                       name, c.lower));
     }
-    if (is_shared) {
-      problem.priors.push_back({static_cast<int>(shared), prior});
+    if (shared) {
+      problem.priors.push_back({static_cast<int>(*shared), prior});
     } else {
-      problem.own_priors.push_back({static_cast<int>(own), prior});
+      problem.own_priors.push_back({static_cast<int>(*own), prior});
     }
   }
 }
@@ -141,17 +124,17 @@ void set_initial(const FitOptions& options, FitProblem& problem) {
                                                         : 0.5 * (c.lower + c.upper);
   }
   for (const auto& [name, value] : options.initial) {
-    const std::size_t at = position(problem.shared, name);
-    if (at == problem.shared.size()) {
+    const std::optional<std::size_t> at = position(problem.shared, name);
+    if (!at) {
       throw ArgumentError(fmt::format("initial: \"{}\" is not a shared coordinate{}", name,
                                       suggestion(name, names_of(problem.shared))));
     }
-    const FitCoordinate& c = problem.shared[at];
+    const FitCoordinate& c = problem.shared[*at];
     if (!(value >= c.lower && value <= c.upper)) {
       throw ArgumentError(fmt::format("initial: \"{}\" is {}; a value in its box, {} to {}, was expected",
                                       name, value, c.lower, c.upper));
     }
-    problem.initial[static_cast<Eigen::Index>(at)] = value;
+    problem.initial[static_cast<Eigen::Index>(*at)] = value;
   }
 }
 
@@ -177,8 +160,8 @@ void add_joins(const FamilyInfo& family, FitProblem& problem) {
   for (const ComparedOutput& output : problem.outputs) {
     if (!output.offset) continue;
     const auto own = static_cast<int>(problem.own.size()) + *output.offset;
-    const bool moves = contains(family.translations, output.name) &&
-                       position(problem.own, output.name + "(0)") == problem.own.size();
+    const bool moves =
+        contains(family.translations, output.name) && !position(problem.own, output.name + "(0)");
     const int column = requested_column(problem, output.name);
     problem.joins.push_back({moves ? JoinRule::Kind::offset : JoinRule::Kind::constant, own, column,
                              held_start(problem, output.name)});

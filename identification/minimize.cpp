@@ -26,15 +26,14 @@ ceres::Problem::Options ownership(Evaluation& evaluation) {
   return options;
 }
 
-ceres::Solver::Options solver_options(const FitProblem& problem, Unknowns& unknowns, int max_iterations) {
+ceres::Solver::Options solver_options(const FitProblem& problem, Unknowns& unknowns, int max_iterations,
+                                      double tolerance) {
   ceres::Solver::Options options;
   options.max_num_iterations = max_iterations;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   options.minimizer_progress_to_stdout = false;
-  // Where many residuals are outliers the steps converge linearly only. At a relative change of 1e-11 the
-  // coefficients stand still within a thousandth of their standard errors.
-  options.function_tolerance = 1e-11;
+  options.function_tolerance = tolerance;
   options.gradient_tolerance = 1e-12;
   options.parameter_tolerance = 1e-11;
   const bool has_shared = problem.shared_chart.directions() > 0;
@@ -226,7 +225,7 @@ class Descent {
 }  // namespace
 
 MinimizeResult minimize(const FitProblem& problem, std::vector<SegmentResidual>& residuals, FitPoint start,
-                        int max_iterations) {
+                        int max_iterations, double tolerance) {
   Unknowns unknowns(start, problem.shared_count(), problem.own_count());
   Evaluation evaluation(residuals, unknowns);
   // Ceres would complain about a start without trajectories on stderr.
@@ -234,7 +233,7 @@ MinimizeResult minimize(const FitProblem& problem, std::vector<SegmentResidual>&
     return {.point = std::move(start), .message = "there is no trajectory at this start"};
   }
   Descent descent(problem, residuals, unknowns, evaluation);
-  MinimizeResult result = descent.run(solver_options(problem, unknowns, max_iterations));
+  MinimizeResult result = descent.run(solver_options(problem, unknowns, max_iterations, tolerance));
   result.point = std::move(start);
   unknowns.store(result.point);
   return result;

@@ -80,6 +80,22 @@ Json json_of(const GlobalSearch& search) {
           {"seconds", number(search.seconds)}};
 }
 
+Json json_of(const Bootstrap& bootstrap) {
+  return {{"replicates", bootstrap.replicates},
+          {"seed", bootstrap.seed},
+          {"standard_errors", list(bootstrap.standard_errors)}};
+}
+
+void add_bootstrap_text(const FitResult& result, std::back_insert_iterator<std::string> out) {
+  if (!result.bootstrap) return;
+  fmt::format_to(out, "errors from {} fits with clusters weighted at random:", result.bootstrap->replicates);
+  for (std::size_t k = 0; k < result.coefficients.size(); ++k) {
+    fmt::format_to(out, "{} {} +- {:.2g}", k == 0 ? "" : ",", result.coefficients[k].name,
+                   result.bootstrap->standard_errors[k]);
+  }
+  fmt::format_to(out, "\n");
+}
+
 void add_prediction_table(const FitResult& result, std::back_insert_iterator<std::string> out) {
   if (result.predictions.empty()) return;
   fmt::format_to(out, "\n{:<34} {:<24} {:>12} {:>12} {:>9} {:>9}\n", "prediction of", "by", "median", "rms",
@@ -114,11 +130,13 @@ void add_trust(const FitResult& result, Json& object) {
   object["whiteness"] = result.whiteness ? json_of(*result.whiteness) : Json(nullptr);
   object["predictions"] = Json::array();
   for (const PredictionScore& p : result.predictions) object["predictions"].push_back(json_of(p));
+  object["bootstrap"] = result.bootstrap ? json_of(*result.bootstrap) : Json(nullptr);
   object["global_search"] = result.global_search ? json_of(*result.global_search) : Json(nullptr);
 }
 
 void add_trust_text(const FitResult& result, std::string& text) {
   const auto out = std::back_inserter(text);
+  add_bootstrap_text(result, out);
   add_prediction_table(result, out);
   if (result.identifiability) {
     for (const std::string& phrase : result.identifiability->phrases)

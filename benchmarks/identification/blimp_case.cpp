@@ -48,12 +48,6 @@ void report_predictions(const std::vector<BlimpFlight>& left_out, const Coeffici
   }
 }
 
-Coefficients values_of(const FitResult& fitted) {
-  Coefficients values;
-  for (const auto& c : fitted.coefficients) values[c.name] = c.value;
-  return values;
-}
-
 }  // namespace
 
 void blimp_case(const Options& options) {

@@ -47,6 +47,12 @@ const Coefficient& coefficient_of(const FitResult& result, const std::string& na
 
 }  // namespace
 
+Coefficients values_of(const FitResult& result) {
+  Coefficients values;
+  for (const Coefficient& c : result.coefficients) values[c.name] = c.value;
+  return values;
+}
+
 double value_of(const FitResult& result, const std::string& name) {
   return coefficient_of(result, name).value;
 }

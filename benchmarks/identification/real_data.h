@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,14 +22,16 @@ namespace samara::benchmarks::identification {
 std::optional<std::filesystem::path> measured_set(const std::string& test_case, const std::string& set);
 
 using Box = std::map<std::string, samara::identification::Interval>;
+using Coefficients = std::map<std::string, double>;
 
 /// Frames first, first + 1, .. of a capture as one of its own, whose times count from `origin` [s].
 samara::identification::Capture frames_of(const samara::identification::Capture& capture, Eigen::Index first,
-                                          Eigen::Index count, double origin);
+                                          Eigen::Index count, double origin = 0.0);
 
 /// The positions of a capture, frames x (x, y, z).
 Eigen::MatrixX3d positions_of(const samara::identification::Capture& capture);
 
+Coefficients values_of(const samara::identification::FitResult& result);
 /// Value of a coefficient of a fit that has it.
 double value_of(const samara::identification::FitResult& result, const std::string& name);
 double error_of(const samara::identification::FitResult& result, const std::string& name);

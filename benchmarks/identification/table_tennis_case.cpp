@@ -1,7 +1,7 @@
 /// A table tennis ball: drag and Magnus coefficients from flights with labelled spin, and flights predicted
 /// without labels.
-#include <cmath>
-#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <numbers>
 
@@ -9,6 +9,7 @@
 
 #include "cases.h"
 #include "real_data.h"
+#include "scatter.h"
 #include "table_tennis.h"
 
 namespace samara::benchmarks::identification {
@@ -51,16 +52,55 @@ std::pair<RotationStart, FitResult> optima(const std::vector<Capture>& flights) 
 }
 
 /// How far labels lie from the spins that flights show.
-void compare(const std::string& metric, const std::vector<Capture>& flights, const FitResult& fitted) {
+std::vector<SpinComparison> compare(const std::string& metric, const std::vector<Capture>& flights,
+                                    const FitResult& fitted) {
+  std::vector<SpinComparison> spins = compare_spins(flights, fitted);
   std::vector<double> differences;
-  for (const SpinComparison& spin : compare_spins(flights, fitted)) {
-    differences.push_back((spin.effective - spin.labelled).norm());
-    std::cerr << fmt::format(
-        "spin of flight {}: effective {:7.0f} {:7.0f} {:7.0f}, label {:7.0f} {:7.0f} {:7.0f}\n", spin.number,
-        spin.effective.x(), spin.effective.y(), spin.effective.z(), spin.labelled.x(), spin.labelled.y(),
-        spin.labelled.z());
-  }
+  for (const SpinComparison& spin : spins) differences.push_back((spin.effective - spin.labelled).norm());
   report(metric, median_of(differences), "rad/s");
+  return spins;
+}
+
+/// Labels beside effective spins, and the distance between them flight by flight: where labels stand in the
+/// wrong rows it shows at once.
+void draw(const std::filesystem::path& folder, const std::vector<SpinComparison>& labelled,
+          const std::vector<SpinComparison>& shifted) {
+  Panel sizes{"label, rad/s", "effective spin along the label, rad/s", {}, true};
+  Panel flights{"number of the flight", "distance between effective spin and label, rad/s", {}};
+  const auto add = [&](const std::vector<SpinComparison>& spins, const char* name, const char* color) {
+    Points of_sizes{name, color, {}}, of_flights{name, color, {}};
+    for (const SpinComparison& spin : spins) {
+      const double label = spin.labelled.norm();
+      of_sizes.at.emplace_back(label, spin.effective.dot(spin.labelled) / label);
+      of_flights.at.emplace_back(std::stod(spin.number), (spin.effective - spin.labelled).norm());
+    }
+    sizes.series.push_back(of_sizes);
+    flights.series.push_back(of_flights);
+  };
+  add(labelled, "labels of their own", "#1668b8");
+  add(shifted, "labels of other rows", "#c2410c");
+  std::filesystem::create_directories(folder);
+  const std::filesystem::path file = folder / "table_tennis_spins.svg";
+  std::ofstream(file) << scatter_svg(
+      "Spin of table tennis balls across their way: what flights show, and labels", {sizes, flights});
+  std::cerr << kCase << ": drew " << file << '\n';
+}
+
+/// Drag that grows with the spin: what the flights say of it, and whether it predicts others better.
+void try_spin_drag(const std::vector<Capture>& flights, const RotationStart& start) {
+  const FitResult fitted = fit_labelled(flights, start, SpinDrag::fitted);
+  report("spin_drag", value_of(fitted, "spin_drag"));
+  report("spin_drag_stderr", error_of(fitted, "spin_drag"));
+  report("CD_with_spin_drag", value_of(fitted, "C_D"));
+  report("CD_with_spin_drag_stderr", error_of(fitted, "C_D"));
+  report("cost_with_spin_drag", fitted.cost);
+  const Distances distances = predict_left_out_flights(flights, start, kFolds, {}, SpinDrag::fitted);
+  for (const auto& [name, predictor] : {std::pair{"", "model"}, std::pair{"_labels", "labels"}}) {
+    report(fmt::format("prediction_labelled_flights_median{}_spin_drag", name),
+           median_of(distances.at(predictor)), "m");
+    report(fmt::format("prediction_labelled_flights_rms{}_spin_drag", name), rms_of(distances.at(predictor)),
+           "m");
+  }
 }
 
 Distances joined(Distances some, const Distances& others) {
@@ -98,8 +138,10 @@ void table_tennis_case(const Options& options) {
   report("CD_drag_only", value_of(drag_only, "C_D"));
   report("flight_rms", median_flight_rms(fitted), "m");
   report("flight_rms_drag_only", median_flight_rms(drag_only), "m");
-  compare("spin_from_label", flights.labelled, fitted);
-  compare("spin_from_label_shifted", flights.shifted, fitted);
+  const auto labelled_spins = compare("spin_from_label", flights.labelled, fitted);
+  const auto shifted_spins = compare("spin_from_label_shifted", flights.shifted, fitted);
+  if (!options.pictures.empty()) draw(options.pictures, labelled_spins, shifted_spins);
+  if (!options.quick) try_spin_drag(flights.labelled, start);
   for (const auto& [name, horizon] :
        {std::pair{"prediction", Horizon{0.15, 0.30}}, std::pair{"prediction_short", Horizon{0.10, 0.20}}}) {
     const Distances labelled = predict_left_out_flights(flights.labelled, start, kFolds, horizon);

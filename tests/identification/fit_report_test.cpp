@@ -42,6 +42,17 @@ TEST_CASE("the JSON of a fit holds its numbers to the last bit") {
   CHECK(json["starts"].size() == 3);
 }
 
+TEST_CASE("reports hold the errors from random weights") {
+  FitResult result = example();
+  CHECK(nlohmann::json::parse(fit_json(result))["bootstrap"].is_null());
+  result.bootstrap = Bootstrap{.replicates = 50, .standard_errors = {0.125}};
+  const nlohmann::json json = nlohmann::json::parse(fit_json(result));
+  CHECK(json["bootstrap"]["replicates"] == 50);
+  CHECK(json["bootstrap"]["standard_errors"][0].get<double>() == 0.125);
+  CHECK_THAT(fit_text(result),
+             Contains("errors from 50 fits with clusters weighted at random: C_D +- 0.12\n"));
+}
+
 TEST_CASE("numbers that are not there are null in JSON") {
   FitResult result = example();
   result.coefficients[0].standard_error.reset();

@@ -25,7 +25,7 @@ TEST_CASE("falling paper: the body predicts drops that it has not seen better th
   auto options = paper_options();
   options.rounds = 1;
   const FitResult fitted = samara::identification::fit(*body, captures_of(windows.fitted), options);
-  const Prediction unseen = predict_unseen(*body, options, fitted, windows.unseen);
+  const Prediction unseen = predict_unseen(*body, options, values_of(fitted), windows.unseen);
   // 2.8 mm for 20 drops; 3.5 mm was found by an independent trial.
   CHECK(median_of(window_misfits(fitted)) < 3.5e-3);
   CHECK(median_of(unseen.errors) < 0.85 * median_of(baseline_errors(Baseline::quadratic, windows.unseen)));
