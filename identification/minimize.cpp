@@ -135,8 +135,9 @@ class SegmentCost final : public ceres::CostFunction {
 /// What was known of the shared unknowns beforehand.
 class PriorCost final : public ceres::CostFunction {
  public:
-  explicit PriorCost(const FitProblem& problem) : priors_(problem.priors) {
-    set_num_residuals(static_cast<int>(priors_.size()));
+  explicit PriorCost(const FitProblem& problem)
+      : priors_(problem.priors), combinations_(problem.combinations) {
+    set_num_residuals(static_cast<int>(priors_.size() + combinations_.size()));
     mutable_parameter_block_sizes()->push_back(problem.shared_count());
   }
 
@@ -150,11 +151,20 @@ class PriorCost final : public ceres::CostFunction {
         jacobians[0][static_cast<int>(k) * shared + priors_[k].shared] = prior.derivative;
       }
     }
+    for (std::size_t k = 0; k < combinations_.size(); ++k) {
+      const auto row = static_cast<int>(priors_.size() + k);
+      residuals[row] = combinations_[k].residual(parameters[0]);
+      for (const auto& [index, weight] : combinations_[k].terms) {
+        if (jacobians && jacobians[0])
+          jacobians[0][row * shared + index] = weight / combinations_[k].deviation;
+      }
+    }
     return true;
   }
 
  private:
   std::vector<SharedPrior> priors_;
+  std::vector<SharedCombination> combinations_;
 };
 
 /// A chart as Ceres takes it.
@@ -252,7 +262,7 @@ void add_costs(const FitProblem& problem, const std::vector<SegmentResidual>& re
     if (residuals[k].segment().joined) blocks.push_back(unknowns.own(k + 1));
     ceres_problem.AddResidualBlock(costs.functions.back().get(), nullptr, blocks);
   }
-  if (!problem.priors.empty()) {
+  if (!problem.priors.empty() || !problem.combinations.empty()) {
     costs.functions.push_back(std::make_unique<PriorCost>(problem));
     ceres_problem.AddResidualBlock(costs.functions.back().get(), nullptr, unknowns.shared());
   }

@@ -225,6 +225,15 @@ Totals add_up(const FitProblem& problem, const std::vector<MotionTerms>& terms, 
     sum.normal(prior.shared, prior.shared) += derivative * derivative;
     sum.hessian(prior.shared, prior.shared) += derivative * derivative;
   }
+  for (const SharedCombination& combination : problem.combinations) {
+    for (const auto& [row, a] : combination.terms) {
+      for (const auto& [column, b] : combination.terms) {
+        const double product = a * b / (combination.deviation * combination.deviation);
+        sum.normal(row, column) += product;
+        sum.hessian(row, column) += product;
+      }
+    }
+  }
   return sum;
 }
 
