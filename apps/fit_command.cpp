@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glog/logging.h>
@@ -14,12 +15,14 @@
 #include "samara/codebooks/store.h"
 #include "samara/identification/capture_file.h"
 #include "samara/identification/codebook_trajectories.h"
+#include "samara/identification/coefficient_series.h"
 #include "samara/identification/fit.h"
 #include "samara/identification/fit_config.h"
 #include "samara/identification/fit_page.h"
 #include "samara/identification/fit_report.h"
 #include "samara/identification/prediction.h"
 #include "samara/identification/reference_trajectories.h"
+#include "samara/identification/series_config.h"
 #include "samara/identification/step_trajectories.h"
 #include "samara/io/atomic_file.h"
 #include "terminal.h"
@@ -32,6 +35,8 @@ namespace id = samara::identification;
 
 /// What is fitted: the trajectories of a codebook (kept alive here) or of a model.
 struct Source {
+  std::shared_ptr<const models::Model> model;  ///< null for a codebook
+  std::optional<id::SeriesOptions> series;     ///< only with a model
   std::optional<codebooks::Codebook> book;
   std::unique_ptr<id::TrajectoryFamily> family;
   id::FitOptions options;
@@ -67,6 +72,8 @@ Source open_source(const FitArguments& arguments) {
     }
     source.options = id::read_fit_config(arguments.config, id::config_names(model->info()));
     warn_of_units(*model, source.options.fixed);
+    source.model = model;
+    source.series = id::read_series_config(arguments.config, id::config_names(model->info()));
     source.family = of_file(arguments.config, [&] {
       const id::FitOptions& options = source.options;
       return options.step ? id::step_trajectories(model, options.fixed, options.box, *options.step)
@@ -75,8 +82,15 @@ Source open_source(const FitArguments& arguments) {
     return source;
   }
   source.book = codebooks::load(arguments.source);
-  if (!arguments.config.empty())
+  if (!arguments.config.empty()) {
     source.options = id::read_fit_config(arguments.config, id::config_names(*source.book));
+    if (id::read_series_config(arguments.config, id::config_names(*source.book))) {
+      throw InputError(arguments.config,
+                       fmt::format("[series] needs equations whose coefficients may change, and \"{}\" is a "
+                                   "codebook; the name of its model, \"{}\", was expected",
+                                   arguments.source, source.book->model().name));
+    }
+  }
   if (!source.book->certificate() || !source.book->certificate()->met) {
     warn(fmt::format("{} has no certificate that meets its tolerance", arguments.source));
   }
@@ -124,13 +138,50 @@ void check_outputs(const FitArguments& arguments) {
   inputs.push_back(arguments.source);
   inputs.push_back(arguments.config);
   if (!arguments.output.empty()) check_output(arguments.output, inputs);
-  if (arguments.report.empty()) return;
-  check_output(arguments.report, inputs);
-  if (!arguments.output.empty() && std::filesystem::absolute(arguments.report).lexically_normal() ==
-                                       std::filesystem::absolute(arguments.output).lexically_normal()) {
-    throw ArgumentError(
-        fmt::format("--report and --output both name \"{}\"; two files were expected", arguments.report));
+  if (!arguments.report.empty()) check_output(arguments.report, inputs);
+  if (!arguments.series.empty()) check_output(arguments.series, inputs);
+  const std::vector<std::pair<std::string, std::string>> written = {
+      {"--report", arguments.report}, {"--output", arguments.output}, {"--series", arguments.series}};
+  for (std::size_t a = 0; a < written.size(); ++a) {
+    for (std::size_t b = a + 1; b < written.size(); ++b) {
+      if (written[a].second.empty() || written[b].second.empty()) continue;
+      if (std::filesystem::absolute(written[a].second).lexically_normal() !=
+          std::filesystem::absolute(written[b].second).lexically_normal()) {
+        continue;
+      }
+      throw ArgumentError(fmt::format("{} and {} both name \"{}\"; two files were expected", written[a].first,
+                                      written[b].first, written[a].second));
+    }
   }
+}
+
+void say(const std::vector<std::string>& warnings) {
+  std::set<std::string> said;
+  for (const std::string& sentence : warnings) {
+    if (said.insert(sentence).second) warn(sentence);
+  }
+}
+
+/// Coefficients that change in time.
+int run_series(const FitArguments& arguments, const Source& source,
+               const std::vector<id::Capture>& captures) {
+  if (!arguments.left_out.empty()) {
+    throw ArgumentError(
+        "--left-out asks for predictions, and a series holds for the captures it was fitted to; a config "
+        "without [series] was expected");
+  }
+  const id::CoefficientSeries series = of_file(arguments.config, [&] {
+    return id::fit_series(source.model, captures, source.options, *source.series);
+  });
+  if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::series_json(series));
+  if (!arguments.report.empty()) io::write_text_atomically(arguments.report, id::fit_html(series.fit));
+  if (!arguments.series.empty() && series.status != id::FitStatus::failed)
+    codebooks::save(id::series_codebook(series), arguments.series);
+  print(arguments.json ? id::series_json(series) : printable(id::series_text(series), "\n"));
+  say(series.warnings);
+  if (series.status == id::FitStatus::converged) return kDone;
+  complain(series.message);
+  return kToleranceMissed;
 }
 
 }  // namespace
@@ -148,6 +199,11 @@ int run(const FitArguments& arguments) {
     for (id::Capture& capture : captures) capture = id::first(capture, window);
     source.options.window.reset();
   }
+  if (source.series) return run_series(arguments, source, captures);
+  if (!arguments.series.empty()) {
+    throw ArgumentError(
+        "--series writes coefficients that change in time; a model and a config with [series] were expected");
+  }
   const id::FitResult result = of_file(arguments.config, [&] {
     id::FitResult fitted = id::fit(*source.family, captures, source.options);
     if (prediction) {
@@ -159,10 +215,7 @@ int run(const FitArguments& arguments) {
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::fit_json(result));
   if (!arguments.report.empty()) io::write_text_atomically(arguments.report, id::fit_html(result));
   print(arguments.json ? id::fit_json(result) : printable(id::fit_text(result), "\n"));
-  std::set<std::string> said;
-  for (const std::string& sentence : result.warnings) {
-    if (said.insert(sentence).second) warn(sentence);
-  }
+  say(result.warnings);
   if (result.is_usable()) return kDone;
   complain(result.message);
   return kToleranceMissed;

@@ -90,8 +90,9 @@ bool SegmentCost::Evaluate(double const* const* /*parameters*/, double* residual
   return true;
 }
 
-PriorCost::PriorCost(const FitProblem& problem) : priors_(problem.priors) {
-  set_num_residuals(static_cast<int>(priors_.size()));
+PriorCost::PriorCost(const FitProblem& problem)
+    : priors_(problem.priors), combinations_(problem.combinations) {
+  set_num_residuals(static_cast<int>(priors_.size() + combinations_.size()));
   mutable_parameter_block_sizes()->push_back(problem.shared_count());
 }
 
@@ -103,6 +104,13 @@ bool PriorCost::Evaluate(double const* const* parameters, double* residuals, dou
     residuals[k] = prior.value;
     if (jacobians && jacobians[0]) {
       jacobians[0][static_cast<int>(k) * shared + priors_[k].shared] = prior.derivative;
+    }
+  }
+  for (std::size_t k = 0; k < combinations_.size(); ++k) {
+    const auto row = static_cast<int>(priors_.size() + k);
+    residuals[row] = combinations_[k].residual(parameters[0]);
+    for (const auto& [index, weight] : combinations_[k].terms) {
+      if (jacobians && jacobians[0]) jacobians[0][row * shared + index] = weight / combinations_[k].deviation;
     }
   }
   return true;

@@ -83,6 +83,7 @@ class PriorCost final : public ceres::CostFunction {
 
  private:
   std::vector<SharedPrior> priors_;
+  std::vector<SharedCombination> combinations_;
 };
 
 /// A chart as Ceres takes it.

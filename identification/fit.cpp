@@ -195,6 +195,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     const FitPoint& point = runs[*best].point;
     result.cost = runs[*best].cost;
     const Uncertainty uncertainty = estimate_uncertainty(problem, residuals, point);
+    result.information = uncertainty.information;
     if (problem.is_joined()) result.join_defect = descend.join_defect();
     add_coefficients(problem, point, uncertainty, result);
     add_captures(problem, residuals, point, uncertainty, result);

@@ -47,7 +47,7 @@
 ///     [periods]                                       # of outputs; those in rad have 360 deg
 ///     theta = "180 deg"
 ///
-/// Every key may be left out; fit_options.h has the meanings and defaults. To fit a model without a codebook,
+/// A table [series] is for series_config.h. Every key may be left out; fit_options.h has the meanings and defaults. To fit a model without a codebook,
 /// its family takes `fixed` and `box` of the options:
 ///
 ///     const auto model = models::find_model("vertical_fall");

@@ -72,6 +72,9 @@ void validate(const FitOptions& options) {
                                       name, prior.mean));
     }
   }
+  for (const CombinationPrior& prior : options.combinations) {
+    require_positive("the deviation of a combination", prior.deviation);
+  }
   for (const auto& [name, period] : options.periods) {
     if (!(std::isfinite(period) && period >= 0.0)) {
       throw ArgumentError(fmt::format("the period of \"{}\" is {}; 0 or more was expected", name, period));

@@ -29,6 +29,14 @@ struct Prior {
   bool logarithmic = false;
 };
 
+/// What is known beforehand of a sum of shared coordinates: it is normal. Differences of neighbours in a row
+/// of coordinates make the row smooth.
+struct CombinationPrior {
+  std::map<std::string, double> weights = {};  ///< by name; of SI values
+  double mean = 0.0;                           ///< of the weighted sum
+  double deviation = 1.0;
+};
+
 /// Multiple shooting: every capture is cut into segments with a start state of each own. That a segment ends
 /// where the next begins is a penalty on the difference, which is raised in stages until it is a constraint:
 /// so that motion which forgets its start within a swing does not hide the coefficients.
@@ -90,6 +98,7 @@ struct FitOptions {
   /// Of shared coordinates, and of those of each capture's own: there of every capture alike, and of where
   /// its first segment starts.
   std::map<std::string, Prior> priors = {};
+  std::vector<CombinationPrior> combinations = {};
   /// Outputs that get a free constant for each capture, added to the model. Empty: those in which the model
   /// has a translation symmetry and whose initial value is not a coordinate.
   std::optional<std::vector<std::string>> offsets = {};

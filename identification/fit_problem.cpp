@@ -81,6 +81,11 @@ CoordinateSlot fixed_slot(const FamilyInfo& family, const FitCoordinate& coordin
 
 void assign_roles(const FamilyInfo& family, const FitOptions& options, FitProblem& problem) {
   for (const FitCoordinate& coordinate : family.coordinates) {
+    if (coordinate.name == family.clock) {
+      problem.clock = problem.slots.size();
+      problem.slots.push_back({});
+      continue;
+    }
     if (const auto fixed = options.fixed.find(coordinate.name); fixed != options.fixed.end()) {
       problem.slots.push_back(fixed_slot(family, coordinate, fixed->second));
       problem.fixed[coordinate.name] = fixed->second;
@@ -237,6 +242,12 @@ void family_point(const FitProblem& problem, const Motion& motion, const double*
         break;
     }
   }
+}
+
+double SharedCombination::residual(const double* shared) const {
+  double sum = -mean;
+  for (const auto& [index, weight] : terms) sum += weight * shared[index];
+  return sum / deviation;
 }
 
 PriorResidual prior_residual(const Prior& prior, double value) {

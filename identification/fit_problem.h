@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -96,6 +97,15 @@ struct SharedPrior {
   Prior prior;
 };
 
+/// (sum of weight * value - mean)/deviation, as a residual.
+struct SharedCombination {
+  std::vector<std::pair<int, double>> terms = {};  ///< shared coordinate, weight
+  double mean = 0.0;
+  double deviation = 1.0;
+
+  double residual(const double* shared) const;
+};
+
 /// Of the start of every motion.
 struct OwnPrior {
   int own = 0;
@@ -116,7 +126,9 @@ struct FitProblem {
   std::vector<FitCoordinate> own;     ///< likewise; each segment has these
   Chart shared_chart, own_chart;
   std::optional<std::size_t> own_attitude;  ///< the first of its four own unknowns
+  std::optional<std::size_t> clock;         ///< the slot that holds the start of a segment, if there is one
   std::vector<SharedPrior> priors;
+  std::vector<SharedCombination> combinations;
   std::vector<OwnPrior> own_priors;
   Eigen::VectorXd initial;  ///< of the shared coordinates, at the first start
   std::vector<ComparedOutput> outputs;

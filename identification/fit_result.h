@@ -118,6 +118,8 @@ struct FitResult {
   /// columns of coefficients without a standard error are NaN.
   Eigen::MatrixXd covariance = {};
   Eigen::MatrixXd correlation = {};
+  /// Second derivative of the cost by the coefficients, priors included, own unknowns eliminated.
+  Eigen::MatrixXd information = {};
   int clusters = 0;
 
   std::vector<CaptureFit> captures = {};

@@ -113,6 +113,18 @@ void add_priors(const FitOptions& options, FitProblem& problem) {
       problem.own_priors.push_back({static_cast<int>(*own), prior});
     }
   }
+  for (const CombinationPrior& prior : options.combinations) {
+    SharedCombination combination{.mean = prior.mean, .deviation = prior.deviation};
+    for (const auto& [name, weight] : prior.weights) {
+      const std::size_t shared = position(problem.shared, name);
+      if (shared == problem.shared.size()) {
+        throw ArgumentError(fmt::format("combinations: \"{}\" is not a shared coordinate{}", name,
+                                        suggestion(name, names_of(problem.shared))));
+      }
+      combination.terms.emplace_back(static_cast<int>(shared), weight);
+    }
+    problem.combinations.push_back(std::move(combination));
+  }
 }
 
 void set_initial(const FitOptions& options, FitProblem& problem) {

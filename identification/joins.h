@@ -10,8 +10,8 @@ namespace samara::identification {
 ///   of which only a part is free.
 void add_charts(const FamilyInfo& family, const FitOptions& options, FitProblem& problem);
 
-/// @throws ArgumentError for a prior of what is not free or part of an attitude, and for one outside its
-/// meaning.
+/// @throws ArgumentError for a prior of what is not free or part of an attitude, for one outside its meaning,
+/// and for a combination of what is not shared.
 void add_priors(const FitOptions& options, FitProblem& problem);
 
 /// Where the first start has the shared unknowns.

@@ -51,6 +51,7 @@ SegmentResidual::SegmentResidual(const TrajectoryFamily& family, const FitProble
 bool SegmentResidual::evaluate(const double* shared, const double* own, const double* next,
                                bool with_derivatives) {
   family_point(*problem_, problem_->motion_of(*segment_), shared, own, q_);
+  if (problem_->clock) q_[static_cast<Eigen::Index>(*problem_->clock)] = segment_->start;
   ++evaluations_;
   const std::span<const double> q(q_.data(), static_cast<std::size_t>(q_.size()));
   if (!source_->evaluate(q, values_, with_derivatives ? &derivatives_ : nullptr)) return false;

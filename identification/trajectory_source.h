@@ -39,6 +39,9 @@ struct FamilyInfo {
   /// The four outputs of an attitude quaternion (w, x, y, z), body to world; empty if there is none.
   std::vector<std::string> attitude = {};
   double end_time = std::numeric_limits<double>::infinity();  ///< s
+  /// The coordinate that is the time of the capture at which a trajectory starts, for equations that depend
+  /// on time; empty if they do not. No fit frees it: segments know when they start.
+  std::string clock = {};
 };
 
 /// q -> values and derivatives at fixed times, for chosen outputs. Holds scratch space: one per thread.

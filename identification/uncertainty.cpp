@@ -188,7 +188,7 @@ MotionTerms motion_terms(const FitProblem& problem, const Motion& motion,
 /// Sums over all motions, and the priors.
 struct Totals {
   Eigen::MatrixXd normal, hessian;  ///< without priors
-  Eigen::VectorXd priors;           ///< what they add to the diagonal of the Hessian
+  Eigen::MatrixXd priors;           ///< what they add to the Hessian
   Eigen::VectorXd diagonal_before;
   Eigen::MatrixXd cluster_scores;  ///< shared x clusters
   bool hessian_usable = true;
@@ -197,11 +197,26 @@ struct Totals {
   int own_unknowns = 0;  ///< not at bounds
 
   /// The Hessian with the priors, and what stands in for it: mean(psi') J^T J, in units of mean(psi').
-  Eigen::MatrixXd full_hessian() const { return hessian + Eigen::MatrixXd(priors.asDiagonal()); }
-  Eigen::MatrixXd full_normal() const {
-    return normal + Eigen::MatrixXd((priors / std::max(mean_dpsi, kLeastSlope)).asDiagonal());
-  }
+  Eigen::MatrixXd full_hessian() const { return hessian + priors; }
+  Eigen::MatrixXd full_normal() const { return normal + priors / std::max(mean_dpsi, kLeastSlope); }
 };
+
+/// What priors, of single coordinates and of combinations, add to the Hessian.
+Eigen::MatrixXd prior_information(const FitProblem& problem, const FitPoint& point) {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(problem.shared_count(), problem.shared_count());
+  for (const SharedPrior& prior : problem.priors) {
+    const double derivative = prior_residual(prior.prior, point.shared[prior.shared]).derivative;
+    sum(prior.shared, prior.shared) += derivative * derivative;
+  }
+  for (const SharedCombination& combination : problem.combinations) {
+    for (const auto& [row, a] : combination.terms) {
+      for (const auto& [column, b] : combination.terms) {
+        sum(row, column) += a * b / (combination.deviation * combination.deviation);
+      }
+    }
+  }
+  return sum;
+}
 
 Totals add_up(const FitProblem& problem, const std::vector<MotionTerms>& terms, const FitPoint& point) {
   Totals sum;
@@ -223,11 +238,7 @@ Totals add_up(const FitProblem& problem, const std::vector<MotionTerms>& terms, 
     const auto joined = static_cast<int>(problem.motions[c].segment_count) - 1;
     sum.own_unknowns += static_cast<int>(terms[c].own_free.size()) - joined * problem.join_rows();
   }
-  sum.priors.setZero(shared_count);
-  for (const SharedPrior& prior : problem.priors) {
-    const double derivative = prior_residual(prior.prior, point.shared[prior.shared]).derivative;
-    sum.priors[prior.shared] += derivative * derivative;
-  }
+  sum.priors = prior_information(problem, point);
   sum.mean_dpsi = sum.dpsi_sum / problem.observation_count();
   return sum;
 }
@@ -246,17 +257,15 @@ double naive_variance(const FitProblem& problem, const Totals& sum, int unknowns
 Eigen::MatrixXd naive_covariance(const Totals& sum, const std::vector<int>& free, const Eigen::MatrixXd& K,
                                  double variance) {
   const double m = std::max(sum.mean_dpsi, kLeastSlope);
-  const Eigen::VectorXd beyond = (sum.priors(free).array() * (1.0 / m - variance) / m).matrix();
-  return variance * K + K * beyond.asDiagonal() * K;
+  return variance * K + (1.0 / m - variance) / m * (K * sum.priors(free, free) * K);
 }
 
 /// H^-1 (C/(C - 1) sum_c g_c g_c^T + P) H^-1.
 Eigen::MatrixXd sandwich(const Eigen::MatrixXd& inverse_hessian, const Eigen::MatrixXd& scores,
-                         const Eigen::VectorXd& priors) {
+                         const Eigen::MatrixXd& priors) {
   const auto clusters = static_cast<double>(scores.cols());
   const Eigen::MatrixXd moved = inverse_hessian * scores;
-  return clusters / (clusters - 1.0) * moved * moved.transpose() +
-         inverse_hessian * priors.asDiagonal() * inverse_hessian;
+  return clusters / (clusters - 1.0) * moved * moved.transpose() + inverse_hessian * priors * inverse_hessian;
 }
 
 /// Of the free directions of a motion: with the shared unknowns known, and what their errors bring along.
@@ -314,7 +323,7 @@ Eigen::MatrixXd clustered_covariance(const FitProblem& problem, const Totals& su
   const auto count = static_cast<Eigen::Index>(free.size());
   if (problem.cluster_count < 2 || count == 0) return Eigen::MatrixXd::Constant(count, count, kNaN);
   const Eigen::MatrixXd scores = sum.cluster_scores(free, Eigen::all);
-  const Eigen::VectorXd priors = sum.priors(free);
+  const Eigen::MatrixXd priors = sum.priors(free, free);
   const Eigen::LLT<Eigen::MatrixXd> hessian(sum.full_hessian()(free, free));
   replaced = !sum.hessian_usable || hessian.info() != Eigen::Success;
   if (!replaced && inverse.all_determined()) {
@@ -365,7 +374,7 @@ Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentR
   const DeterminedInverse whole = invert_determined(normal, floor);
   result.determined = whole.determined;
   result.undetermined_sets = whole.undetermined_sets;
-  if (whole.all_determined() && !problem.priors.empty()) {
+  if (whole.all_determined() && !problem.priors.empty() && problem.combinations.empty()) {
     result.sets_held_by_priors = invert_determined(sum.normal, floor).undetermined_sets;
   }
   result.at_bound = at_bounds(problem.shared, problem.shared_chart, point.shared);
