@@ -20,14 +20,6 @@ using samara::identification::Capture;
 using samara::identification::FitOptions;
 using samara::identification::FitResult;
 
-namespace {
-
-double interval_of(const Capture& capture) {
-  return (capture.times[capture.times.size() - 1] - capture.times[0]) / (capture.frame_count() - 1);
-}
-
-}  // namespace
-
 std::vector<Window> cut(const Capture& motion, int frames, int ahead) {
   const Eigen::MatrixX3d positions = positions_of(motion);
   std::vector<Window> windows;
@@ -63,8 +55,8 @@ std::vector<double> model_errors(const samara::identification::TrajectoryFamily&
                                  std::span<const Window> windows) {
   std::vector<double> errors;
   for (std::size_t k = 0; k < windows.size(); ++k) {
-    const auto predicted = samara::identification::fitted_motion(
-        family, options, result, k, {windows[k].next_time}, {"x", "y", "z"}, interval_of(windows[k].capture));
+    const auto predicted = samara::identification::fitted_motion(family, options, result, k,
+                                                                 {windows[k].next_time}, {"x", "y", "z"});
     errors.push_back(predicted ? (predicted->row(0) - windows[k].next).norm()
                                : std::numeric_limits<double>::infinity());
   }

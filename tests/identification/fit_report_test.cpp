@@ -42,6 +42,15 @@ TEST_CASE("the JSON of a fit holds its numbers to the last bit") {
   CHECK(json["starts"].size() == 3);
 }
 
+TEST_CASE("reports of joined segments say how nearly they join") {
+  FitResult result = example();
+  CHECK(nlohmann::json::parse(fit_json(result))["join_defect"].is_null());
+  CHECK_THAT(fit_text(result), !Contains("segments join"));
+  result.join_defect = 0.0125;
+  CHECK(nlohmann::json::parse(fit_json(result))["join_defect"] == 0.0125);
+  CHECK_THAT(fit_text(result), Contains("segments join within 0.013 of"));
+}
+
 TEST_CASE("numbers that are not there are null in JSON") {
   FitResult result = example();
   result.coefficients[0].standard_error.reset();
