@@ -96,8 +96,9 @@ class Descents {
       FitPoint again = best.point;
       find_start_states(*equations, problem_, residuals_, again, true);
       MinimizeResult next = minimize(problem_, residuals_, std::move(again), options_.max_iterations);
-      next.iterations += best.iterations;
+      const int spent = best.iterations + next.iterations;
       if (next.status != FitStatus::failed && next.cost < best.cost) best = std::move(next);
+      best.iterations = spent;
     }
     return best;
   }
@@ -201,6 +202,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     add_captures(problem, residuals, point, uncertainty, result);
     conclude(runs[*best], uncertainty, options.max_iterations, result);
     add_misfit_warnings(problem, result);
+    add_start_warning(family, options, result);
     add_capture_warnings(captures, result);
     add_warnings(uncertainty, result);
     add_whiteness(result);

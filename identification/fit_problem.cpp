@@ -195,11 +195,10 @@ void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures,
     problem.outputs.push_back(compared);
     problem.requested.push_back(compared.name);
   }
-  const bool wants_attitude =
-      options.outputs.empty() || std::ranges::any_of(options.outputs, [&](const std::string& name) {
-        return contains(family.attitude, name);
-      });
-  if (wants_attitude && measure_attitude(family, captures)) {
+  // What is asked for must be measured, by every capture (segments.h).
+  const bool is_asked_for = std::ranges::any_of(
+      options.outputs, [&](const std::string& name) { return contains(family.attitude, name); });
+  if (is_asked_for || (options.outputs.empty() && measure_attitude(family, captures))) {
     problem.attitude_scale = options.attitude_scale;
     problem.requested.insert(problem.requested.end(), family.attitude.begin(), family.attitude.end());
   }
@@ -248,6 +247,22 @@ double SharedCombination::residual(const double* shared) const {
   double sum = -mean;
   for (const auto& [index, weight] : terms) sum += weight * shared[index];
   return sum / deviation;
+}
+
+Eigen::Vector4d start_attitude(const FitProblem& problem, const Segment& segment) {
+  if (!segment.attitudes.empty()) return Eigen::Vector4d(segment.attitudes.front().q_WB.data());
+  Eigen::Vector4d middle;
+  for (std::size_t part = 0; part < 4; ++part) {
+    const FitCoordinate& c = problem.own[*problem.own_attitude + part];
+    middle[static_cast<Eigen::Index>(part)] = 0.5 * (c.lower + c.upper);
+  }
+  return unit_attitude(middle);
+}
+
+Eigen::Vector4d unit_attitude(const Eigen::Vector4d& q) {
+  constexpr double kShort = 0.1;
+  const double length = q.norm();
+  return length < kShort ? Eigen::Vector4d(1.0, 0.0, 0.0, 0.0) : Eigen::Vector4d(q / length);
 }
 
 PriorResidual prior_residual(const Prior& prior, double value) {

@@ -81,13 +81,16 @@ struct JoinRule {
   enum class Kind {
     state,     ///< the output at the end is the coordinate
     offset,    ///< the output at the end and the offset are the next offset, and what the output starts from
-    constant,  ///< an offset that does not move
+    constant,  ///< a parameter, or an offset that does not move
     turn       ///< the attitude at the end is the next one; one rule for all three directions
   };
+  static constexpr int kNone = -1;
+
   Kind kind = Kind::state;
-  int own = 0;         ///< the first of the own unknowns that are joined
-  int column = 0;      ///< the first of the requested outputs
-  double start = 0.0;  ///< what the output starts from, of an offset
+  int own = 0;             ///< the first of the own unknowns that are joined
+  int column = 0;          ///< the first of the requested outputs
+  double start = 0.0;      ///< what the output starts from, of an offset
+  int start_slot = kNone;  ///< or the coordinate of the family that says so
 
   int rows() const { return kind == Kind::turn ? 3 : 1; }
 };
@@ -165,6 +168,14 @@ FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captu
 /// @param q of their number already
 void family_point(const FitProblem& problem, const Motion& motion, const double* shared, const double* own,
                   Eigen::VectorXd& q);
+
+/// A quaternion (w, x, y, z) of unit length; without a turn where it is too short to tell one.
+Eigen::Vector4d unit_attitude(const Eigen::Vector4d& q);
+
+/// Where the attitude of a segment starts as long as nothing better is known, if it is among the own
+/// unknowns: as first measured; else in the middle of its box, as a unit quaternion, and without a turn where
+/// that is none.
+Eigen::Vector4d start_attitude(const FitProblem& problem, const Segment& segment);
 
 /// Values of all unknowns.
 struct FitPoint {

@@ -64,7 +64,8 @@ struct CaptureFit {
   int cluster = 0;  ///< number of its cluster, from 0
   int frames = 0;   ///< in the window, with something to compare
   int segments = 1;
-  double start = 0.0;  ///< s, of the first segment, in the capture's times
+  double start = 0.0;     ///< s, of the first segment, in the capture's times
+  double interval = 0.0;  ///< s, between the frames that are means of several; 0 where frames are no means
   /// At the start of the first segment.
   std::vector<Nuisance> nuisances = {};
   std::vector<OutputRms> residuals = {};
@@ -109,7 +110,7 @@ struct FitResult {
   std::vector<std::string> warnings = {};       ///< one sentence each
 
   std::string model = {};
-  std::string source = {};  ///< "codebook" or "reference integrator"
+  std::string source = {};  ///< as FamilyInfo
   std::string loss = {};
   std::map<std::string, double> fixed = {};  ///< everything that was held, SI
 

@@ -151,6 +151,7 @@ void add_captures(const FitProblem& problem, const std::vector<SegmentResidual>&
                        .cluster = motion.cluster,
                        .segments = static_cast<int>(motion.segment_count),
                        .start = problem.segments[first].start,
+                       .interval = problem.segments[first].interval,
                        .nuisances = nuisances_of(problem, point.own[first], uncertainty.own[first]),
                        .residuals = squares.rms(problem)};
     add_frames(problem, motion, residuals, point, capture);

@@ -21,6 +21,9 @@ void add_captures(const FitProblem& problem, const std::vector<SegmentResidual>&
 /// Outputs whose residuals are many times their loss scale. Needs the residuals over all captures.
 void add_misfit_warnings(const FitProblem& problem, FitResult& result);
 
+/// Segments for whose starts nobody knows the equations.
+void add_start_warning(const TrajectoryFamily& family, const FitOptions& options, FitResult& result);
+
 /// What is suspicious about the captures as such, and what was done to them.
 void add_capture_warnings(std::span<const Capture> captures, FitResult& result);
 

@@ -148,6 +148,14 @@ void add_misfit_warnings(const FitProblem& problem, FitResult& result) {
   }
 }
 
+void add_start_warning(const TrajectoryFamily& family, const FitOptions& options, FitResult& result) {
+  if (!options.segments.length || family.equations() != nullptr) return;
+  result.warnings.push_back(fmt::format(
+      "the equations behind the {} of \"{}\" are not known: segments began in the middle of their "
+      "boxes, not where the captures show them, and in one round",
+      result.source, result.model));
+}
+
 void add_capture_warnings(std::span<const Capture> captures, FitResult& result) {
   for (const Capture& capture : captures) {
     for (const std::string& doubt : suspicions(capture)) result.warnings.push_back(doubt);

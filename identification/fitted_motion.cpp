@@ -36,7 +36,7 @@ double value_of(const FitOptions& options, const FitResult& fitted, const Captur
 std::optional<Eigen::MatrixXd> fitted_motion(const TrajectoryFamily& family, const FitOptions& options,
                                              const FitResult& fitted, std::size_t capture,
                                              const std::vector<double>& times,
-                                             const std::vector<std::string>& outputs, double interval) {
+                                             const std::vector<std::string>& outputs) {
   if (capture >= fitted.captures.size()) {
     throw ArgumentError(
         fmt::format("capture {} of a fit of {} was asked for; a number below that was expected", capture,
@@ -46,17 +46,12 @@ std::optional<Eigen::MatrixXd> fitted_motion(const TrajectoryFamily& family, con
   std::vector<double> q;
   for (const FitCoordinate& c : family.info().coordinates)
     q.push_back(value_of(options, fitted, one, c.name));
-  FitProblem problem;
-  problem.averaged_frames = options.averaged_frames;
-  problem.requested = outputs;
-  problem.slots.resize(q.size());
-  Segment segment;
-  segment.interval = interval;
-  for (const double time : times) segment.times.push_back(time - one.start);
+  std::vector<double> since_start;
+  for (const double time : times) since_start.push_back(time - one.start);
+  const FrameMean mean{.frames = options.averaged_frames, .interval = one.interval};
   Eigen::MatrixXd values(static_cast<Eigen::Index>(times.size()), static_cast<Eigen::Index>(outputs.size()));
-  if (!averaged_source(family, problem, segment, {})->evaluate(q, values, nullptr) || !values.allFinite()) {
-    return {};
-  }
+  const auto source = averaged_source(family, mean, since_start, outputs, {});
+  if (!source->evaluate(q, values, nullptr) || !values.allFinite()) return {};
   for (std::size_t o = 0; o < outputs.size(); ++o) {
     const Nuisance* offset = find_nuisance(one, fmt::format("offset of {}", outputs[o]));
     if (offset != nullptr) values.col(static_cast<Eigen::Index>(o)).array() += offset->value;

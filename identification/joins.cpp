@@ -13,24 +13,16 @@ namespace samara::identification {
 
 namespace {
 
-/// Where the four initial values of the attitude begin among the own coordinates, if they are there.
-/// @throws ArgumentError if only some are, or in another order.
+/// Where the four initial values of the attitude begin among the own coordinates, if all are there, one after
+/// the other. What is free of an attitude in part (the tilt alone, in codebooks) moves as any coordinate.
 std::optional<std::size_t> own_attitude(const FamilyInfo& family, const FitProblem& problem) {
   if (family.attitude.empty()) return {};
   const std::optional<std::size_t> first = position(problem.own, family.attitude[0] + "(0)");
-  bool all = true;
-  bool any = false;
+  if (!first || *first + family.attitude.size() > problem.own.size()) return {};
   for (std::size_t k = 0; k < family.attitude.size(); ++k) {
-    const std::optional<std::size_t> at = position(problem.own, family.attitude[k] + "(0)");
-    any = any || at;
-    all = all && first && at == *first + k;
+    if (problem.own[*first + k].name != family.attitude[k] + "(0)") return {};
   }
-  if (!any) return {};
-  if (all) return first;
-  throw ArgumentError(fmt::format(
-      "of the initial attitude only a part is free in each capture; all of {}, one after the other, "
-      "or none was expected",
-      join(family.attitude)));
+  return first;
 }
 
 int requested_column(FitProblem& problem, const std::string& output) {
@@ -40,19 +32,50 @@ int requested_column(FitProblem& problem, const std::string& output) {
   return column;
 }
 
-/// What the output starts from where its initial value is held; 0 where nothing is said.
-double held_start(const FitProblem& problem, const std::string& output) {
-  const auto found = problem.fixed.find(output + "(0)");
-  return found == problem.fixed.end() ? 0.0 : found->second;
+/// The join of an output that the motion does not depend on, by its offset.
+JoinRule join_of_offset(const FamilyInfo& family, const FitProblem& problem, const std::string& output,
+                        int own, int column) {
+  JoinRule rule{.kind = JoinRule::Kind::offset, .own = own, .column = column};
+  const std::string start = output + "(0)";
+  if (const auto slot = position(family.coordinates, start)) {
+    rule.start_slot = static_cast<int>(*slot);
+  } else if (const auto held = problem.fixed.find(start); held != problem.fixed.end()) {
+    rule.start = held->second;
+  }
+  return rule;
 }
 
+/// What the motion does not depend on may begin anywhere, unless it is compared: then it needs an unknown.
 void check_states(const FamilyInfo& family, const FitProblem& problem) {
-  for (const FitOutput& output : family.outputs) {
-    if (position(problem.own, output.name + "(0)") || contains(family.translations, output.name)) continue;
+  std::vector<std::string> outputs;
+  for (const FitOutput& output : family.outputs) outputs.push_back(output.name);
+  for (const std::string& state : family.states.empty() ? outputs : family.states) {
+    if (position(problem.own, state + "(0)")) {
+      if (contains(outputs, state)) continue;
+      throw ArgumentError(
+          fmt::format("segments start with the state in which the one before them ends, but \"{}\" is not "
+                      "among the outputs of the {}",
+                      state, family.source));
+    }
+    if (contains(family.translations, state)) {
+      const auto compared = std::ranges::find(problem.outputs, state, &ComparedOutput::name);
+      if (compared == problem.outputs.end() || compared->offset) continue;
+      throw ArgumentError(
+          fmt::format("segments start where the one before them ends, but of \"{0}\" each would start at the "
+                      "same value; a box for \"{0}(0)\", free in each capture, or \"{0}\" among the offsets "
+                      "was expected",
+                      state));
+    }
     throw ArgumentError(
         fmt::format("segments start with the state in which the one before them ends, but \"{}(0)\" is not a "
                     "free coordinate of each capture; a box for it was expected",
-                    output.name));
+                    state));
+  }
+  if (!family.attitude.empty() && !own_attitude(family, problem)) {
+    throw ArgumentError(
+        fmt::format("segments start with the attitude in which the one before them ends, whose parts are not "
+                    "free one after the other; the order {} was expected",
+                    join(family.attitude)));
   }
 }
 
@@ -162,12 +185,17 @@ void add_joins(const FamilyInfo& family, FitProblem& problem) {
         column = static_cast<int>(problem.requested.size());
         for (const std::string& part : family.attitude) problem.requested.push_back(part);
       }
-      problem.joins.push_back({JoinRule::Kind::turn, own, column, 0.0});
+      problem.joins.push_back({.kind = JoinRule::Kind::turn, .own = own, .column = column});
     }
     if (attitude && k >= *attitude && k < *attitude + 4) continue;
     const std::string& name = problem.own[k].name;
+    if (!problem.own[k].is_initial) {
+      problem.joins.push_back({.kind = JoinRule::Kind::constant, .own = own});
+      continue;
+    }
     const std::string state = name.substr(0, name.size() - 3);  // without "(0)"
-    problem.joins.push_back({JoinRule::Kind::state, own, requested_column(problem, state), 0.0});
+    problem.joins.push_back(
+        {.kind = JoinRule::Kind::state, .own = own, .column = requested_column(problem, state)});
   }
   for (const ComparedOutput& output : problem.outputs) {
     if (!output.offset) continue;
@@ -175,8 +203,8 @@ void add_joins(const FamilyInfo& family, FitProblem& problem) {
     const bool moves =
         contains(family.translations, output.name) && !position(problem.own, output.name + "(0)");
     const int column = requested_column(problem, output.name);
-    problem.joins.push_back({moves ? JoinRule::Kind::offset : JoinRule::Kind::constant, own, column,
-                             held_start(problem, output.name)});
+    problem.joins.push_back(moves ? join_of_offset(family, problem, output.name, own, column)
+                                  : JoinRule{.kind = JoinRule::Kind::constant, .own = own});
   }
 }
 

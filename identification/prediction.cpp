@@ -9,6 +9,7 @@
 #include "samara/base/errors.h"
 #include "samara/identification/fit.h"
 #include "samara/identification/fitted_motion.h"
+#include "samara/identification/medians.h"
 
 namespace samara::identification {
 
@@ -31,8 +32,13 @@ std::vector<OutputRms> compared_outputs(const FitResult& fitted) {
   return {fitted.residuals.begin(), fitted.residuals.begin() + count};
 }
 
+bool compares_attitude(const FitResult& fitted) {
+  return fitted.residuals.size() > compared_outputs(fitted).size();
+}
+
 /// The options of the fit, with the coefficients held.
-FitOptions holding(const FitResult& fitted, FitOptions options, const PredictionOptions& prediction) {
+FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions options,
+                   const PredictionOptions& prediction) {
   for (const Coefficient& c : fitted.coefficients) {
     options.fixed[c.name] = c.value;
     std::erase(options.shared, c.name);
@@ -43,6 +49,9 @@ FitOptions holding(const FitResult& fitted, FitOptions options, const Prediction
   }
   options.outputs.clear();
   for (const OutputRms& output : compared_outputs(fitted)) options.outputs.push_back(output.output);
+  if (compares_attitude(fitted)) {
+    options.outputs.insert(options.outputs.end(), family.attitude.begin(), family.attitude.end());
+  }
   if (fitted.captures.front().nuisances.empty()) options.segments.length.reset();
   options.window = prediction.window;
   options.cluster_by.clear();
@@ -90,11 +99,6 @@ std::vector<Quantity> quantities(const std::vector<OutputRms>& outputs) {
   return result;
 }
 
-/// s, between frames.
-double mean_interval(const Capture& capture) {
-  return (capture.times[capture.times.size() - 1] - capture.times[0]) / (capture.frame_count() - 1);
-}
-
 /// One capture: what was seen, what followed, and what the model made of it.
 struct Outlook {
   SeenMotion seen;
@@ -104,20 +108,32 @@ struct Outlook {
 };
 
 /// Whether the window holds more values than unknowns.
-bool can_be_fitted(const Eigen::MatrixXd& seen, std::size_t unknowns) {
-  const auto values = static_cast<std::size_t>((seen.array() == seen.array()).count());  // not NaN
-  return seen.rows() >= 3 && values > unknowns;
+/// @param attitudes frames x 4, or none
+bool can_be_fitted(const Eigen::MatrixXd& positions, const Eigen::MatrixXd& attitudes, std::size_t unknowns) {
+  const auto is_seen = [](const auto& value) { return value == value; };  // not NaN
+  auto values = static_cast<std::size_t>(positions.unaryExpr(is_seen).count());
+  // An attitude counts as three.
+  if (attitudes.cols() > 0) {
+    values += 3 * static_cast<std::size_t>(attitudes.unaryExpr(is_seen).rowwise().all().count());
+  }
+  return positions.rows() >= 3 && values > unknowns;
 }
 
 /// What a fit of the capture would give where nothing is its own.
-FitResult without_unknowns(FitResult fitted, const Capture& capture) {
-  fitted.captures = {CaptureFit{.id = capture.id, .labels = capture.labels}};
+FitResult without_unknowns(FitResult fitted, const Capture& capture, const FitOptions& options) {
+  CaptureFit one{.id = capture.id, .labels = capture.labels};
+  if (options.averaged_frames > 1) {
+    one.interval = median_interval(first(capture, *options.window).times);
+    one.start = -0.5 * (options.averaged_frames - 1) * one.interval;
+  }
+  fitted.captures = {one};
   return fitted;
 }
 
+/// @param names of the outputs that are compared
 std::optional<Outlook> outlook_of(const TrajectoryFamily& family, const FitResult& fitted,
-                                  const Capture& capture, const FitOptions& options,
-                                  const PredictionOptions& prediction) {
+                                  const Capture& capture, const std::vector<std::string>& names,
+                                  const FitOptions& options, const PredictionOptions& prediction) {
   if (capture.times.size() == 0) return {};
   const std::vector<Eigen::Index> before = frames_between(capture, -1.0, prediction.window);
   const double end =
@@ -125,19 +141,21 @@ std::optional<Outlook> outlook_of(const TrajectoryFamily& family, const FitResul
   const std::vector<Eigen::Index> after = frames_between(capture, prediction.window, end);
   const Eigen::VectorXd since = capture.times.array() - capture.times[0];
   Outlook outlook;
-  outlook.seen = {since(before), measured(capture, options.outputs, before)};
+  outlook.seen = {since(before), measured(capture, names, before)};
   outlook.times = since(after);
-  outlook.truth = measured(capture, options.outputs, after);
+  outlook.truth = measured(capture, names, after);
+  const auto attitude = compares_attitude(fitted) ? family.info().attitude : std::vector<std::string>{};
+  const Eigen::MatrixXd attitudes = measured(capture, attitude, before);
   const std::size_t unknowns = fitted.captures.front().nuisances.size();
-  if (after.empty() || !can_be_fitted(outlook.seen.positions, unknowns)) return {};
+  if (after.empty() || !can_be_fitted(outlook.seen.positions, attitudes, unknowns)) return {};
 
   // Without unknowns of its own there is nothing to fit.
-  const FitResult window =
-      unknowns > 0 ? fit(family, std::span(&capture, 1), options) : without_unknowns(fitted, capture);
+  const FitResult window = unknowns > 0 ? fit(family, std::span(&capture, 1), options)
+                                        : without_unknowns(fitted, capture, options);
   if (window.status == FitStatus::failed) return {};
   const Eigen::VectorXd times = capture.times(after).cwiseMin(family.info().end_time);
-  const std::optional<Eigen::MatrixXd> model = fitted_motion(
-      family, options, window, 0, {times.begin(), times.end()}, options.outputs, mean_interval(capture));
+  const std::optional<Eigen::MatrixXd> model =
+      fitted_motion(family, options, window, 0, {times.begin(), times.end()}, names);
   if (!model) return {};
   outlook.model = *model;
   return outlook;
@@ -195,11 +213,13 @@ std::vector<PredictionScore> predict_left_out(const TrajectoryFamily& family, co
                                               const PredictionOptions& prediction) {
   check(prediction);
   if (fitted.captures.empty()) return {};
-  const FitOptions held = holding(fitted, options, prediction);
+  const FitOptions held = holding(family.info(), fitted, options, prediction);
   const std::vector<Quantity> compared = quantities(compared_outputs(fitted));
+  std::vector<std::string> names;
+  for (const OutputRms& output : compared_outputs(fitted)) names.push_back(output.output);
   std::vector<Predictor> all = predictors(compared, prediction);
   for (const Capture& capture : left_out) {
-    const std::optional<Outlook> outlook = outlook_of(family, fitted, capture, held, prediction);
+    const std::optional<Outlook> outlook = outlook_of(family, fitted, capture, names, held, prediction);
     if (!outlook) continue;
     for (Predictor& predictor : all) tally(*outlook, compared, prediction, predictor);
   }

@@ -18,6 +18,10 @@ std::vector<int> wanted_coordinates(const FitProblem& problem) {
   return wanted;
 }
 
+FrameMean mean_of(const FitProblem& problem, const Segment& segment) {
+  return {.frames = problem.averaged_frames, .interval = segment.interval, .last_is_state = segment.joined};
+}
+
 /// The difference on a circle of length `period`, or on the line.
 double wrapped(double difference, double period) {
   return period > 0.0 ? std::remainder(difference, period) : difference;
@@ -29,7 +33,8 @@ SegmentResidual::SegmentResidual(const TrajectoryFamily& family, const FitProble
                                  const Segment& segment)
     : problem_(&problem),
       segment_(&segment),
-      source_(averaged_source(family, problem, segment, wanted_coordinates(problem))) {
+      source_(averaged_source(family, mean_of(problem, segment), segment.times, problem.requested,
+                              wanted_coordinates(problem))) {
   const auto times = static_cast<Eigen::Index>(segment.times.size());
   const auto outputs = static_cast<Eigen::Index>(problem.requested.size());
   const auto coordinates = static_cast<Eigen::Index>(problem.slots.size());
@@ -142,14 +147,19 @@ void SegmentResidual::join(const double* own, const double* next, bool with_deri
     const double weight = join_weights_[row - first];
     const bool is_constant = rule.kind == JoinRule::Kind::constant;
     const bool is_state = rule.kind == JoinRule::Kind::state;
+    const double start = rule.start_slot == JoinRule::kNone ? rule.start : q_[rule.start_slot];
     const double moved = is_constant ? own[rule.own]
                          : is_state  ? values_(end, rule.column)
-                                     : values_(end, rule.column) + own[rule.own] - rule.start;
+                                     : values_(end, rule.column) + own[rule.own] - start;
     residual_[row] = weight * (moved - next[rule.own]);
     if (with_derivatives) {
       by_next_(row, rule.own) = -weight;
       if (!is_constant) fill_row(row, end, rule.column, weight);
       if (!is_state) by_own_(row, rule.own) = weight;
+      if (rule.start_slot != JoinRule::kNone) {
+        const CoordinateSlot& slot = problem_->slots[static_cast<std::size_t>(rule.start_slot)];
+        if (slot.role == CoordinateRole::shared) by_shared_(row, slot.index) -= weight;
+      }
     }
     ++row;
   }

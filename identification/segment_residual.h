@@ -49,7 +49,7 @@ class SegmentResidual {
     return values_.row(frame).segment<4>(problem_->attitude_column()).transpose();
   }
 
-  /// Per direction of the own unknowns, in their order; 1 at first.
+  /// Per row of the join, in the order of FitProblem::joins; 1 at first.
   void set_join_weights(const Eigen::VectorXd& weights) { join_weights_ = weights; }
 
   /// The offsets that make the mean residual of each output zero at the last point.

@@ -159,9 +159,9 @@ void check_smoothing(const Eigen::VectorXd& times, Index rows, const Eigen::Vect
 }
 
 void check_seen_frames(Index count, const SmoothingOptions& options) {
-  if (count >= options.degree + 2) return;
+  if (count >= least_frames(options.degree)) return;
   throw ArgumentError(fmt::format("a channel is seen in {} frames; at least {} were expected for degree {}",
-                                  count, options.degree + 2, options.degree));
+                                  count, least_frames(options.degree), options.degree));
 }
 
 }  // namespace samara::identification

@@ -18,6 +18,11 @@ void check_times(const Eigen::VectorXd& times, Eigen::Index rows);
 void check_smoothing(const Eigen::VectorXd& times, Eigen::Index rows, const Eigen::VectorXd& at,
                      const SmoothingOptions& options);
 
+/// So many frames a channel must be seen in.
+inline Eigen::Index least_frames(int degree) {
+  return degree + 2;
+}
+
 /// @throws ArgumentError if they are too few
 void check_seen_frames(Eigen::Index count, const SmoothingOptions& options);
 

@@ -27,6 +27,14 @@ double place(int index, int dimension) {
   return 0.1 + 0.8 * radical_inverse(index + 1, base);
 }
 
+/// What the box gives for the parts of an attitude is no attitude.
+void set_attitude(const FitProblem& problem, const Segment& segment, int index, Eigen::VectorXd& own) {
+  if (!problem.own_attitude) return;
+  const auto first = static_cast<Eigen::Index>(*problem.own_attitude);
+  own.segment<4>(first) =
+      index == 0 ? start_attitude(problem, segment) : unit_attitude(own.segment<4>(first));
+}
+
 }  // namespace
 
 FitPoint start_point(const FitProblem& problem, std::vector<SegmentResidual>& residuals, int index) {
@@ -44,6 +52,7 @@ FitPoint start_point(const FitProblem& problem, std::vector<SegmentResidual>& re
   for (std::size_t k = 0; k < problem.own.size(); ++k)
     own[static_cast<Eigen::Index>(k)] = at(problem.own[k], false);
   for (SegmentResidual& residual : residuals) {
+    set_attitude(problem, residual.segment(), index, own);
     point.own.push_back(own);
     if (problem.offsets.empty()) continue;
     const double* next = residual.segment().joined ? own.data() : nullptr;

@@ -16,14 +16,6 @@ using samara::identification::Capture;
 using samara::identification::FitOptions;
 using samara::identification::FitResult;
 
-namespace {
-
-double interval_of(const Capture& capture) {
-  return (capture.times[capture.times.size() - 1] - capture.times[0]) / (capture.frame_count() - 1);
-}
-
-}  // namespace
-
 std::vector<Window> cut(const Capture& motion, int frames, int ahead) {
   const Eigen::MatrixX3d positions = positions_of(motion);
   std::vector<Window> windows;
@@ -71,8 +63,8 @@ Eigen::MatrixX3d model_next(const samara::identification::TrajectoryFamily& fami
                             const FitResult& result, std::span<const Window> windows) {
   Eigen::MatrixX3d next(std::ssize(windows), 3);
   for (std::size_t k = 0; k < windows.size(); ++k) {
-    const auto predicted = samara::identification::fitted_motion(
-        family, options, result, k, {windows[k].next_time}, {"x", "y", "z"}, interval_of(windows[k].capture));
+    const auto predicted = samara::identification::fitted_motion(family, options, result, k,
+                                                                 {windows[k].next_time}, {"x", "y", "z"});
     const auto row = static_cast<Eigen::Index>(k);
     next.row(row).setConstant(std::numeric_limits<double>::infinity());
     if (predicted) next.row(row) = predicted->row(0);

@@ -53,6 +53,15 @@ TEST_CASE("reports hold the errors from random weights") {
              Contains("errors from 50 fits with clusters weighted at random: C_D +- 0.12\n"));
 }
 
+TEST_CASE("reports of joined segments say how nearly they join") {
+  FitResult result = example();
+  CHECK(nlohmann::json::parse(fit_json(result))["join_defect"].is_null());
+  CHECK_THAT(fit_text(result), !Contains("segments join"));
+  result.join_defect = 0.0125;
+  CHECK(nlohmann::json::parse(fit_json(result))["join_defect"] == 0.0125);
+  CHECK_THAT(fit_text(result), Contains("segments join within 0.013 of"));
+}
+
 TEST_CASE("numbers that are not there are null in JSON") {
   FitResult result = example();
   result.coefficients[0].standard_error.reset();
