@@ -10,8 +10,10 @@
 #include "samara/identification/fit_summary.h"
 #include "samara/identification/fit_trust.h"
 #include "samara/identification/global_search.h"
+#include "samara/identification/integration_check.h"
 #include "samara/identification/join_weights.h"
 #include "samara/identification/minimize.h"
+#include "samara/identification/noise_levels.h"
 #include "samara/identification/segment_residual.h"
 #include "samara/identification/start_states.h"
 #include "samara/identification/starts.h"
@@ -43,9 +45,7 @@ class Descents {
     MinimizeResult result;
     int iterations = 0;
     for (const double stage : options_.segments.stages) {
-      for (SegmentResidual& residual : residuals_) {
-        if (residual.segment().joined) residual.set_join_weights(stage * deviations_.cwiseInverse());
-      }
+      weigh_joins(stage);
       result = minimize(problem_, residuals_, std::move(point), options_.max_iterations);
       iterations += result.iterations;
       point = result.point;
@@ -53,6 +53,20 @@ class Descents {
     }
     result.iterations = iterations;
     return result;
+  }
+
+  /// Weighs joins anew after the scales of residuals have changed.
+  void rescale(const FitPoint& point) {
+    if (!problem_.is_joined()) return;
+    deviations_ = start_deviations(problem_, residuals_, point);
+    weigh_joins(options_.segments.stages.back());
+  }
+
+  /// From a minimum with other scales to the one beside it.
+  MinimizeResult again(MinimizeResult last) {
+    MinimizeResult next = minimize(problem_, residuals_, std::move(last.point), options_.max_iterations);
+    next.iterations += last.iterations;
+    return next;
   }
 
   /// The first start, from a search of the box.
@@ -75,6 +89,12 @@ class Descents {
   }
 
  private:
+  void weigh_joins(double stage) {
+    for (SegmentResidual& residual : residuals_) {
+      if (residual.segment().joined) residual.set_join_weights(stage * deviations_.cwiseInverse());
+    }
+  }
+
   /// To a minimum, with start states found anew in each round; the best round.
   MinimizeResult in_rounds(FitPoint point) {
     MinimizeResult best = minimize(problem_, residuals_, std::move(point), options_.max_iterations);
@@ -142,6 +162,27 @@ void record_starts(const FitProblem& problem, const std::vector<MinimizeResult>&
   }
 }
 
+/// Noise levels and fit in turn, until the levels stand still.
+void estimate_noise(NoiseLevels& levels, int rounds, FitProblem& problem,
+                    std::vector<SegmentResidual>& residuals, Descents& descend,
+                    std::vector<MinimizeResult>& runs, FitResult& result) {
+  constexpr double kStill = 0.01;
+  double change = 1.0;
+  for (; result.noise_rounds < rounds && change > kStill; ++result.noise_rounds) {
+    const std::optional<std::size_t> best = best_of(runs);
+    if (levels.empty() || !best) return;
+    change = levels.update(problem, residuals, runs[*best].point);
+    descend.rescale(runs[*best].point);
+    for (MinimizeResult& run : runs) {
+      if (run.status != FitStatus::failed) run = descend.again(std::move(run));
+    }
+  }
+  if (change > kStill) {
+    result.warnings.push_back(fmt::format("the noise levels still moved by {:.2g} % in the last of {} rounds",
+                                          100.0 * change, rounds));
+  }
+}
+
 void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, FitResult& result) {
   result.status = best.status;
   const std::string reached = fmt::format("{} of {} starts reached the best cost, {:.6g}",
@@ -161,20 +202,22 @@ void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, FitRes
 
 FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures, const FitOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
-  const FitProblem problem = make_problem(family.info(), captures, options);
+  FitProblem problem = make_problem(family.info(), captures, options);
+  NoiseLevels levels(options.noise, problem);
   std::vector<SegmentResidual> residuals = make_residuals(family, problem);
 
   Descents descend(family, problem, residuals, options);
   const std::optional<GlobalSearch> search = descend.search();
   std::vector<MinimizeResult> runs;
   for (int k = 0; k < options.starts; ++k) runs.push_back(descend(k));
-  const std::optional<std::size_t> best = best_of(runs);
 
   FitResult result{.model = family.info().model,
                    .source = family.info().source,
                    .loss = to_string(problem.loss),
                    .fixed = problem.fixed};
   result.global_search = search;
+  estimate_noise(levels, options.noise.rounds, problem, residuals, descend, runs, result);
+  const std::optional<std::size_t> best = best_of(runs);
   record_starts(problem, runs, best, result);
   if (best) {
     const FitPoint& point = runs[*best].point;
@@ -187,6 +230,8 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     add_misfit_warnings(problem, result);
     add_capture_warnings(captures, result);
     add_warnings(uncertainty, result);
+    levels.report(problem, result);
+    add_integration_shift(family, problem, residuals, point, uncertainty, result);
     add_whiteness(result);
     add_identifiability(uncertainty, result);
     if (options.profiles) {

@@ -9,6 +9,7 @@
 #include "samara/base/errors.h"
 #include "samara/identification/fit.h"
 #include "samara/identification/fitted_motion.h"
+#include "samara/identification/noise_levels.h"
 
 namespace samara::identification {
 
@@ -31,6 +32,21 @@ std::vector<OutputRms> compared_outputs(const FitResult& fitted) {
   return {fitted.residuals.begin(), fitted.residuals.begin() + count};
 }
 
+/// The scales that the fit ended with, in place of levels to be found.
+void hold_noise(const FitResult& fitted, FitOptions& options) {
+  options.noise = {};
+  for (const NoiseLevel& level : fitted.noise) {
+    const double scale = efficient_bend(options.loss.kind) * level.value;
+    for (const std::string& output : level.outputs) {
+      if (output == "attitude") {
+        options.attitude_scale = scale;
+      } else {
+        options.loss.scales[output] = scale;
+      }
+    }
+  }
+}
+
 /// The options of the fit, with the coefficients held.
 FitOptions holding(const FitResult& fitted, FitOptions options, const PredictionOptions& prediction) {
   for (const Coefficient& c : fitted.coefficients) {
@@ -44,6 +60,7 @@ FitOptions holding(const FitResult& fitted, FitOptions options, const Prediction
   options.outputs.clear();
   for (const OutputRms& output : compared_outputs(fitted)) options.outputs.push_back(output.output);
   if (fitted.captures.front().nuisances.empty()) options.segments.length.reset();
+  hold_noise(fitted, options);
   options.window = prediction.window;
   options.cluster_by.clear();
   options.profiles = false;
