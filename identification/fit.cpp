@@ -11,8 +11,10 @@
 #include "samara/identification/fit_summary.h"
 #include "samara/identification/fit_trust.h"
 #include "samara/identification/global_search.h"
+#include "samara/identification/integration_check.h"
 #include "samara/identification/join_weights.h"
 #include "samara/identification/minimize.h"
+#include "samara/identification/noise_levels.h"
 #include "samara/identification/segment_residual.h"
 #include "samara/identification/start_states.h"
 #include "samara/identification/starts.h"
@@ -45,7 +47,7 @@ class Descents {
     if (!deviations_) return result;
     int iterations = 0;
     for (const double stage : options_.segments.stages) {
-      tighten_joins(stage);
+      weigh_joins(stage);
       result = minimize(problem_, residuals_, std::move(point), options_.max_iterations);
       iterations += result.iterations;
       point = result.point;
@@ -58,7 +60,21 @@ class Descents {
   /// Joins as the last stage has them, whatever the last start made of them: for all that is asked of a
   /// minimum.
   void finish_joins() {
-    if (deviations_) tighten_joins(options_.segments.stages.back());
+    if (deviations_) weigh_joins(options_.segments.stages.back());
+  }
+
+  /// Weighs joins anew after the scales of residuals have changed.
+  void rescale(const FitPoint& point) {
+    if (!problem_.is_joined()) return;
+    deviations_ = start_deviations(problem_, residuals_, point);
+    finish_joins();
+  }
+
+  /// From a minimum with other scales to the one beside it.
+  MinimizeResult again(MinimizeResult last) {
+    MinimizeResult next = minimize(problem_, residuals_, std::move(last.point), options_.max_iterations);
+    next.iterations += last.iterations;
+    return next;
   }
 
   /// The first start, from a search of the box.
@@ -81,7 +97,7 @@ class Descents {
   }
 
  private:
-  void tighten_joins(double stage) {
+  void weigh_joins(double stage) {
     for (SegmentResidual& residual : residuals_) {
       if (residual.segment().joined) residual.set_join_weights(stage * deviations_->cwiseInverse());
     }
@@ -155,6 +171,27 @@ void record_starts(const FitProblem& problem, const std::vector<MinimizeResult>&
   }
 }
 
+/// Noise levels and fit in turn, until the levels stand still.
+void estimate_noise(NoiseLevels& levels, int rounds, FitProblem& problem,
+                    std::vector<SegmentResidual>& residuals, Descents& descend,
+                    std::vector<MinimizeResult>& runs, FitResult& result) {
+  constexpr double kStill = 0.01;
+  double change = 1.0;
+  for (; result.noise_rounds < rounds && change > kStill; ++result.noise_rounds) {
+    const std::optional<std::size_t> best = best_of(runs);
+    if (levels.empty() || !best) return;
+    change = levels.update(problem, residuals, runs[*best].point);
+    descend.rescale(runs[*best].point);
+    for (MinimizeResult& run : runs) {
+      if (run.status != FitStatus::failed) run = descend.again(std::move(run));
+    }
+  }
+  if (change > kStill) {
+    result.warnings.push_back(fmt::format("the noise levels still moved by {:.2g} % in the last of {} rounds",
+                                          100.0 * change, rounds));
+  }
+}
+
 void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, int max_iterations,
               FitResult& result) {
   result.status = best.status;
@@ -176,23 +213,25 @@ void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, int ma
 
 FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures, const FitOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
-  const FitProblem problem = make_problem(family.info(), captures, options);
+  FitProblem problem = make_problem(family.info(), captures, options);
+  NoiseLevels levels(options.noise, problem);
   std::vector<SegmentResidual> residuals = make_residuals(family, problem);
 
   Descents descend(family, problem, residuals, options);
   const std::optional<GlobalSearch> search = descend.search();
   std::vector<MinimizeResult> runs;
   for (int k = 0; k < options.starts; ++k) runs.push_back(descend(k));
-  const std::optional<std::size_t> best = best_of(runs);
+  descend.finish_joins();
 
   FitResult result{.model = family.info().model,
                    .source = family.info().source,
                    .loss = to_string(problem.loss),
                    .fixed = problem.fixed};
   result.global_search = search;
+  estimate_noise(levels, options.noise.rounds, problem, residuals, descend, runs, result);
+  const std::optional<std::size_t> best = best_of(runs);
   record_starts(problem, runs, best, result);
   if (best) {
-    descend.finish_joins();
     const FitPoint& point = runs[*best].point;
     result.cost = runs[*best].cost;
     const Uncertainty uncertainty = estimate_uncertainty(problem, residuals, point);
@@ -205,6 +244,8 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     add_start_warning(family, options, result);
     add_capture_warnings(captures, result);
     add_warnings(uncertainty, result);
+    levels.report(problem, result);
+    add_integration_shift(family, problem, residuals, point, uncertainty, result);
     add_whiteness(result);
     add_identifiability(problem, uncertainty, result);
     if (options.profiles) {

@@ -139,6 +139,27 @@ BootstrapOptions read_bootstrap(const TomlTable& root) {
   return bootstrap;
 }
 
+/// `noise = "estimated"`, or a table with levels and rounds.
+NoiseOptions read_noise(const TomlTable& root, const Units& outputs) {
+  NoiseOptions noise{.estimated = true};
+  if (!root.is_table("noise")) {
+    if (root.string("noise") == "estimated") return noise;
+    throw root.error("noise", fmt::format("\"{}\" means nothing here; \"estimated\", or a table with levels "
+                                          "and rounds, was expected",
+                                          root.string("noise")));
+  }
+  const TomlTable table = root.table("noise");
+  table.expect_keys({"levels", "rounds"});
+  if (table.has("rounds")) noise.rounds = positive_integer(table, "rounds");
+  if (!table.has("levels")) return noise;
+  const TomlTable levels = table.table("levels");
+  std::vector<std::string> known = names_of(outputs);
+  known.push_back("attitude");
+  levels.expect_keys(known);
+  for (const std::string& name : levels.keys()) noise.levels[name] = levels.string(name);
+  return noise;
+}
+
 std::map<std::string, std::string> read_known(const TomlTable& table, const Units& coordinates) {
   table.expect_keys(names_of(coordinates));
   std::map<std::string, std::string> known;
@@ -186,12 +207,13 @@ void read_tables(const TomlTable& root, const ConfigNames& names, FitOptions& op
 }
 
 FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
-  root.expect_keys(
-      {"window",     "outputs",         "loss",      "shared",         "per_capture", "offsets", "cluster_by",
-       "starts",     "max_iterations",  "profiles",  "segments",       "global",      "step",    "rounds",
-       "round_body", "averaged_frames", "log_scale", "attitude_scale", "fixed",       "initial", "known",
-       "priors",     "periods",         "box",       "bootstrap",
-       "series"});  // series_config.h
+  root.expect_keys({"window",         "outputs",        "loss",       "shared",
+                    "per_capture",    "offsets",        "cluster_by", "starts",
+                    "max_iterations", "profiles",       "segments",   "global",
+                    "step",           "rounds",         "round_body", "averaged_frames",
+                    "log_scale",      "attitude_scale", "fixed",      "initial",
+                    "known",          "priors",         "periods",    "box",
+                    "bootstrap",      "noise",          "series"});  // series_config.h
   FitOptions options;
   if (root.has("window")) options.window = positive_quantity(root, "window", "s");
   if (root.has("outputs")) options.outputs = known_names(root, "outputs", names.outputs);
@@ -212,6 +234,7 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
   if (root.has("step")) options.step = positive_quantity(root, "step", "s");
   if (root.has("log_scale")) options.log_scale = known_names(root, "log_scale", names.coordinates);
   if (root.has("attitude_scale")) options.attitude_scale = positive_quantity(root, "attitude_scale", "rad");
+  if (root.has("noise")) options.noise = read_noise(root, names.outputs);
   read_tables(root, names, options);
   for (const auto& [list, chosen] :
        {std::pair{"shared", &options.shared}, std::pair{"per_capture", &options.per_capture}}) {

@@ -30,6 +30,7 @@
 ///     rounds = 2                                      # start states found again after the fit, and so on
 ///     log_scale = ["C_D"]
 ///     attitude_scale = "2 deg"
+///     noise = "estimated"                             # or { levels = { x = "a", y = "a" }, rounds = 10 }
 ///
 ///     [fixed]
 ///     fluid_density = "998.2 kg/m^3"

@@ -22,6 +22,20 @@ struct LossOptions {
   std::map<std::string, double> scales = {};
 };
 
+/// Noise levels from the residuals, in turn with the fit: the variance of an output is what its residuals
+/// leave for each of its values, less the unknowns that these determine (W. Foerstner, Allg.
+/// Vermess.-Nachr. 86 (1979) 446; in the end, restricted maximum likelihood). With a robust loss it is that
+/// of normal noise without outliers (P. J. Huber, Robust Statistics, 1981, ch. 7), and the loss bends where
+/// it keeps 95 % of the efficiency of least squares. It begins with `loss.scales`, and for outputs that have
+/// none there, with the scatter of frames about a smooth curve.
+struct NoiseOptions {
+  bool estimated = false;
+  /// Outputs, or "attitude", by the name of the level that they share; those not named keep their scale.
+  /// Empty: every output has a level of its own.
+  std::map<std::string, std::string> levels = {};
+  int rounds = 10;  ///< at most; they end when no level moves by more than a percent
+};
+
 /// What is known of a coefficient beforehand: a normal distribution of it, or of its logarithm.
 struct Prior {
   double mean = 0.0;       ///< SI; the median if logarithmic
@@ -81,6 +95,7 @@ struct FitOptions {
   /// Names; empty: every output that all captures measure.
   std::vector<std::string> outputs = {};
   LossOptions loss = {};
+  NoiseOptions noise = {};
 
   // What is fitted
   /// Coordinates with one value for all captures. Parameters are, unless named in `per_capture`.

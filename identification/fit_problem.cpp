@@ -11,6 +11,7 @@
 #include "samara/base/names.h"
 #include "samara/identification/coordinate_names.h"
 #include "samara/identification/joins.h"
+#include "samara/identification/noise_levels.h"
 #include "samara/identification/segments.h"
 #include "samara/io/units.h"
 
@@ -157,13 +158,26 @@ std::vector<FitOutput> choose_outputs(const FamilyInfo& family, std::span<const 
 }
 
 double loss_scale(const FitOutput& output, const LossOptions& loss, bool is_only_output) {
-  if (const auto found = loss.scales.find(output.name); found != loss.scales.end()) return found->second;
   if (io::same_dimension(output.unit, "m")) return loss.length_scale;
   if (loss.kind == LossKind::none && is_only_output) return 1.0;
   throw ArgumentError(
       fmt::format("output \"{}\" [{}] has no loss scale; the size of a large residual was expected in "
                   "loss.scale",
                   output.name, output.unit));
+}
+
+void set_scale(const FitOutput& output, std::span<const Capture> captures, const FitOptions& options,
+               bool is_only_output, ComparedOutput& compared) {
+  const auto given = options.loss.scales.find(output.name);
+  if (given != options.loss.scales.end()) {
+    compared.scale = given->second;
+  } else if (noise_is_estimated(options.noise, output.name)) {
+    compared.scale =
+        efficient_bend(options.loss.kind) * frame_scatter(captures, output.name, compared.period);
+    compared.scale_is_scatter = true;
+  } else {
+    compared.scale = loss_scale(output, options.loss, is_only_output);
+  }
 }
 
 constexpr double kFullTurn = 2.0 * std::numbers::pi;
@@ -184,10 +198,8 @@ void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures,
   const std::vector<FitOutput> chosen = choose_outputs(family, captures, options.outputs);
   for (const auto& [name, scale] : options.loss.scales) find_output(family, "loss.scale", name);
   for (const FitOutput& output : chosen) {
-    ComparedOutput compared{.name = output.name,
-                            .unit = output.unit,
-                            .scale = loss_scale(output, options.loss, chosen.size() == 1),
-                            .period = period_of(output, options)};
+    ComparedOutput compared{.name = output.name, .unit = output.unit, .period = period_of(output, options)};
+    set_scale(output, captures, options, chosen.size() == 1, compared);
     if (has_offset(family, options, output.name)) {
       compared.offset = static_cast<int>(problem.offsets.size());
       problem.offsets.push_back(output.name);

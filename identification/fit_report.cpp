@@ -32,6 +32,7 @@ Json json_of(const FitResult& result, const Coefficient& c) {
           {"upper", c.upper},
           {"at_bound", c.at_bound},
           {"determined", c.determined},
+          {"integration_shift", number(c.integration_shift)},
           {"verdict", verdict(result, c)}};
 }
 

@@ -39,6 +39,9 @@ struct Coefficient {
   std::optional<double> naive_standard_error = {};
   bool at_bound = false;
   bool determined = true;
+  /// By how much it would move, to first order, if the steps of the trajectories were half as long. Empty
+  /// where trajectories are not made of steps of one length, at a bound, and where not determined.
+  std::optional<double> integration_shift = {};
 };
 
 /// A value of one capture's own: an initial value, or the "offset of x".
@@ -83,6 +86,16 @@ struct StartRecord {
   double cost = 0.0;
   int iterations = 0;
   bool reached_best = false;
+};
+
+/// What the fit found of the noise of one output, or of several that share a level.
+struct NoiseLevel {
+  std::vector<std::string> outputs = {};  ///< "attitude" for the turns of attitudes, about each axis
+  std::string unit = {};
+  double value = 0.0;               ///< standard deviation; where it was not estimated, what was assumed
+  double degrees_of_freedom = 0.0;  ///< values compared, less the unknowns that they determine
+  bool estimated = false;
+  double standard_error() const;  ///< of the value, for normal noise
 };
 
 /// A search of the whole box before the fit itself.
@@ -132,6 +145,11 @@ struct FitResult {
   /// Of multiple shooting: the largest difference between the end of a segment and the start of the next,
   /// over how well a segment alone determines its start. Joins hold where it is small beside 1.
   std::optional<double> join_defect = {};
+  /// The largest of the coefficients' integration_shift over its standard error: what the length of the steps
+  /// does to the answer. Empty where trajectories are not made of steps of one length.
+  std::optional<double> integration_shift = {};
+  std::vector<NoiseLevel> noise = {};  ///< if it was to be estimated
+  int noise_rounds = 0;                ///< so often the levels were estimated, and all fitted again
   std::vector<StartRecord> starts = {};
   int starts_at_best = 0;  ///< starts that ended at the best cost
   int iterations = 0;      ///< over all starts

@@ -139,12 +139,12 @@ void add_priors(const FitOptions& options, FitProblem& problem) {
   for (const CombinationPrior& prior : options.combinations) {
     SharedCombination combination{.mean = prior.mean, .deviation = prior.deviation};
     for (const auto& [name, weight] : prior.weights) {
-      const std::size_t shared = position(problem.shared, name);
-      if (shared == problem.shared.size()) {
+      const std::optional<std::size_t> shared = position(problem.shared, name);
+      if (!shared) {
         throw ArgumentError(fmt::format("combinations: \"{}\" is not a shared coordinate{}", name,
                                         suggestion(name, names_of(problem.shared))));
       }
-      combination.terms.emplace_back(static_cast<int>(shared), weight);
+      combination.terms.emplace_back(static_cast<int>(*shared), weight);
     }
     problem.combinations.push_back(std::move(combination));
   }

@@ -162,13 +162,18 @@ class MixedSource final : public TrajectorySource {
 class MixedTrajectories final : public TrajectoryFamily {
  public:
   MixedTrajectories(const codebooks::Codebook& book, std::unique_ptr<TrajectoryFamily> direct)
-      : direct_(std::move(direct)), info_(direct_->info()), cover_(cover_of(book, info_)) {
+      : book_(book), direct_(std::move(direct)), info_(direct_->info()), cover_(cover_of(book, info_)) {
     check_held(book, info_);
     info_.source = fmt::format("codebook and {}", info_.source);
   }
 
   const FamilyInfo& info() const override { return info_; }
   const models::ParametricModel* equations() const override { return direct_->equations(); }
+
+  std::unique_ptr<TrajectoryFamily> finer() const override {
+    std::unique_ptr<TrajectoryFamily> direct = direct_->finer();
+    return direct ? std::make_unique<MixedTrajectories>(book_, std::move(direct)) : nullptr;
+  }
 
   std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
                                        const std::vector<std::string>& outputs) const override {
@@ -187,6 +192,7 @@ class MixedTrajectories final : public TrajectoryFamily {
     return std::make_unique<MixedSource>(cover_, std::move(direct), info_, times, outputs);
   }
 
+  const codebooks::Codebook& book_;
   std::unique_ptr<TrajectoryFamily> direct_;
   FamilyInfo info_;
   Cover cover_;

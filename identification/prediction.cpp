@@ -10,6 +10,7 @@
 #include "samara/identification/fit.h"
 #include "samara/identification/fitted_motion.h"
 #include "samara/identification/medians.h"
+#include "samara/identification/noise_levels.h"
 
 namespace samara::identification {
 
@@ -36,6 +37,21 @@ bool compares_attitude(const FitResult& fitted) {
   return fitted.residuals.size() > compared_outputs(fitted).size();
 }
 
+/// The scales that the fit ended with, in place of levels to be found.
+void hold_noise(const FitResult& fitted, FitOptions& options) {
+  options.noise = {};
+  for (const NoiseLevel& level : fitted.noise) {
+    const double scale = efficient_bend(options.loss.kind) * level.value;
+    for (const std::string& output : level.outputs) {
+      if (output == "attitude") {
+        options.attitude_scale = scale;
+      } else {
+        options.loss.scales[output] = scale;
+      }
+    }
+  }
+}
+
 /// The options of the fit, with the coefficients held.
 FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions options,
                    const PredictionOptions& prediction) {
@@ -53,6 +69,7 @@ FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions
     options.outputs.insert(options.outputs.end(), family.attitude.begin(), family.attitude.end());
   }
   if (fitted.captures.front().nuisances.empty()) options.segments.length.reset();
+  hold_noise(fitted, options);
   options.window = prediction.window;
   options.cluster_by.clear();
   options.profiles = false;

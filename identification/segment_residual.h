@@ -51,6 +51,7 @@ class SegmentResidual {
 
   /// Per row of the join, in the order of FitProblem::joins; 1 at first.
   void set_join_weights(const Eigen::VectorXd& weights) { join_weights_ = weights; }
+  const Eigen::VectorXd& join_weights() const { return join_weights_; }
 
   /// The offsets that make the mean residual of each output zero at the last point.
   void centre_offsets(Eigen::VectorXd& own) const;

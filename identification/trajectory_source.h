@@ -81,6 +81,10 @@ class TrajectoryFamily {
   /// The equations behind the trajectories, with the coordinates of the family free, in their order; null if
   /// they are not known.
   virtual const models::ParametricModel* equations() const { return nullptr; }
+
+  /// The same trajectories by steps of half the length, to see what the steps cost; null for a family whose
+  /// error is not that of steps of one length.
+  virtual std::unique_ptr<TrajectoryFamily> finer() const { return nullptr; }
 };
 
 }  // namespace samara::identification

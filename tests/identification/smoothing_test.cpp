@@ -262,3 +262,12 @@ TEST_CASE("smoothing refuses what has no meaning") {
   CHECK(error_of<samara::ArgumentError>([&] { unwrapped(times, values.col(0), 0.0); }) ==
         "the period of an angle is 0; more than 0 was expected");
 }
+
+TEST_CASE("a noise that is far too small makes no frame an outlier") {
+  // Few frames of a curve that polynomials do not follow: all stand off by many times such a noise.
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(16, 0.0, 6.0);
+  const Eigen::MatrixXd values = (3.0 * times.array()).sin().matrix();
+  const Smoothed smoothed = smooth(times, values, times, {.window = 2.0, .noise = 1e-9});
+  CHECK_FALSE(smoothed.outlier.any());
+  CHECK(smoothed.value.allFinite());
+}
