@@ -106,7 +106,7 @@ struct FitOptions {
   std::map<std::string, double> fixed = {};
   /// Intervals within the family's box that the fit must not leave (SI).
   std::map<std::string, Interval> box = {};
-  /// Coordinates that are known for each capture: the label of the captures that holds the value, SI.
+  /// Coordinates that are known for each capture: the label that holds the value, SI, in the family's box.
   std::map<std::string, std::string> known = {};
   /// Shared coordinates that move by factors, not by differences; their boxes must be positive.
   std::vector<std::string> log_scale = {};

@@ -217,8 +217,8 @@ class StateSearch {
     family_point(problem, motion, shared.data(), middle_.data(), q_);
     for (std::size_t slot = 0; slot < problem.slots.size(); ++slot) {
       if (problem.slots[slot].role == CoordinateRole::own && equations.free()[slot].is_initial) {
-        state_of_own_.push_back({problem.slots[slot].index, equations.free()[slot].index});
-        slot_of_own_.push_back({problem.slots[slot].index, static_cast<Eigen::Index>(slot)});
+        state_of_own_.push_back(
+            {problem.slots[slot].index, equations.free()[slot].index, static_cast<Eigen::Index>(slot)});
       }
     }
     states_.resize(static_cast<std::size_t>(equations.state_count()));
@@ -231,19 +231,19 @@ class StateSearch {
       middle_.segment<4>(static_cast<Eigen::Index>(*problem_.own_attitude)) =
           start_attitude(problem_, segment);
     }
-    for (const auto& [own, slot] : slot_of_own_) q_[slot] = middle_[own];
+    for (const OwnState& s : state_of_own_) q_[s.slot] = middle_[s.own];
     equations_.initial({q_.data(), static_cast<std::size_t>(q_.size())}, states_);
-    for (const auto& [own, state] : state_of_own_) {
-      if (std::isfinite(known.value_error[state]))
-        states_[static_cast<std::size_t>(state)] = known.value[state];
+    for (const OwnState& s : state_of_own_) {
+      if (std::isfinite(known.value_error[s.state]))
+        states_[static_cast<std::size_t>(s.state)] = known.value[s.state];
     }
     constexpr int kIterations = 8;
     for (int i = 0; i < kIterations; ++i) improve(known);
     Eigen::VectorXd result = middle_;
-    for (const auto& [own, state] : state_of_own_) {
-      const double value = states_[static_cast<std::size_t>(state)];
-      const FitCoordinate& c = problem_.own[static_cast<std::size_t>(own)];
-      if (std::isfinite(value)) result[own] = std::clamp(value, c.lower, c.upper);
+    for (const OwnState& s : state_of_own_) {
+      const double value = states_[static_cast<std::size_t>(s.state)];
+      const FitCoordinate& c = problem_.own[static_cast<std::size_t>(s.own)];
+      if (std::isfinite(value)) result[s.own] = std::clamp(value, c.lower, c.upper);
     }
     return result;
   }
@@ -272,7 +272,7 @@ class StateSearch {
       gradient += row * ((rates_[static_cast<std::size_t>(i)] - known.rate[i]) / known.rate_error[i]);
     }
     for (Eigen::Index k = 0; k < unknowns; ++k) {
-      const auto [own, state] = state_of_own_[static_cast<std::size_t>(k)];
+      const auto& [own, state, slot] = state_of_own_[static_cast<std::size_t>(k)];
       const FitCoordinate& c = problem_.own[static_cast<std::size_t>(own)];
       const double now = states_[static_cast<std::size_t>(state)];
       const bool measured = std::isfinite(known.value_error[state]) && known.value_error[state] > 0.0;
@@ -289,18 +289,14 @@ class StateSearch {
   }
 
   struct OwnState {
-    int own, state;
-  };
-  struct OwnSlot {
-    int own;
-    Eigen::Index slot;
+    int own, state;     ///< their numbers
+    Eigen::Index slot;  ///< among the coordinates
   };
   const models::ParametricModel& equations_;
   const FitProblem& problem_;
   models::ParametricModel::Workspace workspace_;
   models::RhsDerivatives derivatives_;
   std::vector<OwnState> state_of_own_;
-  std::vector<OwnSlot> slot_of_own_;
   Eigen::VectorXd middle_, q_;
   std::vector<double> states_, rates_;
 };

@@ -204,6 +204,26 @@ TEST_CASE("a start attitude is the first one measured, or one without a turn, an
   CHECK((attitude(0) - Eigen::Vector4d(1.0, 0.0, 0.0, 0.0)).norm() < 1e-14);
 }
 
+TEST_CASE("an attitude that is free in part is fitted, but not cut into segments") {
+  std::map<std::string, double> held = plate_body();
+  held["qw(0)"] = 1.0;
+  held["qz(0)"] = 0.0;
+  std::map<std::string, Interval> box = body_box();
+  box.erase("qw(0)");
+  box.erase("qz(0)");
+  const auto family = step_trajectories(find_model("immersed_body"), held, box, 2e-3);
+  FitOptions options;
+  options.starts = 1;
+  const std::vector captures = {body_capture(20)};
+  const FitResult result = fit(*family, captures, options);
+  INFO(result.message);
+  REQUIRE(result.status == FitStatus::converged);
+  CHECK_THAT(result.coefficients.at(0).value, WithinRel(1.2, 1e-3));  // steps of 2 ms
+  CHECK_THAT(nuisance(result, 0, "qx(0)").value, WithinAbs(0.0, 1e-3));
+  CHECK_THROWS_WITH(fit(*family, captures, in_segments(0.15)),
+                    Contains("\"qw(0)\" is not a free coordinate of each capture"));
+}
+
 TEST_CASE("a body whose attitude is free is fitted without segments") {
   FitOptions options;
   options.starts = 1;
