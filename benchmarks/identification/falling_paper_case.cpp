@@ -180,8 +180,7 @@ void one_split(const std::vector<samara::identification::Capture>& drops, std::u
 }  // namespace
 
 void falling_paper_case(const Options& options) {
-  if (!options.wants(kCase)) return;
-  const auto folder = measured_set(kCase, "falling-paper-cambridge");
+  const auto folder = measured_set(options, kCase, "falling-paper-cambridge");
   if (!folder) return;
   const auto drops = paper_drops(*folder);
   Worst worst;

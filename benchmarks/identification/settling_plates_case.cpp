@@ -102,8 +102,7 @@ Score one_material(const std::filesystem::path& folder, const std::string& mater
 }  // namespace
 
 void settling_plates_case(const Options& options) {
-  if (!options.wants(kCase)) return;
-  const auto folder = measured_set(kCase, "settling-plates-water-cardiff");
+  const auto folder = measured_set(options, kCase, "settling-plates-water-cardiff");
   if (!folder) return;
   Score worst;
   for (const char* material : {"POM", "PTFE"}) {
