@@ -1,6 +1,5 @@
 #include "samara/identification/bootstrap.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -14,9 +13,6 @@ namespace {
 /// Of the cost. A standard error changes it by one half or more among thousands of residuals: steps that
 /// change it by less than this are small beside errors that are themselves known to ten per cent.
 constexpr double kTolerance = 1e-7;
-
-/// From the answer a few steps are as good as all of them: D. W. K. Andrews, Econometrica 70 (2002) 119-162.
-constexpr int kMostSteps = 10;
 
 /// One of each cluster; their mean is 1.
 Eigen::ArrayXd random_weights(int clusters, pgd::Random& random) {
@@ -49,8 +45,7 @@ void add_bootstrap(const FitProblem& problem, std::vector<SegmentResidual>& resi
   for (int replicate = 0; replicate < options.bootstrap.replicates; ++replicate) {
     const Eigen::ArrayXd weights = random_weights(problem.cluster_count, random);
     for (Motion& motion : weighted.motions) motion.weight = weights[motion.cluster];
-    const MinimizeResult run =
-        minimize(weighted, residuals, point, std::min(options.max_iterations, kMostSteps), kTolerance);
+    const MinimizeResult run = minimize(weighted, residuals, point, options.max_iterations, kTolerance);
     if (run.status == FitStatus::failed) continue;
     bootstrap.coefficients.row(bootstrap.replicates++) = run.point.shared.transpose();
   }

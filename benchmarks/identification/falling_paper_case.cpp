@@ -25,7 +25,7 @@ using samara::identification::FitResult;
 constexpr const char* kCase = "falling_paper";
 constexpr std::size_t kDrops = 20;
 constexpr int kSplits = 3;
-constexpr int kReplicates = 30;  ///< of the bootstrap: they tell an error to 13 %
+constexpr int kReplicates = 20;  ///< of the bootstrap: they tell an error to 16 %
 constexpr int kFrames = 20;
 constexpr double kSilhouetteSize = 7e5;     ///< px^2/m^2, a start
 constexpr double kSilhouetteScale = 150.0;  ///< px^2
