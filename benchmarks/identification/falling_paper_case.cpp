@@ -25,7 +25,7 @@ using samara::identification::FitResult;
 constexpr const char* kCase = "falling_paper";
 constexpr std::size_t kDrops = 20;
 constexpr int kSplits = 3;
-constexpr int kReplicates = 30;  ///< of the bootstrap: they tell an error to 13 %
+constexpr int kReplicates = 20;  ///< of the bootstrap: they tell an error to 16 %
 constexpr int kFrames = 20;
 constexpr double kSilhouetteSize = 7e5;     ///< px^2/m^2, a start
 constexpr double kSilhouetteScale = 150.0;  ///< px^2
@@ -180,8 +180,7 @@ void one_split(const std::vector<samara::identification::Capture>& drops, std::u
 }  // namespace
 
 void falling_paper_case(const Options& options) {
-  if (!options.wants(kCase)) return;
-  const auto folder = measured_set(kCase, "falling-paper-cambridge");
+  const auto folder = measured_set(options, kCase, "falling-paper-cambridge");
   if (!folder) return;
   const auto drops = paper_drops(*folder);
   Worst worst;

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "report.h"
 #include "samara/identification/capture.h"
 #include "samara/identification/fit_options.h"
 #include "samara/identification/fit_result.h"
@@ -17,9 +18,11 @@
 /// What cases with measured captures share.
 namespace samara::benchmarks::identification {
 
-/// Where a set of measurements lies that the project does not contain: a folder in the one to which the
-/// environment variable SAMARA_DATA leads. Empty, with a line on stderr, where there is none.
-std::optional<std::filesystem::path> measured_set(const std::string& test_case, const std::string& set);
+/// Where the measurements of a case lie, which the project does not contain: a folder in the one to which the
+/// environment variable SAMARA_DATA leads. Empty if the case is not wanted, and, with a line on stderr, where
+/// there is none.
+std::optional<std::filesystem::path> measured_set(const Options& options, const std::string& test_case,
+                                                  const std::string& set);
 
 using Box = std::map<std::string, samara::identification::Interval>;
 using Coefficients = std::map<std::string, double>;

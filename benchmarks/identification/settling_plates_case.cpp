@@ -21,7 +21,7 @@ using samara::identification::Flutter;
 
 constexpr const char* kCase = "settling_plates";
 constexpr int kSweeps = 25;
-constexpr int kReplicates = 30;  ///< of the bootstrap: they tell an error to 13 %
+constexpr int kReplicates = 20;  ///< of the bootstrap: they tell an error to 16 %
 
 void say(const char* what, const Flutter& f) {
   fmt::print(stderr, "  {}: {:.2f} cm/s, {:.2f} Hz, {:.2f} cm\n", what, 100.0 * f.fall_speed, f.frequency,
@@ -102,8 +102,7 @@ Score one_material(const std::filesystem::path& folder, const std::string& mater
 }  // namespace
 
 void settling_plates_case(const Options& options) {
-  if (!options.wants(kCase)) return;
-  const auto folder = measured_set(kCase, "settling-plates-water-cardiff");
+  const auto folder = measured_set(options, kCase, "settling-plates-water-cardiff");
   if (!folder) return;
   Score worst;
   for (const char* material : {"POM", "PTFE"}) {
