@@ -235,15 +235,22 @@ void weigh_outliers(LocalFrames& frames, const LocalChart& chart, Index coordina
     const Eigen::RowVectorXd scales = scales_of(found, options);
     return std::pair(Eigen::ArrayXd(lengths_of(found, scales)), scales);
   };
+  // Where hardly any frame agrees with the others, the noise that was stated is too small (a wrong unit), and
+  // nothing says which are the outliers.
+  const auto keep = [&](const Eigen::VectorXd& weights) {
+    frames.weights = weights;
+    if ((weights.array() > 0.0).count() < frames.degree + 2) frames.weights.setOnes();
+  };
   Eigen::ArrayXd lengths = judge(true).first;
   for (int k = 0; k < kReweightings; ++k) {
-    frames.weights = (1.0 - (lengths / limit).min(1.0).square()).square();  // Tukey's bisquare
+    keep((1.0 - (lengths / limit).min(1.0).square()).square());  // Tukey's bisquare
     lengths = judge(false).first;
   }
   // In the end a frame counts or not, so that standard errors are those of plain least squares.
-  frames.weights = (lengths <= limit).cast<double>();
+  keep((lengths <= limit).cast<double>());
   judge_ends_from_inside(frames, chart, judge(false).second, limit);
-  frames.weights = (judge(false).first <= limit).cast<double>();
+  keep(Eigen::VectorXd(frames.weights));
+  keep((judge(false).first <= limit).cast<double>());
 }
 
 double residual_noise(const LocalFrames& frames, const LocalChart& chart, Index coordinates) {
