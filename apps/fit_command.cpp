@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -20,6 +21,7 @@
 #include "samara/identification/fit_config.h"
 #include "samara/identification/fit_page.h"
 #include "samara/identification/fit_report.h"
+#include "samara/identification/mass_check.h"
 #include "samara/identification/prediction.h"
 #include "samara/identification/reference_trajectories.h"
 #include "samara/identification/series_config.h"
@@ -162,6 +164,17 @@ void say(const std::vector<std::string>& warnings) {
   }
 }
 
+std::vector<std::string> doubts_of_mass(const Source& source, const std::vector<id::Capture>& captures,
+                                        const id::FitResult& fitted) {
+  if (source.family->equations() != nullptr) {
+    return id::mass_doubts(*source.family, captures, source.options, fitted);
+  }
+  // A program that was sampled, or a model of the user's own, has no equations here.
+  const std::vector<std::string> known = models::model_names();
+  if (!source.book || std::ranges::count(known, source.book->model().name) == 0) return {};
+  return id::mass_doubts(*id::reference_trajectories(*source.book), captures, source.options, fitted);
+}
+
 /// Coefficients that change in time.
 int run_series(const FitArguments& arguments, const Source& source,
                const std::vector<id::Capture>& captures) {
@@ -206,6 +219,8 @@ int run(const FitArguments& arguments) {
   }
   const id::FitResult result = of_file(arguments.config, [&] {
     id::FitResult fitted = id::fit(*source.family, captures, source.options);
+    for (const std::string& doubt : doubts_of_mass(source, captures, fitted))
+      fitted.warnings.push_back(doubt);
     if (prediction) {
       fitted.predictions = id::predict_left_out(*source.family, fitted, read_all(arguments.left_out),
                                                 source.options, *prediction);

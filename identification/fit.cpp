@@ -256,6 +256,9 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
   } else {
     result.message =
         fmt::format("none of {} starts led anywhere; the first: {}", runs.size(), runs.front().message);
+    // Perhaps they say why.
+    add_capture_warnings(captures, result);
+    add_speed_warnings(family, captures, result);
   }
   for (const SegmentResidual& residual : residuals) result.evaluations += residual.evaluations();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -27,6 +27,9 @@ void add_start_warning(const TrajectoryFamily& family, const FitOptions& options
 /// What is suspicious about the captures as such, and what was done to them.
 void add_capture_warnings(std::span<const Capture> captures, FitResult& result);
 
+/// For a fit that led nowhere: captures that move far faster than a body of the model could.
+void add_speed_warnings(const TrajectoryFamily& family, std::span<const Capture> captures, FitResult& result);
+
 /// What the reader must know: coefficients at bounds or not determined, errors that cannot be trusted, other
 /// optima. Needs coefficients, captures and starts.
 void add_warnings(const Uncertainty& uncertainty, FitResult& result);

@@ -6,6 +6,7 @@
 #include "samara/base/names.h"
 #include "samara/identification/capture_suspicions.h"
 #include "samara/identification/fit_summary.h"
+#include "samara/identification/medians.h"
 
 namespace samara::identification {
 
@@ -160,6 +161,35 @@ void add_capture_warnings(std::span<const Capture> captures, FitResult& result) 
   for (const Capture& capture : captures) {
     for (const std::string& doubt : suspicions(capture)) result.warnings.push_back(doubt);
     for (const std::string& note : capture.notes) result.warnings.push_back(note);
+  }
+}
+
+void add_speed_warnings(const TrajectoryFamily& family, std::span<const Capture> captures,
+                        FitResult& result) {
+  constexpr double kTooFast = 100.0;
+  if (family.equations() == nullptr) return;
+  std::vector<double> middle;
+  for (const FitCoordinate& c : family.info().coordinates) middle.push_back(0.5 * (c.lower + c.upper));
+  const double usual = family.equations()->scales(middle).velocity;
+  for (const Capture& capture : captures) {
+    double fastest = 0.0;
+    for (const Channel& channel : capture.channels) {
+      const bool is_position = channel.unit == "m" && (channel.quantity == "x" || channel.quantity == "y" ||
+                                                       channel.quantity == "z");
+      if (!is_position || channel.values.size() != capture.times.size()) continue;
+      std::vector<double> speeds;
+      for (Eigen::Index k = 1; k < capture.times.size(); ++k) {
+        const double speed =
+            std::abs(channel.values[k] - channel.values[k - 1]) / (capture.times[k] - capture.times[k - 1]);
+        if (std::isfinite(speed)) speeds.push_back(speed);
+      }
+      if (!speeds.empty()) fastest = std::max(fastest, median(speeds));
+    }
+    if (!(fastest > kTooFast * usual)) continue;
+    result.warnings.push_back(fmt::format(
+        "capture \"{}\" moves at {:.3g} m/s, {:.2g} times the characteristic speed of the model: are "
+        "lengths or times in another unit, or is the body another?",
+        capture.id, fastest, fastest / usual));
   }
 }
 
