@@ -180,6 +180,9 @@ void add_joins(const FamilyInfo& family, FitProblem& problem) {
     problem.joins.push_back({moves ? JoinRule::Kind::offset : JoinRule::Kind::constant, own, column,
                              held_start(problem, output.name)});
   }
+  for (int k = problem.own_count() - problem.camera_count(); k < problem.own_count(); ++k) {
+    problem.joins.push_back({JoinRule::Kind::constant, k, 0, 0.0});
+  }
 }
 
 }  // namespace samara::identification
