@@ -97,9 +97,12 @@ class Descents {
   }
 
  private:
+  /// Segments of a capture have one camera from the first stage on, since alone they hardly determine it.
   void weigh_joins(double stage) {
+    Eigen::VectorXd weights = stage * deviations_->cwiseInverse();
+    weights.tail(problem_.camera_count()) *= options_.segments.stages.back() / stage;
     for (SegmentResidual& residual : residuals_) {
-      if (residual.segment().joined) residual.set_join_weights(stage * deviations_->cwiseInverse());
+      if (residual.segment().joined) residual.set_join_weights(weights);
     }
   }
 
@@ -243,7 +246,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     add_misfit_warnings(problem, result);
     add_start_warning(family, options, result);
     add_capture_warnings(captures, result);
-    add_warnings(uncertainty, result);
+    add_warnings(problem, uncertainty, result);
     levels.report(problem, result);
     add_integration_shift(family, problem, residuals, point, uncertainty, result);
     add_whiteness(result);

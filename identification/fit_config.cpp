@@ -160,6 +160,19 @@ NoiseOptions read_noise(const TomlTable& root, const Units& outputs) {
   return noise;
 }
 
+CameraOptions read_camera(const TomlTable& table, const Units& outputs) {
+  table.expect_keys({"scale", "rotation", "axes", "angles"});
+  CameraOptions camera;
+  if (table.has("scale")) {
+    camera.scale = table.number("scale");
+    require_positive(table, "scale", *camera.scale);
+  }
+  if (table.has("rotation")) camera.rotation = positive_quantity(table, "rotation", "rad");
+  if (table.has("axes")) camera.axes = known_names(table, "axes", outputs);
+  if (table.has("angles")) camera.angles = known_names(table, "angles", outputs);
+  return camera;
+}
+
 std::map<std::string, std::string> read_known(const TomlTable& table, const Units& coordinates) {
   table.expect_keys(names_of(coordinates));
   std::map<std::string, std::string> known;
@@ -213,7 +226,7 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
                     "step",           "rounds",         "round_body", "averaged_frames",
                     "log_scale",      "attitude_scale", "fixed",      "initial",
                     "known",          "priors",         "periods",    "box",
-                    "bootstrap",      "noise",          "series"});  // series_config.h
+                    "bootstrap",      "noise",          "camera",     "series"});  // series_config.h
   FitOptions options;
   if (root.has("window")) options.window = positive_quantity(root, "window", "s");
   if (root.has("outputs")) options.outputs = known_names(root, "outputs", names.outputs);
@@ -235,6 +248,7 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
   if (root.has("log_scale")) options.log_scale = known_names(root, "log_scale", names.coordinates);
   if (root.has("attitude_scale")) options.attitude_scale = positive_quantity(root, "attitude_scale", "rad");
   if (root.has("noise")) options.noise = read_noise(root, names.outputs);
+  if (root.has("camera")) options.camera = read_camera(root.table("camera"), names.outputs);
   read_tables(root, names, options);
   for (const auto& [list, chosen] :
        {std::pair{"shared", &options.shared}, std::pair{"per_capture", &options.per_capture}}) {

@@ -31,6 +31,7 @@
 ///     log_scale = ["C_D"]
 ///     attitude_scale = "2 deg"
 ///     noise = "estimated"                             # or { levels = { x = "a", y = "a" }, rounds = 10 }
+///     camera = { scale = 0.02, rotation = "1 deg" }   # unknown of each capture: deviations beforehand
 ///
 ///     [fixed]
 ///     fluid_density = "998.2 kg/m^3"

@@ -65,6 +65,8 @@ void validate(const FitOptions& options) {
   for (const double stage : options.segments.stages) require_positive("a weight of segments.stages", stage);
   require_positive("attitude_scale", options.attitude_scale);
   require_at_least_one("noise.rounds", options.noise.rounds);
+  if (options.camera.scale) require_positive("camera.scale", *options.camera.scale);
+  if (options.camera.rotation) require_positive("camera.rotation", *options.camera.rotation);
   for (const auto& [name, prior] : options.priors) {
     require_positive(fmt::format("the deviation of the prior of \"{}\"", name), prior.deviation);
     if (prior.logarithmic) require_positive(fmt::format("the mean of the prior of \"{}\"", name), prior.mean);

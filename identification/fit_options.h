@@ -36,6 +36,20 @@ struct NoiseOptions {
   int rounds = 10;  ///< at most; they end when no level moves by more than a percent
 };
 
+/// What is not known of the camera, for each capture: every length it saw may be too large or too small by
+/// one factor, and its axes may be turned against those of the model, both about the origin.
+struct CameraOptions {
+  /// Standard deviation, beforehand, of the relative error of lengths: 0.02 is 2 %. Empty: no such unknown.
+  std::optional<double> scale = {};
+  /// rad: standard deviation, beforehand, of the turn about each axis. Empty: no such unknown.
+  std::optional<double> rotation = {};
+  /// Outputs that are coordinates of the place, in right-handed order. Empty: those in which the model has a
+  /// translation symmetry. A turn needs two or three; the attitude turns with three.
+  std::vector<std::string> axes = {};
+  /// Outputs that turn with two axes: angles that grow from the first to the second. Empty: those in rad.
+  std::optional<std::vector<std::string>> angles = {};
+};
+
 /// What is known of a coefficient beforehand: a normal distribution of it, or of its logarithm.
 struct Prior {
   double mean = 0.0;       ///< SI; the median if logarithmic
@@ -117,6 +131,7 @@ struct FitOptions {
   /// Outputs that get a free constant for each capture, added to the model. Empty: those in which the model
   /// has a translation symmetry and whose initial value is not a coordinate.
   std::optional<std::vector<std::string>> offsets = {};
+  CameraOptions camera = {};
 
   /// Outputs that repeat, with their periods: differences are taken on the circle. Those in rad do by 2 pi,
   /// unless they are named here; 0 for none.

@@ -9,6 +9,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/identification/camera.h"
 #include "samara/identification/coordinate_names.h"
 #include "samara/identification/joins.h"
 #include "samara/identification/noise_levels.h"
@@ -304,6 +305,7 @@ FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captu
   problem.fixed = family.fixed;
   assign_roles(family, options, problem);
   assign_outputs(family, captures, options, problem);
+  add_camera(family, options, problem);
   if (problem.shared_count() + problem.own_count() == 0) {
     throw ArgumentError("every coordinate is fixed; at least one to fit was expected");
   }

@@ -18,7 +18,7 @@
 /// A fit with all names resolved; internal to identification/.
 ///
 /// Unknowns are the shared coordinates, and for each segment of a capture its own: first its coordinates,
-/// then its offsets.
+/// then its offsets, then those of the camera.
 namespace samara::identification {
 
 enum class CoordinateRole { shared, own, known, fixed };
@@ -82,7 +82,7 @@ struct JoinRule {
   enum class Kind {
     state,     ///< the output at the end is the coordinate
     offset,    ///< the output at the end and the offset are the next offset, and what the output starts from
-    constant,  ///< a parameter, or an offset that does not move
+    constant,  ///< a parameter, an offset that does not move, or an unknown of the camera
     turn       ///< the attitude at the end is the next one; one rule for all three directions
   };
   static constexpr int kNone = -1;
@@ -94,6 +94,20 @@ struct JoinRule {
   int start_slot = kNone;  ///< or the coordinate of the family that says so
 
   int rows() const { return kind == Kind::turn ? 3 : 1; }
+};
+
+/// What is not known of the camera: own unknowns, the same in all segments of a motion.
+struct Camera {
+  std::vector<int> columns = {};        ///< of the requested outputs: coordinates of the place
+  std::vector<char> is_own = {};        ///< per axis: where a segment starts is an own unknown
+  std::vector<double> starts = {};      ///< per axis, else
+  std::vector<int> angles = {};         ///< compared outputs that turn with two axes
+  std::optional<int> scale = {};        ///< the own unknown that is the relative error of lengths
+  std::optional<int> turn = {};         ///< the first own unknown of the angle, or the rotation vector
+  std::vector<double> deviations = {};  ///< beforehand, of scale and turn
+
+  int turns() const { return !turn ? 0 : columns.size() == 3 ? 3 : 1; }
+  int count() const { return static_cast<int>(deviations.size()); }
 };
 
 struct SharedPrior {
@@ -139,7 +153,8 @@ struct FitProblem {
   std::optional<double> attitude_scale;  ///< if attitudes are compared
   int averaged_frames = 1;               ///< in the mean behind each frame
   std::vector<std::string> offsets;      ///< outputs with one
-  /// Outputs taken from the family: the compared ones, then the attitude, then what joins need.
+  std::optional<Camera> camera = {};
+  /// Outputs taken from the family: the compared ones, then the attitude, then what camera and joins need.
   std::vector<std::string> requested;
   std::vector<JoinRule> joins;
   std::vector<Motion> motions;
@@ -148,8 +163,9 @@ struct FitProblem {
   std::map<std::string, double> fixed;
 
   int shared_count() const { return static_cast<int>(shared.size()); }
-  /// Unknowns of each segment: coordinates and offsets.
-  int own_count() const { return static_cast<int>(own.size() + offsets.size()); }
+  /// Unknowns of each segment: coordinates, offsets, and those of the camera.
+  int own_count() const { return static_cast<int>(own.size() + offsets.size()) + camera_count(); }
+  int camera_count() const { return camera ? camera->count() : 0; }
   int join_rows() const;
   /// Compared numbers; an attitude counts as three.
   int observation_count() const;

@@ -44,7 +44,7 @@ struct Coefficient {
   std::optional<double> integration_shift = {};
 };
 
-/// A value of one capture's own: an initial value, or the "offset of x".
+/// One capture's own: an initial value, the "offset of x", the "scale" of its camera, or a "turn" of it.
 struct Nuisance {
   std::string name = {};
   std::string unit = {};

@@ -32,6 +32,6 @@ void add_speed_warnings(const TrajectoryFamily& family, std::span<const Capture>
 
 /// What the reader must know: coefficients at bounds or not determined, errors that cannot be trusted, other
 /// optima. Needs coefficients, captures and starts.
-void add_warnings(const Uncertainty& uncertainty, FitResult& result);
+void add_warnings(const FitProblem& problem, const Uncertainty& uncertainty, FitResult& result);
 
 }  // namespace samara::identification

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/names.h"
+#include "samara/identification/camera.h"
 #include "samara/identification/capture_suspicions.h"
 #include "samara/identification/fit_summary.h"
 #include "samara/identification/medians.h"
@@ -69,6 +70,25 @@ void warn_about_undetermined(const Uncertainty& uncertainty, FitResult& result) 
         fmt::format("the captures say little about {}: its standard error {:.3g} is half its box "
                     "or more",
                     c.name, error));
+  }
+}
+
+/// Unknowns of cameras whose errors are those of what was known beforehand.
+void warn_about_camera(const FitProblem& problem, FitResult& result) {
+  constexpr double kNothingNew = 0.95;
+  const std::vector<std::string> names = camera_unknowns(problem);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const double before = problem.camera->deviations[k];
+    const auto is_new = [&](const CaptureFit& capture) {
+      const std::size_t at = capture.nuisances.size() - names.size() + k;
+      return capture.nuisances[at].standard_error.value_or(before) < kNothingNew * before;
+    };
+    if (std::ranges::any_of(result.captures, is_new)) continue;
+    result.warnings.push_back(
+        fmt::format("the captures say nothing of the {} of their camera{} that was not known beforehand: its "
+                    "errors are those of the "
+                    "deviation given",
+                    names[k], result.captures.size() == 1 ? "" : "s"));
   }
 }
 
@@ -193,7 +213,7 @@ void add_speed_warnings(const TrajectoryFamily& family, std::span<const Capture>
   }
 }
 
-void add_warnings(const Uncertainty& uncertainty, FitResult& result) {
+void add_warnings(const FitProblem& problem, const Uncertainty& uncertainty, FitResult& result) {
   constexpr double kOpenJoin = 0.1;
   if (result.join_defect.value_or(0.0) > kOpenJoin) {
     result.warnings.push_back(fmt::format(
@@ -203,6 +223,7 @@ void add_warnings(const Uncertainty& uncertainty, FitResult& result) {
   }
   warn_about_bounds(result);
   warn_about_undetermined(uncertainty, result);
+  warn_about_camera(problem, result);
   warn_about_errors(uncertainty, result);
   warn_about_starts(uncertainty, result);
 }

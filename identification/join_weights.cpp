@@ -27,6 +27,9 @@ Eigen::VectorXd widest(const FitProblem& problem) {
       width[problem.own_chart.direction_of(own)] = 1e3 * output.scale;
     }
   }
+  const Eigen::Index first = width.size() - problem.camera_count();
+  for (int k = 0; k < problem.camera_count(); ++k)
+    width[first + k] = problem.camera->deviations[static_cast<std::size_t>(k)];
   return width;
 }
 

@@ -206,6 +206,9 @@ void add_joins(const FamilyInfo& family, FitProblem& problem) {
     problem.joins.push_back(moves ? join_of_offset(family, problem, output.name, own, column)
                                   : JoinRule{.kind = JoinRule::Kind::constant, .own = own});
   }
+  for (int k = problem.own_count() - problem.camera_count(); k < problem.own_count(); ++k) {
+    problem.joins.push_back({JoinRule::Kind::constant, k, 0, 0.0});
+  }
 }
 
 }  // namespace samara::identification
