@@ -17,9 +17,9 @@
 /// (initial values), and an offset is free where the motion does not depend on the place; an attitude is
 /// compared by the turn between the two. Minimised is 1/2 sum rho((measured - model)/scale) within the box,
 /// with a loss that tames outliers, by Levenberg and Marquardt (Ceres) with exact derivatives, from several
-/// starts or what a search of the box found; to the cost come 1/2 ((q - mean)/deviation)^2 for each prior, and
-/// where captures are cut into segments 1/2 (weight (end - next start))^2 for each join. Unknowns that reach a
-/// bound are held there while the rest is minimised, and let go if the cost would fall.
+/// starts or what a search of the box found; to the cost come 1/2 ((q - mean)/deviation)^2 for each prior,
+/// and where captures are cut into segments 1/2 (weight (end - next start))^2 for each join. Unknowns that
+/// reach a bound are held there while the rest is minimised, and let go if the cost would fall.
 ///
 /// Uncertainty. Frames of one motion are not independent (tracking, scale and what the model lacks are wrong
 /// for the whole motion), so the errors of shared coefficients come from the scatter of the captures'

@@ -220,13 +220,12 @@ void read_tables(const TomlTable& root, const ConfigNames& names, FitOptions& op
 }
 
 FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
-  root.expect_keys({"window",         "outputs",        "loss",       "shared",
-                    "per_capture",    "offsets",        "cluster_by", "starts",
-                    "max_iterations", "profiles",       "segments",   "global",
-                    "step",           "rounds",         "round_body", "averaged_frames",
-                    "log_scale",      "attitude_scale", "fixed",      "initial",
-                    "known",          "priors",         "periods",    "box",
-                    "bootstrap",      "noise",          "camera",     "series"});  // series_config.h
+  root.expect_keys(
+      {"window",     "outputs", "loss",           "shared",          "per_capture", "offsets",
+       "cluster_by", "starts",  "max_iterations", "profiles",        "segments",    "global",
+       "step",       "rounds",  "round_body",     "averaged_frames", "log_scale",   "attitude_scale",
+       "fixed",      "initial", "known",          "priors",          "periods",     "box",
+       "bootstrap",  "noise",   "camera",         "series"});  // series_config.h
   FitOptions options;
   if (root.has("window")) options.window = positive_quantity(root, "window", "s");
   if (root.has("outputs")) options.outputs = known_names(root, "outputs", names.outputs);

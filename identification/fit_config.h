@@ -49,8 +49,8 @@
 ///     [periods]                                       # of outputs; those in rad have 360 deg
 ///     theta = "180 deg"
 ///
-/// A table [series] is for series_config.h. Every key may be left out; fit_options.h has the meanings and defaults. To fit a model without a codebook,
-/// its family takes `fixed` and `box` of the options:
+/// A table [series] is for series_config.h. Every key may be left out; fit_options.h has the meanings and
+/// defaults. To fit a model without a codebook, its family takes `fixed` and `box` of the options:
 ///
 ///     const auto model = models::find_model("vertical_fall");
 ///     const FitOptions options = read_fit_config("fit.toml", config_names(model->info()));

@@ -101,7 +101,8 @@ std::optional<Eigen::MatrixXd> fitted_motion(const TrajectoryFamily& family, con
   std::vector<double> since_start;
   for (const double time : times) since_start.push_back(time - one.start);
   const FrameMean mean{.frames = options.averaged_frames, .interval = one.interval};
-  Eigen::MatrixXd values(static_cast<Eigen::Index>(times.size()), static_cast<Eigen::Index>(requested.size()));
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(times.size()),
+                         static_cast<Eigen::Index>(requested.size()));
   const auto source = averaged_source(family, mean, since_start, requested, {});
   if (!source->evaluate(q, values, nullptr) || !values.allFinite()) return {};
   if (has_camera) look_through_camera(family, options, one, axes, requested, values);
