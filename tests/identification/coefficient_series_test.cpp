@@ -152,7 +152,7 @@ TEST_CASE(
   CHECK(distance(series, capture, false) < 3.0 * kNoise);
   CHECK(distance(series, capture, true) > 2.0 * distance(series, capture, false));
 
-  SECTION("a codebook of one axis holds it, with its errors as certificate") {
+  {  // A codebook of one axis holds it, with its errors as certificate.
     const auto book = series_codebook(series);
     CHECK(book.coordinate_count() == 1);
     CHECK(book.coordinates()[0].name == "t");
@@ -171,7 +171,7 @@ TEST_CASE(
     CHECK(book.certificate()->outputs[0].max_si == Approx(c.standard_errors.maxCoeff()));
     CHECK_THAT(book.certificate()->integrator, Contains("standard errors"));
   }
-  SECTION("the series of one model does not steer another") {
+  {  // The series of one model does not steer another.
     const auto book = series_codebook(series);
     CHECK_THROWS_WITH(codebook_course(book, find_model("falling_plate")->info()),
                       Contains("coefficients of falling_plate_nd"));

