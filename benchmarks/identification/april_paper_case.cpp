@@ -20,8 +20,7 @@ constexpr const char* kCase = "april_paper";
 }  // namespace
 
 void april_paper_case(const Options& options) {
-  if (!options.wants(kCase)) return;
-  const auto folder = measured_set(kCase, "paper-6dof-apriltag");
+  const auto folder = measured_set(options, kCase, "paper-6dof-apriltag");
   if (!folder) return;
   const auto windows = april_windows(*folder);
   const FitResult fitted = samara::identification::fit(*april_family(kAprilSize), windows, april_options());
