@@ -22,6 +22,11 @@ const Channel& Capture::channel(const std::string& quantity) const {
       fmt::format("capture \"{}\" does not measure \"{}\"{}", id, quantity, suggestion(quantity, known)));
 }
 
+bool is_angle(const Channel& channel) {
+  const std::vector<std::string> names = {"theta", "phi", "psi", "roll", "pitch", "yaw"};
+  return channel.unit == "1" && std::ranges::count(names, channel.quantity) > 0;
+}
+
 Capture first(const Capture& capture, double seconds) {
   if (!(seconds > 0.0))
     throw ArgumentError(fmt::format("a window is {} s long; more than 0 s was expected", seconds));

@@ -19,6 +19,9 @@ struct Channel {
   std::optional<double> metres_per_pixel = {};
 };
 
+/// Angles are known by their names, since their unit is 1: theta, phi, psi, roll, pitch, yaw.
+bool is_angle(const Channel& channel);
+
 struct Capture {
   std::string id;                             ///< group labels joined by "/", or the stem of the file
   std::string file;                           ///< the table it was read from; empty if made in memory

@@ -50,7 +50,8 @@
 ///     frame_grid = true
 ///     before_impact = "1.2 m/s"
 ///     outliers = 5
-///     window = "0.1 s"
+///     window = "0.1 s"                   # of outliers
+///     periods = { theta = "180 deg" }    # of outliers; angles have a turn
 ///
 /// With start = "first visible", the default, a capture begins at the first frame in which all its quantities
 /// are visible, and times count from there: that frame is the model's t = 0. "as given" keeps all frames and

@@ -51,11 +51,6 @@ bool is_position(const Channel& channel) {
   return channel.unit == "m" && std::ranges::count(names, channel.quantity) > 0;
 }
 
-bool is_angle(const Channel& channel) {
-  const std::vector<std::string> names = {"theta", "phi", "psi", "roll", "pitch", "yaw"};
-  return channel.unit == "1" && std::ranges::count(names, channel.quantity) > 0;
-}
-
 using Sentences = std::vector<std::string>;
 
 /// @returns whether times increase, so that the rest makes sense
@@ -243,6 +238,13 @@ std::vector<std::string> suspicions(const Capture& capture) {
     suspect_acceleration(capture, found);
   }
   return found;
+}
+
+std::vector<std::string> remarks(const Capture& capture) {
+  Sentences all = suspicions(capture);
+  all.insert(all.end(), capture.notes.begin(), capture.notes.end());
+  for (std::string& sentence : all) sentence = fmt::format("capture \"{}\": {}", capture.id, sentence);
+  return all;
 }
 
 }  // namespace samara::identification

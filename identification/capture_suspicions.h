@@ -26,4 +26,7 @@ namespace samara::identification {
 /// constant, or jump.
 std::vector<std::string> suspicions(const Capture& capture);
 
+/// Its suspicions and its notes, each with its id: among those of other captures.
+std::vector<std::string> remarks(const Capture& capture);
+
 }  // namespace samara::identification

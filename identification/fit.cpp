@@ -174,6 +174,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
                    .source = family.info().source,
                    .loss = to_string(problem.loss),
                    .fixed = problem.fixed};
+  add_capture_warnings(captures, result);
   result.global_search = search;
   record_starts(problem, runs, best, result);
   if (best) {
@@ -185,7 +186,6 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     add_captures(problem, residuals, point, uncertainty, result);
     conclude(runs[*best], uncertainty, result);
     add_misfit_warnings(problem, result);
-    add_capture_warnings(captures, result);
     add_warnings(uncertainty, result);
     add_whiteness(result);
     add_identifiability(uncertainty, result);

@@ -170,14 +170,6 @@ double loss_scale(const FitOutput& output, const LossOptions& loss, bool is_only
                   output.name, output.unit));
 }
 
-constexpr double kFullTurn = 2.0 * std::numbers::pi;
-
-double period_of(const FitOutput& output, const FitOptions& options) {
-  const auto found = options.periods.find(output.name);
-  if (found != options.periods.end()) return found->second;
-  return output.unit == "rad" ? kFullTurn : 0.0;
-}
-
 bool has_offset(const FamilyInfo& family, const FitOptions& options, const std::string& output) {
   if (options.offsets) return contains(*options.offsets, output);
   return contains(family.translations, output) && !contains(coordinate_names(family), output + "(0)");
@@ -252,6 +244,13 @@ PriorResidual prior_residual(const Prior& prior, double value) {
   if (prior.logarithmic)
     return {std::log(value / prior.mean) / prior.deviation, 1.0 / (value * prior.deviation)};
   return {(value - prior.mean) / prior.deviation, 1.0 / prior.deviation};
+}
+
+double period_of(const FitOutput& output, const FitOptions& options) {
+  constexpr double kFullTurn = 2.0 * std::numbers::pi;
+  const auto found = options.periods.find(output.name);
+  if (found != options.periods.end()) return found->second;
+  return output.unit == "rad" ? kFullTurn : 0.0;
 }
 
 int FitProblem::join_rows() const {

@@ -153,6 +153,9 @@ FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captu
 void family_point(const FitProblem& problem, const Motion& motion, const double* shared, const double* own,
                   Eigen::VectorXd& q);
 
+/// Of a circle that the output goes around: given, or a turn for what is in rad; 0: none.
+double period_of(const FitOutput& output, const FitOptions& options);
+
 /// Values of all unknowns.
 struct FitPoint {
   Eigen::VectorXd shared;

@@ -143,8 +143,7 @@ void add_misfit_warnings(const FitProblem& problem, FitResult& result) {
 
 void add_capture_warnings(std::span<const Capture> captures, FitResult& result) {
   for (const Capture& capture : captures) {
-    for (const std::string& doubt : suspicions(capture)) result.warnings.push_back(doubt);
-    for (const std::string& note : capture.notes) result.warnings.push_back(note);
+    for (const std::string& remark : remarks(capture)) result.warnings.push_back(remark);
   }
 }
 

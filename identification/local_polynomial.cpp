@@ -134,7 +134,8 @@ Eigen::RowVectorXd scales_of(const Eigen::MatrixXd& deviations, const RobustOpti
   Eigen::RowVectorXd scales(deviations.cols());
   for (Index k = 0; k < scales.size(); ++k) {
     const Eigen::VectorXd sizes = deviations.col(k).cwiseAbs();
-    scales[k] = options.noise ? *options.noise : median({sizes.begin(), sizes.end()}) / kMedianOfNormal;
+    // A noise that is given too small would make outliers of what simply scatters more.
+    scales[k] = std::max(options.noise.value_or(0.0), median({sizes.begin(), sizes.end()}) / kMedianOfNormal);
   }
   // A direction that hardly moves would make outliers of whatever moves in it.
   const double least = std::max(options.least_noise, 0.1 * scales.maxCoeff());
@@ -235,15 +236,21 @@ void weigh_outliers(LocalFrames& frames, const LocalChart& chart, Index coordina
     const Eigen::RowVectorXd scales = scales_of(found, options);
     return std::pair(Eigen::ArrayXd(lengths_of(found, scales)), scales);
   };
+  // Where most frames would be outliers none is: the noise that was given is not theirs.
+  const auto weigh = [&](const Eigen::ArrayXd& weights) {
+    const bool most_count = 2 * (weights > 0.0).count() >= weights.size();
+    frames.weights = most_count ? weights : Eigen::ArrayXd::Ones(weights.size());
+    return most_count;
+  };
   Eigen::ArrayXd lengths = judge(true).first;
   for (int k = 0; k < kReweightings; ++k) {
-    frames.weights = (1.0 - (lengths / limit).min(1.0).square()).square();  // Tukey's bisquare
+    if (!weigh((1.0 - (lengths / limit).min(1.0).square()).square())) return;  // Tukey's bisquare
     lengths = judge(false).first;
   }
   // In the end a frame counts or not, so that standard errors are those of plain least squares.
-  frames.weights = (lengths <= limit).cast<double>();
+  if (!weigh((lengths <= limit).cast<double>())) return;
   judge_ends_from_inside(frames, chart, judge(false).second, limit);
-  frames.weights = (judge(false).first <= limit).cast<double>();
+  weigh((judge(false).first <= limit).cast<double>());
 }
 
 double residual_noise(const LocalFrames& frames, const LocalChart& chart, Index coordinates) {

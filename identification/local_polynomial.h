@@ -58,7 +58,8 @@ struct RobustOptions {
   double least_noise = 0.0;  ///< below it, deviations are rounding
 };
 
-/// Sets the weights to 0 for outliers and to 1 for others: see smoothing.h.
+/// Sets the weights to 0 for outliers and to 1 for others: see smoothing.h. Where more than half would be
+/// outliers, to 1.
 void weigh_outliers(LocalFrames& frames, const LocalChart& chart, Eigen::Index coordinates,
                     const RobustOptions& options);
 

@@ -8,7 +8,9 @@
 
 #include "samara/base/errors.h"
 #include "samara/identification/fit.h"
+#include "samara/identification/fit_problem.h"
 #include "samara/identification/fitted_motion.h"
+#include "samara/identification/smoothing.h"
 
 namespace samara::identification {
 
@@ -73,10 +75,11 @@ Eigen::MatrixXd measured(const Capture& capture, const std::vector<std::string>&
 /// Outputs that are compared as one: all lengths, or a single other one.
 struct Quantity {
   std::string name, unit;
+  double period = 0.0;  ///< 0: on the line
   std::vector<int> columns;
 };
 
-std::vector<Quantity> quantities(const std::vector<OutputRms>& outputs) {
+std::vector<Quantity> quantities(const std::vector<OutputRms>& outputs, const FitOptions& options) {
   std::vector<Quantity> result;
   for (std::size_t o = 0; o < outputs.size(); ++o) {
     const bool is_length = outputs[o].unit == "m";
@@ -84,7 +87,9 @@ std::vector<Quantity> quantities(const std::vector<OutputRms>& outputs) {
     if (is_length && position != result.end()) {
       position->columns.push_back(static_cast<int>(o));
     } else {
-      result.push_back({is_length ? "position" : outputs[o].output, outputs[o].unit, {static_cast<int>(o)}});
+      const double period = period_of({outputs[o].output, outputs[o].unit}, options);
+      result.push_back(
+          {is_length ? "position" : outputs[o].output, outputs[o].unit, period, {static_cast<int>(o)}});
     }
   }
   return result;
@@ -163,12 +168,28 @@ Eigen::MatrixXd last_row(const Eigen::MatrixXd& rows, const Outlook& outlook,
   return rows.bottomRows(at_end ? 1 : 0);
 }
 
+/// What repeats goes on where it was seen to jump: baselines are polynomials.
+void unwrap(const std::vector<Quantity>& compared, SeenMotion& seen) {
+  for (const Quantity& q : compared) {
+    if (q.period == 0.0) continue;
+    for (const int column : q.columns)
+      seen.positions.col(column) = unwrapped(seen.times, seen.positions.col(column), q.period);
+  }
+}
+
+/// The same points of a circle of length `period`, where they are nearest to others.
+Eigen::MatrixXd nearest(const Eigen::MatrixXd& points, const Eigen::MatrixXd& others, double period) {
+  if (period == 0.0) return points;
+  return others + (points - others).unaryExpr([&](double d) { return std::remainder(d, period); });
+}
+
 void tally(const Outlook& outlook, const std::vector<Quantity>& compared, const PredictionOptions& prediction,
            Predictor& predictor) {
   const Eigen::MatrixXd predicted = predictor.predicted(outlook);
   for (std::size_t k = 0; k < compared.size(); ++k) {
     const Eigen::MatrixXd guess = predicted(Eigen::all, compared[k].columns);
-    const Eigen::MatrixXd truth = outlook.truth(Eigen::all, compared[k].columns);
+    const Eigen::MatrixXd truth =
+        nearest(outlook.truth(Eigen::all, compared[k].columns), guess, compared[k].period);
     predictor.all[k].add(prediction_distances(guess, truth));
     predictor.last[k].add(
         prediction_distances(last_row(guess, outlook, prediction), last_row(truth, outlook, prediction)));
@@ -196,11 +217,12 @@ std::vector<PredictionScore> predict_left_out(const TrajectoryFamily& family, co
   check(prediction);
   if (fitted.captures.empty()) return {};
   const FitOptions held = holding(fitted, options, prediction);
-  const std::vector<Quantity> compared = quantities(compared_outputs(fitted));
+  const std::vector<Quantity> compared = quantities(compared_outputs(fitted), options);
   std::vector<Predictor> all = predictors(compared, prediction);
   for (const Capture& capture : left_out) {
-    const std::optional<Outlook> outlook = outlook_of(family, fitted, capture, held, prediction);
+    std::optional<Outlook> outlook = outlook_of(family, fitted, capture, held, prediction);
     if (!outlook) continue;
+    unwrap(compared, outlook->seen);
     for (Predictor& predictor : all) tally(*outlook, compared, prediction, predictor);
   }
   std::vector<PredictionScore> scores;

@@ -185,6 +185,23 @@ TEST_CASE("a fit without any trajectory fails with a status") {
   CHECK(result.coefficients.empty());
 }
 
+TEST_CASE("what is strange about captures is said of each by its name, also where the fit fails") {
+  const std::vector<double> times = even_times(10, 1.0);
+  std::vector<Capture> captures;
+  for (const char* id : {"a", "b"}) captures.push_back(make_capture(id, times, Eigen::VectorXd::Zero(10)));
+  captures[0].notes = {"a note"};
+  FitOptions options;
+  options.starts = 1;
+  for (const bool fails : {false, true}) {
+    const FitResult result =
+        fails ? fit(BrokenFamily(false), captures, options) : fit(BrakedFamily(), captures, options);
+    CHECK((result.status == FitStatus::failed) == fails);
+    for (const char* sentence :
+         {"capture \"a\": x never changes", "capture \"a\": a note", "capture \"b\": x never"})
+      CHECK_THAT(all(result.warnings), Contains(sentence));
+  }
+}
+
 TEST_CASE("what a source throws comes out of the fit") {
   const std::vector<double> times = even_times(5, 1.0);
   const std::vector captures = {make_capture("a", times, BrakedFamily::depths(1.0, 1.0, times))};

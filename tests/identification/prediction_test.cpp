@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <catch2/catch.hpp>
 
@@ -33,6 +34,39 @@ const PredictionScore& of(const std::vector<PredictionScore>& scores, const std:
   REQUIRE(found != scores.end());
   return *found;
 }
+
+/// theta = theta(0) + rate t.
+class TurningFamily final : public TrajectoryFamily {
+ public:
+  TurningFamily() {
+    info_.model = "turning";
+    info_.source = "closed form";
+    info_.coordinates = {{"rate", "rad/s", false, 1.0, 9.0}, {"theta(0)", "rad", true, -9.0, 9.0}};
+    info_.outputs = {{"theta", "rad"}};
+  }
+
+  const FamilyInfo& info() const override { return info_; }
+  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
+                                       const std::vector<std::string>&) const override {
+    return std::make_unique<Source>(times);
+  }
+
+ private:
+  struct Source final : TrajectorySource {
+    explicit Source(const std::vector<double>& at_times) : times(at_times) {}
+    bool evaluate(std::span<const double> q, Eigen::MatrixXd& values, Eigen::MatrixXd* derivatives) override {
+      for (std::size_t row = 0; row < times.size(); ++row) {
+        const auto at = static_cast<Eigen::Index>(row);
+        values(at, 0) = q[1] + q[0] * times[row];
+        if (derivatives) derivatives->row(at) << times[row], 1.0;
+      }
+      return true;
+    }
+    std::vector<double> times;
+  };
+
+  FamilyInfo info_;
+};
 
 FitOptions plain() {
   FitOptions options;
@@ -120,4 +154,31 @@ TEST_CASE("predictions refuse times that are none, and say nothing of fits that 
   CHECK_THROWS_AS(predict_left_out(family, {}, {}, plain(), {.window = 0.0, .ahead = 0.5}),
                   samara::ArgumentError);
   CHECK(predict_left_out(family, {}, {}, plain(), {.window = 0.5, .ahead = 0.5}).empty());
+}
+
+TEST_CASE("angles are predicted on their circle") {
+  // An angle that goes on evenly, read from -pi to pi: it jumps within the window, and beyond it.
+  TurningFamily family;
+  const std::vector<double> times = even_times(41, 2.0);
+  const auto turning = [&](const std::string& id, double start, bool wraps) {
+    Eigen::VectorXd angles(41);
+    for (Eigen::Index k = 0; k < 41; ++k) {
+      const double angle = start + 6.0 * times[static_cast<std::size_t>(k)];
+      angles[k] = wraps ? std::remainder(angle, 2.0 * std::numbers::pi) : angle;
+    }
+    Capture capture = make_capture(id, times, angles);
+    capture.channels[0] = {"theta", "1", angles};
+    return capture;
+  };
+  FitOptions options = plain();
+  options.initial = {{"rate", 5.8}};
+  options.loss.scales = {{"theta", 0.01}};
+  const std::vector<Capture> seen = {turning("seen", 0.3, true)};
+  const FitResult fitted = fit(family, seen, options);
+  const std::vector<Capture> wrapped = {turning("a", 1.0, true), turning("b", 2.0, true)};
+  const auto scores = predict_left_out(family, fitted, wrapped, options, {.window = 1.0, .ahead = 0.9});
+  for (const char* predictor : {"model", "straight line", "cubic"}) {
+    CHECK(of(scores, predictor, "theta, up to 0.9 s ahead").captures == 2);
+    CHECK(of(scores, predictor, "theta, up to 0.9 s ahead").largest < 1e-6);
+  }
 }
