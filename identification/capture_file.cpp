@@ -40,6 +40,11 @@ std::vector<Capture> read_exported(const Export& exported, const Sidecar& sideca
         capture.notes.push_back(
             fmt::format("{}'s axis {} was taken to point up, and became z", exported.program, exported.up));
       }
+      if (exported.short_rows > 0) {
+        capture.notes.push_back(fmt::format(
+            "{} of {} rows of the export are shorter than its header; what they lack counts as not seen",
+            exported.short_rows, exported.rows));
+      }
       captures.push_back(std::move(capture));
     }
     if (!is_own) break;
@@ -138,6 +143,16 @@ std::vector<Capture> read_all(Sidecar sidecar) {
 
 std::vector<Capture> read_captures(const std::filesystem::path& path) {
   return read_all(find_sidecar(path));
+}
+
+std::vector<std::filesystem::path> capture_files(const std::filesystem::path& path) {
+  const Sidecar sidecar = find_sidecar(path);
+  std::vector<std::filesystem::path> files = sidecar.tables;
+  if (files.empty()) files = {sidecar.table};
+  files.push_back(path);
+  if (sidecar.document) files.push_back(sidecar.document->file());
+  if (sidecar.labels) files.push_back(sidecar.labels->file);
+  return files;
 }
 
 std::vector<Capture> read_captures(const std::filesystem::path& table, const std::filesystem::path& sidecar) {

@@ -142,6 +142,14 @@ void record_starts(const FitProblem& problem, const std::vector<MinimizeResult>&
   }
 }
 
+/// Whether the start is to be made.
+bool goes_on(const FitOptions& options, int start) {
+  if (!options.progress) return true;
+  const bool wanted = options.progress({.stage = fmt::format("start {} of {}", start + 1, options.starts),
+                                        .fraction = static_cast<double>(start) / options.starts});
+  return wanted || start == 0;
+}
+
 void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, FitResult& result) {
   result.status = best.status;
   const std::string reached = fmt::format("{} of {} starts reached the best cost, {:.6g}",
@@ -167,14 +175,14 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
   Descents descend(family, problem, residuals, options);
   const std::optional<GlobalSearch> search = descend.search();
   std::vector<MinimizeResult> runs;
-  for (int k = 0; k < options.starts; ++k) runs.push_back(descend(k));
+  for (int k = 0; k < options.starts && goes_on(options, k); ++k) runs.push_back(descend(k));
   const std::optional<std::size_t> best = best_of(runs);
 
   FitResult result{.model = family.info().model,
                    .source = family.info().source,
                    .loss = to_string(problem.loss),
                    .fixed = problem.fixed};
-  add_capture_warnings(captures, result);
+  add_capture_warnings(family.info(), captures, options, result);
   result.global_search = search;
   record_starts(problem, runs, best, result);
   if (best) {

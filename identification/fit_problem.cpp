@@ -188,6 +188,9 @@ void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures,
       compared.offset = static_cast<int>(problem.offsets.size());
       problem.offsets.push_back(output.name);
     }
+    compared.scale_is_stated =
+        options.loss.kind != LossKind::none || options.loss.scales.contains(output.name) ||
+        (io::same_dimension(output.unit, "m") && options.loss.length_scale != LossOptions{}.length_scale);
     problem.outputs.push_back(compared);
     problem.requested.push_back(compared.name);
   }

@@ -35,6 +35,7 @@ struct ComparedOutput {
   double scale = 1.0;              ///< residuals are divided by it, SI
   std::optional<int> offset = {};  ///< its place among the offsets, if it has one
   double period = 0.0;             ///< differences are taken on a circle of that length; 0: on the line
+  bool scale_is_stated = true;     ///< by the options; else it may be no more than a unit
 };
 
 /// One compared number.

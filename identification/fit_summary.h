@@ -21,8 +21,10 @@ void add_captures(const FitProblem& problem, const std::vector<SegmentResidual>&
 /// Outputs whose residuals are many times their loss scale. Needs the residuals over all captures.
 void add_misfit_warnings(const FitProblem& problem, FitResult& result);
 
-/// What is suspicious about the captures as such, and what was done to them.
-void add_capture_warnings(std::span<const Capture> captures, FitResult& result);
+/// What is suspicious about the captures as such, what was done to them, and what in them means nothing to
+/// the model.
+void add_capture_warnings(const FamilyInfo& family, std::span<const Capture> captures,
+                          const FitOptions& options, FitResult& result);
 
 /// What the reader must know: coefficients at bounds or not determined, errors that cannot be trusted, other
 /// optima. Needs coefficients, captures and starts.

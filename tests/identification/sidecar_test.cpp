@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
@@ -183,4 +185,19 @@ TEST_CASE("options of outliers without outliers, and two rows of labels for a ca
                  "b.toml", "file = \"x.csv\"\n[labels]\nfile = \"index.csv\"\ncolumn = \"name\"\n")),
              Catch::Matchers::StartsWith("b.toml:3: [labels] file: ") &&
                  Catch::Matchers::Contains("several rows for name \"x\""));
+}
+
+TEST_CASE("the files behind a capture are its tables, its sidecar and its labels") {
+  const TestFiles files;
+  for (const char* name : {"a1.csv", "a2.csv"}) files.put(name, "t[s],x[m]\n0,0\n1,1\n2,4\n");
+  const auto sidecar =
+      files.put("a.toml", "file = \"a?.csv\"\n[labels]\nfile = \"index.csv\"\ncolumn = \"name\"\n");
+  std::set<std::string> names;
+  for (const auto& file : capture_files(sidecar)) names.insert(file.filename().string());
+  CHECK(names == std::set<std::string>{"a.toml", "a1.csv", "a2.csv", "index.csv"});
+  // A sidecar beside its table.
+  files.put("b.csv", "t[s],x[m]\n0,0\n1,1\n2,4\n");
+  files.put("b.toml", "from = \"0 s\"\n");
+  const auto beside = capture_files(files.path() / "b.csv");
+  CHECK(std::ranges::count(beside, files.path() / "b.toml") == 1);
 }
