@@ -69,6 +69,10 @@ void add_simulate(CLI::App& app, Arguments& arguments) {
   command->add_flag("--forces", values->forces,
                     "add what every force term does: TERM.Fx, TERM.Fy, .. (force), TERM.T.. (torque) in body "
                     "axes, TERM.power, and the kinetic energy where the model has one");
+  command->add_option(
+      "--coefficients", values->coefficients,
+      "codebook of a series (samara fit --series) that parameters follow in time; what else it "
+      "holds, such as the start, counts where --set says nothing");
   command->add_option("-o,--output", values->output, "CSV file; stdout if not given");
   on_call(command, arguments.simulate, values);
 }
@@ -159,6 +163,9 @@ void add_fit(CLI::App& app, Arguments& arguments) {
           "captures to predict: their window is seen, with the coefficients held, and --ahead is compared")
       ->allow_extra_args(false);
   command->add_option("--ahead", values->ahead, "how far beyond the window to predict, s or with a unit");
+  command->add_option("--series", values->series,
+                      "write the coefficients that change in time, those of [series] in the config, to this "
+                      "codebook, for samara simulate --coefficients");
   command->add_option("-o,--output", values->output, "also write the result as JSON to this file");
   command->add_option("--report", values->report, "also write a page for the browser to this file, HTML");
   command->add_flag("--json", values->json, "print one JSON object instead of the table");

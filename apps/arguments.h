@@ -21,6 +21,7 @@ struct SimulateArguments {
   std::string integrator = "cvodes";
   std::string step;  ///< empty: none was given
   bool forces = false;
+  std::string coefficients;  ///< codebook of a series that parameters follow
   std::string output;
 };
 
@@ -68,6 +69,7 @@ struct FitArguments {
   std::string ahead;
   std::string output;
   std::string report;
+  std::string series;  ///< codebook of a series to write
   bool json = false;
 };
 

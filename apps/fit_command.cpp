@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glog/logging.h>
@@ -15,12 +17,15 @@
 #include "samara/identification/capture_file.h"
 #include "samara/identification/capture_suspicions.h"
 #include "samara/identification/codebook_trajectories.h"
+#include "samara/identification/coefficient_series.h"
 #include "samara/identification/fit.h"
 #include "samara/identification/fit_config.h"
 #include "samara/identification/fit_page.h"
 #include "samara/identification/fit_report.h"
+#include "samara/identification/mass_check.h"
 #include "samara/identification/prediction.h"
 #include "samara/identification/reference_trajectories.h"
+#include "samara/identification/series_config.h"
 #include "samara/identification/step_trajectories.h"
 #include "samara/io/atomic_file.h"
 #include "terminal.h"
@@ -33,6 +38,8 @@ namespace id = samara::identification;
 
 /// What is fitted: the trajectories of a codebook (kept alive here) or of a model.
 struct Source {
+  std::shared_ptr<const models::Model> model;  ///< null for a codebook
+  std::optional<id::SeriesOptions> series;     ///< only with a model
   std::optional<codebooks::Codebook> book;
   std::unique_ptr<id::TrajectoryFamily> family;
   id::FitOptions options;
@@ -68,6 +75,8 @@ Source open_source(const FitArguments& arguments) {
     }
     source.options = id::read_fit_config(arguments.config, id::config_names(model->info()));
     warn_of_units(*model, source.options.fixed);
+    source.model = model;
+    source.series = id::read_series_config(arguments.config, id::config_names(model->info()));
     source.family = of_file(arguments.config, [&] {
       const id::FitOptions& options = source.options;
       for (const auto& [name, label] : options.known) {
@@ -81,8 +90,15 @@ Source open_source(const FitArguments& arguments) {
     return source;
   }
   source.book = codebooks::load(arguments.source);
-  if (!arguments.config.empty())
+  if (!arguments.config.empty()) {
     source.options = id::read_fit_config(arguments.config, id::config_names(*source.book));
+    if (id::read_series_config(arguments.config, id::config_names(*source.book))) {
+      throw InputError(arguments.config,
+                       fmt::format("[series] needs equations whose coefficients may change, and \"{}\" is a "
+                                   "codebook; the name of its model, \"{}\", was expected",
+                                   arguments.source, source.book->model().name));
+    }
+  }
   if (!source.book->certificate() || !source.book->certificate()->met) {
     warn(fmt::format("{} has no certificate that meets its tolerance", arguments.source));
   }
@@ -147,13 +163,61 @@ void check_outputs(const FitArguments& arguments) {
   inputs.push_back(arguments.source);
   inputs.push_back(arguments.config);
   if (!arguments.output.empty()) check_output(arguments.output, inputs);
-  if (arguments.report.empty()) return;
-  check_output(arguments.report, inputs);
-  if (!arguments.output.empty() && std::filesystem::absolute(arguments.report).lexically_normal() ==
-                                       std::filesystem::absolute(arguments.output).lexically_normal()) {
-    throw ArgumentError(
-        fmt::format("--report and --output both name \"{}\"; two files were expected", arguments.report));
+  if (!arguments.report.empty()) check_output(arguments.report, inputs);
+  if (!arguments.series.empty()) check_output(arguments.series, inputs);
+  const std::vector<std::pair<std::string, std::string>> written = {
+      {"--report", arguments.report}, {"--output", arguments.output}, {"--series", arguments.series}};
+  for (std::size_t a = 0; a < written.size(); ++a) {
+    for (std::size_t b = a + 1; b < written.size(); ++b) {
+      if (written[a].second.empty() || written[b].second.empty()) continue;
+      if (std::filesystem::absolute(written[a].second).lexically_normal() !=
+          std::filesystem::absolute(written[b].second).lexically_normal()) {
+        continue;
+      }
+      throw ArgumentError(fmt::format("{} and {} both name \"{}\"; two files were expected", written[a].first,
+                                      written[b].first, written[a].second));
+    }
   }
+}
+
+void say(const std::vector<std::string>& warnings) {
+  std::set<std::string> said;
+  for (const std::string& sentence : warnings) {
+    if (said.insert(sentence).second) warn(sentence);
+  }
+}
+
+std::vector<std::string> doubts_of_mass(const Source& source, const std::vector<id::Capture>& captures,
+                                        const id::FitResult& fitted) {
+  if (source.family->equations() != nullptr) {
+    return id::mass_doubts(*source.family, captures, source.options, fitted);
+  }
+  // A program that was sampled, or a model of the user's own, has no equations here.
+  const std::vector<std::string> known = models::model_names();
+  if (!source.book || std::ranges::count(known, source.book->model().name) == 0) return {};
+  return id::mass_doubts(*id::reference_trajectories(*source.book), captures, source.options, fitted);
+}
+
+/// Coefficients that change in time.
+int run_series(const FitArguments& arguments, const Source& source,
+               const std::vector<id::Capture>& captures) {
+  if (!arguments.left_out.empty()) {
+    throw ArgumentError(
+        "--left-out asks for predictions, and a series holds for the captures it was fitted to; a config "
+        "without [series] was expected");
+  }
+  const id::CoefficientSeries series = of_file(arguments.config, [&] {
+    return id::fit_series(source.model, captures, source.options, *source.series);
+  });
+  if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::series_json(series));
+  if (!arguments.report.empty()) io::write_text_atomically(arguments.report, id::fit_html(series.fit));
+  if (!arguments.series.empty() && series.status != id::FitStatus::failed)
+    codebooks::save(id::series_codebook(series), arguments.series);
+  print(arguments.json ? id::series_json(series) : printable(id::series_text(series), "\n"));
+  say(series.warnings);
+  if (series.status == id::FitStatus::converged) return kDone;
+  complain(series.message);
+  return kToleranceMissed;
 }
 
 }  // namespace
@@ -171,6 +235,11 @@ int run(const FitArguments& arguments) {
     for (id::Capture& capture : captures) capture = id::first(capture, window);
     source.options.window.reset();
   }
+  if (source.series) return run_series(arguments, source, captures);
+  if (!arguments.series.empty()) {
+    throw ArgumentError(
+        "--series writes coefficients that change in time; a model and a config with [series] were expected");
+  }
   const std::vector<id::Capture> left_out = read_all(arguments.left_out);
   if (prediction) {
     of_file(arguments.config,
@@ -186,6 +255,8 @@ int run(const FitArguments& arguments) {
   source.options.progress = progress_line();
   const id::FitResult result = of_file(arguments.config, [&] {
     id::FitResult fitted = id::fit(*source.family, captures, source.options);
+    for (const std::string& doubt : doubts_of_mass(source, captures, fitted))
+      fitted.warnings.push_back(doubt);
     if (prediction) id::add_predictions(*source.family, left_out, source.options, *prediction, fitted);
     return fitted;
   });

@@ -109,7 +109,9 @@ Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {
                   {{"discretisation", c.spent.discretisation},
                    {"compression", c.spent.compression},
                    {"nonlinearity", c.spent.nonlinearity}}},
+                 {"norm_defect", nullptr},
                  {"outputs", Json::array()}};
+  if (c.norm_defect) object["norm_defect"] = {{"max", c.norm_defect->max}, {"rms", c.norm_defect->rms}};
   for (const codebooks::OutputError& o : c.outputs) {
     Json worst = Json::object();
     for (std::size_t k = 0; k < o.worst.size(); ++k) worst[book.coordinates()[k].name] = o.worst[k];
@@ -160,6 +162,10 @@ std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook&
     text += fmt::format("  {:<10} {:>10} {:>10} {:>10} {:>10} {:>14}  {}\n", o.name, shown(o.max, "{:.2e}"),
                         shown(o.p95, "{:.2e}"), shown(o.mean, "{:.2e}"), shown(o.rms, "{:.2e}"),
                         shown(o.max_si, "{:.2e}", unit_suffix(o.unit)), worst.empty() ? "-" : worst);
+  }
+  if (c.norm_defect) {
+    text += fmt::format("  norm of the quaternion, as stored: off by {} at most, {} rms\n",
+                        shown(c.norm_defect->max, "{:.2e}"), shown(c.norm_defect->rms, "{:.2e}"));
   }
   text += fmt::format("  spent: discretisation {:.1e}, compression {:.1e}, nonlinearity {:.1e}\n",
                       c.spent.discretisation, c.spent.compression, c.spent.nonlinearity);

@@ -12,6 +12,7 @@
 #include "samara/models/integrators/adaptive.h"
 #include "samara/models/integrators/rk4.h"
 #include "samara/models/integrators/rkmk.h"
+#include "steered_model.h"
 #include "terminal.h"
 
 namespace samara::apps {
@@ -58,7 +59,7 @@ std::vector<std::string> force_header(const models::ModelInfo& info, bool with_e
 Table force_table(const models::ParametricModel& parametric, const models::Trajectory& trajectory) {
   const models::Model& model = parametric.model();
   const models::ModelInfo& info = model.info();
-  const models::ParameterValues p = {parametric.parameters({}), std::vector<char>(info.parameters.size(), 1)};
+  const models::ParameterValues p = parametric.parameter_values({});
   std::vector<models::Wrench> terms(info.force_terms.size());
   std::vector<double> x(info.states.size());
   std::vector<double> values;
@@ -156,7 +157,7 @@ models::Trajectory trajectory_by(const SimulateArguments& arguments,
 }  // namespace
 
 int run(const SimulateArguments& arguments) {
-  if (!arguments.output.empty()) check_output(arguments.output, {});
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.coefficients});
   const auto model = models::find_model(arguments.model);
   const models::ModelInfo& info = model->info();
   if (arguments.forces && info.force_terms.empty()) {
@@ -165,9 +166,14 @@ int run(const SimulateArguments& arguments) {
   std::map<std::string, std::string> units;
   for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;
   for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
-  const models::ParametricModel parametric(model, parse_assignments(arguments.set, units), {});
+  SteeredModel steered{.book = nullptr, .model = model, .values = parse_assignments(arguments.set, units)};
+  if (!arguments.coefficients.empty()) {
+    steered = steered_model(arguments.coefficients, model, steered.values);
+  }
+  const models::ParametricModel parametric(steered.model, steered.values, {});
   warn_of_units(*model, parametric.fixed());
   const double end = end_of(arguments, parametric);
+  if (steered.book) steered.check_time(end);
   check_frames(arguments, info);
   const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(arguments.frames, 0.0, end);
   const models::Trajectory trajectory = trajectory_by(arguments, parametric, times);

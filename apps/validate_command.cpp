@@ -36,6 +36,10 @@ int run(const ValidateArguments& arguments) {
     certificate.spent = book.certificate()->spent;
   }
   clear_progress();
+  if (certificate.norm_defect && certificate.norm_defect->max > options.tolerance && book.certificate()) {
+    warn(fmt::format("{} stores quaternions whose norm is off by {:.3g}, more than its tolerance {:.3g}",
+                     arguments.book, certificate.norm_defect->max, options.tolerance));
+  }
   if (arguments.json) {
     Json object = {{"schema", "samara-validate/1"}};
     object["certificate"] = to_json(certificate, book);

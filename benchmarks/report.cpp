@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iostream>
+#include <limits>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -42,14 +43,31 @@ double time_of(const std::function<void()>& call, int repeats, double least_seco
   return times[static_cast<std::size_t>(repeats / 2)];
 }
 
+Pair time_both(const std::function<void()>& ours, const std::function<void()>& theirs, int rounds) {
+  constexpr double kSlice = 2e-3;
+  const auto count_of = [&](const std::function<void()>& call) {
+    call();
+    return std::max(1L, static_cast<long>(kSlice / std::max(time_calls(call, 3), 1e-9)));
+  };
+  const long a = count_of(ours), b = count_of(theirs);
+  Pair best{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  for (int i = 0; i < rounds; ++i) {
+    best.ours = std::min(best.ours, time_calls(ours, a));
+    best.theirs = std::min(best.theirs, time_calls(theirs, b));
+  }
+  return best;
+}
+
 Options options(int argc, char** argv) {
   Options result;
   for (int i = 1; i < argc; ++i) {
     const std::string text = argv[i];
     if (text == "--quick") {
       result.quick = true;
+    } else if (text == "--pictures" && i + 1 < argc) {
+      result.pictures = argv[++i];
     } else if (text.starts_with("-") || !result.only_case.empty()) {
-      throw ArgumentError("unknown argument \"" + text + "\", expected [--quick] [CASE]");
+      throw ArgumentError("unknown argument \"" + text + "\", expected [--quick] [--pictures FOLDER] [CASE]");
     } else {
       result.only_case = text;
     }

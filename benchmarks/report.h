@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -24,13 +25,22 @@ void print(const Measurement& measurement);
 /// each.
 double time_of(const std::function<void()>& call, int repeats = 9, double least_seconds = 0.01);
 
+/// Shortest times of two calls, taken in turns so that what else the machine does meets both.
+struct Pair {
+  double ours = 0.0;
+  double theirs = 0.0;
+  double ratio() const { return theirs / ours; }
+};
+Pair time_both(const std::function<void()>& ours, const std::function<void()>& theirs, int rounds = 25);
+
 struct Options {
-  bool quick = false;     ///< fewer repeats, the same cases
-  std::string only_case;  ///< empty: all
+  bool quick = false;              ///< fewer repeats, the same cases
+  std::string only_case;           ///< empty: all
+  std::filesystem::path pictures;  ///< where cases put pictures; empty: they draw none
   bool wants(const std::string& test_case) const { return only_case.empty() || only_case == test_case; }
 };
 
-/// Reads `[--quick] [CASE]`. @throws ArgumentError for anything else.
+/// Reads `[--quick] [--pictures FOLDER] [CASE]`. @throws ArgumentError for anything else.
 Options options(int argc, char** argv);
 
 }  // namespace samara::benchmarks

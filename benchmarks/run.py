@@ -1,4 +1,4 @@
-"""Runs the benchmark programs and writes benchmarks/results.md.
+"""Runs the benchmark programs and writes benchmarks/results.md, and pictures into DIRECTORY/pictures.
 
 Usage: run.py DIRECTORY [NAME] [--quick]
 """
@@ -55,7 +55,7 @@ def main():
     sections = sections_of(path.read_text()) if path.exists() else {}
     measured = commit()
     for name in names:
-        measurements = run(directory / name, quick)
+        measurements = run(directory / name, [*quick, "--pictures", directory / "pictures"])
         for m in measurements:
             print(json.dumps(m))
         table = "\n".join(row(m) for m in measurements)

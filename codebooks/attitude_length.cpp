@@ -9,23 +9,45 @@
 
 namespace samara::codebooks {
 
-std::optional<AttitudeLength> AttitudeLength::of(const Codebook& book, const std::vector<int>& outputs) {
+namespace {
+
+/// The states that are the numbers of the quaternion; none where the model is unknown, or has no quaternion.
+std::vector<models::StateInfo> quaternion_states(const Codebook& book) {
   const std::vector<std::string> known = models::model_names();
-  if (std::ranges::find(known, book.model().name) == known.end()) return std::nullopt;
-  const models::ModelInfo& info = models::find_model(book.model().name)->info();
+  if (std::ranges::find(known, book.model().name) == known.end()) return {};
+  const auto model = models::find_model(book.model().name);
+  const models::ModelInfo& info = model->info();
   const auto group =
       std::ranges::find(info.groups, models::StateGroupKind::quaternion, &models::StateGroup::kind);
-  if (group == info.groups.end()) return std::nullopt;
-  AttitudeLength result;
-  double square = 0.0;
+  if (group == info.groups.end()) return {};
+  const auto first = info.states.begin() + group->first;
+  return {first, first + 4};
+}
+
+}  // namespace
+
+std::optional<std::array<int, 4>> quaternion_places(const Codebook& book, const std::vector<int>& outputs) {
+  const std::vector<models::StateInfo> states = quaternion_states(book);
+  if (states.empty()) return std::nullopt;
+  std::array<int, 4> places = {};
   for (std::size_t k = 0; k < 4; ++k) {
-    const models::StateInfo& state = info.states[static_cast<std::size_t>(group->first) + k];
+    const auto wanted = std::ranges::find_if(
+        outputs, [&](int o) { return book.outputs()[static_cast<std::size_t>(o)].name == states[k].name; });
+    if (wanted == outputs.end()) return std::nullopt;
+    places[k] = static_cast<int>(wanted - outputs.begin());
+  }
+  return places;
+}
+
+std::optional<AttitudeLength> AttitudeLength::of(const Codebook& book, const std::vector<int>& outputs) {
+  const auto places = quaternion_places(book, outputs);
+  if (!places) return std::nullopt;
+  AttitudeLength result;
+  result.place_ = *places;
+  double square = 0.0;
+  for (const models::StateInfo& state : quaternion_states(book)) {
     const std::string initial = state.name + "(0)";
     if (std::ranges::count(book.coordinates(), initial, &Coordinate::name) > 0) return std::nullopt;
-    const auto wanted = std::ranges::find_if(
-        outputs, [&](int o) { return book.outputs()[static_cast<std::size_t>(o)].name == state.name; });
-    if (wanted == outputs.end()) return std::nullopt;
-    result.place_[k] = static_cast<int>(wanted - outputs.begin());
     const auto fixed = book.model().fixed.find(initial);
     const double start = fixed == book.model().fixed.end() ? state.default_initial : fixed->second;
     square += start * start;

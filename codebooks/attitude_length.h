@@ -10,6 +10,10 @@
 
 namespace samara::codebooks {
 
+/// Places among `outputs`, those that are wanted of a codebook, of the four numbers of its model's
+/// quaternion; nothing without a quaternion, or where not all four are wanted.
+std::optional<std::array<int, 4>> quaternion_places(const Codebook& book, const std::vector<int>& outputs);
+
 /// The length of an attitude, which no motion changes: codebooks store the four numbers of its quaternion as
 /// they came out of the build, and queries give them the length with which they began. Derivatives go through
 /// that.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,13 @@ struct OutputError {
   double rms = 0.0;     ///< root mean square over points and times, relative to that of the output itself
   double max_si = 0.0;  ///< largest error in the output's unit
   std::vector<double> worst;  ///< coordinates of the largest error, in the order of Codebook::coordinates()
+};
+
+/// How far quaternions, as they are stored, are from the length with which they began: | |q| / |q(0)| - 1 |.
+/// Queries give them that length; this is measured before they do. It grows where a codebook fails.
+struct NormDefect {
+  double max = 0.0;  ///< over all points and times; NaN where no integration succeeded
+  double rms = 0.0;  ///< root mean square over points and times
 };
 
 /// What the builder spent of the tolerance, in the same measure.
@@ -44,6 +52,7 @@ struct Certificate {
   double integrator_tolerance = 0.0;
   double residual = 0.0;  ///< of the equations, as the builder reports it, in scales of the states
   ErrorBudget spent;
+  std::optional<NormDefect> norm_defect;  ///< of a codebook that holds a whole quaternion
   std::vector<OutputError> outputs;
 };
 

@@ -45,7 +45,7 @@ PointErrors compare_with_trajectory(Worker& worker, std::span<const double> q,
     errors.failure = exact.message;
     return errors;
   }
-  return compare(worker.answers.at(q), exact.states(Eigen::all, state_of_output));
+  return worker.answers.compare(q, exact.states(Eigen::all, state_of_output));
 }
 
 /// The state of the model behind every output of the codebook.
@@ -129,10 +129,10 @@ Certificate certify(const Codebook& book, CallMemory& calls, const CertifyOption
       const Eigen::Index count = std::min(slice, q.cols() - begin);
       const Eigen::MatrixXd exact = calls(q.middleCols(begin, count), times);
       for (Eigen::Index j = 0; j < count; ++j) {
-        const Eigen::MatrixXd& values =
-            answers.at({q.col(begin + j).data(), static_cast<std::size_t>(q.rows())});
-        const Eigen::MatrixXd reference = exact.col(j).reshaped(values.cols(), values.rows()).transpose();
-        errors[static_cast<std::size_t>(begin + j)] = compare(values, reference);
+        const Eigen::MatrixXd reference =
+            exact.col(j).reshaped(book.output_count(), exact.rows() / book.output_count()).transpose();
+        errors[static_cast<std::size_t>(begin + j)] =
+            answers.compare({q.col(begin + j).data(), static_cast<std::size_t>(q.rows())}, reference);
       }
     }
   } catch (const CallFailed& failed) {

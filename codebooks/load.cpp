@@ -104,6 +104,9 @@ Certificate read_certificate(const Hdf5Reader& file) {
   c.spent.discretisation = number(path, "spent_discretisation");
   c.spent.compression = number(path, "spent_compression");
   c.spent.nonlinearity = number(path, "spent_nonlinearity");
+  const CertificateNumbers square{file, false, number.measured};  // squares may overflow
+  if (file.has_attribute(path, "norm_defect_max") || file.has_attribute(path, "norm_defect_rms"))
+    c.norm_defect = {number(path, "norm_defect_max"), square(path, "norm_defect_rms")};
   for (const std::string& name : file.children(path)) {
     const std::string output = path + "/" + name;
     OutputError o;
@@ -113,7 +116,7 @@ Certificate read_certificate(const Hdf5Reader& file) {
     o.max = number(output, "max");
     o.p95 = number(output, "p95");
     o.mean = number(output, "mean");
-    o.rms = CertificateNumbers{file, false, number.measured}(output, "rms");  // its squares may overflow
+    o.rms = square(output, "rms");
     o.max_si = number(output, "max_si");
     o.worst = file.numbers_attribute(output, "worst");
     c.outputs.push_back(std::move(o));

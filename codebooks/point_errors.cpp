@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <set>
 
 #include "samara/codebooks/certify.h"
@@ -68,6 +69,56 @@ OutputError summarise(const std::vector<PointErrors>& all, int output, const Cod
   return result;
 }
 
+/// NaN from a broken codebook must not hide: it counts as infinite.
+double distance(double a, double b) {
+  const double distance = std::abs(a - b);
+  return std::isnan(distance) ? std::numeric_limits<double>::infinity() : distance;
+}
+
+/// @param reference as values, in the same order
+void compare_outputs(const Eigen::MatrixXd& values, const Eigen::MatrixXd& reference, PointErrors& errors) {
+  const Eigen::Index outputs = values.cols();
+  errors.usable = true;
+  errors.max_error.resize(outputs);
+  errors.worst_time.resize(static_cast<std::size_t>(outputs));
+  errors.sum_error2.resize(outputs);
+  errors.sum_value2.resize(outputs);
+  errors.smallest.resize(outputs);
+  errors.largest.resize(outputs);
+  for (Eigen::Index o = 0; o < outputs; ++o) {
+    const Eigen::VectorXd difference = values.col(o).binaryExpr(reference.col(o), &distance);
+    Eigen::Index worst = 0;
+    errors.max_error[o] = difference.maxCoeff(&worst);
+    errors.worst_time[static_cast<std::size_t>(o)] = static_cast<int>(worst);
+    errors.sum_error2[o] = difference.squaredNorm();
+    errors.sum_value2[o] = reference.col(o).squaredNorm();
+    errors.smallest[o] = reference.col(o).minCoeff();
+    errors.largest[o] = reference.col(o).maxCoeff();
+  }
+}
+
+std::vector<int> all_outputs(const Codebook& book) {
+  std::vector<int> all(static_cast<std::size_t>(book.output_count()));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+/// Of the points that were compared, each at as many times.
+NormDefect norm_defect(const std::vector<PointErrors>& all, std::size_t times) {
+  NormDefect result;
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const PointErrors& point : all) {
+    if (!point.usable) continue;
+    result.max = std::max(result.max, point.max_norm_defect);
+    sum += point.sum_norm_defect2;
+    count += std::max<std::size_t>(1, times);
+  }
+  if (count == 0) result.max = std::numeric_limits<double>::quiet_NaN();
+  result.rms = std::sqrt(sum / static_cast<double>(count));
+  return result;
+}
+
 }  // namespace
 
 std::vector<double> certificate_times(const Codebook& book) {
@@ -106,44 +157,41 @@ Eigen::MatrixXd certificate_points(const Codebook& book, int count, std::uint64_
 }
 
 CertifiedAnswers::CertifiedAnswers(const Codebook& book, const std::vector<double>& times)
-    : query_(book.has_time() ? std::variant<Query, TrajectoryQuery>(TrajectoryQuery(book, times))
-                             : std::variant<Query, TrajectoryQuery>(Query(book))),
+    : query_([&]() -> std::variant<Query, TrajectoryQuery> {
+        const QueryOptions options{.as_stored = true};
+        if (book.has_time()) return TrajectoryQuery(book, times, options);
+        return Query(book, options);
+      }()),
+      quaternion_(quaternion_places(book, all_outputs(book))),
+      attitude_(AttitudeLength::of(book, all_outputs(book))),
       values_(static_cast<Eigen::Index>(std::max<std::size_t>(1, times.size())), book.output_count()),
       at_point_(book.output_count()) {}
 
-const Eigen::MatrixXd& CertifiedAnswers::at(std::span<const double> q) {
+void CertifiedAnswers::ask(std::span<const double> q) {
   if (auto* trajectory = std::get_if<TrajectoryQuery>(&query_)) {
     trajectory->values(q, values_);
   } else {
     std::get<Query>(query_).values(q, at_point_);
     values_ = at_point_.transpose();
   }
-  return values_;
 }
 
-PointErrors compare(const Eigen::MatrixXd& values, const Eigen::MatrixXd& reference) {
+void CertifiedAnswers::measure_norms(const Eigen::MatrixXd& reference, PointErrors& errors) const {
+  const double start = reference(0, *quaternion_).norm();
+  const Eigen::VectorXd lengths = values_(Eigen::all, *quaternion_).rowwise().norm();
+  const Eigen::VectorXd defects =
+      (lengths / start).unaryExpr([](double length) { return distance(length, 1.0); });
+  errors.max_norm_defect = defects.maxCoeff();
+  errors.sum_norm_defect2 = defects.squaredNorm();
+}
+
+PointErrors CertifiedAnswers::compare(std::span<const double> q, const Eigen::MatrixXd& reference) {
   PointErrors errors;
-  const Eigen::Index outputs = values.cols();
-  errors.usable = true;
-  errors.max_error.resize(outputs);
-  errors.worst_time.resize(static_cast<std::size_t>(outputs));
-  errors.sum_error2.resize(outputs);
-  errors.sum_value2.resize(outputs);
-  errors.smallest.resize(outputs);
-  errors.largest.resize(outputs);
-  for (Eigen::Index o = 0; o < outputs; ++o) {
-    // NaN from a broken codebook must not hide: it counts as infinite.
-    const Eigen::VectorXd difference = (values.col(o) - reference.col(o)).unaryExpr([](double e) {
-      return std::isnan(e) ? std::numeric_limits<double>::infinity() : std::abs(e);
-    });
-    Eigen::Index worst = 0;
-    errors.max_error[o] = difference.maxCoeff(&worst);
-    errors.worst_time[static_cast<std::size_t>(o)] = static_cast<int>(worst);
-    errors.sum_error2[o] = difference.squaredNorm();
-    errors.sum_value2[o] = reference.col(o).squaredNorm();
-    errors.smallest[o] = reference.col(o).minCoeff();
-    errors.largest[o] = reference.col(o).maxCoeff();
-  }
+  ask(q);
+  if (quaternion_) measure_norms(reference, errors);
+  double* const columns = values_.data();
+  if (attitude_) attitude_->restore(&columns, 0, 0, static_cast<int>(values_.rows()));
+  compare_outputs(values_, reference, errors);
   return errors;
 }
 
@@ -171,6 +219,7 @@ Certificate certificate_of(const std::vector<PointErrors>& errors, const Codeboo
     if (error > certificate.max_error) certificate.max_error = error;
     certificate.met = certificate.met && error <= options.tolerance;
   }
+  if (quaternion_places(book, all_outputs(book))) certificate.norm_defect = norm_defect(errors, times.size());
   return certificate;
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -9,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "samara/codebooks/attitude_length.h"
 #include "samara/codebooks/certificate.h"
 #include "samara/codebooks/codebook.h"
 #include "samara/codebooks/query.h"
@@ -24,6 +26,7 @@ struct PointErrors {
   std::string failure;  ///< of what the codebook is compared with
   Eigen::VectorXd max_error, sum_error2, sum_value2, smallest, largest;
   std::vector<int> worst_time;
+  double max_norm_defect = 0.0, sum_norm_defect2 = 0.0;  ///< where there is a quaternion
 };
 
 /// Times between the builder's nodes and at its borders: twice as many in every time element as it has nodes;
@@ -37,17 +40,21 @@ Eigen::MatrixXd certificate_points(const Codebook& book, int count, std::uint64_
 class CertifiedAnswers {
  public:
   CertifiedAnswers(const Codebook& book, const std::vector<double>& times);
-  /// times x outputs; without time, one row
-  const Eigen::MatrixXd& at(std::span<const double> q);
+  /// @param reference times x outputs; without time, one row
+  PointErrors compare(std::span<const double> q, const Eigen::MatrixXd& reference);
 
  private:
+  /// Into values_, quaternions as they are stored.
+  void ask(std::span<const double> q);
+  /// Of values_ as they are stored, against the length with which the reference begins.
+  void measure_norms(const Eigen::MatrixXd& reference, PointErrors& errors) const;
+
   std::variant<Query, TrajectoryQuery> query_;
+  std::optional<std::array<int, 4>> quaternion_;  ///< places among the outputs
+  std::optional<AttitudeLength> attitude_;
   Eigen::MatrixXd values_;
   Eigen::VectorXd at_point_;
 };
-
-/// @param reference as values, in the same order
-PointErrors compare(const Eigen::MatrixXd& values, const Eigen::MatrixXd& reference);
 
 /// Puts the points' errors together, in the order of the points; points that were not compared count as
 /// failed. What the errors are against is the caller's to say.

@@ -40,6 +40,7 @@ struct QueryOptions {
   std::vector<std::string> outputs = {};     ///< in the order wanted; empty: all
   std::map<std::string, double> fixed = {};  ///< coordinates that are held, SI
   Precision precision = Precision::double_precision;
+  bool as_stored = false;  ///< quaternions as the build left them, not of the length with which they began
 };
 
 /// Answers at single points and at many.

@@ -103,8 +103,8 @@ Prepared prepare(const Codebook& book, const QueryOptions& options,
   if (choice.times && choice.fixed.front())
     throw ArgumentError("a query at given times cannot hold time at another one");
   choice.single = options.precision == Precision::single_precision;
-  Prepared result{std::make_shared<const PreparedFields>(book, choice), Precision::double_precision,
-                  AttitudeLength::of(book, choice.outputs)};
+  Prepared result{std::make_shared<const PreparedFields>(book, choice)};
+  if (!options.as_stored) result.attitude = AttitudeLength::of(book, choice.outputs);
   if (choice.single) result.precision = Precision::single_precision;
   // Trials would read all pieces of a large file.
   const bool is_read = std::ranges::all_of(book.pieces(), [](const Piece& piece) { return piece.is_read(); });

@@ -36,6 +36,10 @@ void write_certificate(Hdf5Writer& file, const Certificate& c) {
   file.write_number_attribute(path, "spent_discretisation", c.spent.discretisation);
   file.write_number_attribute(path, "spent_compression", c.spent.compression);
   file.write_number_attribute(path, "spent_nonlinearity", c.spent.nonlinearity);
+  if (c.norm_defect) {
+    file.write_number_attribute(path, "norm_defect_max", c.norm_defect->max);
+    file.write_number_attribute(path, "norm_defect_rms", c.norm_defect->rms);
+  }
   for (const OutputError& o : c.outputs) {
     const std::string output = path + "/" + o.name;
     file.create_group(output);

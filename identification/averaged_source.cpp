@@ -9,6 +9,14 @@ namespace {
 
 /// Times that differ by less than this share of an interval are one.
 constexpr double kSameTime = 1e-6;
+/// The share of an interval by which frames may lie behind the end of a family.
+constexpr double kRounding = 1e-3;
+
+/// A time that rounding has put just before the start, or just behind the end of the family, on it.
+double within(double end, double interval, double time) {
+  if (time > end && time <= end + kRounding * interval) return end;
+  return std::max(0.0, time);
+}
 
 /// Rows of a family that are averaged for one frame.
 using Rows = std::vector<Eigen::Index>;
@@ -46,22 +54,23 @@ class AveragedSource final : public TrajectorySource {
 
 }  // namespace
 
-std::unique_ptr<TrajectorySource> averaged_source(const TrajectoryFamily& family, const FitProblem& problem,
-                                                  const Segment& segment, const std::vector<int>& wanted) {
-  if (problem.averaged_frames == 1) return family.at(segment.times, problem.requested, wanted);
-  const int half = problem.averaged_frames / 2;
-  const std::size_t frames = segment.times.size() - (segment.joined ? 1 : 0);
-  std::vector<double> times;
+std::unique_ptr<TrajectorySource> averaged_source(const TrajectoryFamily& family, const FrameMean& mean,
+                                                  const std::vector<double>& times,
+                                                  const std::vector<std::string>& outputs,
+                                                  const std::vector<int>& wanted) {
+  if (mean.frames == 1) return family.at(times, outputs, wanted);
+  const int half = mean.frames / 2;
+  const std::size_t frames = times.size() - (mean.last_is_state ? 1 : 0);
+  std::vector<double> behind;
   for (std::size_t k = 0; k < frames; ++k) {
     for (int j = -half; j <= half; ++j) {
-      // The start may come out a rounding before 0.
-      times.push_back(std::max(0.0, segment.times[k] + j * segment.interval));
+      behind.push_back(within(family.info().end_time, mean.interval, times[k] + j * mean.interval));
     }
   }
-  if (segment.joined) times.push_back(segment.times.back());
-  std::vector<double> distinct = times;
+  if (mean.last_is_state) behind.push_back(times.back());
+  std::vector<double> distinct = behind;
   std::ranges::sort(distinct);
-  const double margin = kSameTime * segment.interval;
+  const double margin = kSameTime * mean.interval;
   const auto same = [&](double a, double b) { return b - a < margin; };
   distinct.erase(std::unique(distinct.begin(), distinct.end(), same), distinct.end());
 
@@ -70,14 +79,14 @@ std::unique_ptr<TrajectorySource> averaged_source(const TrajectoryFamily& family
         std::ranges::min_element(distinct, {}, [&](double other) { return std::abs(other - time); });
     return static_cast<Eigen::Index>(nearest - distinct.begin());
   };
-  std::vector<Rows> rows(segment.times.size());
-  for (std::size_t k = 0; k < times.size(); ++k) {
-    rows[k / static_cast<std::size_t>(problem.averaged_frames)].push_back(row_of(times[k]));
+  std::vector<Rows> rows(times.size());
+  for (std::size_t k = 0; k < behind.size(); ++k) {
+    rows[k / static_cast<std::size_t>(mean.frames)].push_back(row_of(behind[k]));
   }
-  return std::make_unique<AveragedSource>(family.at(distinct, problem.requested, wanted),
-                                          static_cast<Eigen::Index>(distinct.size()),
-                                          static_cast<Eigen::Index>(problem.requested.size()),
-                                          static_cast<Eigen::Index>(problem.slots.size()), std::move(rows));
+  return std::make_unique<AveragedSource>(
+      family.at(distinct, outputs, wanted), static_cast<Eigen::Index>(distinct.size()),
+      static_cast<Eigen::Index>(outputs.size()), static_cast<Eigen::Index>(family.info().coordinates.size()),
+      std::move(rows));
 }
 
 }  // namespace samara::identification

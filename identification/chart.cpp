@@ -143,31 +143,36 @@ void Chart::minus(const double* y, const double* x, double* step) const {
   }
 }
 
+Chart::Block Chart::plus_block(Kind kind, const double* q) {
+  switch (kind) {
+    case Kind::held:
+      return Block(1, 0);
+    case Kind::linear:
+      return Block::Ones(1, 1);
+    case Kind::logarithmic:
+      return Block::Constant(1, 1, q[0]);
+    case Kind::quaternion:
+    case Kind::axis:
+      break;
+  }
+  Eigen::Matrix<double, 4, 3> by_turn;
+  by_turn << -q[1], -q[2], -q[3],  //
+      q[0], -q[3], q[2],           //
+      q[3], q[0], -q[1],           //
+      -q[2], q[1], q[0];
+  return 0.5 * by_turn.leftCols(directions_of(kind));
+}
+
+Chart::Block Chart::minus_block(Kind kind, const double* q) {
+  if (is_attitude(kind)) return turn_between(q, q).by_to.topRows(directions_of(kind));
+  return plus_block(kind, q).cwiseInverse().transpose();  // one number, or none
+}
+
 Eigen::MatrixXd Chart::plus_jacobian(const double* x) const {
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(size_, directions_);
   for (const Part& part : parts_) {
-    const double* q = x + part.unknown;
-    switch (part.kind) {
-      case Kind::held:
-        break;
-      case Kind::linear:
-        jacobian(part.unknown, part.direction) = 1.0;
-        break;
-      case Kind::logarithmic:
-        jacobian(part.unknown, part.direction) = q[0];
-        break;
-      case Kind::quaternion:
-      case Kind::axis: {
-        Eigen::Matrix<double, 4, 3> by_turn;
-        by_turn << -q[1], -q[2], -q[3],  //
-            q[0], -q[3], q[2],           //
-            q[3], q[0], -q[1],           //
-            -q[2], q[1], q[0];
-        const int directions = directions_of(part.kind);
-        jacobian.block(part.unknown, part.direction, 4, directions) = 0.5 * by_turn.leftCols(directions);
-        break;
-      }
-    }
+    const Block block = plus_block(part.kind, x + part.unknown);
+    jacobian.block(part.unknown, part.direction, block.rows(), block.cols()) = block;
   }
   return jacobian;
 }
@@ -175,24 +180,8 @@ Eigen::MatrixXd Chart::plus_jacobian(const double* x) const {
 Eigen::MatrixXd Chart::minus_jacobian(const double* x) const {
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(directions_, size_);
   for (const Part& part : parts_) {
-    const double* q = x + part.unknown;
-    switch (part.kind) {
-      case Kind::held:
-        break;
-      case Kind::linear:
-        jacobian(part.direction, part.unknown) = 1.0;
-        break;
-      case Kind::logarithmic:
-        jacobian(part.direction, part.unknown) = 1.0 / q[0];
-        break;
-      case Kind::quaternion:
-      case Kind::axis: {
-        const int directions = directions_of(part.kind);
-        jacobian.block(part.direction, part.unknown, directions, 4) =
-            turn_between(q, q).by_to.topRows(directions);
-        break;
-      }
-    }
+    const Block block = minus_block(part.kind, x + part.unknown);
+    jacobian.block(part.direction, part.unknown, block.rows(), block.cols()) = block;
   }
   return jacobian;
 }

@@ -54,6 +54,10 @@ class Chart {
     int unknown, direction;  ///< the first of its own
   };
   static int directions_of(Kind kind);
+  /// What a part has in the jacobians.
+  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 4, 4>;
+  static Block plus_block(Kind kind, const double* q);
+  static Block minus_block(Kind kind, const double* q);
   static bool is_attitude(Kind kind) { return kind == Kind::quaternion || kind == Kind::axis; }
   std::vector<Part> parts_;
   int size_ = 0;

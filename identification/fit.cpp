@@ -6,12 +6,15 @@
 
 #include <fmt/format.h>
 
+#include "samara/identification/bootstrap.h"
 #include "samara/identification/fit_problem.h"
 #include "samara/identification/fit_summary.h"
 #include "samara/identification/fit_trust.h"
 #include "samara/identification/global_search.h"
+#include "samara/identification/integration_check.h"
 #include "samara/identification/join_weights.h"
 #include "samara/identification/minimize.h"
+#include "samara/identification/noise_levels.h"
 #include "samara/identification/segment_residual.h"
 #include "samara/identification/start_states.h"
 #include "samara/identification/starts.h"
@@ -39,13 +42,12 @@ class Descents {
     FitPoint point = first_point(index);
     if (!problem_.is_joined()) return in_rounds(std::move(point));
     // The same for all starts, or their costs could not be compared.
-    if (deviations_.size() == 0) deviations_ = start_deviations(problem_, residuals_, point);
-    MinimizeResult result;
+    if (!deviations_) deviations_ = start_deviations(problem_, residuals_, point);
+    MinimizeResult result{.point = point, .message = "there is no trajectory at this start"};
+    if (!deviations_) return result;
     int iterations = 0;
     for (const double stage : options_.segments.stages) {
-      for (SegmentResidual& residual : residuals_) {
-        if (residual.segment().joined) residual.set_join_weights(stage * deviations_.cwiseInverse());
-      }
+      weigh_joins(stage);
       result = minimize(problem_, residuals_, std::move(point), options_.max_iterations);
       iterations += result.iterations;
       point = result.point;
@@ -53,6 +55,26 @@ class Descents {
     }
     result.iterations = iterations;
     return result;
+  }
+
+  /// Joins as the last stage has them, whatever the last start made of them: for all that is asked of a
+  /// minimum.
+  void finish_joins() {
+    if (deviations_) weigh_joins(options_.segments.stages.back());
+  }
+
+  /// Weighs joins anew after the scales of residuals have changed.
+  void rescale(const FitPoint& point) {
+    if (!problem_.is_joined()) return;
+    deviations_ = start_deviations(problem_, residuals_, point);
+    finish_joins();
+  }
+
+  /// From a minimum with other scales to the one beside it.
+  MinimizeResult again(MinimizeResult last) {
+    MinimizeResult next = minimize(problem_, residuals_, std::move(last.point), options_.max_iterations);
+    next.iterations += last.iterations;
+    return next;
   }
 
   /// The first start, from a search of the box.
@@ -75,6 +97,15 @@ class Descents {
   }
 
  private:
+  /// Segments of a capture have one camera from the first stage on, since alone they hardly determine it.
+  void weigh_joins(double stage) {
+    Eigen::VectorXd weights = stage * deviations_->cwiseInverse();
+    weights.tail(problem_.camera_count()) *= options_.segments.stages.back() / stage;
+    for (SegmentResidual& residual : residuals_) {
+      if (residual.segment().joined) residual.set_join_weights(weights);
+    }
+  }
+
   /// To a minimum, with start states found anew in each round; the best round.
   MinimizeResult in_rounds(FitPoint point) {
     MinimizeResult best = minimize(problem_, residuals_, std::move(point), options_.max_iterations);
@@ -84,8 +115,9 @@ class Descents {
       FitPoint again = best.point;
       find_start_states(*equations, problem_, residuals_, again, true);
       MinimizeResult next = minimize(problem_, residuals_, std::move(again), options_.max_iterations);
-      next.iterations += best.iterations;
+      const int spent = best.iterations + next.iterations;
       if (next.status != FitStatus::failed && next.cost < best.cost) best = std::move(next);
+      best.iterations = spent;
     }
     return best;
   }
@@ -105,7 +137,7 @@ class Descents {
   const FitProblem& problem_;
   std::vector<SegmentResidual>& residuals_;
   const FitOptions& options_;
-  Eigen::VectorXd deviations_;
+  std::optional<Eigen::VectorXd> deviations_;
   std::optional<FitPoint> searched_;
 };
 
@@ -150,12 +182,35 @@ bool goes_on(const FitOptions& options, int start) {
   return wanted || start == 0;
 }
 
-void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, FitResult& result) {
+/// Noise levels and fit in turn, until the levels stand still.
+void estimate_noise(NoiseLevels& levels, int rounds, FitProblem& problem,
+                    std::vector<SegmentResidual>& residuals, Descents& descend,
+                    std::vector<MinimizeResult>& runs, FitResult& result) {
+  constexpr double kStill = 0.01;
+  double change = 1.0;
+  for (; result.noise_rounds < rounds && change > kStill; ++result.noise_rounds) {
+    const std::optional<std::size_t> best = best_of(runs);
+    if (levels.empty() || !best) return;
+    change = levels.update(problem, residuals, runs[*best].point);
+    descend.rescale(runs[*best].point);
+    for (MinimizeResult& run : runs) {
+      if (run.status != FitStatus::failed) run = descend.again(std::move(run));
+    }
+  }
+  if (change > kStill) {
+    result.warnings.push_back(fmt::format("the noise levels still moved by {:.2g} % in the last of {} rounds",
+                                          100.0 * change, rounds));
+  }
+}
+
+void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, int max_iterations,
+              FitResult& result) {
   result.status = best.status;
   const std::string reached = fmt::format("{} of {} starts reached the best cost, {:.6g}",
                                           result.starts_at_best, result.starts.size(), result.cost);
   if (best.status == FitStatus::iteration_limit) {
-    result.message = fmt::format("did not converge within {} iterations; {}", best.iterations, reached);
+    result.message = fmt::format("did not converge within {} iterations{}; {}", max_iterations,
+                                 best.iterations > max_iterations ? " of a stage" : "", reached);
   } else if (!uncertainty.undetermined_sets.empty()) {
     result.status = FitStatus::not_determined;
     result.message =
@@ -169,14 +224,15 @@ void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, FitRes
 
 FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures, const FitOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
-  const FitProblem problem = make_problem(family.info(), captures, options);
+  FitProblem problem = make_problem(family.info(), captures, options);
+  NoiseLevels levels(options.noise, problem);
   std::vector<SegmentResidual> residuals = make_residuals(family, problem);
 
   Descents descend(family, problem, residuals, options);
   const std::optional<GlobalSearch> search = descend.search();
   std::vector<MinimizeResult> runs;
   for (int k = 0; k < options.starts && goes_on(options, k); ++k) runs.push_back(descend(k));
-  const std::optional<std::size_t> best = best_of(runs);
+  descend.finish_joins();
 
   FitResult result{.model = family.info().model,
                    .source = family.info().source,
@@ -184,26 +240,34 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
                    .fixed = problem.fixed};
   add_capture_warnings(family.info(), captures, options, result);
   result.global_search = search;
+  estimate_noise(levels, options.noise.rounds, problem, residuals, descend, runs, result);
+  const std::optional<std::size_t> best = best_of(runs);
   record_starts(problem, runs, best, result);
   if (best) {
     const FitPoint& point = runs[*best].point;
     result.cost = runs[*best].cost;
     const Uncertainty uncertainty = estimate_uncertainty(problem, residuals, point);
+    result.information = uncertainty.information;
     if (problem.is_joined()) result.join_defect = descend.join_defect();
     add_coefficients(problem, point, uncertainty, result);
     add_captures(problem, residuals, point, uncertainty, result);
-    conclude(runs[*best], uncertainty, result);
+    conclude(runs[*best], uncertainty, options.max_iterations, result);
     add_misfit_warnings(problem, result);
-    add_warnings(uncertainty, result);
+    add_start_warning(family, options, result);
+    add_warnings(problem, uncertainty, result);
+    levels.report(problem, result);
+    add_integration_shift(family, problem, residuals, point, uncertainty, result);
     add_whiteness(result);
-    add_identifiability(uncertainty, result);
+    add_identifiability(problem, uncertainty, result);
     if (options.profiles) {
       add_profiles(problem, residuals, point, uncertainty, options.max_iterations, result);
       add_profile_warnings(result);
     }
+    add_bootstrap(problem, residuals, point, options, result);
   } else {
     result.message =
         fmt::format("none of {} starts led anywhere; the first: {}", runs.size(), runs.front().message);
+    add_speed_warnings(family, captures, result);
   }
   for (const SegmentResidual& residual : residuals) result.evaluations += residual.evaluations();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -14,18 +14,21 @@
 ///     measured(t) = y_o(t; q_c) + offset_(c,o) + noise,
 ///
 /// where the coordinates q_c are shared by all captures (parameters, by default) or the capture's own
-/// (initial values), and an offset is free where the motion does not depend on the place. Minimised is
-/// 1/2 sum rho((measured - model)/scale) within the box, with a loss that tames outliers, by Levenberg and
-/// Marquardt (Ceres) with exact derivatives, each capture's own unknowns eliminated (Schur complement), from
-/// several starts.
+/// (initial values), and an offset is free where the motion does not depend on the place; an attitude is
+/// compared by the turn between the two. Minimised is 1/2 sum rho((measured - model)/scale) within the box,
+/// with a loss that tames outliers, by Levenberg and Marquardt (Ceres) with exact derivatives, from several
+/// starts or what a search of the box found; to the cost come 1/2 ((q - mean)/deviation)^2 for each prior, and
+/// where captures are cut into segments 1/2 (weight (end - next start))^2 for each join. Unknowns that reach a
+/// bound are held there while the rest is minimised, and let go if the cost would fall.
 ///
 /// Uncertainty. Frames of one motion are not independent (tracking, scale and what the model lacks are wrong
 /// for the whole motion), so the errors of shared coefficients come from the scatter of the captures'
 /// gradients g_c at the optimum, by clusters:
 ///
-///     cov = C/(C - 1) H^-1 (sum_c g_c g_c^T) H^-1,   H = sum psi' J J^T, own unknowns eliminated,
+///     cov = H^-1 (C/(C - 1) sum_c g_c g_c^T + P) H^-1,   H = sum psi' J J^T + P, own unknowns eliminated,
 ///
-/// beside the naive ones, Huber's var(psi)/mean(psi')^2 (J^T J)^-1. Clustered errors are themselves rough for
+/// with P the information of priors, beside the naive ones, Huber's var(psi)/mean(psi')^2 (J^T J)^-1 (to
+/// which priors add in the same way). Clustered errors are themselves rough for
 /// few clusters, and know nothing of an error that all captures share. Unknowns at a bound are taken as held.
 ///
 ///     const auto book = codebooks::load("coin.h5");

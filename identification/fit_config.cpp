@@ -129,6 +129,50 @@ GlobalOptions read_global(const TomlTable& root) {
   return global;
 }
 
+/// `bootstrap = 100`, or a table with a seed.
+BootstrapOptions read_bootstrap(const TomlTable& root) {
+  if (!root.is_table("bootstrap")) return {.replicates = positive_integer(root, "bootstrap")};
+  const TomlTable table = root.table("bootstrap");
+  table.expect_keys({"replicates", "seed"});
+  BootstrapOptions bootstrap{.replicates = positive_integer(table, "replicates")};
+  if (table.has("seed")) bootstrap.seed = static_cast<std::uint64_t>(positive_integer(table, "seed"));
+  return bootstrap;
+}
+
+/// `noise = "estimated"`, or a table with levels and rounds.
+NoiseOptions read_noise(const TomlTable& root, const Units& outputs) {
+  NoiseOptions noise{.estimated = true};
+  if (!root.is_table("noise")) {
+    if (root.string("noise") == "estimated") return noise;
+    throw root.error("noise", fmt::format("\"{}\" means nothing here; \"estimated\", or a table with levels "
+                                          "and rounds, was expected",
+                                          root.string("noise")));
+  }
+  const TomlTable table = root.table("noise");
+  table.expect_keys({"levels", "rounds"});
+  if (table.has("rounds")) noise.rounds = positive_integer(table, "rounds");
+  if (!table.has("levels")) return noise;
+  const TomlTable levels = table.table("levels");
+  std::vector<std::string> known = names_of(outputs);
+  known.push_back("attitude");
+  levels.expect_keys(known);
+  for (const std::string& name : levels.keys()) noise.levels[name] = levels.string(name);
+  return noise;
+}
+
+CameraOptions read_camera(const TomlTable& table, const Units& outputs) {
+  table.expect_keys({"scale", "rotation", "axes", "angles"});
+  CameraOptions camera;
+  if (table.has("scale")) {
+    camera.scale = table.number("scale");
+    require_positive(table, "scale", *camera.scale);
+  }
+  if (table.has("rotation")) camera.rotation = positive_quantity(table, "rotation", "rad");
+  if (table.has("axes")) camera.axes = known_names(table, "axes", outputs);
+  if (table.has("angles")) camera.angles = known_names(table, "angles", outputs);
+  return camera;
+}
+
 std::map<std::string, std::string> read_known(const TomlTable& table, const Units& coordinates) {
   table.expect_keys(names_of(coordinates));
   std::map<std::string, std::string> known;
@@ -176,11 +220,13 @@ void read_tables(const TomlTable& root, const ConfigNames& names, FitOptions& op
 }
 
 FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
-  root.expect_keys(
-      {"window",     "outputs", "loss",           "shared",          "per_capture", "offsets",
-       "cluster_by", "starts",  "max_iterations", "profiles",        "segments",    "global",
-       "step",       "rounds",  "round_body",     "averaged_frames", "log_scale",   "attitude_scale",
-       "fixed",      "initial", "known",          "priors",          "periods",     "box"});
+  root.expect_keys({"window",         "outputs",        "loss",       "shared",
+                    "per_capture",    "offsets",        "cluster_by", "starts",
+                    "max_iterations", "profiles",       "segments",   "global",
+                    "step",           "rounds",         "round_body", "averaged_frames",
+                    "log_scale",      "attitude_scale", "fixed",      "initial",
+                    "known",          "priors",         "periods",    "box",
+                    "bootstrap",      "noise",          "camera",     "series"});  // series_config.h
   FitOptions options;
   if (root.has("window")) options.window = positive_quantity(root, "window", "s");
   if (root.has("outputs")) options.outputs = known_names(root, "outputs", names.outputs);
@@ -192,6 +238,7 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
   if (root.has("starts")) options.starts = positive_integer(root, "starts");
   if (root.has("max_iterations")) options.max_iterations = positive_integer(root, "max_iterations");
   options.profiles = root.optional_boolean("profiles").value_or(false);
+  if (root.has("bootstrap")) options.bootstrap = read_bootstrap(root);
   if (root.has("segments")) options.segments = read_segments(root);
   if (root.has("global")) options.global = read_global(root);
   if (root.has("rounds")) options.rounds = positive_integer(root, "rounds");
@@ -200,6 +247,8 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
   if (root.has("step")) options.step = positive_quantity(root, "step", "s");
   if (root.has("log_scale")) options.log_scale = known_names(root, "log_scale", names.coordinates);
   if (root.has("attitude_scale")) options.attitude_scale = positive_quantity(root, "attitude_scale", "rad");
+  if (root.has("noise")) options.noise = read_noise(root, names.outputs);
+  if (root.has("camera")) options.camera = read_camera(root.table("camera"), names.outputs);
   read_tables(root, names, options);
   for (const auto& [list, chosen] :
        {std::pair{"shared", &options.shared}, std::pair{"per_capture", &options.per_capture}}) {

@@ -21,6 +21,7 @@
 ///     starts = 3
 ///     max_iterations = 500
 ///     profiles = true
+///     bootstrap = 100                                 # or { replicates = 100, seed = 1 }
 ///     segments = "60 ms"                              # or { length = "60 ms", stages = [0.05, 0.5, 5, 50] }
 ///     global = "crs"                                  # or { method = "crs", budget = 300, seed = 1 }
 ///     step = "1 ms"                                   # of a model without a codebook: Runge-Kutta steps
@@ -29,6 +30,8 @@
 ///     rounds = 2                                      # start states found again after the fit, and so on
 ///     log_scale = ["C_D"]
 ///     attitude_scale = "2 deg"
+///     noise = "estimated"                             # or { levels = { x = "a", y = "a" }, rounds = 10 }
+///     camera = { scale = 0.02, rotation = "1 deg" }   # unknown of each capture: deviations beforehand
 ///
 ///     [fixed]
 ///     fluid_density = "998.2 kg/m^3"
@@ -46,7 +49,7 @@
 ///     [periods]                                       # of outputs; those in rad have 360 deg
 ///     theta = "180 deg"
 ///
-/// Every key may be left out; fit_options.h has the meanings and defaults. To fit a model without a codebook,
+/// A table [series] is for series_config.h. Every key may be left out; fit_options.h has the meanings and defaults. To fit a model without a codebook,
 /// its family takes `fixed` and `box` of the options:
 ///
 ///     const auto model = models::find_model("vertical_fall");

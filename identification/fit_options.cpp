@@ -64,6 +64,9 @@ void validate(const FitOptions& options) {
   }
   for (const double stage : options.segments.stages) require_positive("a weight of segments.stages", stage);
   require_positive("attitude_scale", options.attitude_scale);
+  require_at_least_one("noise.rounds", options.noise.rounds);
+  if (options.camera.scale) require_positive("camera.scale", *options.camera.scale);
+  if (options.camera.rotation) require_positive("camera.rotation", *options.camera.rotation);
   for (const auto& [name, prior] : options.priors) {
     require_positive(fmt::format("the deviation of the prior of \"{}\"", name), prior.deviation);
     if (prior.logarithmic) require_positive(fmt::format("the mean of the prior of \"{}\"", name), prior.mean);
@@ -71,6 +74,9 @@ void validate(const FitOptions& options) {
       throw ArgumentError(fmt::format("the mean of the prior of \"{}\" is {}; a finite number was expected",
                                       name, prior.mean));
     }
+  }
+  for (const CombinationPrior& prior : options.combinations) {
+    require_positive("the deviation of a combination", prior.deviation);
   }
   for (const auto& [name, period] : options.periods) {
     if (!(std::isfinite(period) && period >= 0.0)) {
@@ -84,6 +90,10 @@ void validate(const FitOptions& options) {
     throw ArgumentError(fmt::format("starts is {}; at most {} was expected", options.starts, kMostStarts));
   }
   require_at_least_one("max_iterations", options.max_iterations);
+  if (options.bootstrap.replicates < 0) {
+    throw ArgumentError(
+        fmt::format("bootstrap.replicates is {}; 0 or more was expected", options.bootstrap.replicates));
+  }
   require_at_least_one("rounds", options.rounds);
   if (options.averaged_frames < 1 || options.averaged_frames % 2 == 0) {
     throw ArgumentError(fmt::format("averaged_frames is {}; an odd number, at least 1, was expected",

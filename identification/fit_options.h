@@ -23,11 +23,47 @@ struct LossOptions {
   std::map<std::string, double> scales = {};
 };
 
+/// Noise levels from the residuals, in turn with the fit: the variance of an output is what its residuals
+/// leave for each of its values, less the unknowns that these determine (W. Foerstner, Allg.
+/// Vermess.-Nachr. 86 (1979) 446; in the end, restricted maximum likelihood). With a robust loss it is that
+/// of normal noise without outliers (P. J. Huber, Robust Statistics, 1981, ch. 7), and the loss bends where
+/// it keeps 95 % of the efficiency of least squares. It begins with `loss.scales`, and for outputs that have
+/// none there, with the scatter of frames about a smooth curve.
+struct NoiseOptions {
+  bool estimated = false;
+  /// Outputs, or "attitude", by the name of the level that they share; those not named keep their scale.
+  /// Empty: every output has a level of its own.
+  std::map<std::string, std::string> levels = {};
+  int rounds = 10;  ///< at most; they end when no level moves by more than a percent
+};
+
+/// What is not known of the camera, for each capture: every length it saw may be too large or too small by
+/// one factor, and its axes may be turned against those of the model, both about the origin.
+struct CameraOptions {
+  /// Standard deviation, beforehand, of the relative error of lengths: 0.02 is 2 %. Empty: no such unknown.
+  std::optional<double> scale = {};
+  /// rad: standard deviation, beforehand, of the turn about each axis. Empty: no such unknown.
+  std::optional<double> rotation = {};
+  /// Outputs that are coordinates of the place, in right-handed order. Empty: those in which the model has a
+  /// translation symmetry. A turn needs two or three; the attitude turns with three.
+  std::vector<std::string> axes = {};
+  /// Outputs that turn with two axes: angles that grow from the first to the second. Empty: those in rad.
+  std::optional<std::vector<std::string>> angles = {};
+};
+
 /// What is known of a coefficient beforehand: a normal distribution of it, or of its logarithm.
 struct Prior {
   double mean = 0.0;       ///< SI; the median if logarithmic
   double deviation = 1.0;  ///< standard deviation, SI; of the logarithm if logarithmic: 0.1 is 10 %
   bool logarithmic = false;
+};
+
+/// What is known beforehand of a sum of shared coordinates: it is normal. Differences of neighbours in a row
+/// of coordinates make the row smooth.
+struct CombinationPrior {
+  std::map<std::string, double> weights = {};  ///< by name; of SI values
+  double mean = 0.0;                           ///< of the weighted sum
+  double deviation = 1.0;
 };
 
 /// Multiple shooting: every capture is cut into segments with a start state of each own. That a segment ends
@@ -61,6 +97,12 @@ struct GlobalOptions {
   std::uint64_t seed = 1;
 };
 
+/// Errors from fits with random weights, cluster by cluster: see FitResult::bootstrap.
+struct BootstrapOptions {
+  int replicates = 0;  ///< 0: none; 50 tell an error to 10 %
+  std::uint64_t seed = 1;
+};
+
 struct FitOptions {
   // What is compared
   /// s: only this much of each capture, from its first frame. Empty: all of it.
@@ -68,6 +110,7 @@ struct FitOptions {
   /// Names; empty: every output that all captures measure.
   std::vector<std::string> outputs = {};
   LossOptions loss = {};
+  NoiseOptions noise = {};
 
   // What is fitted
   /// Coordinates with one value for all captures. Parameters are, unless named in `per_capture`.
@@ -78,16 +121,18 @@ struct FitOptions {
   std::map<std::string, double> fixed = {};
   /// Intervals within the family's box that the fit must not leave (SI).
   std::map<std::string, Interval> box = {};
-  /// Coordinates that are known for each capture: the label of the captures that holds the value, SI.
+  /// Coordinates that are known for each capture: the label that holds the value, SI, in the family's box.
   std::map<std::string, std::string> known = {};
   /// Shared coordinates that move by factors, not by differences; their boxes must be positive.
   std::vector<std::string> log_scale = {};
   /// Of shared coordinates, and of those of each capture's own: there of every capture alike, and of where
   /// its first segment starts.
   std::map<std::string, Prior> priors = {};
+  std::vector<CombinationPrior> combinations = {};
   /// Outputs that get a free constant for each capture, added to the model. Empty: those in which the model
   /// has a translation symmetry and whose initial value is not a coordinate.
   std::optional<std::vector<std::string>> offsets = {};
+  CameraOptions camera = {};
 
   /// Outputs that repeat, with their periods: differences are taken on the circle. Those in rad do by 2 pi,
   /// unless they are named here; 0 for none.
@@ -127,6 +172,7 @@ struct FitOptions {
   /// The profile of every shared coefficient: some ten fits each, with it held. Whether it is
   /// determined, bounded to one side, or not at all, and an interval that follows bends.
   bool profiles = false;
+  BootstrapOptions bootstrap = {};
 };
 
 /// @throws ArgumentError naming field, value and requirement.

@@ -9,7 +9,10 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/identification/camera.h"
+#include "samara/identification/coordinate_names.h"
 #include "samara/identification/joins.h"
+#include "samara/identification/noise_levels.h"
 #include "samara/identification/segments.h"
 #include "samara/io/units.h"
 
@@ -17,19 +20,9 @@ namespace samara::identification {
 
 namespace {
 
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::ranges::count(names, name) > 0;
-}
-
-std::vector<std::string> coordinate_names(const FamilyInfo& family) {
-  std::vector<std::string> names;
-  for (const FitCoordinate& c : family.coordinates) names.push_back(c.name);
-  return names;
-}
-
 /// @throws ArgumentError for the first name that is no coordinate.
 void check_coordinate(const FamilyInfo& family, const std::string& field, const std::string& name) {
-  const std::vector<std::string> known = coordinate_names(family);
+  const std::vector<std::string> known = names_of(family.coordinates);
   if (contains(known, name)) return;
   throw ArgumentError(fmt::format("{}: the {} of \"{}\" has no free coordinate \"{}\"{}", field,
                                   family.source, family.model, name, suggestion(name, known)));
@@ -90,6 +83,11 @@ CoordinateSlot fixed_slot(const FamilyInfo& family, const FitCoordinate& coordin
 
 void assign_roles(const FamilyInfo& family, const FitOptions& options, FitProblem& problem) {
   for (const FitCoordinate& coordinate : family.coordinates) {
+    if (coordinate.name == family.clock) {
+      problem.clock = problem.slots.size();
+      problem.slots.push_back({});
+      continue;
+    }
     if (const auto fixed = options.fixed.find(coordinate.name); fixed != options.fixed.end()) {
       problem.slots.push_back(fixed_slot(family, coordinate, fixed->second));
       problem.fixed[coordinate.name] = fixed->second;
@@ -161,7 +159,6 @@ std::vector<FitOutput> choose_outputs(const FamilyInfo& family, std::span<const 
 }
 
 double loss_scale(const FitOutput& output, const LossOptions& loss, bool is_only_output) {
-  if (const auto found = loss.scales.find(output.name); found != loss.scales.end()) return found->second;
   if (io::same_dimension(output.unit, "m")) return loss.length_scale;
   if (loss.kind == LossKind::none && is_only_output) return 1.0;
   throw ArgumentError(
@@ -170,9 +167,23 @@ double loss_scale(const FitOutput& output, const LossOptions& loss, bool is_only
                   output.name, output.unit));
 }
 
+void set_scale(const FitOutput& output, std::span<const Capture> captures, const FitOptions& options,
+               bool is_only_output, ComparedOutput& compared) {
+  const auto given = options.loss.scales.find(output.name);
+  if (given != options.loss.scales.end()) {
+    compared.scale = given->second;
+  } else if (noise_is_estimated(options.noise, output.name)) {
+    compared.scale =
+        efficient_bend(options.loss.kind) * frame_scatter(captures, output.name, compared.period);
+    compared.scale_is_scatter = true;
+  } else {
+    compared.scale = loss_scale(output, options.loss, is_only_output);
+  }
+}
+
 bool has_offset(const FamilyInfo& family, const FitOptions& options, const std::string& output) {
   if (options.offsets) return contains(*options.offsets, output);
-  return contains(family.translations, output) && !contains(coordinate_names(family), output + "(0)");
+  return contains(family.translations, output) && !contains(names_of(family.coordinates), output + "(0)");
 }
 
 void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures, const FitOptions& options,
@@ -180,10 +191,8 @@ void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures,
   const std::vector<FitOutput> chosen = choose_outputs(family, captures, options.outputs);
   for (const auto& [name, scale] : options.loss.scales) find_output(family, "loss.scale", name);
   for (const FitOutput& output : chosen) {
-    ComparedOutput compared{.name = output.name,
-                            .unit = output.unit,
-                            .scale = loss_scale(output, options.loss, chosen.size() == 1),
-                            .period = period_of(output, options)};
+    ComparedOutput compared{.name = output.name, .unit = output.unit, .period = period_of(output, options)};
+    set_scale(output, captures, options, chosen.size() == 1, compared);
     if (has_offset(family, options, output.name)) {
       compared.offset = static_cast<int>(problem.offsets.size());
       problem.offsets.push_back(output.name);
@@ -194,11 +203,10 @@ void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures,
     problem.outputs.push_back(compared);
     problem.requested.push_back(compared.name);
   }
-  const bool wants_attitude =
-      options.outputs.empty() || std::ranges::any_of(options.outputs, [&](const std::string& name) {
-        return contains(family.attitude, name);
-      });
-  if (wants_attitude && measure_attitude(family, captures)) {
+  // What is asked for must be measured, by every capture (segments.h).
+  const bool is_asked_for = std::ranges::any_of(
+      options.outputs, [&](const std::string& name) { return contains(family.attitude, name); });
+  if (is_asked_for || (options.outputs.empty() && measure_attitude(family, captures))) {
     problem.attitude_scale = options.attitude_scale;
     problem.requested.insert(problem.requested.end(), family.attitude.begin(), family.attitude.end());
   }
@@ -243,6 +251,28 @@ void family_point(const FitProblem& problem, const Motion& motion, const double*
   }
 }
 
+double SharedCombination::residual(const double* shared) const {
+  double sum = -mean;
+  for (const auto& [index, weight] : terms) sum += weight * shared[index];
+  return sum / deviation;
+}
+
+Eigen::Vector4d start_attitude(const FitProblem& problem, const Segment& segment) {
+  if (!segment.attitudes.empty()) return Eigen::Vector4d(segment.attitudes.front().q_WB.data());
+  Eigen::Vector4d middle;
+  for (std::size_t part = 0; part < 4; ++part) {
+    const FitCoordinate& c = problem.own[*problem.own_attitude + part];
+    middle[static_cast<Eigen::Index>(part)] = 0.5 * (c.lower + c.upper);
+  }
+  return unit_attitude(middle);
+}
+
+Eigen::Vector4d unit_attitude(const Eigen::Vector4d& q) {
+  constexpr double kShort = 0.1;
+  const double length = q.norm();
+  return length < kShort ? Eigen::Vector4d(1.0, 0.0, 0.0, 0.0) : Eigen::Vector4d(q / length);
+}
+
 PriorResidual prior_residual(const Prior& prior, double value) {
   if (prior.logarithmic)
     return {std::log(value / prior.mean) / prior.deviation, 1.0 / (value * prior.deviation)};
@@ -277,6 +307,7 @@ FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captu
   problem.fixed = family.fixed;
   assign_roles(family, options, problem);
   assign_outputs(family, captures, options, problem);
+  add_camera(family, options, problem);
   if (problem.shared_count() + problem.own_count() == 0) {
     throw ArgumentError("every coordinate is fixed; at least one to fit was expected");
   }

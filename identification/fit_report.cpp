@@ -32,6 +32,7 @@ Json json_of(const FitResult& result, const Coefficient& c) {
           {"upper", c.upper},
           {"at_bound", c.at_bound},
           {"determined", c.determined},
+          {"integration_shift", number(c.integration_shift)},
           {"verdict", verdict(result, c)}};
 }
 
@@ -155,6 +156,7 @@ std::string fit_json(const FitResult& result) {
                  {"residuals", json_of(result.residuals)},
                  {"residual_count", result.residual_count},
                  {"cost", number(result.cost)},
+                 {"join_defect", number(result.join_defect)},
                  {"captures", captures},
                  {"starts", starts},
                  {"starts_at_best", result.starts_at_best},
@@ -178,6 +180,10 @@ std::string fit_text(const FitResult& result) {
     fmt::format_to(out, "rms of {}: {:.4g}{}\n", r.output, r.rms, unit_text(r.unit));
   }
   if (result.residual_count > 0) fmt::format_to(out, "{} values compared\n", result.residual_count);
+  if (result.join_defect) {
+    fmt::format_to(out, "segments join within {:.2g} of what each alone says of its start\n",
+                   *result.join_defect);
+  }
   add_trust_text(result, text);
   fmt::format_to(out, "{} iterations, {} trajectories, {:.3g} s\n", result.iterations, result.evaluations,
                  result.seconds);

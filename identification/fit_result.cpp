@@ -9,6 +9,10 @@
 
 namespace samara::identification {
 
+double NoiseLevel::standard_error() const {
+  return value / std::sqrt(2.0 * degrees_of_freedom);
+}
+
 std::string to_string(FitStatus status) {
   switch (status) {
     case FitStatus::converged:

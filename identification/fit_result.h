@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -38,9 +39,12 @@ struct Coefficient {
   std::optional<double> naive_standard_error = {};
   bool at_bound = false;
   bool determined = true;
+  /// By how much it would move, to first order, if the steps of the trajectories were half as long. Empty
+  /// where trajectories are not made of steps of one length, at a bound, and where not determined.
+  std::optional<double> integration_shift = {};
 };
 
-/// A value of one capture's own: an initial value, or the "offset of x".
+/// One capture's own: an initial value, the "offset of x", the "scale" of its camera, or a "turn" of it.
 struct Nuisance {
   std::string name = {};
   std::string unit = {};
@@ -63,7 +67,8 @@ struct CaptureFit {
   int cluster = 0;  ///< number of its cluster, from 0
   int frames = 0;   ///< in the window, with something to compare
   int segments = 1;
-  double start = 0.0;  ///< s, of the first segment, in the capture's times
+  double start = 0.0;     ///< s, of the first segment, in the capture's times
+  double interval = 0.0;  ///< s, between the frames that are means of several; 0 where frames are no means
   /// At the start of the first segment.
   std::vector<Nuisance> nuisances = {};
   std::vector<OutputRms> residuals = {};
@@ -83,6 +88,16 @@ struct StartRecord {
   bool reached_best = false;
 };
 
+/// What the fit found of the noise of one output, or of several that share a level.
+struct NoiseLevel {
+  std::vector<std::string> outputs = {};  ///< "attitude" for the turns of attitudes, about each axis
+  std::string unit = {};
+  double value = 0.0;               ///< standard deviation; where it was not estimated, what was assumed
+  double degrees_of_freedom = 0.0;  ///< values compared, less the unknowns that they determine
+  bool estimated = false;
+  double standard_error() const;  ///< of the value, for normal noise
+};
+
 /// A search of the whole box before the fit itself.
 struct GlobalSearch {
   std::string method = {};  ///< as FitOptions::global
@@ -91,13 +106,24 @@ struct GlobalSearch {
   double seconds = 0.0;
 };
 
+/// Fits of the same captures with clusters weighted at random, from the answer on (D. B. Rubin, Ann. Statist.
+/// 9 (1981) 130-134): unlike clustered standard errors, which follow the slopes at the answer, they move away
+/// from it, and show where it bends. They do not look for other optima.
+struct Bootstrap {
+  int replicates = 0;  ///< that led somewhere
+  std::uint64_t seed = 1;
+  Eigen::MatrixXd coefficients = {};  ///< replicates x coefficients, SI
+  /// Their scatter, widened by sqrt((C + 1)/(C - 1)) for C clusters: beside the clustered standard errors.
+  std::vector<double> standard_errors = {};
+};
+
 struct FitResult {
   FitStatus status = FitStatus::failed;
   std::string message = "the fit did not run";  ///< why it stopped, in one sentence
   std::vector<std::string> warnings = {};       ///< one sentence each
 
   std::string model = {};
-  std::string source = {};  ///< "codebook" or "reference integrator"
+  std::string source = {};  ///< as FamilyInfo
   std::string loss = {};
   std::map<std::string, double> fixed = {};  ///< everything that was held, SI
 
@@ -106,6 +132,8 @@ struct FitResult {
   /// columns of coefficients without a standard error are NaN.
   Eigen::MatrixXd covariance = {};
   Eigen::MatrixXd correlation = {};
+  /// Second derivative of the cost by the coefficients, priors included, own unknowns eliminated.
+  Eigen::MatrixXd information = {};
   int clusters = 0;
 
   std::vector<CaptureFit> captures = {};
@@ -117,6 +145,11 @@ struct FitResult {
   /// Of multiple shooting: the largest difference between the end of a segment and the start of the next,
   /// over how well a segment alone determines its start. Joins hold where it is small beside 1.
   std::optional<double> join_defect = {};
+  /// The largest of the coefficients' integration_shift over its standard error: what the length of the steps
+  /// does to the answer. Empty where trajectories are not made of steps of one length.
+  std::optional<double> integration_shift = {};
+  std::vector<NoiseLevel> noise = {};  ///< if it was to be estimated
+  int noise_rounds = 0;                ///< so often the levels were estimated, and all fitted again
   std::vector<StartRecord> starts = {};
   int starts_at_best = 0;  ///< starts that ended at the best cost
   int iterations = 0;      ///< over all starts
@@ -129,6 +162,7 @@ struct FitResult {
   std::optional<Whiteness> whiteness = {};
   std::vector<PredictionScore> predictions = {};  ///< on captures or windows left out of the fit
   std::optional<GlobalSearch> global_search = {};
+  std::optional<Bootstrap> bootstrap = {};
 
   /// Null if the coefficient has none.
   const Profile* find_profile(const std::string& coefficient) const;

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "samara/identification/camera.h"
+
 namespace samara::identification {
 
 namespace {
@@ -27,9 +29,11 @@ std::vector<Nuisance> nuisances_of(const FitProblem& problem, const Eigen::Vecto
   for (const ComparedOutput& output : problem.outputs) {
     if (output.offset) nuisances.push_back({fmt::format("offset of {}", output.name), output.unit});
   }
+  for (const std::string& name : camera_unknowns(problem))
+    nuisances.push_back({name, name == kCameraScale ? "1" : "rad"});
   for (std::size_t k = 0; k < nuisances.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
-    nuisances[k].value = own[at];
+    nuisances[k].value = nuisances[k].name == kCameraScale ? 1.0 + own[at] : own[at];
     nuisances[k].at_bound = uncertainty.at_bound[k] != 0;
     if (!std::isnan(uncertainty.standard_error[at]))
       nuisances[k].standard_error = uncertainty.standard_error[at];
@@ -94,13 +98,7 @@ void add_frames(const FitProblem& problem, const Motion& motion,
     for (Eigen::Index row = 0; row < values.rows(); ++row) {
       capture.times[first + row] = segment.start + segment.times[static_cast<std::size_t>(row)];
     }
-    capture.model.middleRows(first, values.rows()) = values;
-    for (Eigen::Index o = 0; o < outputs; ++o) {
-      const auto& offset = problem.outputs[static_cast<std::size_t>(o)].offset;
-      if (!offset) continue;
-      capture.model.col(o).segment(first, values.rows()).array() +=
-          point.own[k][static_cast<Eigen::Index>(problem.own.size()) + *offset];
-    }
+    capture.model.middleRows(first, values.rows()) = residuals[k].seen(point.own[k].data());
     for (std::size_t row = 0; row < segment.observations.size(); ++row) {
       const Observation& o = segment.observations[row];
       capture.measured(first + o.frame, o.output) = o.value;
@@ -151,6 +149,7 @@ void add_captures(const FitProblem& problem, const std::vector<SegmentResidual>&
                        .cluster = motion.cluster,
                        .segments = static_cast<int>(motion.segment_count),
                        .start = problem.segments[first].start,
+                       .interval = problem.segments[first].interval,
                        .nuisances = nuisances_of(problem, point.own[first], uncertainty.own[first]),
                        .residuals = squares.rms(problem)};
     add_frames(problem, motion, residuals, point, capture);

@@ -25,13 +25,18 @@ double usable(double dispersion) {
 }
 
 /// One over the diagonal of the inverse information: the curvature of each profile. 0 for coefficients that
-/// are not determined.
+/// are not determined or lie at a bound, where they stay while another one is held.
 Eigen::VectorXd profile_curvatures(const Uncertainty& uncertainty) {
-  const Eigen::MatrixXd& information = uncertainty.information;
+  std::vector<int> free;
+  for (std::size_t k = 0; k < uncertainty.at_bound.size(); ++k) {
+    if (!uncertainty.at_bound[k]) free.push_back(static_cast<int>(k));
+  }
+  const Eigen::MatrixXd information = uncertainty.information(free, free);
   const DeterminedInverse inverse = invert_determined(information, Eigen::VectorXd::Zero(information.rows()));
-  Eigen::VectorXd curvatures = Eigen::VectorXd::Zero(information.rows());
-  for (Eigen::Index k = 0; k < curvatures.size(); ++k) {
-    if (inverse.determined[static_cast<std::size_t>(k)]) curvatures[k] = 1.0 / inverse.inverse(k, k);
+  Eigen::VectorXd curvatures = Eigen::VectorXd::Zero(uncertainty.information.rows());
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    if (inverse.determined[k]) curvatures[free[k]] = 1.0 / inverse.inverse(at, at);
   }
   return curvatures;
 }
@@ -43,14 +48,9 @@ double dispersion_of(const Coefficient& c, double curvature, double naive) {
   return dispersion > 0.0 ? usable(dispersion) : usable(naive);
 }
 
-/// Of the dispersion: from clusters where the error is, else from what is left over of the frames. Joined
-/// segments of a capture stand for one start.
-double degrees_of_freedom(const FitProblem& problem, const Coefficient& c) {
-  if (c.standard_error) return std::max(1, problem.cluster_count - 1);
-  int unknowns = problem.shared_count();
-  for (const Segment& segment : problem.segments)
-    unknowns += problem.own_count() - (segment.joined ? problem.join_rows() : 0);
-  return std::max(1, problem.observation_count() - unknowns);
+/// Of the dispersion: from clusters where the error is, else from what is left over of the frames.
+double degrees_of_freedom(const FitProblem& problem, const Uncertainty& uncertainty, const Coefficient& c) {
+  return std::max(1, c.standard_error ? problem.cluster_count - 1 : uncertainty.residual_freedom);
 }
 
 /// Shared unknowns, then each capture's own, in one vector; and back.
@@ -89,8 +89,12 @@ class HeldFits {
   std::optional<ProfileSolution> solve(double value, const Eigen::VectorXd& warm_start) {
     FitPoint start = unpacked(problem_, warm_start);
     start.shared[held_] = value;
-    const MinimizeResult run = minimize(problem_, residuals_, std::move(start), max_iterations_);
-    if (run.status == FitStatus::failed) return {};
+    MinimizeResult run = minimize(problem_, residuals_, std::move(start), max_iterations_);
+    // A cost that is still falling says nothing of how far the least one has risen.
+    if (run.status == FitStatus::iteration_limit) {
+      run = minimize(problem_, residuals_, std::move(run.point), 4 * max_iterations_);
+    }
+    if (run.status != FitStatus::converged) return {};
     return ProfileSolution{run.cost, packed(run.point)};
   }
 
@@ -137,13 +141,21 @@ void add_whiteness(FitResult& result) {
   result.whiteness = pool_whiteness(std::move(all));
 }
 
-void add_identifiability(const Uncertainty& uncertainty, FitResult& result) {
+void add_identifiability(const FitProblem& problem, const Uncertainty& uncertainty, FitResult& result) {
   if (result.coefficients.empty()) return;
   std::vector<InformedCoefficient> coefficients;
-  for (const Coefficient& c : result.coefficients)
+  Eigen::MatrixXd information = uncertainty.information;
+  for (std::size_t k = 0; k < result.coefficients.size(); ++k) {
+    const Coefficient& c = result.coefficients[k];
     coefficients.push_back({.name = c.name, .value = c.value, .scale = 0.5 * (c.upper - c.lower)});
+    if (!problem.shared_chart.is_logarithmic(static_cast<int>(k))) continue;
+    coefficients.back().scale = 0.5 * std::log(c.upper / c.lower);
+    coefficients.back().log_scaled = true;
+    information.row(static_cast<Eigen::Index>(k)) *= c.value;
+    information.col(static_cast<Eigen::Index>(k)) *= c.value;
+  }
   result.identifiability =
-      identifiability(coefficients, uncertainty.information, overall_dispersion(uncertainty, result));
+      identifiability(coefficients, information, overall_dispersion(uncertainty, result));
 }
 
 void add_profiles(const FitProblem& problem, std::vector<SegmentResidual>& residuals, const FitPoint& point,
@@ -163,9 +175,9 @@ void add_profiles(const FitProblem& problem, std::vector<SegmentResidual>& resid
       return fits.solve(value, warm_start);
     };
     const double dispersion = dispersion_of(c, curvatures[at], uncertainty.dispersion);
-    result.profiles.push_back(
-        profile(target, packed(point), solver,
-                {.dispersion = dispersion, .degrees_of_freedom = degrees_of_freedom(problem, c)}));
+    result.profiles.push_back(profile(
+        target, packed(point), solver,
+        {.dispersion = dispersion, .degrees_of_freedom = degrees_of_freedom(problem, uncertainty, c)}));
   }
 }
 

@@ -14,7 +14,7 @@ namespace samara::identification {
 void add_whiteness(FitResult& result);
 
 /// Needs the coefficients of the result, and their covariance.
-void add_identifiability(const Uncertainty& uncertainty, FitResult& result);
+void add_identifiability(const FitProblem& problem, const Uncertainty& uncertainty, FitResult& result);
 
 /// Minimises again with each coefficient held. Needs the coefficients of the result.
 /// @param residuals one per segment, joined as at the optimum; scratch

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include "samara/base/names.h"
+#include "samara/identification/camera.h"
 #include "samara/identification/capture_suspicions.h"
 #include "samara/identification/fit_summary.h"
+#include "samara/identification/medians.h"
 
 namespace samara::identification {
 
@@ -44,6 +46,13 @@ void warn_about_undetermined(const Uncertainty& uncertainty, FitResult& result) 
                   "the captures do not determine {}: they can change together without changing the residuals",
                   join(names)));
   }
+  for (const std::vector<int>& set : uncertainty.sets_held_by_priors) {
+    std::vector<std::string> names;
+    for (const int k : set) names.push_back(result.coefficients[static_cast<std::size_t>(k)].name);
+    result.warnings.push_back(
+        fmt::format("the captures alone do not determine {}: what is said of {} rests on the priors",
+                    join(names), names.size() == 1 ? "it" : "them"));
+  }
   std::size_t segment = 0;
   for (std::size_t c = 0; c < result.captures.size(); ++c) {
     const OwnUncertainty& own = uncertainty.own[segment];
@@ -61,6 +70,25 @@ void warn_about_undetermined(const Uncertainty& uncertainty, FitResult& result) 
         fmt::format("the captures say little about {}: its standard error {:.3g} is half its box "
                     "or more",
                     c.name, error));
+  }
+}
+
+/// Unknowns of cameras whose errors are those of what was known beforehand.
+void warn_about_camera(const FitProblem& problem, FitResult& result) {
+  constexpr double kNothingNew = 0.95;
+  const std::vector<std::string> names = camera_unknowns(problem);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const double before = problem.camera->deviations[k];
+    const auto is_new = [&](const CaptureFit& capture) {
+      const std::size_t at = capture.nuisances.size() - names.size() + k;
+      return capture.nuisances[at].standard_error.value_or(before) < kNothingNew * before;
+    };
+    if (std::ranges::any_of(result.captures, is_new)) continue;
+    result.warnings.push_back(
+        fmt::format("the captures say nothing of the {} of their camera{} that was not known beforehand: its "
+                    "errors are those of the "
+                    "deviation given",
+                    names[k], result.captures.size() == 1 ? "" : "s"));
   }
 }
 
@@ -141,6 +169,14 @@ void add_misfit_warnings(const FitProblem& problem, FitResult& result) {
   }
 }
 
+void add_start_warning(const TrajectoryFamily& family, const FitOptions& options, FitResult& result) {
+  if (!options.segments.length || family.equations() != nullptr) return;
+  result.warnings.push_back(fmt::format(
+      "the equations behind the {} of \"{}\" are not known: segments began in the middle of their "
+      "boxes, not where the captures show them, and in one round",
+      result.source, result.model));
+}
+
 void add_capture_warnings(const FamilyInfo& family, std::span<const Capture> captures,
                           const FitOptions& options, FitResult& result) {
   std::vector<std::string> known;
@@ -162,7 +198,36 @@ void add_capture_warnings(const FamilyInfo& family, std::span<const Capture> cap
   }
 }
 
-void add_warnings(const Uncertainty& uncertainty, FitResult& result) {
+void add_speed_warnings(const TrajectoryFamily& family, std::span<const Capture> captures,
+                        FitResult& result) {
+  constexpr double kTooFast = 100.0;
+  if (family.equations() == nullptr) return;
+  std::vector<double> middle;
+  for (const FitCoordinate& c : family.info().coordinates) middle.push_back(0.5 * (c.lower + c.upper));
+  const double usual = family.equations()->scales(middle).velocity;
+  for (const Capture& capture : captures) {
+    double fastest = 0.0;
+    for (const Channel& channel : capture.channels) {
+      const bool is_position = channel.unit == "m" && (channel.quantity == "x" || channel.quantity == "y" ||
+                                                       channel.quantity == "z");
+      if (!is_position || channel.values.size() != capture.times.size()) continue;
+      std::vector<double> speeds;
+      for (Eigen::Index k = 1; k < capture.times.size(); ++k) {
+        const double speed =
+            std::abs(channel.values[k] - channel.values[k - 1]) / (capture.times[k] - capture.times[k - 1]);
+        if (std::isfinite(speed)) speeds.push_back(speed);
+      }
+      if (!speeds.empty()) fastest = std::max(fastest, median(speeds));
+    }
+    if (!(fastest > kTooFast * usual)) continue;
+    result.warnings.push_back(fmt::format(
+        "capture \"{}\" moves at {:.3g} m/s, {:.2g} times the characteristic speed of the model: are "
+        "lengths or times in another unit, or is the body another?",
+        capture.id, fastest, fastest / usual));
+  }
+}
+
+void add_warnings(const FitProblem& problem, const Uncertainty& uncertainty, FitResult& result) {
   constexpr double kOpenJoin = 0.1;
   if (result.join_defect.value_or(0.0) > kOpenJoin) {
     result.warnings.push_back(fmt::format(
@@ -172,6 +237,7 @@ void add_warnings(const Uncertainty& uncertainty, FitResult& result) {
   }
   warn_about_bounds(result);
   warn_about_undetermined(uncertainty, result);
+  warn_about_camera(problem, result);
   warn_about_errors(uncertainty, result);
   warn_about_starts(uncertainty, result);
 }

@@ -18,12 +18,11 @@ namespace samara::identification {
 /// @param capture its number in `fitted.captures`
 /// @param times s, of the capture, not decreasing, not before CaptureFit::start and half a mean of frames
 /// @param outputs of the family
-/// @param interval s, between frames, where they are means
 /// @returns times x outputs, SI, offsets included; empty where the family has no trajectory
 /// @throws ArgumentError if there is no such capture or output
 std::optional<Eigen::MatrixXd> fitted_motion(const TrajectoryFamily& family, const FitOptions& options,
                                              const FitResult& fitted, std::size_t capture,
                                              const std::vector<double>& times,
-                                             const std::vector<std::string>& outputs, double interval = 0.0);
+                                             const std::vector<std::string>& outputs);
 
 }  // namespace samara::identification

@@ -68,6 +68,9 @@ class SharedCost {
     for (const SharedPrior& prior : problem_.priors) {
       sum += 0.5 * std::pow(prior_residual(prior.prior, shared[prior.shared]).value, 2);
     }
+    for (const SharedCombination& combination : problem_.combinations) {
+      sum += 0.5 * std::pow(combination.residual(shared.data()), 2);
+    }
     return std::isfinite(sum) ? std::min(sum, kNoTrajectory) : kNoTrajectory;
   }
 

@@ -27,19 +27,23 @@ Eigen::VectorXd widest(const FitProblem& problem) {
       width[problem.own_chart.direction_of(own)] = 1e3 * output.scale;
     }
   }
+  const Eigen::Index first = width.size() - problem.camera_count();
+  for (int k = 0; k < problem.camera_count(); ++k)
+    width[first + k] = problem.camera->deviations[static_cast<std::size_t>(k)];
   return width;
 }
 
 }  // namespace
 
-Eigen::VectorXd start_deviations(const FitProblem& problem, std::vector<SegmentResidual>& residuals,
-                                 const FitPoint& point) {
+std::optional<Eigen::VectorXd> start_deviations(const FitProblem& problem,
+                                                std::vector<SegmentResidual>& residuals,
+                                                const FitPoint& point) {
   const Eigen::VectorXd prior = widest(problem).array().square().inverse();
   std::vector<Eigen::VectorXd> deviations;
   for (std::size_t k = 0; k < residuals.size(); ++k) {
     SegmentResidual& residual = residuals[k];
     const double* next = residual.segment().joined ? point.own[k + 1].data() : nullptr;
-    if (!residual.evaluate(point.shared.data(), point.own[k].data(), next, true)) continue;
+    if (!residual.evaluate(point.shared.data(), point.own[k].data(), next, true)) return {};
     const Eigen::MatrixXd by_own = residual.by_own().topRows(residual.data_size()) *
                                    problem.own_chart.plus_jacobian(point.own[k].data());
     Eigen::MatrixXd information = by_own.transpose() * by_own;
@@ -48,8 +52,8 @@ Eigen::VectorXd start_deviations(const FitProblem& problem, std::vector<SegmentR
         information.ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
     deviations.push_back(covariance.diagonal().cwiseSqrt());
   }
-  Eigen::VectorXd by_direction = prior.cwiseSqrt().cwiseInverse();
-  for (Eigen::Index d = 0; d < by_direction.size() && !deviations.empty(); ++d) {
+  Eigen::VectorXd by_direction(prior.size());
+  for (Eigen::Index d = 0; d < by_direction.size(); ++d) {
     std::vector<double> values;
     for (const Eigen::VectorXd& one : deviations) values.push_back(one[d]);
     by_direction[d] = median(values);

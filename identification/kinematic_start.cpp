@@ -9,6 +9,7 @@
 
 #include "samara/identification/medians.h"
 #include "samara/identification/smoothing.h"
+#include "samara/identification/smoothing_checks.h"
 
 namespace samara::identification {
 
@@ -72,7 +73,17 @@ int state_index(const models::ParametricModel& equations, const std::string& nam
   return static_cast<int>(std::ranges::find(states, name, &models::StateInfo::name) - states.begin());
 }
 
-/// s
+/// Whether a polynomial of that degree may go through them. What is seen too rarely stays unknown.
+bool are_enough(Eigen::Index frames, const StartSmoothing& smoothing) {
+  return frames >= least_frames(smoothing.degree);
+}
+
+/// Frames that are not NaN.
+Eigen::Index seen_frames(const Eigen::VectorXd& channel) {
+  return channel.size() - channel.array().isNaN().count();
+}
+
+/// s, of two frames or more
 double window_of(const Eigen::VectorXd& times, const StartSmoothing& smoothing) {
   const double duration = times[times.size() - 1] - times[0];
   return (smoothing.frames - 0.5) * duration / static_cast<double>(times.size() - 1);
@@ -89,11 +100,12 @@ void go_back(double lead, const Smoothed& smoothed, Eigen::Index row, int state,
 void add_smoothed(const models::ParametricModel& equations, const FitProblem& problem, const Motion& motion,
                   const Record& record, const Eigen::VectorXd& at, const StartSmoothing& smoothing,
                   std::vector<Known>& known) {
-  const double window = window_of(record.times, smoothing);
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
     const ComparedOutput& output = problem.outputs[o];
     const Eigen::VectorXd channel = record.values.col(static_cast<Eigen::Index>(o));
-    const SmoothingOptions options{.degree = smoothing.degree, .window = window, .noise = output.scale};
+    if (!are_enough(seen_frames(channel), smoothing)) continue;
+    const SmoothingOptions options{
+        .degree = smoothing.degree, .window = window_of(record.times, smoothing), .noise = output.scale};
     const Smoothed smoothed = output.period > 0.0
                                   ? smooth_angle(record.times, channel, output.period, at, options)
                                   : smooth(record.times, channel, at, options);
@@ -111,6 +123,7 @@ void add_smoothed(const models::ParametricModel& equations, const FitProblem& pr
 void add_smoothed_attitude(const models::ParametricModel& equations, const FitProblem& problem,
                            const Record& record, const Eigen::VectorXd& at, const StartSmoothing& smoothing,
                            std::vector<Known>& known) {
+  if (!are_enough(seen_frames(record.attitudes.col(0)), smoothing)) return;
   const double window = window_of(record.times, smoothing);
   const SmoothedAttitude smoothed =
       smooth_attitude(record.times, record.attitudes, at,
@@ -136,7 +149,8 @@ void add_smoothed_attitude(const models::ParametricModel& equations, const FitPr
   }
 }
 
-/// Acceleration less that of gravity, world axes: rows as `at`. Empty if positions were not all measured.
+/// Acceleration less that of gravity, world axes: rows as `at`. Empty if positions were not all measured, in
+/// frames enough.
 std::optional<Eigen::MatrixX3d> pushes(const models::ParametricModel& equations, const FitProblem& problem,
                                        const Record& record, const Eigen::VectorXd& at,
                                        const StartSmoothing& smoothing) {
@@ -144,13 +158,15 @@ std::optional<Eigen::MatrixX3d> pushes(const models::ParametricModel& equations,
   const auto group =
       std::ranges::find(info.groups, models::StateGroupKind::position, &models::StateGroup::kind);
   if (group == info.groups.end()) return {};
-  const double window = window_of(record.times, smoothing);
   Eigen::MatrixX3d result(at.size(), 3);
   for (int axis = 0; axis < 3; ++axis) {
     const std::string& name = info.states[static_cast<std::size_t>(group->first + axis)].name;
     const auto output = std::ranges::find(problem.outputs, name, &ComparedOutput::name);
     if (output == problem.outputs.end()) return {};
-    const Smoothed smoothed = smooth(record.times, record.values.col(output - problem.outputs.begin()), at,
+    const Eigen::VectorXd channel = record.values.col(output - problem.outputs.begin());
+    if (!are_enough(seen_frames(channel), smoothing)) return {};
+    const double window = window_of(record.times, smoothing);
+    const Smoothed smoothed = smooth(record.times, channel, at,
                                      {.degree = smoothing.degree, .window = window, .noise = output->scale});
     result.col(axis) = smoothed.acceleration.col(0);
   }
@@ -161,9 +177,14 @@ std::optional<Eigen::MatrixX3d> pushes(const models::ParametricModel& equations,
 void add_guessed_attitude(const models::ParametricModel& equations, const FitProblem& problem,
                           const Record& record, const Eigen::VectorXd& at, const StartSmoothing& smoothing,
                           std::vector<Known>& known) {
-  const double later = kLaterFrames * median_interval(record.times);
+  if (record.times.size() < 2) return;
+  const double interval = median_interval(record.times);
+  const double later = kLaterFrames * interval;
+  // Polynomials reach one frame beyond the last.
+  const Eigen::VectorXd at_later =
+      (at.array() + later).cwiseMin(record.times[record.times.size() - 1] + interval);
   const auto push = pushes(equations, problem, record, at, smoothing);
-  const auto push_later = pushes(equations, problem, record, at.array() + later, smoothing);
+  const auto push_later = pushes(equations, problem, record, at_later, smoothing);
   if (!push || !push_later) return;
   for (std::size_t k = 0; k < known.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
@@ -196,29 +217,39 @@ class StateSearch {
     family_point(problem, motion, shared.data(), middle_.data(), q_);
     for (std::size_t slot = 0; slot < problem.slots.size(); ++slot) {
       if (problem.slots[slot].role == CoordinateRole::own && equations.free()[slot].is_initial) {
-        state_of_own_.push_back({problem.slots[slot].index, equations.free()[slot].index});
+        state_of_own_.push_back(
+            {problem.slots[slot].index, equations.free()[slot].index, static_cast<Eigen::Index>(slot)});
       }
     }
     states_.resize(static_cast<std::size_t>(equations.state_count()));
     rates_.resize(states_.size());
   }
 
-  Eigen::VectorXd operator()(const Known& known) {
+  /// @param segment where the states are
+  Eigen::VectorXd operator()(const Segment& segment, const Known& known) {
+    if (problem_.own_attitude) {
+      middle_.segment<4>(static_cast<Eigen::Index>(*problem_.own_attitude)) =
+          start_attitude(problem_, segment);
+    }
+    for (const OwnState& s : state_of_own_) q_[s.slot] = middle_[s.own];
     equations_.initial({q_.data(), static_cast<std::size_t>(q_.size())}, states_);
-    for (const auto& [own, state] : state_of_own_) {
-      if (std::isfinite(known.value_error[state]))
-        states_[static_cast<std::size_t>(state)] = known.value[state];
+    for (const OwnState& s : state_of_own_) {
+      if (std::isfinite(known.value_error[s.state]))
+        states_[static_cast<std::size_t>(s.state)] = known.value[s.state];
     }
     constexpr int kIterations = 8;
     for (int i = 0; i < kIterations; ++i) improve(known);
     Eigen::VectorXd result = middle_;
-    for (const auto& [own, state] : state_of_own_) {
-      const double value = states_[static_cast<std::size_t>(state)];
-      const FitCoordinate& c = problem_.own[static_cast<std::size_t>(own)];
-      if (std::isfinite(value)) result[own] = std::clamp(value, c.lower, c.upper);
+    for (const OwnState& s : state_of_own_) {
+      const double value = states_[static_cast<std::size_t>(s.state)];
+      const FitCoordinate& c = problem_.own[static_cast<std::size_t>(s.own)];
+      if (std::isfinite(value)) result[s.own] = std::clamp(value, c.lower, c.upper);
     }
     return result;
   }
+
+  /// The last answer's.
+  double state(int index) const { return states_[static_cast<std::size_t>(index)]; }
 
  private:
   /// A state that nothing is known of is held in the middle of its box by this share of the box.
@@ -241,7 +272,7 @@ class StateSearch {
       gradient += row * ((rates_[static_cast<std::size_t>(i)] - known.rate[i]) / known.rate_error[i]);
     }
     for (Eigen::Index k = 0; k < unknowns; ++k) {
-      const auto [own, state] = state_of_own_[static_cast<std::size_t>(k)];
+      const auto& [own, state, slot] = state_of_own_[static_cast<std::size_t>(k)];
       const FitCoordinate& c = problem_.own[static_cast<std::size_t>(own)];
       const double now = states_[static_cast<std::size_t>(state)];
       const bool measured = std::isfinite(known.value_error[state]) && known.value_error[state] > 0.0;
@@ -258,7 +289,8 @@ class StateSearch {
   }
 
   struct OwnState {
-    int own, state;
+    int own, state;     ///< their numbers
+    Eigen::Index slot;  ///< among the coordinates
   };
   const models::ParametricModel& equations_;
   const FitProblem& problem_;
@@ -290,14 +322,15 @@ std::vector<Eigen::VectorXd> kinematic_start(const models::ParametricModel& equa
 
   StateSearch search(equations, problem, motion, shared);
   std::vector<Eigen::VectorXd> result;
-  for (const Known& one : known) {
-    result.push_back(search(one));
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    const Known& one = known[k];
+    result.push_back(search(problem.segments[motion.first_segment + k], one));
     for (const ComparedOutput& output : problem.outputs) {
       if (!output.offset) continue;
       const int state = state_index(equations, output.name);
-      if (state < equations.state_count()) {
-        result.back()[static_cast<Eigen::Index>(problem.own.size()) + *output.offset] = one.value[state];
-      }
+      if (state == equations.state_count() || !std::isfinite(one.value_error[state])) continue;
+      result.back()[static_cast<Eigen::Index>(problem.own.size()) + *output.offset] =
+          one.value[state] - search.state(state);
     }
   }
   return result;

@@ -8,22 +8,16 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/codebooks/query.h"
+#include "samara/identification/coordinate_names.h"
 
 namespace samara::identification {
 
 namespace {
 
-constexpr int kNone = -1;
-
-int position(const FamilyInfo& family, const std::string& name) {
-  const auto found = std::ranges::find(family.coordinates, name, &FitCoordinate::name);
-  return found == family.coordinates.end() ? kNone : static_cast<int>(found - family.coordinates.begin());
-}
-
 /// Where a coordinate of the codebook comes from.
 struct BookCoordinate {
-  int from = kNone;    ///< of the family's coordinates
-  double value = 0.0;  ///< if the family holds it
+  std::optional<std::size_t> from = {};  ///< of the family's coordinates
+  double value = 0.0;                    ///< if the family holds it
   double lower = 0.0, upper = 0.0;
 };
 
@@ -35,7 +29,7 @@ struct Cover {
 
   bool contains(std::span<const double> q) const {
     return std::ranges::all_of(coordinates, [&](const BookCoordinate& c) {
-      const double value = c.from == kNone ? c.value : q[static_cast<std::size_t>(c.from)];
+      const double value = c.from ? q[*c.from] : c.value;
       return value >= c.lower && value <= c.upper;
     });
   }
@@ -49,8 +43,8 @@ Cover cover_of(const codebooks::Codebook& book, const FamilyInfo& direct) {
   Cover cover{&book, {}, book.time("a fit").upper};
   for (std::size_t k = 1; k < book.coordinates().size(); ++k) {
     const codebooks::Coordinate& c = book.coordinates()[k];
-    BookCoordinate place{.from = position(direct, c.name), .lower = c.lower, .upper = c.upper};
-    if (place.from == kNone) {
+    BookCoordinate place{.from = position(direct.coordinates, c.name), .lower = c.lower, .upper = c.upper};
+    if (!place.from) {
       const auto held = direct.fixed.find(c.name);
       if (held == direct.fixed.end()) {
         throw ArgumentError(fmt::format("the codebook has the coordinate \"{}\", which the {} does not name",
@@ -81,9 +75,9 @@ void check_held(const codebooks::Codebook& book, const FamilyInfo& direct) {
 /// An output that the family may shift, by how much.
 struct Shift {
   Eigen::Index output = 0;
-  int coordinate = kNone;   ///< of the family, whose value is the start
-  double held = 0.0;        ///< or the family's start
-  double book_start = 0.0;  ///< what the codebook starts from
+  std::optional<std::size_t> coordinate = {};  ///< of the family, whose value is the start
+  double held = 0.0;                           ///< or the family's start
+  double book_start = 0.0;                     ///< what the codebook starts from
 };
 
 std::vector<Shift> shifts_of(const codebooks::Codebook& book, const FamilyInfo& direct,
@@ -99,8 +93,8 @@ std::vector<Shift> shifts_of(const codebooks::Codebook& book, const FamilyInfo& 
     const bool in_book = std::ranges::any_of(book.coordinates(),
                                              [&](const codebooks::Coordinate& c) { return c.name == start; });
     if (!moves || in_book) continue;
-    shifts.push_back({static_cast<Eigen::Index>(o), position(direct, start), value_of(direct.fixed, start),
-                      value_of(book.model().fixed, start)});
+    shifts.push_back({static_cast<Eigen::Index>(o), position(direct.coordinates, start),
+                      value_of(direct.fixed, start), value_of(book.model().fixed, start)});
   }
   return shifts;
 }
@@ -124,7 +118,7 @@ class MixedSource final : public TrajectorySource {
     if (!query_ || !cover_.contains(q)) return direct_->evaluate(q, values, derivatives);
     for (std::size_t k = 0; k < q_.size(); ++k) {
       const BookCoordinate& c = cover_.coordinates[k];
-      q_[k] = c.from == kNone ? c.value : q[static_cast<std::size_t>(c.from)];
+      q_[k] = c.from ? q[*c.from] : c.value;
     }
     if (derivatives) {
       query_->values(q_, values, derivatives_);
@@ -133,8 +127,7 @@ class MixedSource final : public TrajectorySource {
       query_->values(q_, values);
     }
     for (const Shift& shift : shifts_) {
-      const double start =
-          shift.coordinate == kNone ? shift.held : q[static_cast<std::size_t>(shift.coordinate)];
+      const double start = shift.coordinate ? q[*shift.coordinate] : shift.held;
       values.col(shift.output).array() += start - shift.book_start;
     }
     return true;
@@ -146,13 +139,14 @@ class MixedSource final : public TrajectorySource {
   void spread(Eigen::MatrixXd& derivatives) const {
     derivatives.setZero();
     for (std::size_t k = 0; k < q_.size(); ++k) {
-      const int to = cover_.coordinates[k].from;
-      if (to == kNone) continue;
-      derivatives.middleCols(outputs_ * to, outputs_) =
+      const std::optional<std::size_t> to = cover_.coordinates[k].from;
+      if (!to) continue;
+      derivatives.middleCols(outputs_ * static_cast<Eigen::Index>(*to), outputs_) =
           derivatives_.middleCols(outputs_ * static_cast<Eigen::Index>(k), outputs_);
     }
     for (const Shift& shift : shifts_) {
-      if (shift.coordinate != kNone) derivatives.col(shift.output + outputs_ * shift.coordinate).setOnes();
+      if (!shift.coordinate) continue;
+      derivatives.col(shift.output + outputs_ * static_cast<Eigen::Index>(*shift.coordinate)).setOnes();
     }
   }
 
@@ -168,13 +162,18 @@ class MixedSource final : public TrajectorySource {
 class MixedTrajectories final : public TrajectoryFamily {
  public:
   MixedTrajectories(const codebooks::Codebook& book, std::unique_ptr<TrajectoryFamily> direct)
-      : direct_(std::move(direct)), info_(direct_->info()), cover_(cover_of(book, info_)) {
+      : book_(book), direct_(std::move(direct)), info_(direct_->info()), cover_(cover_of(book, info_)) {
     check_held(book, info_);
     info_.source = fmt::format("codebook and {}", info_.source);
   }
 
   const FamilyInfo& info() const override { return info_; }
   const models::ParametricModel* equations() const override { return direct_->equations(); }
+
+  std::unique_ptr<TrajectoryFamily> finer() const override {
+    std::unique_ptr<TrajectoryFamily> direct = direct_->finer();
+    return direct ? std::make_unique<MixedTrajectories>(book_, std::move(direct)) : nullptr;
+  }
 
   std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
                                        const std::vector<std::string>& outputs) const override {
@@ -193,6 +192,7 @@ class MixedTrajectories final : public TrajectoryFamily {
     return std::make_unique<MixedSource>(cover_, std::move(direct), info_, times, outputs);
   }
 
+  const codebooks::Codebook& book_;
   std::unique_ptr<TrajectoryFamily> direct_;
   FamilyInfo info_;
   Cover cover_;

@@ -17,7 +17,8 @@ namespace samara::identification {
 /// @param book must outlive the result
 /// @throws ArgumentError if the codebook is of another model, has a coordinate that `direct` has not, or
 /// holds
-///   one that is free in `direct` or has another value there.
+///   one that is free in `direct` or has another value there; from at(), for an output that the codebook
+///   lacks. Fits whose segments are joined ask for all states.
 std::unique_ptr<TrajectoryFamily> mixed_trajectories(const codebooks::Codebook& book,
                                                      std::unique_ptr<TrajectoryFamily> direct);
 

@@ -43,8 +43,7 @@ FamilyInfo describe(const models::ParametricModel& model, const std::map<std::st
     info.coordinates.push_back({c.name, c.unit, c.is_initial, interval.lower, interval.upper});
   }
   for (const models::StateInfo& state : m.states) info.outputs.push_back({state.name, state.unit});
-  info.translations = translated_outputs(m, info.outputs);
-  info.attitude = attitude_outputs(m, info.outputs);
+  describe_equations(model, info);
   return info;
 }
 

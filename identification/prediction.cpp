@@ -12,6 +12,8 @@
 #include "samara/identification/fit.h"
 #include "samara/identification/fit_problem.h"
 #include "samara/identification/fitted_motion.h"
+#include "samara/identification/medians.h"
+#include "samara/identification/noise_levels.h"
 #include "samara/identification/segments.h"
 #include "samara/identification/smoothing.h"
 
@@ -37,8 +39,28 @@ std::vector<OutputRms> compared_outputs(const FitResult& fitted) {
   return {fitted.residuals.begin(), fitted.residuals.begin() + count};
 }
 
+bool compares_attitude(const FitResult& fitted) {
+  return fitted.residuals.size() > compared_outputs(fitted).size();
+}
+
+/// The scales that the fit ended with, in place of levels to be found.
+void hold_noise(const FitResult& fitted, FitOptions& options) {
+  options.noise = {};
+  for (const NoiseLevel& level : fitted.noise) {
+    const double scale = efficient_bend(options.loss.kind) * level.value;
+    for (const std::string& output : level.outputs) {
+      if (output == "attitude") {
+        options.attitude_scale = scale;
+      } else {
+        options.loss.scales[output] = scale;
+      }
+    }
+  }
+}
+
 /// The options of the fit, with the coefficients held.
-FitOptions holding(const FitResult& fitted, FitOptions options, const PredictionOptions& prediction) {
+FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions options,
+                   const PredictionOptions& prediction) {
   for (const Coefficient& c : fitted.coefficients) {
     options.fixed[c.name] = c.value;
     std::erase(options.shared, c.name);
@@ -49,7 +71,11 @@ FitOptions holding(const FitResult& fitted, FitOptions options, const Prediction
   }
   options.outputs.clear();
   for (const OutputRms& output : compared_outputs(fitted)) options.outputs.push_back(output.output);
+  if (compares_attitude(fitted)) {
+    options.outputs.insert(options.outputs.end(), family.attitude.begin(), family.attitude.end());
+  }
   if (fitted.captures.front().nuisances.empty()) options.segments.length.reset();
+  hold_noise(fitted, options);
   options.window = prediction.window;
   options.cluster_by.clear();
   options.profiles = false;
@@ -97,11 +123,6 @@ std::vector<Quantity> quantities(const std::vector<OutputRms>& outputs, const Fi
   return result;
 }
 
-/// s, between frames.
-double mean_interval(const Capture& capture) {
-  return (capture.times[capture.times.size() - 1] - capture.times[0]) / (capture.frame_count() - 1);
-}
-
 /// One capture: what was seen, what followed, and what the model made of it.
 struct Outlook {
   SeenMotion seen = {};
@@ -113,19 +134,32 @@ struct Outlook {
 };
 
 /// Whether the window holds more values than unknowns.
-bool can_be_fitted(const Eigen::MatrixXd& seen, std::size_t unknowns) {
-  const auto values = static_cast<std::size_t>((seen.array() == seen.array()).count());  // not NaN
-  return seen.rows() >= 3 && values > unknowns;
+/// @param attitudes frames x 4, or none
+bool can_be_fitted(const Eigen::MatrixXd& positions, const Eigen::MatrixXd& attitudes, std::size_t unknowns) {
+  const auto is_seen = [](const auto& value) { return value == value; };  // not NaN
+  auto values = static_cast<std::size_t>(positions.unaryExpr(is_seen).count());
+  // An attitude counts as three.
+  if (attitudes.cols() > 0) {
+    values += 3 * static_cast<std::size_t>(attitudes.unaryExpr(is_seen).rowwise().all().count());
+  }
+  return positions.rows() >= 3 && values > unknowns;
 }
 
 /// What a fit of the capture would give where nothing is its own.
-FitResult without_unknowns(FitResult fitted, const Capture& capture) {
-  fitted.captures = {CaptureFit{.id = capture.id, .labels = capture.labels}};
+FitResult without_unknowns(FitResult fitted, const Capture& capture, const FitOptions& options) {
+  CaptureFit one{.id = capture.id, .labels = capture.labels};
+  if (options.averaged_frames > 1) {
+    one.interval = median_interval(first(capture, *options.window).times);
+    one.start = -0.5 * (options.averaged_frames - 1) * one.interval;
+  }
+  fitted.captures = {one};
   return fitted;
 }
 
+/// @param names of the outputs that are compared
 Outlook outlook_of(const TrajectoryFamily& family, const FitResult& fitted, const Capture& capture,
-                   const FitOptions& options, const PredictionOptions& prediction) {
+                   const std::vector<std::string>& names, const FitOptions& options,
+                   const PredictionOptions& prediction) {
   if (capture.times.size() == 0) return {.lack = "it has no frames"};
   const std::vector<Eigen::Index> before = frames_between(capture, -1.0, prediction.window);
   const double end =
@@ -133,11 +167,13 @@ Outlook outlook_of(const TrajectoryFamily& family, const FitResult& fitted, cons
   const std::vector<Eigen::Index> after = frames_between(capture, prediction.window, end);
   const Eigen::VectorXd since = capture.times.array() - capture.times[0];
   Outlook outlook;
-  outlook.seen = {since(before), measured(capture, options.outputs, before)};
+  outlook.seen = {since(before), measured(capture, names, before)};
   outlook.times = since(after);
-  outlook.truth = measured(capture, options.outputs, after);
+  outlook.truth = measured(capture, names, after);
+  const auto attitude = compares_attitude(fitted) ? family.info().attitude : std::vector<std::string>{};
+  const Eigen::MatrixXd attitudes = measured(capture, attitude, before);
   const std::size_t unknowns = fitted.captures.front().nuisances.size();
-  if (!can_be_fitted(outlook.seen.positions, unknowns)) {
+  if (!can_be_fitted(outlook.seen.positions, attitudes, unknowns)) {
     outlook.lack = fmt::format("its first {} s, {} frames, hold too little to fit its {} unknowns",
                                prediction.window, before.size(), unknowns);
   } else if (after.empty()) {
@@ -146,16 +182,16 @@ Outlook outlook_of(const TrajectoryFamily& family, const FitResult& fitted, cons
   if (!outlook.lack.empty()) return outlook;
 
   // Without unknowns of its own there is nothing to fit.
-  const FitResult window =
-      unknowns > 0 ? fit(family, std::span(&capture, 1), options) : without_unknowns(fitted, capture);
+  const FitResult window = unknowns > 0 ? fit(family, std::span(&capture, 1), options)
+                                        : without_unknowns(fitted, capture, options);
   outlook.model = Eigen::MatrixXd::Constant(outlook.truth.rows(), outlook.truth.cols(), kNaN);
   if (window.status == FitStatus::failed) {
     outlook.failure = window.message;
     return outlook;
   }
   const Eigen::VectorXd times = capture.times(after).cwiseMin(family.info().end_time);
-  const std::optional<Eigen::MatrixXd> model = fitted_motion(
-      family, options, window, 0, {times.begin(), times.end()}, options.outputs, mean_interval(capture));
+  const std::optional<Eigen::MatrixXd> model =
+      fitted_motion(family, options, window, 0, {times.begin(), times.end()}, names);
   if (model) {
     outlook.model = *model;
   } else {
@@ -254,10 +290,12 @@ void refuse_fitted(const std::string& id, const std::string& file, std::span<con
 std::vector<Outlook> outlooks_of(const TrajectoryFamily& family, const FitResult& fitted,
                                  std::span<const Capture> left_out, const FitOptions& options,
                                  const PredictionOptions& prediction, std::vector<std::string>& sentences) {
+  std::vector<std::string> names;
+  for (const OutputRms& output : compared_outputs(fitted)) names.push_back(output.output);
   std::vector<Outlook> outlooks;
   int failures = 0;
   for (const Capture& capture : left_out) {
-    Outlook outlook = outlook_of(family, fitted, capture, options, prediction);
+    Outlook outlook = outlook_of(family, fitted, capture, names, options, prediction);
     if (!outlook.lack.empty()) {
       sentences.push_back(fmt::format("capture \"{}\" was not predicted: {}", capture.id, outlook.lack));
       continue;
@@ -293,7 +331,7 @@ std::vector<PredictionScore> scores_of(const TrajectoryFamily& family, const Fit
   check(prediction);
   if (fitted.captures.empty()) return {};
   for (const CaptureFit& c : fitted.captures) refuse_fitted(c.id, c.file, left_out);
-  const FitOptions held = holding(fitted, options, prediction);
+  const FitOptions held = holding(family.info(), fitted, options, prediction);
   const std::vector<Quantity> compared = quantities(compared_outputs(fitted), options);
   std::vector<Outlook> outlooks = outlooks_of(family, fitted, left_out, held, prediction, sentences);
   std::vector<Predictor> all = predictors(compared, prediction, reach_of(outlooks, prediction));

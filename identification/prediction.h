@@ -11,9 +11,10 @@
 
 /// How well fitted coefficients predict captures that were left out of the fit.
 ///
-/// Of each such capture the first `window` seconds are seen: its own unknowns (initial values, offsets) are
-/// fitted there with the coefficients held, and the model is carried on. Baselines (prediction_score.h) see
-/// the same window. Compared are the frames that follow, up to `ahead` seconds after the window.
+/// Of each such capture the first `window` seconds are seen, attitudes too if the fit compared them: its own
+/// unknowns (initial values, offsets) are fitted there with the coefficients held, and the model is carried
+/// on. Baselines (prediction_score.h) see the same window. Compared are the frames that follow, up to `ahead`
+/// seconds after the window.
 ///
 ///     const FitResult result = fit(*family, training, options);
 ///     const auto scores = predict_left_out(*family, result, test, options, {.window = 0.2, .ahead = 0.1});

@@ -188,6 +188,11 @@ ProfileShape shape_of(const Profile& profile) {
   return profile.interval_upper ? ProfileShape::upper_limit : ProfileShape::flat;
 }
 
+/// What ended the steps was neither the threshold nor the box.
+bool is_unexplored(ProfileEnd end) {
+  return end == ProfileEnd::flat || end == ProfileEnd::failed;
+}
+
 }  // namespace
 
 std::string to_string(ProfileShape shape) {
@@ -253,16 +258,20 @@ Profile profile(const ProfileTarget& target, const Eigen::VectorXd& warm_start, 
 
 std::string describe(const Profile& p) {
   const std::string sure = fmt::format("({:.3g} %)", 100.0 * p.confidence);
+  const bool open_below = is_unexplored(p.lower_end);
+  const bool open_above = is_unexplored(p.upper_end);
   switch (p.shape) {
     case ProfileShape::identified:
       return fmt::format("{:.5g} to {:.5g} {}", *p.interval_lower, *p.interval_upper, sure);
     case ProfileShape::lower_limit:
-      return fmt::format("at least {:.5g} {}", *p.interval_lower, sure);
+      return fmt::format("at least {:.5g} {}{}", *p.interval_lower, sure,
+                         open_above ? fmt::format(", not explored beyond {:.5g}", p.values.back()) : "");
     case ProfileShape::upper_limit:
-      return fmt::format("at most {:.5g} {}", *p.interval_upper, sure);
+      return fmt::format("at most {:.5g} {}{}", *p.interval_upper, sure,
+                         open_below ? fmt::format(", not explored below {:.5g}", p.values.front()) : "");
     case ProfileShape::flat:
-      return fmt::format("not determined: anything from {:.5g} to {:.5g} fits {}", p.values.front(),
-                         p.values.back(), sure);
+      return fmt::format("not determined: anything from {:.5g} to {:.5g} fits {}{}", p.values.front(),
+                         p.values.back(), sure, open_below || open_above ? ", not explored beyond" : "");
     case ProfileShape::better_elsewhere:
       return fmt::format("better optimum at {:.5g}: cost {:.6g} instead of {:.6g}", *p.better_value,
                          *p.better_cost, p.best_cost);

@@ -122,7 +122,8 @@ Profile profile(const ProfileTarget& target, const Eigen::VectorXd& warm_start, 
                 const ProfileOptions& options = {});
 
 /// What the profile says of its coefficient, in words: "0.512 to 0.531 (95 %)", "at least 0.83 (95 %)",
-/// "not determined: anything from 0.1 to 4 fits (95 %)", "better optimum at 0.7: cost 11.2 instead of 12.5".
+/// "not determined: anything from 0.1 to 4 fits (95 %)", each with "not explored beyond" where steps ended
+/// before the threshold and the box; "better optimum at 0.7: cost 11.2 instead of 12.5".
 std::string describe(const Profile& profile);
 
 }  // namespace samara::identification

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "samara/identification/camera.h"
 #include "samara/identification/fit_problem.h"
 #include "samara/identification/trajectory_source.h"
 
@@ -44,20 +45,35 @@ class SegmentResidual {
   auto values() const {
     return values_.topLeftCorner(frame_count_, static_cast<Eigen::Index>(problem_->outputs.size()));
   }
+  /// What the camera should have seen: compared outputs with offsets, frames x outputs, SI.
+  Eigen::MatrixXd seen(const double* own) const;
   /// The model's attitude at a frame: (w, x, y, z), not normalised. If attitudes are compared.
   Eigen::Vector4d attitude(Eigen::Index frame) const {
     return values_.row(frame).segment<4>(problem_->attitude_column()).transpose();
   }
 
-  /// Per direction of the own unknowns, in their order; 1 at first.
+  /// Per row of the join, in the order of FitProblem::joins; 1 at first.
   void set_join_weights(const Eigen::VectorXd& weights) { join_weights_ = weights; }
+  const Eigen::VectorXd& join_weights() const { return join_weights_; }
 
   /// The offsets that make the mean residual of each output zero at the last point.
   void centre_offsets(Eigen::VectorXd& own) const;
 
  private:
+  /// Output of a frame as the camera should see it, with its offset.
+  double seen_value(Eigen::Index frame, int output, const double* own) const;
+  /// The coordinates of the place at a frame, as the model has them.
+  Eigen::Vector3d place(Eigen::Index frame) const;
   void compare(const double* own);
   void compare_attitudes(bool with_derivatives);
+  /// Derivatives of a row by the unknowns of the camera, and by others through it.
+  void fill_seen(Eigen::Index row, const Observation& observation, double factor);
+  /// The same of what the camera makes of a way, the place at a frame or where the segment ends less where it
+  /// starts, along one of its axes.
+  void fill_axis(Eigen::Index row, Eigen::Index frame, int axis, const Eigen::Vector3d& way, double factor);
+  /// Offsets lie in the axes of the camera: the next one is this one, and the way as the camera sees it.
+  void join_offset(const JoinRule& rule, int axis, Eigen::Index row, const double* own, const double* next,
+                   bool with_derivatives);
   void add_priors(const double* own, bool with_derivatives);
   void join(const double* own, const double* next, bool with_derivatives);
   void join_turn(const JoinRule& rule, Eigen::Index row, const double* next, bool with_derivatives);
@@ -77,6 +93,9 @@ class SegmentResidual {
   Eigen::VectorXd residual_;
   Eigen::VectorXd join_weights_;
   Eigen::MatrixXd by_shared_, by_own_, by_next_;
+  CameraView view_;           ///< at the last point
+  std::vector<int> axis_of_;  ///< of the camera, per compared output; -1: none
+  std::vector<char> turns_;   ///< per compared output: an angle that turns with the camera
   long evaluations_ = 0;
 };
 

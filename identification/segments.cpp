@@ -53,7 +53,8 @@ const Channel& compared_channel(const Capture& capture, const std::string& name,
 }
 
 /// Values of FitOptions::known, in its order.
-std::vector<double> known_values(const Capture& capture, const FitOptions& options) {
+std::vector<double> known_values(const FamilyInfo& family, const Capture& capture,
+                                 const FitOptions& options) {
   std::vector<double> values;
   for (const auto& [coordinate, label] : options.known) {
     const auto found = capture.labels.find(label);
@@ -67,6 +68,13 @@ std::vector<double> known_values(const Capture& capture, const FitOptions& optio
              fmt::format("capture \"{}\": the label \"{}\" is \"{}\"; the value of \"{}\" in SI units, a "
                          "finite number, was expected",
                          capture.id, label, found->second, coordinate));
+    }
+    const auto c = std::ranges::find(family.coordinates, coordinate, &FitCoordinate::name);
+    if (value.value < c->lower || value.value > c->upper) {
+      refuse(capture.file,
+             fmt::format("capture \"{}\": the label \"{}\" says that \"{}\" is {}; a value in the box of the "
+                         "{}, {} to {}, was expected",
+                         capture.id, label, coordinate, value.value, family.source, c->lower, c->upper));
     }
     values.push_back(value.value);
   }
@@ -161,6 +169,29 @@ void check_times(const FamilyInfo& family, const Motion& motion, Segment& segmen
   if (!averages) segment.times.back() = family.end_time;
 }
 
+/// Start states are taken from smoothed channels, which have one value at a time.
+void check_increase(const Capture& capture, const std::vector<Eigen::Index>& frames) {
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    const double time = capture.times[frames[k]];
+    const double before = capture.times[frames[k - 1]];
+    if (time > before) continue;
+    refuse(capture.file,
+           fmt::format("capture \"{}\" has a frame at {} s after one at {} s; times that increase were "
+                       "expected where captures are cut into segments",
+                       capture.id, time, before));
+  }
+}
+
+/// Trajectories begin at t = 0 of the equations, wherever in the capture that is.
+void check_start(const FamilyInfo& family, const Motion& motion, const Segment& segment) {
+  if (family.autonomous || !family.clock.empty() || segment.start == 0.0) return;
+  refuse(
+      motion.file,
+      fmt::format("the equations of \"{}\" depend on time, but a segment of capture \"{}\" starts at {} s; "
+                  "motions from 0 s on, without segments and without means of frames, were expected",
+                  family.model, motion.id, segment.start));
+}
+
 std::size_t compared_count(const Segment& segment) {
   return segment.observations.size() + 3 * segment.attitudes.size();
 }
@@ -182,7 +213,8 @@ std::vector<Eigen::Index> segment_starts(const Capture& capture, const std::vect
                                          double length) {
   const double begin = capture.times[frames.front()];
   const double duration = capture.times[frames.back()] - begin;
-  const auto count = static_cast<int>(std::max(1.0, std::round(duration / length)));
+  const auto most = static_cast<double>(frames.size());
+  const auto count = static_cast<int>(std::clamp(std::round(duration / length), 1.0, most));
   std::vector<Eigen::Index> starts = {frames.front()};
   for (int k = 1; k < count; ++k) {
     const double wanted = begin + duration * k / count;
@@ -201,20 +233,22 @@ void add_motion(const FamilyInfo& family, const Capture& capture, const FitOptio
     if (frames.has_something(frame)) seen.push_back(frame);
   }
   std::vector<Eigen::Index> starts;
-  if (options.segments.length && !seen.empty())
+  if (options.segments.length && !seen.empty()) {
+    check_increase(capture, seen);
     starts = segment_starts(capture, seen, *options.segments.length);
+  }
 
   Motion motion{.id = capture.id,
                 .file = capture.file,
                 .labels = capture.labels,
-                .known = known_values(capture, options),
+                .known = known_values(family, capture, options),
                 .first_segment = problem.segments.size(),
                 .segment_count = std::max<std::size_t>(1, starts.size())};
   for (std::size_t k = 0; k < motion.segment_count; ++k) {
     Segment segment{.motion = static_cast<int>(problem.motions.size())};
     segment.joined = k + 1 < motion.segment_count;
     if (!starts.empty()) segment.start = capture.times[starts[k]];
-    if (options.averaged_frames > 1) {
+    if (options.averaged_frames > 1 && capture.times.size() > 1) {
       segment.interval = median_interval(capture.times);
       segment.lead = 0.5 * (options.averaged_frames - 1) * segment.interval;
       segment.start -= segment.lead;
@@ -228,6 +262,7 @@ void add_motion(const FamilyInfo& family, const Capture& capture, const FitOptio
       // The next one's state is before its first frame by as much as this one's.
       segment.times.push_back(capture.times[starts[k + 1]] - capture.times[starts[k]]);
     }
+    check_start(family, motion, segment);
     check_times(family, motion, segment);
     problem.segments.push_back(std::move(segment));
   }

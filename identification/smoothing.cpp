@@ -50,17 +50,8 @@ SeenChannel seen_channel(const Eigen::VectorXd& times, const Eigen::VectorXd& va
   for (Index i = 0; i < values.size(); ++i) {
     if (!std::isnan(values[i])) seen.frame.push_back(i);
   }
-  const auto count = static_cast<Index>(seen.frame.size());
-  seen.values.resize(count);
-  seen.frames.times.resize(count);
-  for (Index k = 0; k < count; ++k) {
-    seen.values[k] = values[seen.frame[static_cast<std::size_t>(k)]];
-    seen.frames.times[k] = times[seen.frame[static_cast<std::size_t>(k)]];
-  }
-  seen.frames.degree = options.degree;
-  seen.frames.window = window_of(times, options);
-  seen.frames.averaged = options.averaged_frames;
-  seen.frames.interval = median_interval(times);
+  seen.frames = seen_frames(times, seen.frame, options);
+  seen.values = values(seen.frame);
   return seen;
 }
 
@@ -120,8 +111,15 @@ Smoothed smooth_angle(const Eigen::VectorXd& times, const Eigen::VectorXd& angle
   return smooth(times, unwrapped(times, angles, period), at, options);
 }
 
-double window_of(const Eigen::VectorXd& times, const SmoothingOptions& options) {
-  return options.window ? *options.window : 15.0 * median_interval(times);
+LocalFrames seen_frames(const Eigen::VectorXd& times, const std::vector<Index>& seen,
+                        const SmoothingOptions& options) {
+  const double interval = median_interval(times);
+  return {.times = times(seen),
+          .weights = {},
+          .degree = options.degree,
+          .window = options.window.value_or(15.0 * interval),
+          .averaged = options.averaged_frames,
+          .interval = interval};
 }
 
 void check_times(const Eigen::VectorXd& times, Index rows) {
@@ -161,9 +159,9 @@ void check_smoothing(const Eigen::VectorXd& times, Index rows, const Eigen::Vect
 }
 
 void check_seen_frames(Index count, const SmoothingOptions& options) {
-  if (count >= options.degree + 2) return;
+  if (count >= least_frames(options.degree)) return;
   throw ArgumentError(fmt::format("a channel is seen in {} frames; at least {} were expected for degree {}",
-                                  count, options.degree + 2, options.degree));
+                                  count, least_frames(options.degree), options.degree));
 }
 
 }  // namespace samara::identification

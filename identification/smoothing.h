@@ -38,8 +38,8 @@ struct SmoothingOptions {
   /// Without this, errors would come out too small. (What the mean does to the motion is left to the caller:
   /// it adds (n^2 - 1)/24 interval^2 times the acceleration.)
   int averaged_frames = 1;
-  /// A frame farther from its neighbours than this many standard deviations counts for nothing. Infinite:
-  /// every frame counts.
+  /// A frame farther from its neighbours than this many standard deviations counts for nothing. Infinite, or
+  /// where that would leave less than half of the frames: every frame counts.
   double outlier_threshold = 5.0;
 };
 

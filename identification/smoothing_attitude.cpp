@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "samara/identification/local_polynomial.h"
-#include "samara/identification/medians.h"
 #include "samara/identification/rotation_vectors.h"
 #include "samara/identification/smoothing.h"
 #include "samara/identification/smoothing_checks.h"
@@ -42,13 +41,7 @@ SeenAttitudes seen_attitudes(const Eigen::VectorXd& times, const Eigen::MatrixX4
     seen.frame.push_back(i);
     seen.attitudes.push_back(attitude_of(continuous.row(i)));
   }
-  seen.frames.times.resize(static_cast<Index>(seen.frame.size()));
-  for (Index k = 0; k < seen.frames.count(); ++k)
-    seen.frames.times[k] = times[seen.frame[static_cast<std::size_t>(k)]];
-  seen.frames.degree = options.degree;
-  seen.frames.window = window_of(times, options);
-  seen.frames.averaged = options.averaged_frames;
-  seen.frames.interval = median_interval(times);
+  seen.frames = seen_frames(times, seen.frame, options);
   return seen;
 }
 

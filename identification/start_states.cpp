@@ -89,7 +89,9 @@ class OwnProblem {
 
   /// After evaluate() with derivatives there.
   void linearise(const Eigen::VectorXd& own, Eigen::MatrixXd& normal, Eigen::VectorXd& gradient) const {
-    const Eigen::MatrixXd moves = problem_.own_chart.plus_jacobian(own.data());
+    Eigen::MatrixXd moves = problem_.own_chart.plus_jacobian(own.data());
+    // A segment alone would make its camera say what its start should.
+    moves.rightCols(problem_.camera_count()).setZero();
     Eigen::MatrixXd J(psi_.size(), moves.cols());
     J.topRows(rows_.values) = residual_.by_own().topRows(rows_.values) * moves;
     J.middleRows(rows_.values, rows_.turns) =
@@ -154,6 +156,12 @@ double grow(const FitProblem& problem, SegmentResidual& residual, const Eigen::V
   return cost;
 }
 
+/// What a segment costs that has not found its motion, at least: by those that have a trajectory.
+double far_above(std::vector<double> costs) {
+  std::erase(costs, kInfinity);
+  return costs.empty() ? std::numeric_limits<double>::max() : kFarAbove * median(std::move(costs));
+}
+
 }  // namespace
 
 double minimize_own(const FitProblem& problem, SegmentResidual& residual, const Eigen::VectorXd& shared,
@@ -161,6 +169,7 @@ double minimize_own(const FitProblem& problem, SegmentResidual& residual, const 
   OwnProblem segment(problem, residual, shared, own, frames);
   double cost = segment.evaluate(own, true);
   if (!(cost < kInfinity)) return kInfinity;
+  if (problem.own_chart.directions() == 0) return cost;
   double damping = 1e-3;
   Eigen::VectorXd trial = own;
   Eigen::MatrixXd normal;
@@ -204,7 +213,7 @@ void find_start_states(const models::ParametricModel& equations, const FitProble
   tbb::parallel_for(std::size_t{0}, residuals.size(), [&](std::size_t k) {
     costs[k] = choose(problem, residuals[k], point.shared, candidates, k, chosen[k]);
   });
-  const double limit = kFarAbove * median(costs);
+  const double limit = far_above(costs);
   tbb::parallel_for(std::size_t{0}, residuals.size(), [&](std::size_t k) {
     if (costs[k] > limit) grow(problem, residuals[k], point.shared, candidates, k, costs[k], chosen[k]);
   });

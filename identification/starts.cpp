@@ -1,6 +1,7 @@
 #include "samara/identification/starts.h"
 
 #include <array>
+#include <cmath>
 
 namespace samara::identification {
 
@@ -26,21 +27,32 @@ double place(int index, int dimension) {
   return 0.1 + 0.8 * radical_inverse(index + 1, base);
 }
 
+/// What the box gives for the parts of an attitude is no attitude.
+void set_attitude(const FitProblem& problem, const Segment& segment, int index, Eigen::VectorXd& own) {
+  if (!problem.own_attitude) return;
+  const auto first = static_cast<Eigen::Index>(*problem.own_attitude);
+  own.segment<4>(first) =
+      index == 0 ? start_attitude(problem, segment) : unit_attitude(own.segment<4>(first));
+}
+
 }  // namespace
 
 FitPoint start_point(const FitProblem& problem, std::vector<SegmentResidual>& residuals, int index) {
   int dimension = 0;
-  const auto at = [&](const FitCoordinate& c) {
-    return c.lower + (c.upper - c.lower) * place(index, dimension++);
+  const auto at = [&](const FitCoordinate& c, bool logarithmic) {
+    const double part = place(index, dimension++);
+    return logarithmic ? c.lower * std::pow(c.upper / c.lower, part) : c.lower + (c.upper - c.lower) * part;
   };
   FitPoint point;
   point.shared.setZero(problem.shared_count());
   for (int k = 0; k < problem.shared_count(); ++k)
-    point.shared[k] = at(problem.shared[static_cast<std::size_t>(k)]);
+    point.shared[k] = at(problem.shared[static_cast<std::size_t>(k)], problem.shared_chart.is_logarithmic(k));
   if (index == 0) point.shared = problem.initial;
   Eigen::VectorXd own = Eigen::VectorXd::Zero(problem.own_count());
-  for (std::size_t k = 0; k < problem.own.size(); ++k) own[static_cast<Eigen::Index>(k)] = at(problem.own[k]);
+  for (std::size_t k = 0; k < problem.own.size(); ++k)
+    own[static_cast<Eigen::Index>(k)] = at(problem.own[k], false);
   for (SegmentResidual& residual : residuals) {
+    set_attitude(problem, residual.segment(), index, own);
     point.own.push_back(own);
     if (problem.offsets.empty()) continue;
     const double* next = residual.segment().joined ? own.data() : nullptr;

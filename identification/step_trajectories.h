@@ -9,8 +9,8 @@
 #include "samara/models/model.h"
 
 /// Trajectories by Runge-Kutta steps of one length, with the exact derivatives of those steps: tens of times
-/// faster than the reference integrator, for fits of short segments. It knows nothing of its error:
-/// step_for() finds a length that serves.
+/// faster than the reference integrator, for fits of short segments. A trajectory knows nothing of its error;
+/// a fit says what the steps did to its coefficients (FitResult::integration_shift).
 namespace samara::identification {
 
 /// @param fixed, box as reference_trajectories()

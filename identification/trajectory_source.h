@@ -11,8 +11,8 @@
 
 #include "samara/models/parametric_model.h"
 
-/// Where a fit takes its trajectories from: a codebook, or the reference integrator. Both say what can be
-/// fitted, and answer at the frame times of a capture.
+/// Where a fit takes its trajectories from: a codebook, the reference integrator, Runge-Kutta steps, or a
+/// mixture. All say what can be fitted, and answer at the frame times of a capture.
 namespace samara::identification {
 
 /// A free coordinate: a parameter, or the initial value "s(0)" of state s, with its box (SI).
@@ -31,14 +31,20 @@ struct FitOutput {
 
 struct FamilyInfo {
   std::string model = {};
-  std::string source = {};  ///< "codebook" or "reference integrator"
+  /// "codebook", "reference integrator", "Runge-Kutta steps", "codebook and ..", or a word of one's own.
+  std::string source = {};
   std::vector<FitCoordinate> coordinates = {};
   std::vector<FitOutput> outputs = {};
+  std::vector<std::string> states = {};        ///< of the equations, if known: outputs may be some of them
   std::map<std::string, double> fixed = {};    ///< parameters and initial values held by the family, SI
   std::vector<std::string> translations = {};  ///< outputs that may be shifted without changing the motion
   /// The four outputs of an attitude quaternion (w, x, y, z), body to world; empty if there is none.
   std::vector<std::string> attitude = {};
   double end_time = std::numeric_limits<double>::infinity();  ///< s
+  /// The coordinate that is the time of the capture at which a trajectory starts, for equations that depend
+  /// on time; empty if they do not. No fit frees it: segments know when they start.
+  std::string clock = {};
+  bool autonomous = true;  ///< the equations do not depend on time
 };
 
 /// q -> values and derivatives at fixed times, for chosen outputs. Holds scratch space: one per thread.
@@ -75,6 +81,10 @@ class TrajectoryFamily {
   /// The equations behind the trajectories, with the coordinates of the family free, in their order; null if
   /// they are not known.
   virtual const models::ParametricModel* equations() const { return nullptr; }
+
+  /// The same trajectories by steps of half the length, to see what the steps cost; null for a family whose
+  /// error is not that of steps of one length.
+  virtual std::unique_ptr<TrajectoryFamily> finer() const { return nullptr; }
 };
 
 }  // namespace samara::identification

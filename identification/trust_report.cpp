@@ -73,11 +73,36 @@ Json json_of(const PredictionScore& p) {
           {"rms", number(p.rms)},     {"largest", number(p.largest)}};
 }
 
+Json json_of(const NoiseLevel& level) {
+  return {{"outputs", level.outputs},
+          {"unit", level.unit},
+          {"value", number(level.value)},
+          {"standard_error", level.estimated ? number(level.standard_error()) : Json(nullptr)},
+          {"degrees_of_freedom", number(level.degrees_of_freedom)},
+          {"estimated", level.estimated}};
+}
+
 Json json_of(const GlobalSearch& search) {
   return {{"method", search.method},
           {"evaluations", search.evaluations},
           {"cost", number(search.cost)},
           {"seconds", number(search.seconds)}};
+}
+
+Json json_of(const Bootstrap& bootstrap) {
+  return {{"replicates", bootstrap.replicates},
+          {"seed", bootstrap.seed},
+          {"standard_errors", list(bootstrap.standard_errors)}};
+}
+
+void add_bootstrap_text(const FitResult& result, std::back_insert_iterator<std::string> out) {
+  if (!result.bootstrap) return;
+  fmt::format_to(out, "errors from {} fits with clusters weighted at random:", result.bootstrap->replicates);
+  for (std::size_t k = 0; k < result.coefficients.size(); ++k) {
+    fmt::format_to(out, "{} {} +- {:.2g}", k == 0 ? "" : ",", result.coefficients[k].name,
+                   result.bootstrap->standard_errors[k]);
+  }
+  fmt::format_to(out, "\n");
 }
 
 void add_prediction_table(const FitResult& result, std::back_insert_iterator<std::string> out) {
@@ -89,6 +114,22 @@ void add_prediction_table(const FitResult& result, std::back_insert_iterator<std
     fmt::format_to(out, "{:<34} {:<24} {:>12} {:>12} {:>9} {:>9}\n", with_unit(p.quantity, p.unit),
                    p.predictor, shown(p.median), shown(p.rms), p.captures, p.count);
   }
+}
+
+void add_noise_text(const FitResult& result, std::back_insert_iterator<std::string> out) {
+  for (const NoiseLevel& level : result.noise) {
+    const std::string unit = level.unit == "1" ? "" : " " + level.unit;
+    const std::string outputs = fmt::format("{}", fmt::join(level.outputs, ", "));
+    if (level.estimated) {
+      fmt::format_to(out, "noise of {}: {:.3g} +- {:.1g}{}, estimated\n", outputs, level.value,
+                     level.standard_error(), unit);
+    } else {
+      fmt::format_to(out, "noise of {}: taken to be {:.3g}{}\n", outputs, level.value, unit);
+    }
+  }
+  if (!result.noise.empty())
+    fmt::format_to(out, "noise levels and fit in turn: {} round{}\n", result.noise_rounds,
+                   result.noise_rounds == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -118,17 +159,29 @@ void add_trust(const FitResult& result, Json& object) {
   object["whiteness"] = result.whiteness ? json_of(*result.whiteness) : Json(nullptr);
   object["predictions"] = Json::array();
   for (const PredictionScore& p : result.predictions) object["predictions"].push_back(json_of(p));
+  object["bootstrap"] = result.bootstrap ? json_of(*result.bootstrap) : Json(nullptr);
+  object["integration_shift"] = number(result.integration_shift);
+  object["noise"] = Json::array();
+  for (const NoiseLevel& level : result.noise) object["noise"].push_back(json_of(level));
+  object["noise_rounds"] = result.noise_rounds;
   object["global_search"] = result.global_search ? json_of(*result.global_search) : Json(nullptr);
 }
 
 void add_trust_text(const FitResult& result, std::string& text) {
   const auto out = std::back_inserter(text);
+  add_bootstrap_text(result, out);
   add_prediction_table(result, out);
   if (result.identifiability) {
     for (const std::string& phrase : result.identifiability->phrases)
       fmt::format_to(out, "determined by the captures: {}\n", phrase);
   }
   if (result.whiteness) fmt::format_to(out, "residuals: {}\n", result.whiteness->sentence);
+  add_noise_text(result, out);
+  if (result.integration_shift) {
+    fmt::format_to(out,
+                   "steps of half the length would move no coefficient by more than {:.2g} standard errors\n",
+                   *result.integration_shift);
+  }
   if (result.global_search) {
     const GlobalSearch& g = *result.global_search;
     fmt::format_to(out, "search of the box by {}: {} points, least cost {:.6g} with segments not joined\n",

@@ -18,8 +18,8 @@ nlohmann::ordered_json number(double value);
 nlohmann::ordered_json number(const std::optional<double>& value);
 nlohmann::ordered_json column(const Eigen::Ref<const Eigen::VectorXd>& values);
 
-/// Adds "profiles", "identifiability", "whiteness", "predictions" and "global_stage"; null or empty where the
-/// result has none.
+/// Adds "profiles", "identifiability", "whiteness", "bootstrap", "predictions" and "global_search"; null or
+/// empty where the result has none.
 void add_trust(const FitResult& result, nlohmann::ordered_json& object);
 
 /// The same in sentences and a table.

@@ -25,6 +25,8 @@ struct Uncertainty {
   std::vector<char> at_bound;
   std::vector<char> determined;
   std::vector<std::vector<int>> undetermined_sets;  ///< as in DeterminedInverse
+  /// Sets that only priors determine, in the same form; the captures alone would not.
+  std::vector<std::vector<int>> sets_held_by_priors;
   /// The Hessian of the loss was no use (too many residuals beyond its bend): mean(psi') J^T J stood in.
   bool hessian_replaced = false;
   std::vector<OwnUncertainty> own;  ///< per segment
@@ -34,6 +36,7 @@ struct Uncertainty {
   /// What the cost is to be divided by to be a log-likelihood, frames taken as independent: sum(psi^2)/(n -
   /// p)/mean(psi'). NaN if nothing is left over.
   double dispersion = 0.0;
+  int residual_freedom = 0;  ///< n - p: compared numbers less unknowns, those at bounds not counted
 };
 
 /// @param residuals one per segment; scratch, left at `point`

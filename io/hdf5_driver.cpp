@@ -1,8 +1,13 @@
 #include "samara/io/hdf5_driver.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -78,19 +83,83 @@ haddr_t file_end(const H5FD_t* file, H5FD_mem_t) {
   return own(file).size;
 }
 
-herr_t read_bytes(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t address, size_t size, void* buffer) {
-  const GuardedFile& from = own(file);
-  if (address > from.size || size > from.size - address) return -1;
+bool read_at(const GuardedFile& from, haddr_t address, size_t size, void* buffer) {
+  if (address > from.size || size > from.size - address) return false;
   auto* to = static_cast<char*>(buffer);
   while (size > 0) {
     const ssize_t got = ::pread(from.descriptor, to, size, static_cast<off_t>(address));
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return -1;
+    if (got <= 0) return false;
     to += got;
     address += static_cast<haddr_t>(got);
     size -= static_cast<size_t>(got);
   }
-  return 0;
+  return true;
+}
+
+using Bytes = std::vector<unsigned char>;
+
+/// A little-endian number; bytes beyond the end count as 0.
+std::uint64_t number_at(std::span<const unsigned char> bytes, std::size_t at, std::size_t width) {
+  std::uint64_t number = 0;
+  for (std::size_t k = width; k-- > 0;) number = number << 8 | (at + k < bytes.size() ? bytes[at + k] : 0);
+  return number;
+}
+
+/// Whether a message of data layout has chunks of the size 0, or of no dimension. HDF5 1.10 divides by it.
+bool has_empty_chunks(std::span<const unsigned char> layout) {
+  constexpr std::uint64_t kChunked = 2, kKept = 0xffffffff;  // the library keeps 32 bits of a size
+  const std::uint64_t version = number_at(layout, 0, 1);
+  if (version < 3) return true;  // of files older than those that we read
+  if (number_at(layout, 1, 1) != kChunked) return false;
+  // Version 3: number of sizes, address, sizes. Version 4: flags, number of sizes, bytes of each, sizes.
+  const std::uint64_t count = number_at(layout, version == 3 ? 2 : 3, 1);
+  const std::uint64_t width = version == 3 ? 4 : number_at(layout, 4, 1);
+  std::size_t at = version == 3 ? 11 : 5;
+  if (count < 2) return true;  // a dimension, and the element
+  for (std::uint64_t k = 0; k < count; ++k, at += width)
+    if ((number_at(layout, at, width) & kKept) == 0) return true;
+  return false;
+}
+
+/// Whether an object header, of version 2, says nothing that makes the library crash.
+bool is_harmless_header(const GuardedFile& from, haddr_t address) {
+  constexpr std::size_t kLongestPrefix = 34, kMostBlocks = 1000, kLayout = 8, kContinuation = 16;
+  Bytes prefix(std::min<haddr_t>(kLongestPrefix, from.size - address));
+  if (!read_at(from, address, prefix.size(), prefix.data())) return false;
+  const std::uint64_t flags = number_at(prefix, 5, 1);
+  const std::size_t begin = std::size_t{6} + ((flags & 0x20) != 0 ? 16 : 0) + ((flags & 0x10) != 0 ? 4 : 0);
+  const std::size_t width = std::size_t{1} << (flags & 3), head = (flags & 4) != 0 ? 6 : 4;
+  struct Block {
+    haddr_t address;
+    std::uint64_t size;
+  };
+  std::vector<Block> blocks = {{address + begin + width, number_at(prefix, begin, width)}};
+  for (std::size_t b = 0; b < blocks.size() && b < kMostBlocks; ++b) {
+    const Block block = blocks[b];
+    if (block.address > from.size || block.size > from.size - block.address) return false;
+    Bytes bytes(block.size);
+    if (!read_at(from, block.address, bytes.size(), bytes.data())) return false;
+    for (std::size_t at = 0; at + head <= bytes.size();) {
+      const std::uint64_t type = number_at(bytes, at, 1), size = number_at(bytes, at + 1, 2);
+      at += head;
+      const auto message = std::span(bytes).subspan(at, std::min<std::size_t>(size, bytes.size() - at));
+      if (type == kLayout && has_empty_chunks(message)) return false;
+      // Between a signature and a checksum.
+      if (type == kContinuation && number_at(message, 8, 8) > 8)
+        blocks.push_back({number_at(message, 0, 8) + 4, number_at(message, 8, 8) - 8});
+      at += size;
+    }
+  }
+  return true;
+}
+
+herr_t read_bytes(H5FD_t* file, H5FD_mem_t type, hid_t, haddr_t address, size_t size, void* buffer) {
+  constexpr std::string_view kHeader = "OHDR";
+  if (!read_at(own(file), address, size, buffer)) return -1;
+  const std::string_view bytes(static_cast<const char*>(buffer), size);
+  const bool is_header = type == H5FD_MEM_OHDR && bytes.starts_with(kHeader);
+  return is_header && !is_harmless_header(own(file), address) ? -1 : 0;
 }
 
 herr_t refuse_write(H5FD_t*, H5FD_mem_t, hid_t, haddr_t, size_t, const void*) {
@@ -99,6 +168,9 @@ herr_t refuse_write(H5FD_t*, H5FD_mem_t, hid_t, haddr_t, size_t, const void*) {
 
 H5FD_class_t make_class() {
   H5FD_class_t driver = {};
+#ifdef H5FD_CLASS_VERSION
+  driver.version = H5FD_CLASS_VERSION;  // since HDF5 1.14, which refuses others
+#endif
   driver.name = "samara_guarded";
   driver.maxaddr = kLargestAddress;
   driver.fc_degree = H5F_CLOSE_STRONG;

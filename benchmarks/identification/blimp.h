@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "real_data.h"
 #include "samara/identification/capture.h"
 #include "samara/identification/fit_result.h"
 
@@ -15,8 +16,6 @@ namespace samara::benchmarks::identification {
 
 using samara::identification::Capture;
 using samara::identification::FitResult;
-
-using Coefficients = std::map<std::string, double>;
 
 struct BlimpFlight {
   int number = 0;

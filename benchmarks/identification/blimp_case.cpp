@@ -48,17 +48,10 @@ void report_predictions(const std::vector<BlimpFlight>& left_out, const Coeffici
   }
 }
 
-Coefficients values_of(const FitResult& fitted) {
-  Coefficients values;
-  for (const auto& c : fitted.coefficients) values[c.name] = c.value;
-  return values;
-}
-
 }  // namespace
 
 void blimp_case(const Options& options) {
-  if (!options.wants(kCase)) return;
-  const auto folder = measured_set(kCase, "blimp-rgblimp-mocap");
+  const auto folder = measured_set(options, kCase, "blimp-rgblimp-mocap");
   if (!folder) return;
   const std::vector<BlimpFlight> flights =
       read_blimp(*folder, std::filesystem::path(SAMARA_EXAMPLES_DIR) / "captures" / "blimp.toml");

@@ -14,5 +14,6 @@ void table_tennis_case(const Options& options);
 void blimp_case(const Options& options);
 void falling_paper_case(const Options& options);
 void settling_plates_case(const Options& options);
+void april_paper_case(const Options& options);
 
 }  // namespace samara::benchmarks::identification

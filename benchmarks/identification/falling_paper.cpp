@@ -2,12 +2,11 @@
 
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "discs.h"
 #include "samara/identification/capture_file.h"
-#include "samara/identification/fit.h"
 #include "samara/identification/step_trajectories.h"
 #include "samara/pgd/random.h"
 
@@ -15,8 +14,6 @@ namespace samara::benchmarks::identification {
 
 using samara::identification::Capture;
 using samara::identification::FitOptions;
-using samara::identification::FitResult;
-using samara::identification::Interval;
 using samara::identification::TrajectoryFamily;
 
 namespace {
@@ -29,22 +26,11 @@ constexpr double kMisfit = 6e-3;              ///< m: twice what the model misse
 constexpr Eigen::Index kReleaseFrames = 30;   ///< 0.3 s of which every predictor knows the weight only
 constexpr double kStep = 5.2e-3;              ///< s: two a frame
 
-void keep_developed(Capture& drop) {
-  const Eigen::VectorXd z = drop.channel("z").values;
+Capture developed(const Capture& drop) {
+  const Eigen::VectorXd& z = drop.channel("z").values;
   Eigen::Index end = kReleaseFrames;
   while (end < z.size() && !(z[end] < kNearFloor)) ++end;
-  const auto kept = Eigen::seq(kReleaseFrames, end - 1);
-  drop.times = Eigen::VectorXd(drop.times(kept));
-  for (auto& channel : drop.channels) channel.values = Eigen::VectorXd(channel.values(kept));
-}
-
-std::map<std::string, Interval> start_box(double speed, double rate) {
-  std::map<std::string, Interval> box;
-  for (const char* name : {"x(0)", "y(0)", "z(0)"}) box[name] = {-5.0, 5.0};
-  for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.1, 1.1};
-  for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-speed, speed};
-  for (const char* name : {"wx(0)", "wy(0)"}) box[name] = {-rate, rate};
-  return box;
+  return frames_of(drop, kReleaseFrames, end - kReleaseFrames);
 }
 
 }  // namespace
@@ -53,7 +39,7 @@ std::vector<Capture> paper_drops(const std::filesystem::path& folder) {
   const auto sidecar = std::filesystem::path(SAMARA_EXAMPLES_DIR) / "captures" / "falling_paper.toml";
   std::vector<Capture> drops = samara::identification::read_captures(folder / "circle.csv", sidecar);
   for (Capture& drop : drops) {
-    keep_developed(drop);
+    drop = developed(drop);
     const double radius = std::stod(drop.labels.at("radius_m"));
     const double mass = kPaper * std::numbers::pi * radius * radius;
     drop.labels["inertia"] = fmt::format("{}", mass * radius * radius / 4.0);
@@ -81,7 +67,7 @@ std::unique_ptr<TrajectoryFamily> paper_family() {
   // An ellipsoid with 3/4 of the thickness as semi-axis has the volume and the mass of the disc.
   const std::map<std::string, double> fixed = {
       {"c", 0.75 * kThickness}, {"density", kPaper / kThickness}, {"fluid_density", kAir}, {"wz(0)", 0.0}};
-  std::map<std::string, Interval> box = start_box(5.0, 100.0);
+  Box box = disc_start_box(5.0, 5.0, 100.0);
   for (const char* name : {"a", "b"}) box[name] = {0.01, 0.1};
   for (const char* name : {"I_x", "I_y", "I_z"}) box[name] = {1e-9, 1e-4};
   box["C_D0"] = {0.01, 3.0};
@@ -93,22 +79,11 @@ std::unique_ptr<TrajectoryFamily> paper_family() {
 }
 
 FitOptions paper_options() {
-  FitOptions options;
+  FitOptions options = disc_options({{"C_D0", 0.2}, {"C_D90", 4.0}, {"C_T", 1.5}, {"C_R", 1.0}, {"C_w", 2.0}},
+                                    kMisfit, "traj");
   options.known = {
       {"a", "radius_m"}, {"b", "radius_m"}, {"I_x", "inertia"}, {"I_y", "inertia"}, {"I_z", "inertia_z"}};
-  options.initial = {{"C_D0", 0.2}, {"C_D90", 4.0}, {"C_T", 1.5}, {"C_R", 1.0}, {"C_w", 2.0}};
-  for (const auto& [name, value] : options.initial) {
-    options.log_scale.push_back(name);
-    options.priors[name] = {.mean = value, .deviation = 1.0, .logarithmic = true};
-  }
-  options.loss.length_scale = kMisfit;
   options.averaged_frames = 5;
-  options.round_body = true;
-  options.segments.length = 10.0;
-  options.cluster_by = {"traj"};
-  options.starts = 1;
-  options.rounds = 2;
-  options.max_iterations = 25;
   return options;
 }
 
@@ -117,7 +92,7 @@ std::unique_ptr<TrajectoryFamily> point_family() {
   const std::map<std::string, double> fixed = {
       {"diameter", 2.0 / std::sqrt(std::numbers::pi)}, {"mass", kPaper},  {"fluid_density", kAir},
       {"displaced_mass", kAir * kThickness},           {"added_mass", 0}, {"C_M", 0.0}};
-  std::map<std::string, Interval> box;
+  Box box;
   for (const char* name : {"x(0)", "y(0)", "z(0)", "vx(0)", "vy(0)", "vz(0)"}) box[name] = {-3.0, 3.0};
   box["C_D"] = {0.05, 5.0};
   return samara::identification::step_trajectories(models::find_model("sphere_flight"), fixed, box, kStep);
@@ -133,17 +108,6 @@ FitOptions point_options() {
   options.starts = 1;
   options.max_iterations = 40;
   return options;
-}
-
-Prediction predict_unseen(const TrajectoryFamily& family, const FitOptions& options, const FitResult& fitted,
-                          std::span<const Window> unseen) {
-  FitOptions held = with_coefficients(options, fitted);
-  held.rounds = 1;
-  held.max_iterations = 15;  // they stand alone, and have found their states already
-  Prediction result{.fit = samara::identification::fit(family, captures_of(unseen), held), .errors = {}};
-  if (result.fit.captures.empty()) throw std::runtime_error(result.fit.message);
-  result.errors = model_errors(family, held, result.fit, unseen);
-  return result;
 }
 
 }  // namespace samara::benchmarks::identification

@@ -30,13 +30,4 @@ samara::identification::FitOptions paper_options();
 std::unique_ptr<samara::identification::TrajectoryFamily> point_family();
 samara::identification::FitOptions point_options();
 
-/// Start states of unseen windows with the coefficients of a fit, and the errors of what follows.
-struct Prediction {
-  samara::identification::FitResult fit;  ///< of the windows, coefficients held
-  std::vector<double> errors;             ///< m
-};
-Prediction predict_unseen(const samara::identification::TrajectoryFamily& family,
-                          const samara::identification::FitOptions& options,
-                          const samara::identification::FitResult& fitted, std::span<const Window> unseen);
-
 }  // namespace samara::benchmarks::identification

@@ -1,7 +1,10 @@
 /// Round sheets of paper in air, from positions alone: how well 0.1 s beyond a window is predicted on drops
 /// that had no part in the fit, beside predictions that know no body.
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <numbers>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -16,14 +19,13 @@ namespace samara::benchmarks::identification {
 namespace {
 
 using samara::identification::Baseline;
-using samara::identification::Coefficient;
 using samara::identification::FitOptions;
 using samara::identification::FitResult;
 
 constexpr const char* kCase = "falling_paper";
 constexpr std::size_t kDrops = 20;
 constexpr int kSplits = 3;
-constexpr int kRepeats = 8;  ///< of the bootstrap
+constexpr int kReplicates = 20;  ///< of the bootstrap: they tell an error to 16 %
 constexpr int kFrames = 20;
 constexpr double kSilhouetteSize = 7e5;     ///< px^2/m^2, a start
 constexpr double kSilhouetteScale = 150.0;  ///< px^2
@@ -44,7 +46,7 @@ void try_silhouettes(const PaperSplit& windows, const FitOptions& positions, con
   FitOptions options = positions;
   options.rounds = 1;
   options.max_iterations = 15;
-  for (const auto& c : fitted.coefficients) options.initial[c.name] = c.value;
+  options.initial = values_of(fitted);
   for (const char* name : {"size_1", "size_2"}) {
     options.initial[name] = kSilhouetteSize;
     options.log_scale.push_back(name);
@@ -57,7 +59,7 @@ void try_silhouettes(const PaperSplit& windows, const FitOptions& positions, con
     FitResult result = samara::identification::fit(*family, captures_of(windows.fitted), options);
     if (best.captures.empty() || result.cost < best.cost) best = std::move(result);
   }
-  const Prediction unseen = predict_unseen(*family, options, best, windows.unseen);
+  const Prediction unseen = predict_unseen(*family, options, values_of(best), windows.unseen);
   note(worst, "next_median_silhouettes", median_of(unseen.errors));
   note(worst, "next_rms_silhouettes", rms_of(unseen.errors));
   fmt::print(stderr, "  with silhouettes: next {:.1f} ({:.1f}) mm;", 1e3 * median_of(unseen.errors),
@@ -71,9 +73,7 @@ void try_silhouettes(const PaperSplit& windows, const FitOptions& positions, con
 void try_varying(const PaperSplit& windows, const FitOptions& constant, const FitResult& fitted,
                  Worst& worst) {
   const auto family = paper_family();
-  FitOptions options = with_coefficients(constant, fitted);
-  options.rounds = 1;
-  options.max_iterations = 15;
+  FitOptions options = with_coefficients(constant, values_of(fitted));
   for (const char* name : {"C_T", "C_R"}) {
     const double value = options.fixed.at(name);
     options.fixed.erase(name);
@@ -81,11 +81,60 @@ void try_varying(const PaperSplit& windows, const FitOptions& constant, const Fi
     options.box[name] = {value / 1.6, value * 1.6};
   }
   const FitResult states = samara::identification::fit(*family, captures_of(windows.unseen), options);
-  const std::vector<double> errors = model_errors(*family, options, states, windows.unseen);
+  const std::vector<double> errors =
+      errors_of(model_next(*family, options, states, windows.unseen), windows.unseen);
   note(worst, "next_median_varying", median_of(errors));
   note(worst, "next_rms_varying", rms_of(errors));
   fmt::print(stderr, "  with lifts of each window's own: next {:.1f} ({:.1f}) mm\n", 1e3 * median_of(errors),
              1e3 * rms_of(errors));
+}
+
+/// Windows of every other drop, and of the rest.
+std::array<std::vector<Window>, 2> folds_of(const std::vector<Window>& windows) {
+  std::array<std::vector<Window>, 2> folds;
+  std::vector<std::string> drops;
+  for (const Window& window : windows) {
+    const std::string& drop = window.capture.labels.at("traj");
+    if (drops.empty() || drops.back() != drop) drops.push_back(drop);
+    folds[drops.size() % 2].push_back(window);
+  }
+  return folds;
+}
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// Between the straight line and the body: the share of the body is the one with the least mean distance
+/// (which is convex in it) on the drops of the fit, each half of them predicted from the other.
+void try_mixture(const PaperSplit& windows, const FitOptions& options, const Prediction& unseen,
+                 Worst& worst) {
+  const auto family = paper_family();
+  const auto folds = folds_of(windows.fitted);
+  std::array<Eigen::MatrixX3d, 2> bodies;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const FitResult fitted = samara::identification::fit(*family, captures_of(folds[1 - k]), options);
+    bodies[k] = predict_unseen(*family, options, values_of(fitted), folds[k]).next;
+  }
+  const auto errors_with = [](double share, const Eigen::MatrixX3d& body, const std::vector<Window>& seen) {
+    return errors_of(share * body + (1.0 - share) * baseline_next(Baseline::straight_line, seen), seen);
+  };
+  double best = 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int step = 0; step <= 20; ++step) {
+    const double share = 0.05 * step;
+    double sum = 0.0;
+    for (std::size_t k = 0; k < 2; ++k) {
+      sum += mean_of(errors_with(share, bodies[k], folds[k])) * static_cast<double>(folds[k].size());
+    }
+    if (sum < least) best = share;
+    least = std::min(least, sum);
+  }
+  const std::vector<double> errors = errors_with(best, unseen.next, windows.unseen);
+  note(worst, "next_median_mixture", median_of(errors));
+  note(worst, "next_rms_mixture", rms_of(errors));
+  fmt::print(stderr, "  {:.2f} body and {:.2f} straight line: next {:.1f} ({:.1f}) mm\n", best, 1.0 - best,
+             1e3 * median_of(errors), 1e3 * rms_of(errors));
 }
 
 void one_split(const std::vector<samara::identification::Capture>& drops, std::uint64_t seed,
@@ -93,13 +142,16 @@ void one_split(const std::vector<samara::identification::Capture>& drops, std::u
   const PaperSplit windows = split(drops, kDrops, kFrames, seed);
   const auto body = paper_family();
   const FitOptions options = paper_options();
-  const FitResult fitted = samara::identification::fit(*body, captures_of(windows.fitted), options);
-  const Prediction unseen = predict_unseen(*body, options, fitted, windows.unseen);
+  FitOptions with_errors = options;
+  if (with_trials && seed == 1) with_errors.bootstrap.replicates = kReplicates;
+  const FitResult fitted = samara::identification::fit(*body, captures_of(windows.fitted), with_errors);
+  const Prediction unseen = predict_unseen(*body, options, values_of(fitted), windows.unseen);
   note(worst, "fit_median", median_of(window_misfits(fitted)));
   note(worst, "next_median", median_of(unseen.errors));
   note(worst, "next_rms", rms_of(unseen.errors));
 
   if (with_trials) {
+    try_mixture(windows, options, unseen, worst);
     try_varying(windows, options, fitted, worst);
     try_silhouettes(windows, options, fitted, worst);
   }
@@ -108,7 +160,7 @@ void one_split(const std::vector<samara::identification::Capture>& drops, std::u
   const FitResult of_point =
       samara::identification::fit(*point, captures_of(windows.fitted), point_options());
   note(worst, "next_median_point_drag",
-       median_of(predict_unseen(*point, point_options(), of_point, windows.unseen).errors));
+       median_of(predict_unseen(*point, point_options(), values_of(of_point), windows.unseen).errors));
   note(worst, "next_median_quadratic", median_of(baseline_errors(Baseline::quadratic, windows.unseen)));
   note(worst, "next_median_cubic", median_of(baseline_errors(Baseline::cubic, windows.unseen)));
   const std::vector<double> line = baseline_errors(Baseline::straight_line, windows.unseen);
@@ -122,22 +174,13 @@ void one_split(const std::vector<samara::identification::Capture>& drops, std::u
       kCase, seed, windows.fitted.size(), fitted.seconds, fitted.iterations, windows.unseen.size(),
       unseen.fit.seconds, 1e3 * median_of(window_misfits(fitted)), 1e3 * median_of(unseen.errors),
       1e3 * rms_of(unseen.errors), 1e3 * median_of(line), 1e3 * rms_of(line));
-  std::map<std::string, double> scatter;
-  if (with_trials && seed == 1) {
-    scatter = bootstrap_errors(*body, options, fitted, windows.fitted, "traj", kRepeats);
-  }
-  for (const Coefficient& c : fitted.coefficients) {
-    fmt::print(stderr, "  {} {:.3g} +- {:.2g}", c.name, c.value, c.standard_error.value_or(-1.0));
-    if (scatter.contains(c.name)) fmt::print(stderr, ", bootstrap {:.2g}", c.value * scatter.at(c.name));
-    fmt::print(stderr, "\n");
-  }
+  say_coefficients(fitted);
 }
 
 }  // namespace
 
 void falling_paper_case(const Options& options) {
-  if (!options.wants(kCase)) return;
-  const auto folder = measured_set(kCase, "falling-paper-cambridge");
+  const auto folder = measured_set(options, kCase, "falling-paper-cambridge");
   if (!folder) return;
   const auto drops = paper_drops(*folder);
   Worst worst;

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     identification::blimp_case(chosen);
     identification::falling_paper_case(chosen);
     identification::settling_plates_case(chosen);
+    identification::april_paper_case(chosen);
     return 0;
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';

@@ -15,7 +15,9 @@ using samara::identification::Channel;
 using samara::identification::Coefficient;
 using samara::identification::FitResult;
 
-std::optional<std::filesystem::path> measured_set(const std::string& test_case, const std::string& set) {
+std::optional<std::filesystem::path> measured_set(const Options& options, const std::string& test_case,
+                                                  const std::string& set) {
+  if (!options.wants(test_case)) return {};
   const char* const root = std::getenv("SAMARA_DATA");
   const std::filesystem::path path = root ? std::filesystem::path(root) / set : std::filesystem::path();
   if (root && std::filesystem::is_directory(path)) return path;
@@ -46,6 +48,12 @@ const Coefficient& coefficient_of(const FitResult& result, const std::string& na
 }
 
 }  // namespace
+
+Coefficients values_of(const FitResult& result) {
+  Coefficients values;
+  for (const Coefficient& c : result.coefficients) values[c.name] = c.value;
+  return values;
+}
 
 double value_of(const FitResult& result, const std::string& name) {
   return coefficient_of(result, name).value;

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "report.h"
 #include "samara/identification/capture.h"
 #include "samara/identification/fit_options.h"
 #include "samara/identification/fit_result.h"
@@ -16,19 +18,23 @@
 /// What cases with measured captures share.
 namespace samara::benchmarks::identification {
 
-/// Where a set of measurements lies that the project does not contain: a folder in the one to which the
-/// environment variable SAMARA_DATA leads. Empty, with a line on stderr, where there is none.
-std::optional<std::filesystem::path> measured_set(const std::string& test_case, const std::string& set);
+/// Where the measurements of a case lie, which the project does not contain: a folder in the one to which the
+/// environment variable SAMARA_DATA leads. Empty if the case is not wanted, and, with a line on stderr, where
+/// there is none.
+std::optional<std::filesystem::path> measured_set(const Options& options, const std::string& test_case,
+                                                  const std::string& set);
 
 using Box = std::map<std::string, samara::identification::Interval>;
+using Coefficients = std::map<std::string, double>;
 
 /// Frames first, first + 1, .. of a capture as one of its own, whose times count from `origin` [s].
 samara::identification::Capture frames_of(const samara::identification::Capture& capture, Eigen::Index first,
-                                          Eigen::Index count, double origin);
+                                          Eigen::Index count, double origin = 0.0);
 
 /// The positions of a capture, frames x (x, y, z).
 Eigen::MatrixX3d positions_of(const samara::identification::Capture& capture);
 
+Coefficients values_of(const samara::identification::FitResult& result);
 /// Value of a coefficient of a fit that has it.
 double value_of(const samara::identification::FitResult& result, const std::string& name);
 double error_of(const samara::identification::FitResult& result, const std::string& name);

@@ -20,7 +20,6 @@ using samara::identification::Capture;
 using samara::identification::FitOptions;
 using samara::identification::FitResult;
 using samara::identification::Flutter;
-using samara::identification::Interval;
 
 namespace {
 
@@ -59,12 +58,6 @@ std::map<std::string, double> plate(const PlateKind& kind) {
 bool is_clean(const Capture& drop) {
   return std::stod(drop.labels.at("max_step_cm")) < 2.0 && std::stod(drop.labels.at("max_gap_s")) < 0.1 &&
          drop.labels.at("labels_disagree") == "0";
-}
-
-void keep_developed(Capture& drop) {
-  const auto kept = Eigen::seq(kReleaseFrames, Eigen::last);
-  drop.times = Eigen::VectorXd(drop.times(kept));
-  for (auto& channel : drop.channels) channel.values = Eigen::VectorXd(channel.values(kept));
 }
 
 Flutter medians(const std::vector<Flutter>& all) {
@@ -155,8 +148,7 @@ std::vector<Capture> plate_drops(const std::filesystem::path& folder, const Plat
     const auto table = folder / fmt::format("{}_1x1_{}.csv", kind.material, position);
     for (Capture& drop : samara::identification::read_captures(table, sidecar)) {
       if (!is_clean(drop)) continue;
-      keep_developed(drop);
-      clean.push_back(std::move(drop));
+      clean.push_back(frames_of(drop, kReleaseFrames, drop.frame_count() - kReleaseFrames));
     }
   }
   return clean;
@@ -172,31 +164,15 @@ Flutter measured_flutter(const std::vector<Capture>& drops, const PlateKind& kin
 }
 
 std::unique_ptr<samara::identification::TrajectoryFamily> plate_family(const PlateKind& kind) {
-  std::map<std::string, Interval> box;
-  for (const char* name : {"x(0)", "y(0)", "z(0)"}) box[name] = {-2.0, 2.0};
-  for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.1, 1.1};
-  for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-0.4, 0.4};
-  for (const char* name : {"wx(0)", "wy(0)"}) box[name] = {-40.0, 40.0};
+  Box box = disc_start_box(2.0, 0.4, 40.0);
   for (const std::string& name : coefficient_names()) box[name] = {0.01, 50.0};
   return samara::identification::step_trajectories(models::find_model("immersed_body"), plate(kind), box,
                                                    kStep);
 }
 
 FitOptions settling_options() {
-  FitOptions options;
-  options.initial = {{"C_D0", 0.3}, {"C_D90", 4.0}, {"C_T", 1.5}, {"C_R", 1.0}, {"C_w", 3.0}};
-  for (const auto& [name, value] : options.initial) {
-    options.log_scale.push_back(name);
-    options.priors[name] = {.mean = value, .deviation = 1.0, .logarithmic = true};
-  }
-  options.loss.length_scale = 1e-3;
-  options.round_body = true;
-  options.segments.length = 20.0;
-  options.cluster_by = {"drop"};
-  options.starts = 1;
-  options.rounds = 2;
-  options.max_iterations = 25;
-  return options;
+  return disc_options({{"C_D0", 0.3}, {"C_D90", 4.0}, {"C_T", 1.5}, {"C_R", 1.0}, {"C_w", 3.0}}, 1e-3,
+                      "drop");
 }
 
 std::optional<Flutter> simulated_flutter(const PlateKind& kind, const Coefficients& coefficients) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "discs.h"
 #include "samara/identification/flutter.h"
 #include "windows.h"
 
@@ -23,8 +24,6 @@ struct PlateKind {
   int ahead;       ///< frames from its end to what is predicted: 0.4 swings
 };
 const PlateKind& plate_kind(const std::string& material);
-
-using Coefficients = std::map<std::string, double>;
 
 /// Drops of which the source's index finds no jump, gap or swapped label, without their first second.
 std::vector<samara::identification::Capture> plate_drops(const std::filesystem::path& folder,

@@ -55,12 +55,6 @@ std::map<std::string, std::string> labels() {
   return {{"wx(0)", "x_spin"}, {"wy(0)", "y_spin"}, {"wz(0)", "z_spin"}};
 }
 
-std::map<std::string, double> values_of(const FitResult& fitted) {
-  std::map<std::string, double> values;
-  for (const auto& c : fitted.coefficients) values[c.name] = c.value;
-  return values;
-}
-
 /// The forces alone, without the turn of the labels.
 std::map<std::string, double> forces_of(const FitResult& fitted) {
   std::map<std::string, double> values = values_of(fitted);
@@ -152,7 +146,7 @@ Flights read_flights(const std::filesystem::path& folder, const std::filesystem:
   return flights;
 }
 
-FitResult fit_labelled(const std::vector<Capture>& flights, const RotationStart& start) {
+FitResult fit_labelled(const std::vector<Capture>& flights, const RotationStart& start, SpinDrag spin_drag) {
   Box box = start_box();
   add_spins(box);
   box["C_D"] = {0.1, 1.5};
@@ -168,6 +162,10 @@ FitResult fit_labelled(const std::vector<Capture>& flights, const RotationStart&
                      {"spin_frame_x", start.about_x},
                      {"spin_frame_y", 0.0},
                      {"spin_frame_z", 0.0}};
+  if (spin_drag == SpinDrag::fitted) {
+    box["spin_drag"] = {-1.0, 1.0};
+    options.initial["spin_drag"] = 0.0;
+  }
   return fit(*family("sphere_flight_turned_spin", {}, box), flights, options);
 }
 
@@ -269,7 +267,7 @@ Distances predict_flights(const std::vector<Capture>& flights, const FitResult& 
 }
 
 Distances predict_left_out_flights(const std::vector<Capture>& flights, const RotationStart& start, int folds,
-                                   const Horizon& horizon) {
+                                   const Horizon& horizon, SpinDrag spin_drag) {
   Distances all;
   for (int fold = 0; fold < folds; ++fold) {
     std::vector<Capture> training, test;
@@ -277,7 +275,7 @@ Distances predict_left_out_flights(const std::vector<Capture>& flights, const Ro
       (static_cast<int>(k) % folds == fold ? test : training).push_back(flights[k]);
     }
     const Distances part =
-        predict_flights(test, fit_labelled(training, start), fit_drag_only(training), horizon);
+        predict_flights(test, fit_labelled(training, start, spin_drag), fit_drag_only(training), horizon);
     for (const auto& [name, values] : part) all[name].insert(all[name].end(), values.begin(), values.end());
   }
   return all;

@@ -12,7 +12,7 @@
 
 /// Flights of a table tennis ball whose spin another camera saw (Gossard et al., SpinDOE, arXiv:2303.03879).
 ///
-///     v' = g - k C_D |v| v + k r C_L(S)/S (R w) x v,   C_L = C_M S/(1 + b S),   S = r |w|/|v|,
+///     v' = g - k (C_D + c S) |v| v + k r C_L(S)/S (R w) x v,   C_L = C_M S/(1 + b S),   S = r |w|/|v|,
 ///
 /// k = rho A/(2 m), w the spin as labelled, R the turn from its camera's axes to the table's.
 namespace samara::benchmarks::identification {
@@ -36,8 +36,11 @@ struct RotationStart {
   double C_M = 0.5;
 };
 
+enum class SpinDrag { none, fitted };  ///< c
+
 /// C_D, C_M, b and R from flights with labels, the start of each flight its own.
-FitResult fit_labelled(const std::vector<Capture>& flights, const RotationStart& start);
+FitResult fit_labelled(const std::vector<Capture>& flights, const RotationStart& start,
+                       SpinDrag spin_drag = SpinDrag::none);
 /// C_D alone.
 FitResult fit_drag_only(const std::vector<Capture>& flights);
 
@@ -72,6 +75,6 @@ Distances predict_flights(const std::vector<Capture>& flights, const FitResult& 
 
 /// Labelled flights by cross validation: each is predicted by a fit that has not seen it.
 Distances predict_left_out_flights(const std::vector<Capture>& flights, const RotationStart& start, int folds,
-                                   const Horizon& horizon);
+                                   const Horizon& horizon, SpinDrag spin_drag = SpinDrag::none);
 
 }  // namespace samara::benchmarks::identification

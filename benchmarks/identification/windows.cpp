@@ -1,17 +1,13 @@
 #include "windows.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <iostream>
 #include <limits>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "real_data.h"
 #include "samara/identification/fit.h"
 #include "samara/identification/fitted_motion.h"
-#include "samara/pgd/random.h"
 
 namespace samara::benchmarks::identification {
 
@@ -19,14 +15,6 @@ using samara::identification::Baseline;
 using samara::identification::Capture;
 using samara::identification::FitOptions;
 using samara::identification::FitResult;
-
-namespace {
-
-double interval_of(const Capture& capture) {
-  return (capture.times[capture.times.size() - 1] - capture.times[0]) / (capture.frame_count() - 1);
-}
-
-}  // namespace
 
 std::vector<Window> cut(const Capture& motion, int frames, int ahead) {
   const Eigen::MatrixX3d positions = positions_of(motion);
@@ -49,37 +37,62 @@ std::vector<Capture> captures_of(std::span<const Window> windows) {
   return captures;
 }
 
-FitOptions with_coefficients(FitOptions options, const FitResult& result) {
-  for (const auto& coefficient : result.coefficients) options.fixed[coefficient.name] = coefficient.value;
+FitOptions with_coefficients(FitOptions options, const Coefficients& coefficients) {
+  for (const auto& [name, value] : coefficients) options.fixed[name] = value;
   options.shared.clear();
   options.log_scale.clear();
   options.priors.clear();
   options.initial.clear();
+  options.bootstrap.replicates = 0;
+  options.rounds = 1;
+  options.max_iterations = 15;  // they stand alone, and have found their states already
   return options;
 }
 
-std::vector<double> model_errors(const samara::identification::TrajectoryFamily& family,
-                                 const FitOptions& options, const FitResult& result,
-                                 std::span<const Window> windows) {
+Prediction predict_unseen(const samara::identification::TrajectoryFamily& family, const FitOptions& options,
+                          const Coefficients& coefficients, std::span<const Window> unseen) {
+  const FitOptions held = with_coefficients(options, coefficients);
+  Prediction result{.fit = samara::identification::fit(family, captures_of(unseen), held)};
+  if (result.fit.captures.empty()) throw std::runtime_error(result.fit.message);
+  result.next = model_next(family, held, result.fit, unseen);
+  result.errors = errors_of(result.next, unseen);
+  return result;
+}
+
+Eigen::MatrixX3d model_next(const samara::identification::TrajectoryFamily& family, const FitOptions& options,
+                            const FitResult& result, std::span<const Window> windows) {
+  Eigen::MatrixX3d next(std::ssize(windows), 3);
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    const auto predicted = samara::identification::fitted_motion(family, options, result, k,
+                                                                 {windows[k].next_time}, {"x", "y", "z"});
+    const auto row = static_cast<Eigen::Index>(k);
+    next.row(row).setConstant(std::numeric_limits<double>::infinity());
+    if (predicted) next.row(row) = predicted->row(0);
+  }
+  return next;
+}
+
+Eigen::MatrixX3d baseline_next(Baseline baseline, std::span<const Window> windows) {
+  Eigen::MatrixX3d next(std::ssize(windows), 3);
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    const Capture& seen = windows[k].capture;
+    next.row(static_cast<Eigen::Index>(k)) =
+        samara::identification::predict(baseline, {.times = seen.times, .positions = positions_of(seen)},
+                                        Eigen::VectorXd::Constant(1, windows[k].next_time));
+  }
+  return next;
+}
+
+std::vector<double> errors_of(const Eigen::MatrixX3d& next, std::span<const Window> windows) {
   std::vector<double> errors;
   for (std::size_t k = 0; k < windows.size(); ++k) {
-    const auto predicted = samara::identification::fitted_motion(
-        family, options, result, k, {windows[k].next_time}, {"x", "y", "z"}, interval_of(windows[k].capture));
-    errors.push_back(predicted ? (predicted->row(0) - windows[k].next).norm()
-                               : std::numeric_limits<double>::infinity());
+    errors.push_back((next.row(static_cast<Eigen::Index>(k)) - windows[k].next).norm());
   }
   return errors;
 }
 
 std::vector<double> baseline_errors(Baseline baseline, std::span<const Window> windows) {
-  std::vector<double> errors;
-  for (const Window& window : windows) {
-    const Eigen::VectorXd time = Eigen::VectorXd::Constant(1, window.next_time);
-    const Eigen::MatrixXd predicted = samara::identification::predict(
-        baseline, {.times = window.capture.times, .positions = positions_of(window.capture)}, time);
-    errors.push_back((predicted.row(0) - window.next).norm());
-  }
-  return errors;
+  return errors_of(baseline_next(baseline, windows), windows);
 }
 
 std::vector<double> window_misfits(const FitResult& result) {
@@ -91,36 +104,13 @@ std::vector<double> window_misfits(const FitResult& result) {
   return misfits;
 }
 
-std::map<std::string, double> bootstrap_errors(const samara::identification::TrajectoryFamily& family,
-                                               FitOptions options, const FitResult& fitted,
-                                               std::span<const Window> windows, const std::string& label,
-                                               int repeats) {
-  options.rounds = 1;
-  for (const auto& c : fitted.coefficients) options.initial[c.name] = c.value;
-  std::map<std::string, std::vector<const Capture*>> drops;
-  for (const Window& window : windows) drops[window.capture.labels.at(label)].push_back(&window.capture);
-  std::map<std::string, std::vector<double>> logs;
-  pgd::Random random(1);
-  for (int repeat = 0; repeat < repeats; ++repeat) {
-    std::vector<Capture> drawn;
-    for (std::size_t k = 0; k < drops.size(); ++k) {
-      const auto which = static_cast<std::ptrdiff_t>(random.uniform() * static_cast<double>(drops.size()));
-      for (const Capture* capture : std::next(drops.begin(), which)->second) {
-        drawn.push_back(*capture);
-        drawn.back().id += fmt::format(", {}", k);
-      }
-    }
-    for (const auto& c : samara::identification::fit(family, drawn, options).coefficients) {
-      logs[c.name].push_back(std::log(c.value));
-    }
+void say_coefficients(const FitResult& result) {
+  for (std::size_t k = 0; k < result.coefficients.size(); ++k) {
+    const auto& c = result.coefficients[k];
+    fmt::print(stderr, "  {} {:.3g} +- {:.2g}", c.name, c.value, error_of(result, c.name));
+    if (result.bootstrap) fmt::print(stderr, ", bootstrap {:.2g}", result.bootstrap->standard_errors[k]);
+    fmt::print(stderr, "\n");
   }
-  std::map<std::string, double> errors;
-  for (const auto& [name, values] : logs) {
-    const auto count = static_cast<Eigen::Index>(values.size());
-    const Eigen::Map<const Eigen::ArrayXd> all(values.data(), count);
-    errors[name] = std::sqrt((all - all.mean()).square().sum() / static_cast<double>(count - 1));
-  }
-  return errors;
 }
 
 }  // namespace samara::benchmarks::identification

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <filesystem>
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "real_data.h"
 #include "samara/identification/capture.h"
 #include "samara/identification/fit_options.h"
 #include "samara/identification/fit_result.h"
@@ -29,29 +28,35 @@ std::vector<Window> cut(const samara::identification::Capture& motion, int frame
 
 std::vector<samara::identification::Capture> captures_of(std::span<const Window> windows);
 
-/// The same fit with all coefficients held at those of another: start states of windows that had no part in
-/// it.
+/// The same fit with all coefficients held, for the start states of windows that had no part in it.
 samara::identification::FitOptions with_coefficients(samara::identification::FitOptions options,
-                                                     const samara::identification::FitResult& result);
+                                                     const Coefficients& coefficients);
 
-/// Distances between prediction and measurement.
-std::vector<double> model_errors(const samara::identification::TrajectoryFamily& family,
-                                 const samara::identification::FitOptions& options,
-                                 const samara::identification::FitResult& result,
-                                 std::span<const Window> windows);
+/// Where a fitted model is at the next time of each window [m]; infinite where it has no motion.
+Eigen::MatrixX3d model_next(const samara::identification::TrajectoryFamily& family,
+                            const samara::identification::FitOptions& options,
+                            const samara::identification::FitResult& result, std::span<const Window> windows);
+Eigen::MatrixX3d baseline_next(samara::identification::Baseline baseline, std::span<const Window> windows);
+
+/// Distances between prediction and measurement, m.
+std::vector<double> errors_of(const Eigen::MatrixX3d& next, std::span<const Window> windows);
 std::vector<double> baseline_errors(samara::identification::Baseline baseline,
                                     std::span<const Window> windows);
+
+/// Start states of unseen windows with the coefficients of a fit, and the errors of what follows.
+struct Prediction {
+  samara::identification::FitResult fit;  ///< of the windows, coefficients held
+  Eigen::MatrixX3d next = {};             ///< m
+  std::vector<double> errors = {};        ///< m, distances from what was measured
+};
+Prediction predict_unseen(const samara::identification::TrajectoryFamily& family,
+                          const samara::identification::FitOptions& options, const Coefficients& coefficients,
+                          std::span<const Window> unseen);
 
 /// Root mean square distances between windows and the model inside them.
 std::vector<double> window_misfits(const samara::identification::FitResult& result);
 
-/// Standard errors of the logarithms of the coefficients: their scatter over fits to drops drawn with
-/// replacement, each from the fit of all.
-/// @param label of the captures, names the drop
-std::map<std::string, double> bootstrap_errors(const samara::identification::TrajectoryFamily& family,
-                                               samara::identification::FitOptions options,
-                                               const samara::identification::FitResult& fitted,
-                                               std::span<const Window> windows, const std::string& label,
-                                               int repeats);
+/// Each coefficient of a fit with its errors, a line on stderr.
+void say_coefficients(const samara::identification::FitResult& result);
 
 }  // namespace samara::benchmarks::identification

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <functional>
-#include <string>
 #include <vector>
 
 #include "report.h"
@@ -15,14 +13,6 @@ void run_plates(const Options& options);
 void run_body(const Options& options);
 void run_trains(const Options& options);
 void run_files(const Options& options);
-
-/// Shortest times of two calls, taken in turns so that what else the machine does meets both.
-struct Pair {
-  double ours = 0.0;
-  double theirs = 0.0;
-  double ratio() const { return theirs / ours; }
-};
-Pair time_both(const std::function<void()>& ours, const std::function<void()>& theirs, int rounds = 25);
 
 /// Seconds of the machine's fastest product at hand of a rows x inner and an inner x columns matrix.
 double gemm_seconds(int rows, int inner, int columns, bool single);

@@ -60,12 +60,18 @@ samara_status missing(const char* what) noexcept {
 }
 
 const Coordinate* coordinate_of(const samara_book* book, int k) noexcept {
-  if (book == nullptr || k < 0 || k >= book->book.coordinate_count()) return nullptr;
+  if (book == nullptr || k < 0 || k >= book->book.coordinate_count()) {
+    missing("no book was given, or a coordinate that it does not have");
+    return nullptr;
+  }
   return &book->book.coordinates()[static_cast<std::size_t>(k)];
 }
 
 const samara::pgd::OutputLabel* output_of(const samara_book* book, int o) noexcept {
-  if (book == nullptr || o < 0 || o >= book->book.output_count()) return nullptr;
+  if (book == nullptr || o < 0 || o >= book->book.output_count()) {
+    missing("no book was given, or an output that it does not have");
+    return nullptr;
+  }
   return &book->book.outputs()[static_cast<std::size_t>(o)];
 }
 

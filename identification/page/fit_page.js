@@ -150,6 +150,20 @@
       add(part, "h3", "Residuals");
       add(part, "p", fit.whiteness.sentence).id = "whiteness";
     }
+    if (fit.noise.length) {
+      add(part, "h3", "Noise");
+      const levels = table(part, ["of", "standard deviation#", "+-#", "unit", "degrees of freedom#", ""]);
+      levels.id = "noise";
+      for (const n of fit.noise) {
+        row(levels, [n.outputs.join(", "), {value: n.value, digits: 4}, {value: n.standard_error, digits: 2}, n.unit === "1" ? "" : n.unit,
+                     {value: n.degrees_of_freedom, digits: 4}, n.estimated ? "estimated" : "assumed"]);
+      }
+      add(part, "p", `Found in turn with the fit, in ${counted(fit.noise_rounds, "round")}.`, "soft");
+    }
+    if (fit.integration_shift !== null) {
+      add(part, "p", "Steps of half the length would move no coefficient by more than " +
+          `${shown(fit.integration_shift, 2)} standard errors.`, fit.integration_shift > 0.1 ? "bad" : "soft").id = "integration-shift";
+    }
   }
 
   function warnings() {

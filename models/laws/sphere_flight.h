@@ -27,6 +27,7 @@ struct SphereFlight {
     kReDrag,
     kNu,
     kMagnusSaturation,
+    kSpinDrag,
     kParameters
   };
   enum Term { kDrag, kMagnus, kDamping, kGravity, kTerms };
@@ -36,7 +37,7 @@ struct SphereFlight {
         .name = "sphere_flight",
         .title = "Spinning sphere in flight",
         .equations =
-            "(m + m_a) v' = -1/2 rho A C_D (1 + Re_drag/Re) V v + 1/2 rho A C_M r w x v/(1 + "
+            "(m + m_a) v' = -1/2 rho A (C_D (1 + Re_drag/Re) + spin_drag S) V v + 1/2 rho A C_M r w x v/(1 + "
             "magnus_saturation S) + (m - m_f) (0, 0, -g);  "
             "(x, y, z)' = v;  "
             "w' = -spin_decay w;  "
@@ -63,7 +64,7 @@ struct SphereFlight {
         .symmetries = upright_symmetries(),
         .states = states(),
         .parameters = parameters(),
-        .affine_in = {"C_D", "C_M", "g", "spin_decay"},
+        .affine_in = {"C_D", "C_M", "g", "spin_decay", "spin_drag"},
         .force_terms = {{.name = "drag", .description = "against v"},
                         {.name = "Magnus", .description = "perpendicular to v and to the spin"},
                         {.name = "damping", .description = "of the spin"},
@@ -113,6 +114,7 @@ struct SphereFlight {
         not_negative("magnus_saturation", "1", 0.0,
                      "how the lift coefficient lags behind its slope: at S = 1/magnus_saturation it is half "
                      "of it"),
+        any_value("spin_drag", "1", 0.0, "how much the drag coefficient grows with S"),
     };
   }
 
@@ -125,9 +127,10 @@ struct SphereFlight {
     const ReynoldsSpeeds<S> Re = reynolds_speeds(p[kReDrag], S(0.0), p[kNu], p[kDiameter]);
     // The rim needs a floor of its own, or |w| had no derivative at rest.
     const S rim = sqrt(radius * radius * dot(w, w) + p[kSpeedFloor] * p[kSpeedFloor]);
+    const S drag = p[kCD] * drag_speed(speed, Re.drag) + p[kSpinDrag] * rim;
     const S lift = p[kCM] * speed / (speed + p[kMagnusSaturation] * rim);
     const Vector3<S> weight = {S(0.0), S(0.0), -(p[kMass] - p[kDisplacedMass]) * p[kG]};
-    return {{{-(half_rho_A * p[kCD] * drag_speed(speed, Re.drag)) * v, {}},
+    return {{{-(half_rho_A * drag) * v, {}},
              {(half_rho_A * lift * radius) * cross(w, v), {}},
              {{}, -(p[kInertia] * p[kSpinDecay]) * w},
              {weight, {}}}};

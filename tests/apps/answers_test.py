@@ -159,6 +159,7 @@ class Answers(Case):
             self.assertIn(part, text)
         info = json.loads(run("info", path, "--json").stdout)
         self.assertEqual(info["schema"], "samara-info/1")
+        self.assertIsNone(info["certificate"]["norm_defect"])  # there is no attitude
         self.assertTrue(info["certificate"]["met"])
         self.assertGreaterEqual(info["certificate"]["points"], 2000)
 

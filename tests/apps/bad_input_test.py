@@ -3,6 +3,10 @@
 What is wrong in plans, captures, codebooks and calls: one sentence on stderr, the documented exit code.
 """
 
+import csv
+import json
+import math
+import random
 import subprocess
 
 from samara_case import COIN_PLAN, LINE_PLAN, FOLDER, SAMARA, Case, book, main, run, write
@@ -107,6 +111,82 @@ class BadCaptures(Case):
 
     def test_a_missing_file(self):
         self.check_error(run("fit", book("coin", COIN_PLAN), FOLDER / "none.csv"), 3, "none.csv")
+
+    def test_a_single_frame(self):
+        self.check_error(self.fit("t[s],x[m]\n0,0.1\n"), 3, "capture.csv", "at least 3")
+
+    def test_a_value_that_is_nan(self):
+        self.check_error(self.fit("t[s],x[m]\n" + self.ROWS.replace("0.1,", "0.1,nan\n0.11,", 1)), 3, "capture.csv:", "nan")
+
+
+class DoubtfulCaptures(Case):
+    """Captures that can be read and fitted, and are wrong: the report says what is."""
+
+    CONFIG = """segments = "1 s"
+step = "5 ms"
+loss = { kind = "huber", scale = { x = "1 mm", y = "1 mm", theta = "3 deg" } }
+starts = 1
+[fixed]
+semi_chord = "1 cm"
+semi_thickness = "0.5 mm"
+density = DENSITY
+C_T = 1.2
+A = 1.4
+mu1 = 0.2
+[box]
+C_R = [1, 6]
+"vx(0)" = [-2, 2]
+"vy(0)" = [-2, 2]
+"w(0)" = [-100, 100]
+"theta(0)" = [-100, 100]
+"""
+
+    def rows(self):
+        result = run("simulate", "falling_plate", "--set", "semi_chord=1 cm", "--set", "semi_thickness=0.5 mm", "--set",
+                     "density=2700", "--set", "C_T=1.2", "--set", "C_R=3", "--set", "A=1.4", "--set", "mu1=0.2", "--set",
+                     "theta(0)=0.5", "--until", "0.5", "--frames", "31")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        table = list(csv.DictReader(result.stdout.splitlines()))
+        noise = random.Random(1)
+        return [[float(r["t[s]"]), float(r["x[m]"]) + noise.gauss(0, 3e-4), float(r["y[m]"]) + noise.gauss(0, 3e-4),
+                 float(r["theta[rad]"]) + noise.gauss(0, 0.01)] for r in table]
+
+    def warnings(self, rows, header="t[s],x[m],y[m],theta[rad]", density="2700.0"):
+        """What the report warns of, on stderr and in the JSON alike; one sentence per line."""
+        capture = write("plate.csv", "\n".join([header] + [",".join(map(repr, row)) for row in rows]) + "\n")
+        config = write("fit_of_plate.toml", self.CONFIG.replace("DENSITY", density))
+        result = run("fit", "falling_plate", capture, "--config", config, "--json")
+        self.assertIn(result.returncode, (0, 4), result.stderr)
+        said = json.loads(result.stdout)["warnings"]
+        for sentence in said:
+            self.assertIn(sentence, result.stderr)
+        return " | ".join(said)
+
+    def test_a_good_capture_raises_no_doubt(self):
+        said = self.warnings(self.rows())
+        for word in ["unit", "order", "never changes", "mass", "degrees"]:
+            self.assertNotIn(word, said)
+
+    def test_constant_positions(self):
+        first = self.rows()[0]
+        said = self.warnings([[t, *first[1:]] for t, *_ in self.rows()])
+        self.assertIn("x never changes over 31 frames", said)
+        self.assertIn("y never changes over 31 frames", said)
+
+    def test_millimetres_as_metres(self):
+        self.assertIn("another unit", self.warnings([[t, 1e3 * x, 1e3 * y, a] for t, x, y, a in self.rows()]))
+
+    def test_degrees_as_radians(self):
+        self.assertRegex(self.warnings([[t, x, y, math.degrees(a)] for t, x, y, a in self.rows()]), "theta.*degrees")
+
+    def test_frames_in_another_order_than_their_times(self):
+        rows = self.rows()
+        order = list(range(len(rows)))
+        random.Random(2).shuffle(order)
+        self.assertIn("out of order", self.warnings([[r[0], *rows[k][1:]] for r, k in zip(rows, order)]))
+
+    def test_a_mass_that_is_wrong_by_a_thousand_is_named(self):
+        self.assertRegex(self.warnings(self.rows(), density="2.7e6"), "mass of the body is in doubt: a density 10\\^3 times as small")
 
 
 class BadCodebooks(Case):

@@ -5,6 +5,7 @@ Fits from the command.
 
 import csv
 import json
+import math
 import pathlib
 import re
 
@@ -111,6 +112,85 @@ class Fits(Case):
         config = write("known.toml", '[fixed]\narea = "4.7144e-4 m^2"\nthickness = "2.55 mm"\n[known]\ndensity = "rho"\n'
                        '[box]\nC_D = [0.5, 2.0]\n"v(0)" = [0.0, 0.5]\n')
         self.check_error(run("fit", "vertical_fall", self.capture(), "--config", config), 3, "density", "[box]")
+
+
+class Series(Case):
+    """Coefficients that change in time, from a capture to its replay."""
+
+    FILES = ROOT / "examples" / "changing_lift"
+
+    def fitted(self, *arguments):
+        return run("fit", "falling_plate", self.FILES / "plate.csv", "--config", self.FILES / "series.toml", *arguments)
+
+    def series(self):
+        path, answer = FOLDER / "series.h5", FOLDER / "series.json"
+        if not path.exists():
+            result = self.fitted("--series", path, "-o", answer)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn("C_R", result.stdout)
+        return path, json.loads(answer.read_text())
+
+    def distance(self, result):
+        """Root mean square of what a simulation misses of the capture's places, m."""
+        self.assertEqual(result.returncode, 0, result.stderr)
+        made = list(csv.DictReader(result.stdout.splitlines()))
+        seen = list(csv.DictReader(line for line in (self.FILES / "plate.csv").read_text().splitlines() if line[0] != "#"))
+        self.assertEqual(len(made), len(seen))
+        squares = [(float(m["x[m]"]) - 1e-3 * float(s["x[mm]"])) ** 2 + (float(m["y[m]"]) - 1e-3 * float(s["y[mm]"])) ** 2
+                   for m, s in zip(made, seen)]
+        return (sum(squares) / len(squares)) ** 0.5
+
+    def test_the_series_is_in_the_answer_with_its_errors(self):
+        _, answer = self.series()
+        self.assertEqual(answer["schema"], "samara-series/1")
+        lift, = answer["series"]
+        self.assertEqual(lift["name"], "C_R")
+        for t, value, error in zip(answer["instants"], lift["values"], lift["standard_errors"]):
+            # What plate.csv says of itself; beyond four errors once in 16,000.
+            self.assertLess(abs(value - (3.0 + 0.8 * math.sin(2 * math.pi * t / 1.2))), 4 * error)
+        self.assertGreater(max(lift["values"]) - min(lift["values"]), 1.0)
+
+    def test_info_and_query_know_the_codebook(self):
+        path, answer = self.series()
+        info = json.loads(run("info", path, "--json").stdout)
+        self.assertEqual([(c["name"], c["unit"]) for c in info["coordinates"]], [("t", "s")])
+        self.assertEqual(info["outputs"], [{"name": "C_R", "unit": "1"}])
+        self.assertIn("standard errors", info["certificate"]["integrator"])
+        self.assertIn("coefficients of falling_plate", run("info", path).stdout)
+        rows = list(csv.DictReader(run("query", path, "--at", str(answer["instants"][3])).stdout.splitlines()))
+        self.assertAlmostEqual(float(rows[0]["C_R[1]"]), answer["series"][0]["values"][3], places=6)
+
+    def test_the_replay_follows_the_capture_better_than_constant_coefficients(self):
+        path, answer = self.series()
+        end = ["--until", str(answer["instants"][-1]), "--frames", str(len(answer["fit"]["captures"][0]["times"]))]
+        replay = self.distance(run("simulate", "falling_plate", "--coefficients", path, *end))
+        sets = {**answer["replay"], "C_R": answer["series"][0]["constant"]}
+        for n in answer["constant"]["captures"][0]["nuisances"]:
+            name = n["name"].replace("offset of ", "")
+            sets[name if name.endswith("(0)") else f"{name}(0)"] = n["value"]
+        constant = self.distance(run("simulate", "falling_plate", *sum((["--set", f"{k}={v!r}"] for k, v in sets.items()), []), *end))
+        self.assertLess(replay, 1e-3)
+        self.assertGreater(constant, 2 * replay)
+
+    def test_what_cannot_be_replayed_is_one_sentence(self):
+        path, _ = self.series()
+        self.check_error(run("simulate", "falling_plate", "--coefficients", path, "--until", "5"), 5, "series of coefficients", "5")
+        self.check_error(run("simulate", "falling_plate", "--coefficients", path, "--set", "C_R=3"), 2, "C_R", "--set")
+        self.check_error(run("simulate", "falling_rectangle", "--coefficients", path), 3, "series.h5", "coefficients of falling_plate")
+        self.check_error(run("simulate", "vertical_fall", "--coefficients", book("coin", COIN_PLAN)), 3, "coin.h5", "time alone")
+
+    def test_a_series_that_cannot_be_is_one_sentence(self):
+        text = (self.FILES / "series.toml").read_text()
+        for old, new, words in [('"80 ms"', '"3 s"', ["series.window is 3 s", "lasts"]),
+                                ('["C_R"]', "[]", ["coefficients", "empty"]),
+                                ('["C_R"]', '["C_r"]', ["C_r", "did you mean"]),
+                                ('["C_R"]', '["A"]', ['"A" is fixed'])]:
+            self.assertIn(old, text)
+            config = write("series.toml", text.replace(old, new))
+            self.check_error(run("fit", "falling_plate", self.FILES / "plate.csv", "--config", config), 3, "series.toml", *words)
+        plain = write("plain.toml", text.split("[series]")[0])
+        self.check_error(run("fit", "falling_plate", self.FILES / "plate.csv", "--config", plain, "--series", FOLDER / "s.h5"), 2,
+                         "--series", "[series]")
 
 
 if __name__ == "__main__":

@@ -134,8 +134,10 @@ TEST_CASE("null arguments of the interface in C are refused by name, or let pass
   CHECK_THAT(samara_error(), Contains("samara_bounds"));
   for (const int k : {-1, 3}) {
     CHECK(samara_coordinate_name(opened.book.get(), k) == nullptr);
+    CHECK_THAT(samara_error(), Contains("a coordinate that it does not have"));
     CHECK(samara_coordinate_unit(opened.book.get(), k) == nullptr);
     CHECK(samara_output_name(opened.book.get(), k) == nullptr);
+    CHECK_THAT(samara_error(), Contains("an output that it does not have"));
     CHECK(samara_output_unit(opened.book.get(), k) == nullptr);
   }
   CHECK(samara_coordinate_count(nullptr) == 0);

@@ -83,6 +83,11 @@ inline void check_same_certificate(const samara::codebooks::Certificate& a,
   CHECK(same_bits(a.spent.discretisation, b.spent.discretisation));
   CHECK(same_bits(a.spent.compression, b.spent.compression));
   CHECK(same_bits(a.spent.nonlinearity, b.spent.nonlinearity));
+  REQUIRE(a.norm_defect.has_value() == b.norm_defect.has_value());
+  if (a.norm_defect) {
+    CHECK(same_bits(a.norm_defect->max, b.norm_defect->max));
+    CHECK(same_bits(a.norm_defect->rms, b.norm_defect->rms));
+  }
   REQUIRE(a.outputs.size() == b.outputs.size());
   for (std::size_t o = 0; o < a.outputs.size(); ++o) {
     CHECK(a.outputs[o].name == b.outputs[o].name);

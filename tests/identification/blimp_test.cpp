@@ -19,8 +19,7 @@ TEST_CASE("blimp: coefficients from eight flights predict four others better tha
   REQUIRE(split.left_out.size() == 4);
   const FitResult fitted = fit_blimp(split.training);
   CHECK(fitted.clusters == 8);
-  Coefficients values;
-  for (const auto& c : fitted.coefficients) values[c.name] = c.value;
+  const Coefficients values = values_of(fitted);
   REQUIRE(values.size() == 21);
   std::vector<BlimpFlight> spirals, straights;
   for (const BlimpFlight& flight : split.left_out) (flight.is_spiral ? spirals : straights).push_back(flight);

@@ -47,6 +47,7 @@ step = "1 ms"
 averaged_frames = 5
 round_body = true
 rounds = 2
+bootstrap = { replicates = 50, seed = 3 }
 log_scale = ["C_D"]
 attitude_scale = "2 deg"
 [initial]
@@ -85,6 +86,8 @@ C_D = [0.6, 2.0]
   CHECK(options.averaged_frames == 5);
   CHECK(options.round_body);
   CHECK(options.rounds == 2);
+  CHECK(options.bootstrap.replicates == 50);
+  CHECK(options.bootstrap.seed == 3);
   CHECK(options.initial.at("C_D") == 1.1);
   CHECK(options.known.at("area") == "area_m2");
   CHECK(options.priors.at("C_D").logarithmic);
@@ -130,6 +133,7 @@ TEST_CASE("options of segments and priors outside their meaning are refused with
   CHECK_THAT(config_error("segments = \"0 s\"\n"), StartsWith("fit.toml:1: "));
   CHECK_THAT(config_error("segments = { length = \"1 s\", stages = [] }\n"), Contains("the list is empty"));
   CHECK_THAT(config_error("segments = { length = \"1 s\", stages = [1, -2] }\n"), Contains("-2"));
+  CHECK_THAT(config_error("bootstrap = 0\n"), StartsWith("fit.toml:1: ") && Contains("more than 0"));
   CHECK_THAT(config_error("global = \"anneal\"\n"), Contains("no global search \"anneal\""));
   CHECK_THAT(config_error("step = \"1 m\"\n"), StartsWith("fit.toml:1: "));
   CHECK_THAT(config_error("[priors]\nC_D = { mean = 1, deviation = 0 }\n"), StartsWith("fit.toml:2: "));

@@ -42,6 +42,26 @@ TEST_CASE("the JSON of a fit holds its numbers to the last bit") {
   CHECK(json["starts"].size() == 3);
 }
 
+TEST_CASE("reports hold the errors from random weights") {
+  FitResult result = example();
+  CHECK(nlohmann::json::parse(fit_json(result))["bootstrap"].is_null());
+  result.bootstrap = Bootstrap{.replicates = 50, .standard_errors = {0.125}};
+  const nlohmann::json json = nlohmann::json::parse(fit_json(result));
+  CHECK(json["bootstrap"]["replicates"] == 50);
+  CHECK(json["bootstrap"]["standard_errors"][0].get<double>() == 0.125);
+  CHECK_THAT(fit_text(result),
+             Contains("errors from 50 fits with clusters weighted at random: C_D +- 0.12\n"));
+}
+
+TEST_CASE("reports of joined segments say how nearly they join") {
+  FitResult result = example();
+  CHECK(nlohmann::json::parse(fit_json(result))["join_defect"].is_null());
+  CHECK_THAT(fit_text(result), !Contains("segments join"));
+  result.join_defect = 0.0125;
+  CHECK(nlohmann::json::parse(fit_json(result))["join_defect"] == 0.0125);
+  CHECK_THAT(fit_text(result), Contains("segments join within 0.013 of"));
+}
+
 TEST_CASE("numbers that are not there are null in JSON") {
   FitResult result = example();
   result.coefficients[0].standard_error.reset();
@@ -50,6 +70,29 @@ TEST_CASE("numbers that are not there are null in JSON") {
   const nlohmann::json json = nlohmann::json::parse(fit_json(result));
   CHECK(json["coefficients"][0]["standard_error"].is_null());
   CHECK(json["captures"][0]["outputs"]["x"]["measured"][2].is_null());
+}
+
+TEST_CASE("noise levels and what steps cost stand in all reports") {
+  FitResult result = example();
+  CHECK(nlohmann::json::parse(fit_json(result))["integration_shift"].is_null());
+  result.noise = {
+      {.outputs = {"x", "y"}, .unit = "m", .value = 2e-3, .degrees_of_freedom = 50.0, .estimated = true},
+      {.outputs = {"theta"}, .unit = "1", .value = 0.1}};
+  result.noise_rounds = 3;
+  result.integration_shift = 0.25;
+  result.coefficients[0].integration_shift = -0.01;
+  const nlohmann::json json = nlohmann::json::parse(fit_json(result));
+  CHECK(json["noise"][0]["outputs"][1] == "y");
+  // 2e-3/sqrt(2 * 50)
+  CHECK(json["noise"][0]["standard_error"].get<double>() == Approx(2e-4));
+  CHECK(json["noise"][1]["standard_error"].is_null());
+  CHECK(json["noise_rounds"] == 3);
+  CHECK(json["integration_shift"].get<double>() == 0.25);
+  CHECK(json["coefficients"][0]["integration_shift"].get<double>() == -0.01);
+  const std::string text = fit_text(result);
+  CHECK_THAT(text, Contains("noise of x, y: 0.002 +- 0.0002 m, estimated\n") &&
+                       Contains("noise of theta: taken to be 0.1\n") && Contains("in turn: 3 rounds") &&
+                       Contains("would move no coefficient by more than 0.25 standard errors"));
 }
 
 TEST_CASE("the attitude as a whole has a residual, but no values frame by frame") {

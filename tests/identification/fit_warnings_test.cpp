@@ -205,6 +205,8 @@ TEST_CASE("a fit without any trajectory fails with a status") {
   CHECK(result.status == FitStatus::failed);
   CHECK_THAT(result.message, Contains("none of 3 starts led anywhere"));
   CHECK(result.coefficients.empty());
+  // What is wrong with the capture may be why.
+  CHECK(all(result.warnings) == "it has 5 frames");
 }
 
 TEST_CASE("what is strange about captures is said of each by its name, also where the fit fails") {

@@ -109,7 +109,7 @@ TEST_CASE("frames that are means of five are met by the model's means, whose sta
   // And beyond the window, at the mean of frames there.
   const std::vector<double> later = frames(1.0, 3);
   const Capture truth = braked_means(later, 1.7, 0.9);
-  const auto predicted = fitted_motion(family, options, result, 0, later, {"x"}, kInterval);
+  const auto predicted = fitted_motion(family, options, result, 0, later, {"x"});
   REQUIRE(predicted);
   CHECK((predicted->col(0) - truth.channels[0].values).norm() < 1e-7);
 }

@@ -93,6 +93,23 @@ TEST_CASE("a cost that falls off to one side leaves a one-sided limit") {
   CHECK(*mirrored.interval_upper == Approx(-5.0 + kRoot));
 }
 
+TEST_CASE("a limit says how far the other side was explored where solutions ended") {
+  const auto cost = [](double v) {
+    const double u = 5.0 - v;
+    return u > 0.0 ? 0.5 * u * u : 0.5 * (1.0 - std::exp(u));
+  };
+  const ProfileSolver fails_beyond_six = [&](double v,
+                                             const Eigen::VectorXd& start) -> std::optional<ProfileSolution> {
+    if (v > 6.0) return {};
+    return ProfileSolution{cost(v), start};
+  };
+  const Profile p = profile({"v", 5.0, 0.0, 1.0, -100.0, 100.0}, kNothing, fails_beyond_six);
+  CHECK(p.shape == ProfileShape::lower_limit);
+  CHECK(p.upper_end == ProfileEnd::failed);
+  CHECK(p.values.back() <= 6.0);
+  CHECK_THAT(describe(p), Contains("at least 3.04") && Contains("not explored beyond"));
+}
+
 TEST_CASE("a cost that hardly changes is flat, in a box and without one") {
   const auto cost = [](double v) { return 1.0 + 0.1 * std::tanh(v * v); };
   const Profile boxed = profile({"v", 0.0, 1.0, std::nan(""), -3.0, 4.0}, kNothing, of(cost));

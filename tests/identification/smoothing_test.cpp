@@ -206,6 +206,18 @@ TEST_CASE("values rounded to a coarse step are not outliers of those that happen
   CHECK(smooth(times, values, times, {.window = 0.15}).outlier.count() == 0);
 }
 
+TEST_CASE("where all frames are farther off than the stated noise, enough of them still count") {
+  // Millimetres taken for metres: the noise is a thousand times what it was said to be.
+  std::mt19937_64 random(3);
+  const Eigen::VectorXd times = jittered_times(31, 1.0 / 60.0, 4);
+  Eigen::VectorXd values = values_of(swing, times);
+  add_noise(values, 0.3, random);
+  const Smoothed s = smooth(times, values, times, {.window = 0.2, .noise = 3e-4});
+  CHECK(s.value.allFinite());
+  CHECK(s.rate.allFinite());
+  CHECK(s.outlier.count() <= 31 - 6);  // a quartic and one more frame are left
+}
+
 TEST_CASE("an angle is unwrapped through full turns, gaps and a wrong frame") {
   // 2.4 rad a frame: only the rate of the frames before says that the next multiple is meant.
   const double two_pi = 2.0 * std::acos(-1.0);
@@ -282,4 +294,13 @@ TEST_CASE("frames that scatter far more than the noise that is given are not out
   const SmoothedAttitude attitude = smooth_attitude(times, q, times, {.noise = 1e-9});
   CHECK(attitude.attitude.allFinite());
   CHECK(attitude.outlier.count() <= 3);
+}
+
+TEST_CASE("a noise that is far too small makes no frame an outlier") {
+  // Few frames of a curve that polynomials do not follow: all stand off by many times such a noise.
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(16, 0.0, 6.0);
+  const Eigen::MatrixXd values = (3.0 * times.array()).sin().matrix();
+  const Smoothed smoothed = smooth(times, values, times, {.window = 2.0, .noise = 1e-9});
+  CHECK_FALSE(smoothed.outlier.any());
+  CHECK(smoothed.value.allFinite());
 }

@@ -118,6 +118,20 @@ TEST_CASE("a saturating Magnus force has half its slope where the spin parameter
   CHECK_THAT(magnus(0.0).y(), WithinRel(0.5 * 1.2 * std::numbers::pi * 4e-4 * 0.02 * w * speed, 1e-6));
 }
 
+TEST_CASE("the drag of a spinning sphere is that of the sum of drag coefficient and spin_drag S") {
+  // S = 0.5; the floors change V and r |w| by 1e-7 of them at most.
+  const double speed = 4.0;
+  const auto model = find_model("sphere_flight");
+  const std::vector<double> x = {0.0, 0.0, 0.0, speed, 0.0, 0.0, 60.0, 0.0, 80.0};
+  const auto drag = [&](const Values& values) {
+    std::vector<Wrench> terms(4);
+    model->forces(0.0, x, parameter_values(*model, values), terms);
+    return terms[0].force;
+  };
+  const Eigen::Vector3d plain = drag({{"C_D", 0.55}});
+  CHECK((drag({{"C_D", 0.45}, {"spin_drag", 0.2}}) - plain).norm() < 1e-6 * plain.norm());
+}
+
 TEST_CASE("a ball at rest without spin has finite derivatives by everything") {
   for (const char* name : {"sphere_flight", "sphere_flight_turned_spin"}) {
     const auto model = find_model(name);

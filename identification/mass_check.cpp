@@ -1,0 +1,130 @@
+#include "samara/identification/mass_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/identification/fit.h"
+#include "samara/identification/reference_trajectories.h"
+#include "samara/identification/step_trajectories.h"
+#include "samara/io/text.h"
+
+namespace samara::identification {
+
+namespace {
+
+/// Another mass is believed if it leaves at most this share of the cost.
+constexpr double kFarBetter = 0.25;
+constexpr double kMissed = 5.0;  ///< loss scales
+constexpr int kMostIterations = 50;
+
+bool is_at_bound(const FitResult& fit) {
+  return std::ranges::any_of(fit.coefficients, &Coefficient::at_bound);
+}
+
+bool misses_captures(const FitResult& fit, const FitOptions& options) {
+  return std::ranges::any_of(fit.residuals, [&](const OutputRms& r) {
+    const auto scale = options.loss.scales.find(r.output);
+    const double size = scale != options.loss.scales.end() ? scale->second : options.loss.length_scale;
+    return r.unit != "rad" && r.rms > kMissed * size;
+  });
+}
+
+/// The parameter that makes the body heavy, if it was held for all captures or known for each.
+std::optional<std::string> held_mass(const models::ParametricModel& model, const FitOptions& options) {
+  for (const char* name : {"mass", "density"}) {
+    if (model.fixed().contains(name) || options.known.contains(name)) return name;
+  }
+  return {};
+}
+
+/// The same fit of a body of another mass.
+class OtherMasses {
+ public:
+  OtherMasses(const TrajectoryFamily& family, std::span<const Capture> captures, const FitOptions& options,
+              std::string name)
+      : model_(*family.equations()),
+        captures_(captures.begin(), captures.end()),
+        options_(options),
+        name_(std::move(name)) {
+    for (const FitCoordinate& c : family.info().coordinates) box_[c.name] = {c.lower, c.upper};
+    options_.profiles = false;
+    options_.global = {};
+    options_.starts = 1;
+    options_.rounds = 1;
+    options_.max_iterations = std::min(options_.max_iterations, kMostIterations);
+  }
+
+  std::optional<FitResult> fit_with(double factor) const {
+    std::map<std::string, double> fixed = model_.fixed();
+    FitOptions options = options_;
+    if (const auto held = fixed.find(name_); held != fixed.end()) {
+      held->second *= factor;
+      if (options.fixed.contains(name_)) options.fixed[name_] = held->second;
+    }
+    std::vector<Capture> captures = captures_;
+    const auto label = options.known.find(name_);
+    for (Capture& capture : captures) {
+      if (label == options.known.end()) break;
+      std::string& text = capture.labels.at(label->second);
+      text = fmt::format("{}", factor * io::read_number(text).value);
+    }
+    try {
+      const auto family = options.step ? step_trajectories(model_.shared_model(), fixed, box_, *options.step)
+                                       : reference_trajectories(model_.shared_model(), fixed, box_);
+      FitResult result = fit(*family, captures, options);
+      if (result.status != FitStatus::failed) return result;
+    } catch (const ArgumentError&) {
+      // No body can have that mass.
+    }
+    return {};
+  }
+
+ private:
+  const models::ParametricModel& model_;
+  std::vector<Capture> captures_;
+  FitOptions options_;
+  std::string name_;
+  std::map<std::string, Interval> box_;
+};
+
+std::string power_text(int power) {
+  return power > 0 ? fmt::format("10^{} times as large", power) : fmt::format("10^{} times as small", -power);
+}
+
+}  // namespace
+
+std::vector<std::string> mass_doubts(const TrajectoryFamily& family, std::span<const Capture> captures,
+                                     const FitOptions& options, const FitResult& fitted) {
+  if (family.equations() == nullptr) return {};
+  const bool failed = fitted.status == FitStatus::failed;
+  if (!failed && !is_at_bound(fitted) && !misses_captures(fitted, options)) return {};
+  const std::optional<std::string> name = held_mass(*family.equations(), options);
+  if (!name) return {};
+  const OtherMasses others(family, captures, options, *name);
+  double least = failed ? std::numeric_limits<double>::infinity() : kFarBetter * fitted.cost;
+  std::optional<int> best;
+  for (const int power : {-4, -3, -2, -1, 1, 2, 3, 4}) {
+    const std::optional<FitResult> other = others.fit_with(std::pow(10.0, power));
+    if (!other || is_at_bound(*other) || !(other->cost < least)) continue;
+    if (failed && misses_captures(*other, options)) continue;
+    least = other->cost;
+    best = power;
+  }
+  if (!best) return {};
+  if (failed) {
+    return {fmt::format("the mass of the body is in doubt: the fit fails, and with a {} {} it does not",
+                        *name, power_text(*best))};
+  }
+  return {
+      fmt::format("the mass of the body is in doubt: a {} {} would leave {:.2g} of the cost, with every "
+                  "coefficient inside its box",
+                  *name, power_text(*best), least / fitted.cost)};
+}
+
+}  // namespace samara::identification

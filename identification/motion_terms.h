@@ -1,0 +1,74 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/identification/determined_inverse.h"
+#include "samara/identification/fit_problem.h"
+#include "samara/identification/segment_residual.h"
+
+/// Internal to identification/: what the captures say of the shared unknowns, each capture's own eliminated.
+namespace samara::identification {
+
+/// Influence on the residuals over the whole box, relative to the spread of the measurements, squared: below
+/// it there is none.
+constexpr double kNoInfluence = 1e-14;
+
+/// Which unknowns of a segment lie at a bound.
+std::vector<char> own_at_bounds(const FitProblem& problem, const Eigen::VectorXd& own);
+
+/// Directions of all segments of a motion whose unknowns are not at bounds.
+std::vector<int> free_directions(const FitProblem& problem, const Motion& motion, const FitPoint& point);
+
+/// Indices of what is not at a bound.
+std::vector<int> free_indices(const std::vector<char>& at_bound);
+
+/// Sum of squares of what was measured, less the mean of each output, over the loss scales.
+/// A compared attitude counts as a turn by one rad.
+double spread(const FitProblem& problem, const Motion& motion);
+
+/// Smallest diagonal of J^T J that counts as influence, per coordinate; none of what has no box.
+Eigen::VectorXd influence_floor(const std::vector<FitCoordinate>& coordinates, const std::vector<int>& free,
+                                double total_spread);
+
+/// All residuals at a point, with derivatives.
+/// @returns false if there is no trajectory for some segment
+bool evaluate_all(std::vector<SegmentResidual>& residuals, const FitPoint& point);
+
+/// The equations of all segments of a motion, one below the other; own unknowns by the directions in which
+/// they can move, segment after segment.
+struct MotionEquations {
+  Eigen::MatrixXd by_shared, by_own;
+  Eigen::VectorXd psi, dpsi;   ///< of priors and joins: the residual, and one
+  Eigen::MatrixXd own_priors;  ///< J^T J of the priors' rows
+  double psi_squares = 0.0;    ///< of data alone
+  double dpsi_sum = 0.0;
+};
+
+/// @param residuals evaluated at `point`, with derivatives
+MotionEquations motion_equations(const FitProblem& problem, const Motion& motion,
+                                 const std::vector<SegmentResidual>& residuals, const FitPoint& point);
+
+/// What one motion says, its own unknowns eliminated.
+struct MotionTerms {
+  std::vector<int> own_free;               ///< directions, over all segments
+  DeterminedInverse own_inverse;           ///< of J_o^T J_o
+  Eigen::MatrixXd own_priors;              ///< of that, what priors add
+  Eigen::MatrixXd projection;              ///< (J_o^T J_o)^-1 J_o^T J_s
+  Eigen::VectorXd shared_diagonal_before;  ///< of J_s^T J_s
+  Eigen::MatrixXd normal;                  ///< J_s^T J_s without what the own unknowns explain
+  Eigen::MatrixXd hessian;                 ///< the same weighed by psi'
+  Eigen::VectorXd score;                   ///< gradient of the cost
+  bool hessian_usable = true;
+  double psi_squares = 0.0;
+  double dpsi_sum = 0.0;
+};
+
+/// @param residuals evaluated at `point`, with derivatives
+/// @param own free directions
+MotionTerms motion_terms(const FitProblem& problem, const Motion& motion,
+                         const std::vector<SegmentResidual>& residuals, const FitPoint& point,
+                         const std::vector<int>& own);
+
+}  // namespace samara::identification

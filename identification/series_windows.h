@@ -1,0 +1,29 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "samara/identification/capture.h"
+#include "samara/identification/coefficient_series.h"
+#include "samara/identification/fit_options.h"
+#include "samara/identification/series_knots.h"
+
+/// Internal to identification/.
+namespace samara::identification {
+
+/// The captures as a series sees them.
+struct SeriesWindows {
+  std::vector<Capture> captures;  ///< whole, if windows are joined; else one for each window
+  SeriesKnots knots;
+  double spacing = 0.0;  ///< s, between windows
+  double overlap = 1.0;  ///< in how many windows a frame lies, in the mean
+  int count = 0;
+  bool joined = true;
+};
+
+/// @throws ArgumentError if windows are longer than half of the captures, or there are more than a fit can
+///   hold.
+SeriesWindows series_windows(std::span<const Capture> captures, const FitOptions& options,
+                             const SeriesOptions& series);
+
+}  // namespace samara::identification

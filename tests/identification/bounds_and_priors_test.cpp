@@ -1,0 +1,214 @@
+/// Minima at bounds of the box, and what priors make of standard errors: against closed forms.
+#include <catch2/catch.hpp>
+
+#include "samara/identification/fit.h"
+#include "samara/identification/step_trajectories.h"
+#include "synthetic.h"
+
+using namespace samara::identification;
+using Catch::Matchers::Contains;
+using Catch::Matchers::WithinAbs;
+using Catch::Matchers::WithinRel;
+
+namespace {
+
+/// Three captures of x = v a_i with noise; v(0) shared or own, everything else held.
+struct Linear {
+  std::vector<double> times = even_times(9, 2.0);
+  Eigen::VectorXd a = BrakedFamily::depths(1.0, 1.0, times);
+  std::vector<Capture> captures;
+  FitOptions options;
+
+  explicit Linear(double noise) {
+    std::mt19937_64 random(3);
+    for (const char* id : {"a", "b", "c"}) {
+      captures.push_back(make_capture(id, times, 1.2 * a));
+      add_noise(captures.back(), noise, random);
+    }
+    options.loss = {.kind = LossKind::none, .length_scale = 0.5};
+    options.fixed["k"] = 1.0;
+    options.offsets = std::vector<std::string>{};
+    options.starts = 1;
+  }
+
+  /// Residuals of a capture over the loss scale.
+  Eigen::VectorXd residual(std::size_t capture, double v) const {
+    return (v * a - captures[capture].channels[0].values) / 0.5;
+  }
+  double information() const { return a.squaredNorm() / 0.25; }  ///< of one capture
+};
+
+}  // namespace
+
+TEST_CASE("a prior counts in standard errors with its own deviation, frames with their scatter") {
+  // With N = 3 a^T a/scale^2, P = 1/deviation^2 and the dispersion s^2 of the residuals, the estimate is
+  // (N v_data + P mean)/(N + P): its variance is (s^2 N + P)/(N + P)^2.
+  Linear linear(0.02);
+  linear.options.shared = std::vector<std::string>{"v(0)"};
+  linear.options.priors["v(0)"] = {.mean = 1.1, .deviation = 0.1};
+  const FitResult result = fit(BrakedFamily(), linear.captures, linear.options);
+  const Coefficient& v = result.coefficients.at(0);
+  const double N = 3.0 * linear.information();
+  const double P = 100.0;
+  double squares = 0.0;
+  double scores = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Eigen::VectorXd r = linear.residual(c, v.value);
+    squares += r.squaredNorm();
+    scores += std::pow(linear.a.dot(r) / 0.5, 2);
+  }
+  const double dispersion = squares / (27 - 1);
+  CHECK_THAT(v.naive_standard_error.value(), WithinRel(std::sqrt(dispersion * N + P) / (N + P), 1e-6));
+  CHECK_THAT(v.standard_error.value(), WithinRel(std::sqrt(1.5 * scores + P) / (N + P), 1e-6));
+}
+
+TEST_CASE("a prior of a capture's own coordinate counts in its error with its own deviation") {
+  Linear linear(0.02);
+  linear.options.priors["v(0)"] = {.mean = 1.1, .deviation = 0.3};
+  const FitResult result = fit(BrakedFamily(), linear.captures, linear.options);
+  double squares = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    squares += linear.residual(c, result.captures.at(c).nuisances.at(0).value).squaredNorm();
+  }
+  const double N = linear.information();
+  const double P = 1.0 / 0.09;
+  const double expected = std::sqrt(squares / (27 - 3) * N + P) / (N + P);
+  for (const CaptureFit& capture : result.captures) {
+    CHECK_THAT(capture.nuisances.at(0).standard_error.value(), WithinRel(expected, 1e-6));
+  }
+}
+
+TEST_CASE("a coefficient that only its prior holds has the prior's error, and is said to rest on it") {
+  // k acts on x only through v(0)/k (1 - exp(-k t)); in captures of one instant the two cannot be told apart.
+  const std::vector<double> times = {0.0, 1.0, 1.0 + 1e-9, 1.0 + 2e-9};
+  std::vector<Capture> captures;
+  for (const char* id : {"a", "b", "c"})
+    captures.push_back(make_capture(id, times, BrakedFamily::depths(1.0, 1.2, times)));
+  FitOptions options;
+  options.loss = {.kind = LossKind::none, .length_scale = 1e-3};
+  options.shared = std::vector<std::string>{"k", "v(0)"};
+  options.offsets = std::vector<std::string>{};
+  options.starts = 1;
+  options.priors["k"] = {.mean = 1.0, .deviation = 0.05};
+  const FitResult result = fit(BrakedFamily(), captures, options);
+  const Coefficient& k = result.coefficients.at(0);
+  CHECK_THAT(k.standard_error.value(), WithinRel(0.05, 1e-3));
+  CHECK_THAT(k.naive_standard_error.value(), WithinRel(0.05, 1e-3));
+  // d ln v = d ln k (1 - x exp(-x)/(1 - exp(-x))), x = k t = 1
+  const double slope = 1.2 * (1.0 - std::exp(-1.0) / (1.0 - std::exp(-1.0)));
+  CHECK_THAT(result.coefficients.at(1).standard_error.value(), WithinRel(0.05 * slope, 1e-3));
+  std::string warnings;
+  for (const std::string& warning : result.warnings) warnings += warning + "\n";
+  CHECK_THAT(warnings, Contains("alone do not determine") && Contains("rests on the priors"));
+}
+
+namespace {
+
+/// k and v(0), shared and hard to tell apart in short captures; the truth is outside the box of v(0).
+struct Bounded {
+  std::vector<Capture> captures;
+  FitOptions options;
+
+  Bounded() {
+    const std::vector<double> times = even_times(12, 0.4);
+    std::mt19937_64 random(7);
+    for (const char* id : {"a", "b", "c", "d"}) {
+      captures.push_back(make_capture(id, times, BrakedFamily::depths(1.0, 1.1, times)));
+      add_noise(captures.back(), 2e-3, random);
+    }
+    options.loss = {.kind = LossKind::none, .length_scale = 2e-3};
+    options.shared = std::vector<std::string>{"k", "v(0)"};
+    options.box["v(0)"] = {0.3, 1.0};
+    options.offsets = std::vector<std::string>{};
+    options.starts = 6;
+  }
+
+  FitOptions held_at_bound() const {
+    FitOptions held = options;
+    held.box.erase("v(0)");
+    held.fixed["v(0)"] = 1.0;
+    held.shared = std::vector<std::string>{"k"};
+    return held;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("with an unknown at its bound every converged start has the minimum of the others") {
+  const Bounded bounded;
+  const FitResult free = fit(BrakedFamily(), bounded.captures, bounded.options);
+  const FitResult held = fit(BrakedFamily(), bounded.captures, bounded.held_at_bound());
+  REQUIRE(free.coefficients.at(1).at_bound);
+  for (const StartRecord& start : free.starts) {
+    if (start.status != FitStatus::converged) continue;
+    CHECK_THAT(start.cost, WithinRel(held.cost, 1e-8));
+    CHECK_THAT(start.coefficients.at(0), WithinRel(held.coefficients.at(0).value, 1e-5));
+  }
+}
+
+TEST_CASE("an unknown that met a bound on its way leaves it again") {
+  // The first start lies far off, so that steps overshoot the box; the minimum is inside.
+  Bounded bounded;
+  bounded.options.box["v(0)"] = {0.3, 1.3};
+  bounded.options.box["k"] = {0.2, 5.0};
+  bounded.options.initial = {{"k", 4.9}, {"v(0)", 1.29}};
+  const FitResult near = fit(BrakedFamily(), bounded.captures, bounded.options);
+  REQUIRE_FALSE(near.coefficients.at(1).at_bound);
+  for (const StartRecord& start : near.starts) CHECK_THAT(start.cost, WithinRel(near.cost, 1e-7));
+}
+
+TEST_CASE("the profile beside a coefficient at its bound is that with the coefficient held there") {
+  Bounded bounded;
+  bounded.options.profiles = true;
+  const FitResult free = fit(BrakedFamily(), bounded.captures, bounded.options);
+  const FitResult held = fit(BrakedFamily(), bounded.captures, bounded.held_at_bound());
+  const Profile& with_free = free.profiles.at(0);
+  const Profile& with_held = held.profiles.at(0);
+  // Below its minimum k pulls v(0) farther out of the box: the same side of the profile in both.
+  CHECK_THAT(with_free.dispersion, WithinRel(with_held.dispersion, 1e-4));
+  CHECK_THAT(with_free.interval_upper.value() - with_free.best,
+             WithinRel(with_held.interval_upper.value() - with_held.best, 1e-2) ||
+                 WithinRel(with_held.best - with_held.interval_lower.value(), 1e-2));
+}
+
+TEST_CASE("a later start without trajectories does not change the errors of the best one") {
+  // Runge-Kutta steps of 10 ms give no trajectory of a coin with a drag thousands of times too large.
+  const auto family = step_trajectories(samara::models::find_model("vertical_fall"), coin_fixed(),
+                                        {{"C_D", {0.6, 1e6}}, {"v(0)", {-0.4, 0.8}}}, 0.01);
+  std::mt19937_64 random(5);
+  std::vector<Capture> captures;
+  for (const char* id : {"a", "b", "c"}) {
+    captures.push_back(coin_capture(id, 1.2, 0.05, 0.0));
+    add_noise(captures.back(), 2e-4, random);
+  }
+  FitOptions options;
+  options.loss = {.kind = LossKind::none, .length_scale = 2e-4};
+  options.segments.length = 0.15;
+  options.initial["C_D"] = 1.0;
+  options.profiles = true;
+  options.starts = 1;
+  const FitResult one = fit(*family, captures, options);
+  options.starts = 3;
+  const FitResult three = fit(*family, captures, options);
+  REQUIRE(three.starts.back().status == FitStatus::failed);
+  CHECK_THAT(three.coefficients.at(0).standard_error.value(),
+             WithinRel(one.coefficients.at(0).standard_error.value(), 1e-6));
+  CHECK(three.join_defect == one.join_defect);
+  // The profiles' costs are those of the same joins.
+  CHECK_THAT(three.profiles.at(0).interval_upper.value(),
+             WithinRel(one.profiles.at(0).interval_upper.value(), 1e-9));
+}
+
+TEST_CASE("starts of coefficients fitted in logarithms spread over decades") {
+  Linear linear(1e-3);
+  linear.options.fixed.clear();
+  linear.options.shared = std::vector<std::string>{"k"};
+  linear.options.fixed["v(0)"] = 1.2;
+  linear.options.log_scale = {"k"};
+  linear.options.starts = 1;
+  linear.options.max_iterations = 1;
+  linear.options.box["k"] = {0.2, 5.0};
+  // The centre of [0.2, 5] in logarithms is 1, where x of the captures lies: one step is enough.
+  const FitResult result = fit(BrakedFamily(), linear.captures, linear.options);
+  CHECK_THAT(result.coefficients.at(0).value, WithinAbs(1.0, 0.01));
+}

@@ -1,0 +1,246 @@
+/// Coefficients that change along a motion.
+#include "samara/identification/coefficient_series.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "samara/base/errors.h"
+#include "samara/codebooks/query.h"
+#include "samara/identification/series_knots.h"
+#include "samara/models/integrate.h"
+#include "samara/pgd/random.h"
+
+using namespace samara::identification;
+using Catch::Matchers::Contains;
+using Catch::Matchers::WithinAbs;
+using samara::models::find_model;
+
+namespace {
+
+constexpr double kEnd = 8.0;
+constexpr int kFrames = 121;
+constexpr double kNoise = 0.01;  ///< of the unit of length, and rad
+
+/// The rotational lift of a plate in a flow that changes.
+class Swell final : public samara::models::ParameterCourse {
+ public:
+  explicit Swell(double height) : height_(height) {}
+  static double at(double t, double height) { return 2.0 + height * std::sin(2.0 * M_PI * t / kEnd); }
+  const std::vector<std::string>& followed() const override { return followed_; }
+  void values(double t, std::span<const double>, std::span<double> followed) const override {
+    followed[0] = at(t, height_);
+  }
+
+ private:
+  double height_;
+  std::vector<std::string> followed_ = {"C_R"};
+};
+
+const std::map<std::string, double>& plate_fixed() {
+  static const std::map<std::string, double> fixed = {
+      {"inertia_ratio", 1.1}, {"beta", 1.0 / 14.0}, {"C_T", 1.2}, {"A", 1.4}, {"B", 1.0}, {"mu1", 0.2}};
+  return fixed;
+}
+
+/// A fluttering plate, by CVODES, in its first swings.
+Capture fluttering(double height, std::uint64_t seed) {
+  std::map<std::string, double> values = plate_fixed();
+  values["theta(0)"] = 0.6;
+  values["vx(0)"] = 0.5;
+  const auto model =
+      samara::models::following(find_model("falling_plate_nd"), std::make_shared<Swell>(height));
+  std::vector<double> times;
+  for (int k = 0; k < kFrames; ++k) times.push_back(kEnd * k / (kFrames - 1));
+  const auto trajectory =
+      samara::models::integrate(samara::models::ParametricModel(model, values, {}), {}, times);
+  samara::pgd::Random random(seed);
+  Capture capture;
+  capture.id = "plate";
+  capture.times = Eigen::Map<const Eigen::VectorXd>(times.data(), kFrames);
+  const std::vector<std::pair<std::string, int>> seen = {{"theta", 3}, {"x", 4}, {"y", 5}};
+  for (const auto& [name, state] : seen) {
+    Channel channel{name, "1", trajectory.states.col(state)};
+    for (double& value : channel.values) value += kNoise * random.normal();
+    capture.channels.push_back(std::move(channel));
+  }
+  return capture;
+}
+
+FitOptions plate_options() {
+  FitOptions options;
+  options.fixed = plate_fixed();
+  options.box = {{"C_R", {0.3, 6.0}},
+                 {"vx(0)", {-8.0, 8.0}},
+                 {"vy(0)", {-8.0, 8.0}},
+                 {"w(0)", {-8.0, 8.0}},
+                 {"theta(0)", {-60.0, 60.0}}};
+  options.loss = {.kind = LossKind::none, .scales = {{"x", kNoise}, {"y", kNoise}, {"theta", kNoise}}};
+  options.step = 0.034;  // two in a frame interval of 1/15
+  options.starts = 1;
+  return options;
+}
+
+CoefficientSeries series_of(const Capture& capture, const SeriesOptions& series) {
+  return fit_series(find_model("falling_plate_nd"), std::vector{capture}, plate_options(), series);
+}
+
+std::string error_of(const FitOptions& options, const SeriesOptions& series) {
+  try {
+    fit_series(find_model("falling_plate_nd"), std::vector{fluttering(0.0, 1)}, options, series);
+  } catch (const samara::ArgumentError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+/// How many instants miss the truth by more than three standard errors.
+int misses(const CoefficientSeries& series, double height) {
+  int count = 0;
+  const SeriesCoefficient& c = series.coefficients.at(0);
+  for (Eigen::Index k = 0; k < c.values.size(); ++k) {
+    INFO("t = " << series.instants[k] << ": " << c.values[k] << " +- " << c.standard_errors[k] << ", truth "
+                << Swell::at(series.instants[k], height));
+    CHECK(std::isfinite(c.standard_errors[k]));
+    const double off = std::abs(c.values[k] - Swell::at(series.instants[k], height));
+    CHECK(off < 4.5 * c.standard_errors[k]);
+    count += off < 3.0 * c.standard_errors[k] ? 0 : 1;
+  }
+  return count;
+}
+
+double distance(const CoefficientSeries& series, const Capture& capture, bool constant) {
+  std::map<std::string, double> values = series.replay;
+  auto model = find_model("falling_plate_nd");
+  const auto book = series_codebook(series);
+  if (constant) {
+    values["C_R"] = series.constant.coefficients.at(0).value;
+    for (const Nuisance& n : series.constant.captures.at(0).nuisances) {
+      if (n.name.ends_with("(0)")) values[n.name] = n.value;
+      if (n.name == "offset of x") values["x(0)"] = n.value;
+      if (n.name == "offset of y") values["y(0)"] = n.value;
+    }
+  } else {
+    model = samara::models::following(model, codebook_course(book, model->info()));
+  }
+  const std::vector<double> times(capture.times.begin(), capture.times.end());
+  const auto trajectory =
+      samara::models::integrate(samara::models::ParametricModel(model, values, {}), {}, times);
+  return std::sqrt((trajectory.states.col(4) - capture.channel("x").values).squaredNorm() / kFrames);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a coefficient that changes smoothly is recovered within its errors, and its replay is the capture") {
+  const Capture capture = fluttering(0.6, 5);
+  const CoefficientSeries series = series_of(capture, {.coefficients = {"C_R"}, .window = 0.8});
+  INFO(series.message);
+  REQUIRE(series.status == FitStatus::converged);
+  CHECK(series.joined);
+  CHECK(series.windows == 10);
+  REQUIRE(series.instants.size() == 12);
+  CHECK(series.instants[1] == Approx(0.4));
+  // A normal error beyond three standard errors is one in 370; errors of neighbours are correlated.
+  CHECK(misses(series, 0.6) == 0);
+  // A sine has some 4 to 8 free values in 12.
+  CHECK(series.effective > 3.0);
+  CHECK(series.effective < 12.0);
+  // The windows are joined: a simulation from the first frame stays at the capture, to its noise and the
+  // error of the steps; with the best constant coefficient it does not.
+  CHECK(distance(series, capture, false) < 3.0 * kNoise);
+  CHECK(distance(series, capture, true) > 2.0 * distance(series, capture, false));
+
+  SECTION("a codebook of one axis holds it, with its errors as certificate") {
+    const auto book = series_codebook(series);
+    CHECK(book.coordinate_count() == 1);
+    CHECK(book.coordinates()[0].name == "t");
+    CHECK(book.coordinates()[0].upper == Approx(kEnd));
+    CHECK(book.outputs()[0].name == "C_R");
+    samara::codebooks::Query query(book);
+    Eigen::VectorXd value(1);
+    const SeriesCoefficient& c = series.coefficients[0];
+    for (Eigen::Index k = 0; k + 1 < series.instants.size(); ++k) {
+      const double middle = 0.5 * (series.instants[k] + series.instants[k + 1]);
+      query.values({&middle, 1}, value);
+      CHECK_THAT(value[0], WithinAbs(0.5 * (c.values[k] + c.values[k + 1]), 1e-12));
+    }
+    REQUIRE(book.certificate());
+    CHECK(book.certificate()->met);
+    CHECK(book.certificate()->outputs[0].max_si == Approx(c.standard_errors.maxCoeff()));
+    CHECK_THAT(book.certificate()->integrator, Contains("standard errors"));
+  }
+  SECTION("the series of one model does not steer another") {
+    const auto book = series_codebook(series);
+    CHECK_THROWS_WITH(codebook_course(book, find_model("falling_plate")->info()),
+                      Contains("coefficients of falling_plate_nd"));
+  }
+}
+
+TEST_CASE("a coefficient that does not change is a straight line within its errors, and the series says so") {
+  const CoefficientSeries series = series_of(fluttering(0.0, 6), {.coefficients = {"C_R"}, .window = 0.8});
+  REQUIRE(series.status == FitStatus::converged);
+  CHECK(misses(series, 0.0) == 0);
+  // A straight line has two free values; the smoothest factors bring little more.
+  CHECK(series.effective < 4.0);
+  // Only the ends of a line have no neighbours on both sides.
+  CHECK(std::ranges::count(series.coefficients[0].basis, InstantBasis::neighbours) >= 10);
+}
+
+TEST_CASE("windows that slide recover the coefficient too, with start states of their own") {
+  const CoefficientSeries series =
+      series_of(fluttering(0.6, 7), {.coefficients = {"C_R"}, .window = 1.6, .stride = 0.8});
+  INFO(series.message);
+  REQUIRE(series.status == FitStatus::converged);
+  CHECK_FALSE(series.joined);
+  CHECK(series.windows == 9);
+  CHECK(series.fit.captures.size() == 9);
+  CHECK(misses(series, 0.6) <= 1);
+}
+
+TEST_CASE("the caller's smoothness is the one used, and a hard one gives a straight line") {
+  const CoefficientSeries series =
+      series_of(fluttering(0.6, 5), {.coefficients = {"C_R"}, .window = 0.8, .scales = {{"C_R", 1e-4}}});
+  CHECK_FALSE(series.factor);
+  CHECK(series.trials.empty());
+  CHECK(series.coefficients[0].scale == 1e-4);
+  CHECK_THAT(series.effective, WithinAbs(2.0, 0.1));
+}
+
+TEST_CASE("differences do not depend on how instants are spaced where the course is a parabola") {
+  // Second differences of c = t^2 are 2 h^2 for a spacing h, weighed by the root of their share of the time.
+  const Eigen::VectorXd even = Eigen::VectorXd::LinSpaced(5, 0.0, 2.0);
+  const Eigen::VectorXd second = difference_rows(even, 2, 0.5) * even.cwiseAbs2();
+  for (const double value : second) CHECK_THAT(value, WithinAbs(0.5, 1e-14));
+  Eigen::VectorXd uneven(4);
+  uneven << 0.0, 0.25, 0.75, 1.25;
+  const Eigen::VectorXd rows = difference_rows(uneven, 2, 0.5) * uneven.cwiseAbs2();
+  CHECK_THAT(rows[0], WithinAbs(0.5 * std::sqrt(0.375 / 0.5), 1e-14));
+  CHECK_THAT(rows[1], WithinAbs(0.5, 1e-14));
+  CHECK_THAT((difference_rows(uneven, 2, 0.5) * uneven).cwiseAbs().maxCoeff(), WithinAbs(0.0, 1e-14));
+  CHECK_THAT((difference_rows(uneven, 1, 0.5) * Eigen::VectorXd::Ones(4)).cwiseAbs().maxCoeff(),
+             WithinAbs(0.0, 1e-14));
+}
+
+TEST_CASE("what a series cannot be is one sentence") {
+  const SeriesOptions good = {.coefficients = {"C_R"}, .window = 0.8};
+  const auto with = [&](auto change) {
+    SeriesOptions series = good;
+    change(series);
+    return error_of(plate_options(), series);
+  };
+  CHECK_THAT(with([](SeriesOptions& s) { s.window = 9.0; }),
+             Contains("series.window is 9 s, but capture \"plate\" lasts 8 s"));
+  CHECK_THAT(with([](SeriesOptions& s) { s.coefficients.clear(); }),
+             Contains("series.coefficients is empty"));
+  CHECK_THAT(with([](SeriesOptions& s) { s.coefficients = {"C_r"}; }),
+             Contains("no parameter \"C_r\"") && Contains("did you mean"));
+  CHECK_THAT(with([](SeriesOptions& s) { s.coefficients = {"A"}; }), Contains("\"A\" is fixed"));
+  CHECK_THAT(with([](SeriesOptions& s) { s.coefficients = {"mu2"}; }), Contains("no interval in the box"));
+  CHECK_THAT(with([](SeriesOptions& s) { s.window = NAN; }), Contains("series.window is nan"));
+  CHECK_THAT(with([](SeriesOptions& s) { s.stride = 1.0; }), Contains("series.stride is 1"));
+  CHECK_THAT(with([](SeriesOptions& s) { s.order = 3; }), Contains("series.order is 3"));
+  CHECK_THAT(with([](SeriesOptions& s) { s.scales = {{"A", 1.0}}; }), Contains("none of its coefficients"));
+  CHECK_THAT(with([](SeriesOptions& s) { s.window = 1e-3; }), Contains("8000 values"));
+}

@@ -1,0 +1,53 @@
+/// Fits of bodies whose mass was given wrongly.
+#include "samara/identification/mass_check.h"
+
+#include <catch2/catch.hpp>
+
+#include "samara/identification/fit.h"
+#include "synthetic.h"
+
+using namespace samara::identification;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Doubts about two falls of a coin, fitted with its density times `factor`.
+std::vector<std::string> doubts(double factor, FitOptions options = {}, bool labelled = false) {
+  auto fixed = coin_fixed();
+  std::vector<Capture> captures = {coin_capture("a", 1.1, 0.1, 0.2), coin_capture("b", 1.1, 0.3, -0.1)};
+  std::map<std::string, Interval> box = {{"C_D", {0.6, 2.0}}, {"v(0)", {-0.4, 0.8}}};
+  const double density = factor * fixed.at("density");
+  if (labelled) {
+    for (Capture& capture : captures) capture.labels["rho"] = std::to_string(density);
+    options.known["density"] = "rho";
+    fixed.erase("density");
+    box["density"] = {1.0, 1e8};
+  } else {
+    fixed["density"] = density;
+  }
+  const auto family = reference_trajectories(samara::models::find_model("vertical_fall"), fixed, box);
+  const FitResult fitted = fit(*family, captures, options);
+  return mass_doubts(*family, captures, options, fitted);
+}
+
+}  // namespace
+
+TEST_CASE("a density that is wrong by a thousand is named, to either side, fixed or of each capture") {
+  for (const bool labelled : {false, true}) {
+    const auto heavy = doubts(1e3, {}, labelled);
+    REQUIRE(heavy.size() == 1);
+    CHECK_THAT(heavy[0], Contains("the mass of the body is in doubt") &&
+                             Contains("a density 10^3 times as small would leave"));
+    const auto light = doubts(1e-3, {}, labelled);
+    REQUIRE(light.size() == 1);
+    CHECK_THAT(light[0], Contains("a density 10^3 times as large would leave"));
+  }
+}
+
+TEST_CASE("the right density is in no doubt, and another error is not blamed on it") {
+  CHECK(doubts(1.0).empty());
+  // C_D = 1.1 is outside its box: no power of ten of the mass makes up for that.
+  FitOptions narrow;
+  narrow.box = {{"C_D", {1.5, 2.0}}};
+  CHECK(doubts(1.0, narrow).empty());
+}

@@ -1,0 +1,99 @@
+/// What the length of the steps does to a fit, by the fit's own account.
+#include <algorithm>
+
+#include <catch2/catch.hpp>
+
+#include "samara/identification/fit.h"
+#include "samara/identification/step_trajectories.h"
+#include "samara/models/integrate.h"
+#include "samara/pgd/random.h"
+#include "synthetic.h"
+
+using namespace samara::identification;
+using samara::models::find_model;
+
+namespace {
+
+constexpr double kNoise = 1e-6;  ///< so little that steps of 0.4 matter
+constexpr int kFrames = 16;
+constexpr double kEnd = 6.0;
+
+const std::map<std::string, double>& held() {
+  static const std::map<std::string, double> values = {
+      {"inertia_ratio", 1.1}, {"beta", 1.0 / 14.0}, {"B", 1.0}};
+  return values;
+}
+
+/// A fluttering plate over six units of time, by CVODES.
+Capture fluttering() {
+  std::map<std::string, double> values = held();
+  values.insert({{"C_T", 1.2}, {"C_R", 3.14159}, {"A", 1.4}, {"mu1", 0.2}});
+  const samara::models::ParametricModel model(find_model("falling_plate_nd"), values, {});
+  std::vector<double> times;
+  for (int k = 0; k < kFrames; ++k) times.push_back(20.0 + kEnd * k / (kFrames - 1));
+  const auto trajectory = samara::models::integrate(model, {}, times);
+  samara::pgd::Random random(5);
+  Capture capture;
+  capture.id = "plate";
+  capture.times = Eigen::Map<const Eigen::VectorXd>(times.data(), kFrames).array() - 20.0;
+  const std::vector<std::pair<std::string, int>> seen = {{"theta", 3}, {"x", 4}, {"y", 5}};
+  for (const auto& [name, state] : seen) {
+    Channel channel{name, "1", trajectory.states.col(state)};
+    for (double& value : channel.values) value += kNoise * random.normal();
+    capture.channels.push_back(std::move(channel));
+  }
+  return capture;
+}
+
+FitResult fit_with(double step, double segment) {
+  auto fixed = held();
+  fixed.insert({{"C_T", 1.2}, {"mu1", 0.2}});
+  std::map<std::string, Interval> box = {{"C_R", {1.0, 6.0}}, {"A", {0.5, 4.0}}};
+  for (const char* name : {"vx(0)", "vy(0)", "w(0)"}) box[name] = {-8.0, 8.0};
+  box["theta(0)"] = {-60.0, 60.0};
+  FitOptions options;
+  options.loss = {.kind = LossKind::none, .scales = {{"x", kNoise}, {"y", kNoise}, {"theta", kNoise}}};
+  options.segments.length = segment;
+  options.starts = 1;
+  return fit(*step_trajectories(find_model("falling_plate_nd"), fixed, box, step), std::vector{fluttering()},
+             options);
+}
+
+bool warns(const FitResult& result) {
+  return std::ranges::any_of(result.warnings, [](const std::string& warning) {
+    return warning.find("steps of the integration are too long") != std::string::npos;
+  });
+}
+
+}  // namespace
+
+TEST_CASE("steps that are too long are warned of, with the shift that shorter ones bring") {
+  const FitResult fine = fit_with(2e-3, 2.0);
+  REQUIRE(fine.status == FitStatus::converged);
+  CHECK(fine.integration_shift.value() < 1e-3);
+  CHECK_FALSE(warns(fine));
+
+  for (const double segment : {2.0, 8.0}) {  // joined segments, and one alone
+    const FitResult coarse = fit_with(0.5, segment);
+    REQUIRE(coarse.status == FitStatus::converged);
+    CHECK(coarse.integration_shift.value() > 0.1);
+    CHECK(warns(coarse));
+    for (std::size_t k = 0; k < coarse.coefficients.size(); ++k) {
+      const Coefficient& c = coarse.coefficients[k];
+      const double actual = fine.coefficients[k].value - c.value;
+      INFO(c.name << " would move by " << c.integration_shift.value() << ", and moves by " << actual);
+      // Half the step leaves a sixteenth of an error of order 4, and more where steps are this long.
+      CHECK(c.integration_shift.value() / actual > 0.5);
+      CHECK(c.integration_shift.value() / actual < 1.5);
+    }
+  }
+}
+
+TEST_CASE("trajectories that are no steps of one length have no such shift") {
+  std::mt19937_64 random(2);
+  std::vector<Capture> captures = {coin_capture("coin", 1.15, 0.05, 0.1)};
+  add_noise(captures[0], 5e-4, random);
+  const FitResult result = fit(*coin_family(), captures);
+  CHECK_FALSE(result.integration_shift);
+  CHECK_FALSE(result.coefficients.at(0).integration_shift);
+}
