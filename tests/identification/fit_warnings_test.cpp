@@ -206,7 +206,7 @@ TEST_CASE("a fit without any trajectory fails with a status") {
   CHECK_THAT(result.message, Contains("none of 3 starts led anywhere"));
   CHECK(result.coefficients.empty());
   // What is wrong with the capture may be why.
-  CHECK(all(result.warnings) == "it has 5 frames");
+  CHECK(all(result.warnings) == "capture \"a\": it has 5 frames");
 }
 
 TEST_CASE("what is strange about captures is said of each by its name, also where the fit fails") {
