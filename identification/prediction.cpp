@@ -316,9 +316,8 @@ std::vector<Outlook> outlooks_of(const TrajectoryFamily& family, const FitResult
     if (!left_out.empty()) sentences.emplace_back("none of the captures left out could be predicted");
   } else if (const double reach = reach_of(outlooks, prediction); reach < prediction.ahead) {
     sentences.push_back(
-        fmt::format("no capture left out has frames up to {:.4g} s ahead, or the {} ends before: "
-                    "predictions go to {:.4g} s ahead",
-                    prediction.ahead, family.info().source, reach));
+        fmt::format("predictions go to {:.4g} s ahead, not to {:.4g} s: there is no frame to compare beyond",
+                    reach, prediction.ahead));
   }
   return outlooks;
 }
