@@ -15,6 +15,7 @@
 #include "samara/base/names.h"
 #include "samara/codebooks/store.h"
 #include "samara/identification/capture_file.h"
+#include "samara/identification/capture_suspicions.h"
 #include "samara/identification/codebook_trajectories.h"
 #include "samara/identification/coefficient_series.h"
 #include "samara/identification/fit.h"
@@ -78,6 +79,11 @@ Source open_source(const FitArguments& arguments) {
     source.series = id::read_series_config(arguments.config, id::config_names(model->info()));
     source.family = of_file(arguments.config, [&] {
       const id::FitOptions& options = source.options;
+      for (const auto& [name, label] : options.known) {
+        if (options.box.contains(name)) continue;
+        throw ArgumentError(fmt::format(
+            "[known] \"{}\" has no entry in [box]; an interval that holds its values was expected", name));
+      }
       return options.step ? id::step_trajectories(model, options.fixed, options.box, *options.step)
                           : id::reference_trajectories(model, options.fixed, options.box);
     });
@@ -111,6 +117,13 @@ std::vector<id::Capture> read_all(const std::vector<std::string>& files) {
   return captures;
 }
 
+/// s
+double positive_time(const std::string& option, const std::string& text) {
+  const double time = number_or_quantity(option, text, "s");
+  if (time > 0.0) return time;
+  throw ArgumentError(fmt::format("{} is {} s; more than 0 was expected", option, time));
+}
+
 /// How captures left out are predicted, if there are any.
 std::optional<id::PredictionOptions> read_prediction(const FitArguments& arguments,
                                                      const id::FitOptions& options) {
@@ -122,9 +135,9 @@ std::optional<id::PredictionOptions> read_prediction(const FitArguments& argumen
   if (arguments.ahead.empty())
     throw ArgumentError("--left-out needs --ahead, the time beyond the window that is to be predicted");
   id::PredictionOptions prediction;
-  prediction.ahead = number_or_quantity("--ahead", arguments.ahead, "s");
+  prediction.ahead = positive_time("--ahead", arguments.ahead);
   if (!arguments.window.empty()) {
-    prediction.window = number_or_quantity("--window", arguments.window, "s");
+    prediction.window = positive_time("--window", arguments.window);
   } else if (options.window) {
     prediction.window = *options.window;
   } else {
@@ -133,10 +146,20 @@ std::optional<id::PredictionOptions> read_prediction(const FitArguments& argumen
   return prediction;
 }
 
+/// Of captures, with all that a sidecar names.
+std::vector<std::string> files_read(const FitArguments& arguments) {
+  std::vector<std::string> files;
+  for (const auto& paths : {arguments.captures, arguments.left_out}) {
+    for (const std::string& path : paths) {
+      for (const std::filesystem::path& file : id::capture_files(path)) files.push_back(file.string());
+    }
+  }
+  return files;
+}
+
 /// Before any work: what would be overwritten, or cannot be written.
 void check_outputs(const FitArguments& arguments) {
-  std::vector<std::string> inputs = arguments.captures;
-  inputs.insert(inputs.end(), arguments.left_out.begin(), arguments.left_out.end());
+  std::vector<std::string> inputs = files_read(arguments);
   inputs.push_back(arguments.source);
   inputs.push_back(arguments.config);
   if (!arguments.output.empty()) check_output(arguments.output, inputs);
@@ -208,7 +231,7 @@ int run(const FitArguments& arguments) {
   const std::optional<id::PredictionOptions> prediction = read_prediction(arguments, source.options);
   std::vector<id::Capture> captures = read_all(arguments.captures);
   if (!arguments.window.empty()) {
-    const double window = number_or_quantity("--window", arguments.window, "s");
+    const double window = positive_time("--window", arguments.window);
     for (id::Capture& capture : captures) capture = id::first(capture, window);
     source.options.window.reset();
   }
@@ -217,20 +240,33 @@ int run(const FitArguments& arguments) {
     throw ArgumentError(
         "--series writes coefficients that change in time; a model and a config with [series] were expected");
   }
+  const std::vector<id::Capture> left_out = read_all(arguments.left_out);
+  if (prediction) {
+    of_file(arguments.config,
+            [&] { id::check_left_out(*source.family, captures, left_out, source.options, *prediction); });
+  }
+  // A fit may take long: what is strange about the captures should not have to wait for it.
+  std::set<std::string> said;
+  for (const id::Capture& capture : captures) {
+    for (const std::string& sentence : id::remarks(capture)) {
+      if (said.insert(sentence).second) warn(sentence);
+    }
+  }
+  source.options.progress = progress_line();
   const id::FitResult result = of_file(arguments.config, [&] {
     id::FitResult fitted = id::fit(*source.family, captures, source.options);
     for (const std::string& doubt : doubts_of_mass(source, captures, fitted))
       fitted.warnings.push_back(doubt);
-    if (prediction) {
-      fitted.predictions = id::predict_left_out(*source.family, fitted, read_all(arguments.left_out),
-                                                source.options, *prediction);
-    }
+    if (prediction) id::add_predictions(*source.family, left_out, source.options, *prediction, fitted);
     return fitted;
   });
+  clear_progress();
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::fit_json(result));
   if (!arguments.report.empty()) io::write_text_atomically(arguments.report, id::fit_html(result));
   print(arguments.json ? id::fit_json(result) : printable(id::fit_text(result), "\n"));
-  say(result.warnings);
+  for (const std::string& sentence : result.warnings) {
+    if (said.insert(sentence).second) warn(sentence);
+  }
   if (result.is_usable()) return kDone;
   complain(result.message);
   return kToleranceMissed;

@@ -19,6 +19,9 @@ struct Channel {
   std::optional<double> metres_per_pixel = {};
 };
 
+/// Angles are known by their names, since their unit is 1: theta, phi, psi, roll, pitch, yaw.
+bool is_angle(const Channel& channel);
+
 struct Capture {
   std::string id;                             ///< group labels joined by "/", or the stem of the file
   std::string file;                           ///< the table it was read from; empty if made in memory
@@ -33,8 +36,11 @@ struct Capture {
   const Channel& channel(const std::string& quantity) const;
 };
 
-/// The part of a capture that is at most `seconds` after its first frame. A frame on the border belongs to
-/// it, also where rounding of the times (a thousandth of a frame interval) puts it just behind.
+/// How many frames are at most `seconds` after the first. A frame on the border belongs to them, also where
+/// rounding of the times (a thousandth of a frame interval) puts it just behind.
+Eigen::Index frames_within(const Capture& capture, double seconds);
+
+/// The part of a capture that is at most `seconds` after its first frame, as frames_within() counts.
 /// @throws ArgumentError if `seconds` is not positive, or fewer than 3 frames are left.
 Capture first(const Capture& capture, double seconds);
 

@@ -1,6 +1,8 @@
 #include "samara/identification/capture_file.h"
 
 #include <algorithm>
+#include <map>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -38,6 +40,11 @@ std::vector<Capture> read_exported(const Export& exported, const Sidecar& sideca
         capture.notes.push_back(
             fmt::format("{}'s axis {} was taken to point up, and became z", exported.program, exported.up));
       }
+      if (exported.short_rows > 0) {
+        capture.notes.push_back(fmt::format(
+            "{} of {} rows of the export are shorter than its header; what they lack counts as not seen",
+            exported.short_rows, exported.rows));
+      }
       captures.push_back(std::move(capture));
     }
     if (!is_own) break;
@@ -71,16 +78,31 @@ void add_labels(std::vector<Capture>& captures, const Sidecar& sidecar) {
     const auto label = capture.labels.find(column);
     const std::string name =
         label == capture.labels.end() ? std::filesystem::path(capture.file).stem().string() : label->second;
-    const auto row = std::ranges::find_if(names, [&](const std::string& n) { return is_same_name(n, name); });
+    const auto is_its = [&](const std::string& n) { return is_same_name(n, name); };
+    const auto row = std::ranges::find_if(names, is_its);
     if (row == names.end()) {
       capture.notes.push_back(fmt::format("\"{}\" has no row for it", table.file()));
       continue;
+    }
+    if (std::ranges::count_if(names, is_its) > 1) {
+      throw sidecar.error(
+          "labels", "file",
+          fmt::format("\"{}\" has several rows for {} \"{}\"; one was expected", table.file(), column, name));
     }
     for (const std::string& other : table.header()) {
       if (other != column)
         capture.labels[other] = table.texts(other)[static_cast<std::size_t>(row - names.begin())];
     }
   }
+}
+
+/// What goes around a circle jumps where it is complete, and no such frame is wrong.
+std::map<std::string, double> periods_of(const Capture& capture, const CleaningSteps& steps) {
+  std::map<std::string, double> periods = steps.periods;
+  for (const Channel& channel : capture.channels) {
+    if (is_angle(channel)) periods.try_emplace(channel.quantity, 2.0 * std::numbers::pi);
+  }
+  return periods;
 }
 
 Capture cleaned(Capture capture, const Sidecar& sidecar) {
@@ -92,9 +114,11 @@ Capture cleaned(Capture capture, const Sidecar& sidecar) {
     step = "before_impact";
     if (steps.impact) capture = before_impact(capture, {.jump = *steps.impact}).capture;
     step = "outliers";
-    if (steps.outliers)
-      capture =
-          without_outliers(capture, {.window = steps.window, .outlier_threshold = *steps.outliers}).capture;
+    if (steps.outliers) {
+      capture = without_outliers(capture, {.window = steps.window, .outlier_threshold = *steps.outliers},
+                                 periods_of(capture, steps))
+                    .capture;
+    }
   } catch (const ArgumentError& error) {
     throw sidecar.error("clean", step, error.what());
   }
@@ -119,6 +143,16 @@ std::vector<Capture> read_all(Sidecar sidecar) {
 
 std::vector<Capture> read_captures(const std::filesystem::path& path) {
   return read_all(find_sidecar(path));
+}
+
+std::vector<std::filesystem::path> capture_files(const std::filesystem::path& path) {
+  const Sidecar sidecar = find_sidecar(path);
+  std::vector<std::filesystem::path> files = sidecar.tables;
+  if (files.empty()) files = {sidecar.table};
+  files.push_back(path);
+  if (sidecar.document) files.push_back(sidecar.document->file());
+  if (sidecar.labels) files.push_back(sidecar.labels->file);
+  return files;
 }
 
 std::vector<Capture> read_captures(const std::filesystem::path& table, const std::filesystem::path& sidecar) {

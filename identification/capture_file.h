@@ -5,6 +5,7 @@
 
 #include "samara/identification/capture.h"
 
+// clang-format off
 /// Reading captures from column files.
 ///
 /// The canonical text form is CSV or TSV whose header names quantity and unit; empty cells are missing
@@ -34,8 +35,10 @@
 ///     frame = { quantity = "t", unit = "frame" }
 ///     y_px = { quantity = "x", unit = "px" }
 ///
-///     [attitude]                         # angles that become qw, qx, qy, qz: R_WB = Rz(yaw) Ry(pitch)
-///     Rx(roll) euler = ["yaw", "pitch", "roll"] order = "zyx" unit = "deg"
+///     [attitude]                         # angles that become qw, qx, qy, qz:
+///     euler = ["yaw", "pitch", "roll"]   # R_WB = Rz(yaw) Ry(pitch) Rx(roll)
+///     order = "zyx"
+///     unit = "deg"
 ///
 ///     [scale]                            # of quantities in px, found for each capture
 ///     x = { length = "38 cm", over = "largest - first" }   # or "largest - smallest"
@@ -43,14 +46,14 @@
 ///
 ///     [labels]                           # of captures, from a table with a row for each
 ///     file = "index.csv"
-///     column = "drop"                    # holds the capture's cell of this name in group_by, or its file's
-///     stem
+///     column = "drop"                    # the capture's cell of this name in group_by, or its file's stem
 ///
 ///     [clean]                            # see capture_cleaning.h; in this order
 ///     frame_grid = true
 ///     before_impact = "1.2 m/s"
 ///     outliers = 5
-///     window = "0.1 s"
+///     window = "0.1 s"                   # of outliers
+///     periods = { theta = "180 deg" }    # of outliers; angles have a turn
 ///
 /// With start = "first visible", the default, a capture begins at the first frame in which all its quantities
 /// are visible, and times count from there: that frame is the model's t = 0. "as given" keeps all frames and
@@ -64,6 +67,7 @@
 /// ("card.Position.X" for Motive).
 ///
 /// In memory everything is in SI units (px stays px where no scale is given).
+// clang-format on
 namespace samara::identification {
 
 /// All captures of a file.
@@ -74,7 +78,11 @@ namespace samara::identification {
 ///   the wrong dimension, fewer than 3 frames in a capture, a scale over no distance.
 std::vector<Capture> read_captures(const std::filesystem::path& path);
 
-/// The same for a table and a sidecar that does not name it: one sidecar for many tables.
+/// The files that read_captures() would read there: tables, sidecar, labels. Also those that do not exist.
+/// @throws InputError for a sidecar that cannot be read
+std::vector<std::filesystem::path> capture_files(const std::filesystem::path& path);
+
+/// Captures of a table and a sidecar that does not name it: one sidecar for many tables.
 /// @param table a pattern ("[0-9]*.csv") stands for every file that matches. Labels are looked for beside it.
 /// @throws InputError as above, and if the sidecar names another table
 std::vector<Capture> read_captures(const std::filesystem::path& table, const std::filesystem::path& sidecar);

@@ -51,11 +51,6 @@ bool is_position(const Channel& channel) {
   return channel.unit == "m" && std::ranges::count(names, channel.quantity) > 0;
 }
 
-bool is_angle(const Channel& channel) {
-  const std::vector<std::string> names = {"theta", "phi", "psi", "roll", "pitch", "yaw"};
-  return channel.unit == "1" && std::ranges::count(names, channel.quantity) > 0;
-}
-
 using Sentences = std::vector<std::string>;
 
 /// @returns whether times increase, so that the rest makes sense
@@ -165,14 +160,19 @@ void suspect_span(const Channel& channel, const SeenValues& seen, Sentences& fou
 /// One for all positions: the length of the acceleration says it, whatever the axes.
 void suspect_acceleration(const Capture& capture, Sentences& found) {
   constexpr double kMost = 5.0;  // times gravity
+  // Windows are wide: of a long recording some of the frames say the same, in a bearable time.
+  constexpr Index kFrames = 500;
+  const Index stride = 1 + capture.times.size() / kFrames;
+  const Eigen::VectorXd times = capture.times(Eigen::seq(0, capture.times.size() - 1, stride));
   const SmoothingOptions options{
       .degree = 2, .window = 0.25 * (capture.times[capture.times.size() - 1] - capture.times[0])};
-  Eigen::VectorXd squares = Eigen::VectorXd::Zero(capture.times.size());
-  Eigen::VectorXd errors = Eigen::VectorXd::Zero(capture.times.size());
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(times.size());
+  Eigen::VectorXd errors = Eigen::VectorXd::Zero(times.size());
   for (const Channel& channel : capture.channels) {
-    if (!is_position(channel) || seen_values(capture, channel).count() < kFramesForMotion) continue;
-    if (channel.values.array().isInf().any()) continue;
-    const Smoothed s = smooth(capture.times, channel.values, capture.times, options);
+    const Eigen::VectorXd values = channel.values(Eigen::seq(0, channel.values.size() - 1, stride));
+    if (!is_position(channel) || values.size() - values.array().isNaN().count() < kFramesForMotion) continue;
+    if (values.array().isInf().any()) continue;
+    const Smoothed s = smooth(times, values, times, options);
     squares += s.acceleration.col(0).cwiseAbs2();
     errors += s.acceleration_error.col(0).cwiseAbs2();
   }
@@ -243,6 +243,13 @@ std::vector<std::string> suspicions(const Capture& capture) {
     suspect_acceleration(capture, found);
   }
   return found;
+}
+
+std::vector<std::string> remarks(const Capture& capture) {
+  Sentences all = suspicions(capture);
+  all.insert(all.end(), capture.notes.begin(), capture.notes.end());
+  for (std::string& sentence : all) sentence = fmt::format("capture \"{}\": {}", capture.id, sentence);
+  return all;
 }
 
 }  // namespace samara::identification

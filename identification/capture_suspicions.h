@@ -7,23 +7,27 @@
 
 namespace samara::identification {
 
+// clang-format off
 /// What looks wrong with a capture, as sentences for a report. None is an error: a capture may be strange and
 /// right. Looked for are
 ///  - few frames, or frames that see little; values that are infinite;
 ///  - times that do not increase, are not finite, or whose intervals (above 1 s, below 10 us) suggest another
-///  unit;
+///    unit;
 ///  - gaps;
 ///  - positions and angles that never change;
 ///  - positions that have nothing to do with those before them: rows out of order;
 ///  - positions whose steps are faster than sound in air, whose acceleration is most of the time above 5 g,
-///  or is
-///    g times a power of ten, or that move by less than 0.1 mm: another unit;
+///    or is g times a power of ten, or that move by less than 0.1 mm: another unit;
 ///  - a step much faster than the others: the track of another body, or a wrong frame;
 ///  - angles that turn by more than a right angle from frame to frame: degrees taken for radians, or a motion
 ///    that the frame rate cannot resolve;
 ///  - quaternions that are not of unit length.
 /// Positions are x, y, z in m; angles are theta, phi, psi, roll, pitch, yaw in rad. Other quantities may be
 /// constant, or jump.
+// clang-format on
 std::vector<std::string> suspicions(const Capture& capture);
+
+/// Its suspicions and its notes, each with its id: among those of other captures.
+std::vector<std::string> remarks(const Capture& capture);
 
 }  // namespace samara::identification

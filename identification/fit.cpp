@@ -174,6 +174,14 @@ void record_starts(const FitProblem& problem, const std::vector<MinimizeResult>&
   }
 }
 
+/// Whether the start is to be made.
+bool goes_on(const FitOptions& options, int start) {
+  if (!options.progress) return true;
+  const bool wanted = options.progress({.stage = fmt::format("start {} of {}", start + 1, options.starts),
+                                        .fraction = static_cast<double>(start) / options.starts});
+  return wanted || start == 0;
+}
+
 /// Noise levels and fit in turn, until the levels stand still.
 void estimate_noise(NoiseLevels& levels, int rounds, FitProblem& problem,
                     std::vector<SegmentResidual>& residuals, Descents& descend,
@@ -223,13 +231,14 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
   Descents descend(family, problem, residuals, options);
   const std::optional<GlobalSearch> search = descend.search();
   std::vector<MinimizeResult> runs;
-  for (int k = 0; k < options.starts; ++k) runs.push_back(descend(k));
+  for (int k = 0; k < options.starts && goes_on(options, k); ++k) runs.push_back(descend(k));
   descend.finish_joins();
 
   FitResult result{.model = family.info().model,
                    .source = family.info().source,
                    .loss = to_string(problem.loss),
                    .fixed = problem.fixed};
+  add_capture_warnings(family.info(), captures, options, result);
   result.global_search = search;
   estimate_noise(levels, options.noise.rounds, problem, residuals, descend, runs, result);
   const std::optional<std::size_t> best = best_of(runs);
@@ -245,7 +254,6 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     conclude(runs[*best], uncertainty, options.max_iterations, result);
     add_misfit_warnings(problem, result);
     add_start_warning(family, options, result);
-    add_capture_warnings(captures, result);
     add_warnings(problem, uncertainty, result);
     levels.report(problem, result);
     add_integration_shift(family, problem, residuals, point, uncertainty, result);
@@ -259,8 +267,6 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
   } else {
     result.message =
         fmt::format("none of {} starts led anywhere; the first: {}", runs.size(), runs.front().message);
-    // Perhaps they say why.
-    add_capture_warnings(captures, result);
     add_speed_warnings(family, captures, result);
   }
   for (const SegmentResidual& residual : residuals) result.evaluations += residual.evaluations();

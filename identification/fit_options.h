@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "samara/base/progress.h"
 #include "samara/identification/interval.h"
 #include "samara/identification/loss.h"
 
@@ -164,9 +165,11 @@ struct FitOptions {
   std::map<std::string, double> initial = {};
   /// Of each start.
   int max_iterations = 500;
+  /// Told before each start; where it asks for an end, starts that remain are left out (the first never is).
+  ProgressCallback progress = {};
 
   // What is said of the answer
-  /// The profile of every shared coefficient: ten to twenty fits each, with it held. Whether it is
+  /// The profile of every shared coefficient: some ten fits each, with it held. Whether it is
   /// determined, bounded to one side, or not at all, and an interval that follows bends.
   bool profiles = false;
   BootstrapOptions bootstrap = {};

@@ -181,14 +181,6 @@ void set_scale(const FitOutput& output, std::span<const Capture> captures, const
   }
 }
 
-constexpr double kFullTurn = 2.0 * std::numbers::pi;
-
-double period_of(const FitOutput& output, const FitOptions& options) {
-  const auto found = options.periods.find(output.name);
-  if (found != options.periods.end()) return found->second;
-  return output.unit == "rad" ? kFullTurn : 0.0;
-}
-
 bool has_offset(const FamilyInfo& family, const FitOptions& options, const std::string& output) {
   if (options.offsets) return contains(*options.offsets, output);
   return contains(family.translations, output) && !contains(names_of(family.coordinates), output + "(0)");
@@ -205,6 +197,9 @@ void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures,
       compared.offset = static_cast<int>(problem.offsets.size());
       problem.offsets.push_back(output.name);
     }
+    compared.scale_is_stated =
+        options.loss.kind != LossKind::none || options.loss.scales.contains(output.name) ||
+        (io::same_dimension(output.unit, "m") && options.loss.length_scale != LossOptions{}.length_scale);
     problem.outputs.push_back(compared);
     problem.requested.push_back(compared.name);
   }
@@ -282,6 +277,13 @@ PriorResidual prior_residual(const Prior& prior, double value) {
   if (prior.logarithmic)
     return {std::log(value / prior.mean) / prior.deviation, 1.0 / (value * prior.deviation)};
   return {(value - prior.mean) / prior.deviation, 1.0 / prior.deviation};
+}
+
+double period_of(const FitOutput& output, const FitOptions& options) {
+  constexpr double kFullTurn = 2.0 * std::numbers::pi;
+  const auto found = options.periods.find(output.name);
+  if (found != options.periods.end()) return found->second;
+  return output.unit == "rad" ? kFullTurn : 0.0;
 }
 
 int FitProblem::join_rows() const {

@@ -36,6 +36,7 @@ struct ComparedOutput {
   double scale = 1.0;              ///< residuals are divided by it, SI
   std::optional<int> offset = {};  ///< its place among the offsets, if it has one
   double period = 0.0;             ///< differences are taken on a circle of that length; 0: on the line
+  bool scale_is_stated = true;     ///< by the options; else it may be no more than a unit
   bool scale_is_scatter = false;   ///< of frames about a smooth curve
 };
 
@@ -185,6 +186,9 @@ FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captu
 /// @param q of their number already
 void family_point(const FitProblem& problem, const Motion& motion, const double* shared, const double* own,
                   Eigen::VectorXd& q);
+
+/// Of a circle that the output goes around: given, or a turn for what is in rad; 0: none.
+double period_of(const FitOutput& output, const FitOptions& options);
 
 /// A quaternion (w, x, y, z) of unit length; without a turn where it is too short to tell one.
 Eigen::Vector4d unit_attitude(const Eigen::Vector4d& q);

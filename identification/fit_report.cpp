@@ -115,12 +115,10 @@ void add_coefficient_table(const FitResult& result, std::back_insert_iterator<st
 void add_capture_table(const FitResult& result, std::back_insert_iterator<std::string> out) {
   fmt::format_to(out, "\n{:<20} {:>6}", "capture", "frames");
   for (const Nuisance& n : result.captures.front().nuisances) {
-    fmt::format_to(out, " {:>22}",
-                   fmt::format("{}{}", n.name, n.unit == "1" ? "" : fmt::format(" [{}]", n.unit)));
+    fmt::format_to(out, " {:>22}", with_unit(n.name, n.unit));
   }
   for (const OutputRms& r : result.residuals)
-    fmt::format_to(out, " {:>16}",
-                   fmt::format("rms {}{}", r.output, r.unit == "1" ? "" : fmt::format(" [{}]", r.unit)));
+    fmt::format_to(out, " {:>16}", with_unit(fmt::format("rms {}", r.output), r.unit));
   fmt::format_to(out, "\n");
   for (const CaptureFit& capture : result.captures) {
     fmt::format_to(out, "{:<20} {:>6}", capture.id, capture.frames);

@@ -24,8 +24,10 @@ void add_misfit_warnings(const FitProblem& problem, FitResult& result);
 /// Segments for whose starts nobody knows the equations.
 void add_start_warning(const TrajectoryFamily& family, const FitOptions& options, FitResult& result);
 
-/// What is suspicious about the captures as such, and what was done to them.
-void add_capture_warnings(std::span<const Capture> captures, FitResult& result);
+/// What is suspicious about the captures as such, what was done to them, and what in them means nothing to
+/// the model.
+void add_capture_warnings(const FamilyInfo& family, std::span<const Capture> captures,
+                          const FitOptions& options, FitResult& result);
 
 /// For a fit that led nowhere: captures that move far faster than a body of the model could.
 void add_speed_warnings(const TrajectoryFamily& family, std::span<const Capture> captures, FitResult& result);

@@ -156,8 +156,8 @@ void warn_about_starts(const Uncertainty& uncertainty, FitResult& result) {
 
 void add_misfit_warnings(const FitProblem& problem, FitResult& result) {
   constexpr double kMany = 5.0;
-  if (problem.loss == LossKind::none) return;  // the scale may be no more than a unit
   for (std::size_t o = 0; o < problem.outputs.size() && o < result.residuals.size(); ++o) {
+    if (!problem.outputs[o].scale_is_stated) continue;
     const double scale = problem.outputs[o].scale;
     const OutputRms& residual = result.residuals[o];
     if (!(residual.rms > kMany * scale)) continue;
@@ -177,10 +177,24 @@ void add_start_warning(const TrajectoryFamily& family, const FitOptions& options
       result.source, result.model));
 }
 
-void add_capture_warnings(std::span<const Capture> captures, FitResult& result) {
+void add_capture_warnings(const FamilyInfo& family, std::span<const Capture> captures,
+                          const FitOptions& options, FitResult& result) {
+  std::vector<std::string> known;
+  for (const FitOutput& output : family.outputs) known.push_back(output.name);
+  std::map<std::string, std::string> unknown;  // channel -> a capture that has it
   for (const Capture& capture : captures) {
-    for (const std::string& doubt : suspicions(capture)) result.warnings.push_back(doubt);
-    for (const std::string& note : capture.notes) result.warnings.push_back(note);
+    for (const Channel& channel : capture.channels) {
+      if (std::ranges::count(known, channel.quantity) == 0) unknown.try_emplace(channel.quantity, capture.id);
+    }
+  }
+  for (const auto& [channel, id] : unknown) {
+    if (!options.outputs.empty()) break;  // chosen by name
+    result.warnings.push_back(
+        fmt::format("capture \"{}\": \"{}\" is no output of \"{}\", and was not compared{}", id, channel,
+                    family.model, suggestion(channel, known)));
+  }
+  for (const Capture& capture : captures) {
+    for (const std::string& remark : remarks(capture)) result.warnings.push_back(remark);
   }
 }
 

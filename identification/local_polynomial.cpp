@@ -134,7 +134,8 @@ Eigen::RowVectorXd scales_of(const Eigen::MatrixXd& deviations, const RobustOpti
   Eigen::RowVectorXd scales(deviations.cols());
   for (Index k = 0; k < scales.size(); ++k) {
     const Eigen::VectorXd sizes = deviations.col(k).cwiseAbs();
-    scales[k] = options.noise ? *options.noise : median({sizes.begin(), sizes.end()}) / kMedianOfNormal;
+    // A noise that is given too small would make outliers of what simply scatters more.
+    scales[k] = std::max(options.noise.value_or(0.0), median({sizes.begin(), sizes.end()}) / kMedianOfNormal);
   }
   // A direction that hardly moves would make outliers of whatever moves in it.
   const double least = std::max(options.least_noise, 0.1 * scales.maxCoeff());

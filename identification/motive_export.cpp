@@ -132,13 +132,21 @@ Export read_motive_export(const std::vector<std::string>& lines, const Sidecar& 
   const Cells names = header_names(rows, header);
   std::vector<std::string> rewritten = lines;
   rewritten[header_line] = joined(names, names.size(), kComma);
+  int rows_read = 0;
+  int short_rows = 0;
   for (std::size_t k = header_line + 1; k < lines.size(); ++k) {
-    if (!lines[k].empty()) rewritten[k] = joined(cells_of(lines[k], kComma), names.size(), kComma);
+    if (lines[k].empty()) continue;
+    const Cells cells = cells_of(lines[k], kComma);
+    rewritten[k] = joined(cells, names.size(), kComma);
+    ++rows_read;
+    if (cells.size() < names.size()) ++short_rows;
   }
   Export result{io::DelimitedTable::parse(table_text(rewritten, header_line), file, {.delimiter = kComma}),
                 {},
                 "Motive",
-                "y"};
+                "y",
+                rows_read,
+                short_rows};
   const io::Unit length = length_unit(preamble, sidecar);
   for (const std::string kind : {"Rigid Body", "Bone", "Marker"}) {
     result.bodies = bodies_of(kind, rows, header, names, length);

@@ -27,16 +27,28 @@ struct PredictionOptions {
 
 /// Scores of the model and of every baseline, for each quantity: outputs that are lengths together, as the
 /// distance in space ("position"); every other output by itself. For each, two scores: over all frames ahead
-/// ("position, up to 0.1 s ahead"), and of the last one, within the last tenth of the way ("position, 0.1 s
-/// ahead"). Captures that have too few frames in the window or none beyond, or on which the fit of the window
-/// fails, are left out of all scores alike.
+/// ("position, up to 0.1 s ahead"; less where no capture goes so far), and of the last one, within the last
+/// tenth of the way ("position, 0.1 s ahead"). Captures that have too few frames in the window or none beyond
+/// are left out of all scores; those on which the fit of the window fails, of the model's. A score that no
+/// capture counts for is left out.
 /// @param fitted its coefficients are held at their values
 /// @param options of that fit; window, starts and roles of what is not held are taken over
 /// @returns nothing if the fit failed
 /// @throws ArgumentError as fit(), for a capture that does not measure what was fitted, and for times that
-/// are not positive.
+/// are not positive; InputError for a capture of a file that was fitted itself.
 std::vector<PredictionScore> predict_left_out(const TrajectoryFamily& family, const FitResult& fitted,
                                               std::span<const Capture> left_out, const FitOptions& options,
                                               const PredictionOptions& prediction);
+
+/// The same into the result: scores into `predictions`, and sentences into `warnings` about captures that
+/// could not be predicted, or not by the model, or not so far ahead.
+void add_predictions(const TrajectoryFamily& family, std::span<const Capture> left_out,
+                     const FitOptions& options, const PredictionOptions& prediction, FitResult& fitted);
+
+/// What predict_left_out() would refuse after a fit of `captures`, refused before it.
+/// @throws ArgumentError, InputError
+void check_left_out(const TrajectoryFamily& family, std::span<const Capture> captures,
+                    std::span<const Capture> left_out, const FitOptions& options,
+                    const PredictionOptions& prediction);
 
 }  // namespace samara::identification

@@ -270,6 +270,59 @@ void add_motion(const FamilyInfo& family, const Capture& capture, const FitOptio
   problem.motions.push_back(std::move(motion));
 }
 
+/// How far a value lies outside the interval; on a circle, the nearest of its places counts.
+double outside(double value, const FitCoordinate& box, double period) {
+  const double middle = 0.5 * (box.lower + box.upper);
+  const double from_middle = period > 0.0 ? std::remainder(value - middle, period) : value - middle;
+  return std::abs(from_middle) - 0.5 * (box.upper - box.lower);
+}
+
+/// Start states that were measured must be possible: all of a segment's first frames outside the box are no
+/// noise.
+void check_boxes(const FitProblem& problem, const Motion& motion) {
+  constexpr int kFrames = 3;
+  constexpr double kScales = 5.0;
+  for (const FitCoordinate& own : problem.own) {
+    const auto output = std::ranges::find_if(problem.outputs, [&](const ComparedOutput& o) {
+      return own.is_initial && !o.offset && own.name == fmt::format("{}(0)", o.name);
+    });
+    if (output == problem.outputs.end()) continue;
+    const auto index = static_cast<int>(output - problem.outputs.begin());
+    const double margin = std::min(kScales * output->scale, own.upper - own.lower);
+    for (std::size_t k = 0; k < motion.segment_count; ++k) {
+      const Segment& segment = problem.segments[motion.first_segment + k];
+      int seen = 0;
+      bool any_inside = false;
+      for (const Observation& o : segment.observations) {
+        if (o.output != index || seen == kFrames) continue;
+        ++seen;
+        any_inside = any_inside || outside(o.value, own, output->period) <= margin;
+      }
+      if (seen < kFrames || any_inside) continue;
+      const auto first = std::ranges::find(segment.observations, index, &Observation::output);
+      refuse(
+          motion.file,
+          fmt::format("capture \"{}\" has {} = {} at {} s, but the box of \"{}\" goes from {} to {}; one "
+                      "that holds what was measured was expected",
+                      motion.id, output->name, first->value, segment.start, own.name, own.lower, own.upper));
+    }
+  }
+}
+
+/// Nobody waits for so many.
+void check_steps(const FitProblem& problem, double step) {
+  constexpr double kMostSteps = 1e7;
+  double seconds = 0.0;
+  for (const Segment& segment : problem.segments) {
+    if (!segment.times.empty()) seconds += segment.times.back();
+  }
+  if (seconds / step <= kMostSteps) return;
+  throw ArgumentError(
+      fmt::format("step: the captures last {:.4g} s, which takes {:.3g} steps of {:.4g} s in each iteration; "
+                  "at most {:.0e} were expected: are times or step in another unit?",
+                  seconds, seconds / step, step, kMostSteps));
+}
+
 /// Numbers the clusters in the order in which they appear.
 void find_clusters(const std::vector<std::string>& cluster_by, FitProblem& problem) {
   std::map<std::vector<std::string>, int> clusters;
@@ -301,8 +354,19 @@ void add_segments(const FamilyInfo& family, std::span<const Capture> captures, c
       throw ArgumentError(fmt::format("capture \"{}\" of \"{}\" is given twice", capture.id, capture.file));
     }
     add_motion(family, options.window ? first(capture, *options.window) : capture, options, problem);
+    check_boxes(problem, problem.motions.back());
   }
+  if (options.step) check_steps(problem, *options.step);
   find_clusters(options.cluster_by, problem);
+}
+
+void check_capture(const Capture& capture, const FitOptions& options, const FitProblem& problem) {
+  const Frames measured(problem, capture);
+  for (const auto& [coordinate, label] : options.known) {
+    if (capture.labels.contains(label)) continue;
+    refuse(capture.file, fmt::format("capture \"{}\" has no label \"{}\", which was to hold \"{}\"",
+                                     capture.id, label, coordinate));
+  }
 }
 
 }  // namespace samara::identification

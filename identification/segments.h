@@ -13,4 +13,8 @@ namespace samara::identification {
 void add_segments(const FamilyInfo& family, std::span<const Capture> captures, const FitOptions& options,
                   FitProblem& problem);
 
+/// @throws ArgumentError or InputError unless the capture measures what is compared, and has the labels of
+/// what is known.
+void check_capture(const Capture& capture, const FitOptions& options, const FitProblem& problem);
+
 }  // namespace samara::identification

@@ -128,8 +128,18 @@ EulerColumns read_euler(const TomlTable& attitude) {
   return euler;
 }
 
+std::map<std::string, double> read_periods(const TomlTable& table) {
+  std::map<std::string, double> periods;
+  for (const std::string& quantity : table.keys()) {
+    periods[quantity] = table.quantity(quantity, "rad");
+    if (!(periods[quantity] > 0.0))
+      throw table.error(quantity, fmt::format("{}; more than 0 was expected", periods[quantity]));
+  }
+  return periods;
+}
+
 CleaningSteps read_cleaning(const TomlTable& clean) {
-  clean.expect_keys({"frame_grid", "before_impact", "outliers", "window"});
+  clean.expect_keys({"frame_grid", "before_impact", "outliers", "window", "periods"});
   CleaningSteps steps;
   steps.frame_grid = clean.optional_boolean("frame_grid").value_or(false);
   steps.impact = clean.optional_quantity("before_impact", "m/s");
@@ -139,6 +149,11 @@ CleaningSteps read_cleaning(const TomlTable& clean) {
        {std::pair("before_impact", steps.impact), std::pair("outliers", steps.outliers),
         std::pair("window", steps.window)}) {
     if (value && !(*value > 0.0)) throw clean.error(key, fmt::format("{}; more than 0 was expected", *value));
+  }
+  if (clean.has("periods")) steps.periods = read_periods(clean.table("periods"));
+  for (const std::string key : {"window", "periods"}) {
+    if (clean.has(key) && !steps.outliers)
+      throw clean.error(key, "belongs to `outliers`, which is not there");
   }
   return steps;
 }

@@ -44,6 +44,8 @@ struct CleaningSteps {
   std::optional<double> impact = {};    ///< m/s
   std::optional<double> outliers = {};  ///< standard deviations
   std::optional<double> window = {};    ///< s, for outliers
+  /// Of quantities that go around a circle, SI. Angles have a turn unless another is given.
+  std::map<std::string, double> periods = {};
 
   bool any() const { return frame_grid || impact || outliers; }
 };

@@ -14,7 +14,8 @@
 ///
 /// Outliers get no weight: frames whose distance from the polynomial through their *neighbours* is more than
 /// `outlier_threshold` times its standard deviation. They are found by iterated reweighting (Cleveland 1979,
-/// here with residuals of the frame left out, and from a start of least absolute residuals).
+/// here with residuals of the frame left out, and from a start of least absolute residuals). Where more than
+/// half of the frames would be outliers none is.
 ///
 /// What the standard errors mean: noise of one size over the frames, independent from frame to frame unless
 /// `averaged_frames` says otherwise, carried through the fit. They do not know what a polynomial of this
@@ -30,7 +31,8 @@ struct SmoothingOptions {
   /// Width of a window, s. None: 15 median intervals between frames.
   std::optional<double> window = {};
   /// Standard deviation of one frame's noise, in the channel's unit (rad for attitudes). None: estimated for
-  /// each channel from the residuals.
+  /// each channel from the residuals. Outliers are judged by it, or by how the frames scatter if that is
+  /// more.
   std::optional<double> noise = {};
   /// The source has replaced each frame by the mean of so many around it: noise of neighbours is correlated.
   /// Without this, errors would come out too small. (What the mean does to the motion is left to the caller:

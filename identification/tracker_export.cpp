@@ -113,6 +113,8 @@ Export read_tracker_export(const std::vector<std::string>& lines, const Sidecar&
   const Cells header = made_unique(names);
   std::vector<std::string> rewritten = lines;
   rewritten[at] = joined(header, header.size(), delimiter);
+  int rows = 0;
+  int short_rows = 0;
   for (std::size_t k = at + 1; k < lines.size(); ++k) {
     Cells cells = cells_of(lines[k], delimiter);
     if (std::ranges::all_of(cells, &std::string::empty)) {
@@ -123,11 +125,15 @@ Export read_tracker_export(const std::vector<std::string>& lines, const Sidecar&
       if (has_decimal_comma(cell)) std::ranges::replace(cell, ',', '.');
     }
     rewritten[k] = joined(cells, header.size(), delimiter);
+    ++rows;
+    if (cells.size() < header.size()) ++short_rows;
   }
   Export result{io::DelimitedTable::parse(table_text(rewritten, at), file, {.delimiter = delimiter}),
                 {},
                 "Tracker",
-                ""};
+                "",
+                rows,
+                short_rows};
   above.resize(header.size() + 1);
   if (!is_multi(lines)) {
     result.bodies.push_back(body_of(names, header, above[0], 0, header.size(), length));

@@ -110,9 +110,9 @@ void add_prediction_table(const FitResult& result, std::back_insert_iterator<std
   fmt::format_to(out, "\n{:<34} {:<24} {:>12} {:>12} {:>9} {:>9}\n", "prediction of", "by", "median", "rms",
                  "captures", "values");
   for (const PredictionScore& p : result.predictions) {
-    const std::string unit = p.unit == "1" ? "" : fmt::format(" [{}]", p.unit);
-    fmt::format_to(out, "{:<34} {:<24} {:>12.4g} {:>12.4g} {:>9} {:>9}\n", p.quantity + unit, p.predictor,
-                   p.median, p.rms, p.captures, p.count);
+    const auto shown = [&](double value) { return p.count > 0 ? fmt::format("{:.4g}", value) : "-"; };
+    fmt::format_to(out, "{:<34} {:<24} {:>12} {:>12} {:>9} {:>9}\n", with_unit(p.quantity, p.unit),
+                   p.predictor, shown(p.median), shown(p.rms), p.captures, p.count);
   }
 }
 
@@ -133,6 +133,10 @@ void add_noise_text(const FitResult& result, std::back_insert_iterator<std::stri
 }
 
 }  // namespace
+
+std::string with_unit(const std::string& name, const std::string& unit) {
+  return unit == "1" ? name : fmt::format("{} [{}]", name, unit);
+}
 
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);

@@ -10,6 +10,9 @@
 /// Internal to identification/: the part of the reports that says what a fit may claim.
 namespace samara::identification {
 
+/// "x [m]", as above a column; the name alone where the unit is 1.
+std::string with_unit(const std::string& name, const std::string& unit);
+
 /// Null if it is not finite, or not there.
 nlohmann::ordered_json number(double value);
 nlohmann::ordered_json number(const std::optional<double>& value);

@@ -102,8 +102,13 @@
     }]};
   }
   function span(values, room = 0.05) {
-    const there = values.filter((v) => v !== null);
-    let low = Math.min(...there), high = Math.max(...there);
+    // In a loop: a function takes no more than some 100,000 arguments.
+    let low = Infinity, high = -Infinity;
+    for (const v of values) {
+      if (v === null) continue;
+      low = Math.min(low, v);
+      high = Math.max(high, v);
+    }
     if (!(high > low)) { low -= 0.5; high += 0.5; }
     return [low - room * (high - low), high + room * (high - low)];
   }
@@ -167,9 +172,10 @@
     for (const sentence of new Set(fit.warnings)) add(list, "li", sentence);
   }
 
-  function pathChart(parent, capture, names) {
+  function pathChart(parent, capture, lengths) {
+    const names = lengths.map((r) => r.output);
     const [a, b] = names.map((name) => capture.outputs[name]);
-    const xs = span([...a.measured, ...a.model]), ys = span([...b.measured, ...b.model]);
+    const xs = span(a.measured.concat(a.model)), ys = span(b.measured.concat(b.model));
     const draw = (u) => {
       const place = (k, of) => [u.valToPos(a[of][k], "x", true), u.valToPos(b[of][k], "y", true)];
       const {ctx} = u;
@@ -190,7 +196,8 @@
       ctx.restore();
     };
     add(parent, "h3", `path: ${names[1]} over ${names[0]}`);
-    chart(parent, {x: names[0] + " [m]", y: names[1] + " [m]", height: 340, hooks: {draw: [draw]},
+    const [x, y] = lengths.map((r) => withUnit(r.output, r.unit));
+    chart(parent, {x, y, height: 340, hooks: {draw: [draw]},
                    xScale: {range: () => xs}, yScale: {range: () => ys}, series: [{show: false}]},
           [xs, [null, null]]);
   }
@@ -217,7 +224,7 @@
       chart(below, {x: "t [s]", y: "residual", height: 190, series: [points("measured − model", MEASURED)],
                     hooks: rules([{at: 0, axis: "y", colour: FAINT}])}, [capture.times, rest]);
     }
-    const lengths = capture.residuals.filter((r) => r.unit === "m" && r.output in capture.outputs).map((r) => r.output);
+    const lengths = capture.residuals.filter((r) => r.unit === "m" && r.output in capture.outputs);
     if (lengths.length > 1) pathChart(add(parent, "div", null, "wide path"), capture, [lengths[0], lengths[lengths.length - 1]]);
   }
 
@@ -242,7 +249,7 @@
       const lag = whiteness.filter((s) => s.capture === capture.id && s.p_value !== null).map((s) => s.lag1);
       const captureRow = row(made, [capture.id, capture.file, {value: capture.cluster}, {value: capture.frames},
                               ...capture.residuals.map((r) => ({value: r.rms, digits: 3})),
-                              {value: lag.length ? Math.max(...lag) : null, digits: 2}]);
+                              {value: lag.length ? lag.reduce((most, l) => Math.max(most, l)) : null, digits: 2}]);
       captureRow.classList.add("pick");
       captureRow.addEventListener("click", () => { choose(k); part.scrollIntoView(); });
       return captureRow;

@@ -20,9 +20,6 @@ class FitsPage(Case):
         for example in ("coin", "tumbling_card", "changing_lift"):
             shutil.copytree(ROOT / "examples" / example, FOLDER / "examples" / example)
         (FOLDER / "ratio.toml").write_text(re.search(r"`ratio.toml`\n\n```toml\n(.*?)```", PAGE, re.S).group(1))
-        coin = (FOLDER / "examples" / "coin" / "coin.toml").read_text().replace('"coin_10czk', '"examples/coin/coin_10czk')
-        for name, drops in {"train": '"10kc112", "10kc113", "10kc114"', "test": '"10kc115", "10kc118"'}.items():
-            (FOLDER / f"{name}.toml").write_text(coin.replace("[columns]", f"where = {{ drop = [{drops}] }}\n[columns]"))
         lines = [line for line in PAGE.splitlines() if line.startswith("samara ")]
         self.assertEqual(len(lines), 10)
         results = [subprocess.run([SAMARA, *shlex.split(line)[1:]], cwd=FOLDER, capture_output=True, text=True, timeout=120)

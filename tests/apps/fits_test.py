@@ -7,6 +7,7 @@ import csv
 import json
 import math
 import pathlib
+import re
 
 from samara_case import COIN_PLAN, FOLDER, Case, book, main, run, write
 
@@ -73,6 +74,44 @@ class Fits(Case):
         self.check_error(run("fit", path, capture, "--ahead", "0.1 s"), 2, "--ahead", "--left-out")
         self.check_error(run("fit", path, capture, "--left-out", capture), 2, "--left-out", "--ahead")
         self.check_error(run("fit", path, capture, "--left-out", capture, "--ahead", "0.1 s"), 2, "--window")
+
+    def test_a_time_of_a_prediction_that_is_none_is_a_wrong_call(self):
+        path, capture = book("coin", COIN_PLAN), self.capture()
+        for ahead in ("0", "-1 s"):
+            self.check_error(run("fit", path, capture, "--left-out", capture, "--window", "0.2 s", f"--ahead={ahead}"), 2, "--ahead")
+
+    def test_what_is_wrong_with_captures_left_out_is_found_before_the_fit(self):
+        path, capture = book("coin", COIN_PLAN), self.capture()
+        wrong = write("wrong.csv", capture.read_text().replace("x[m]", "y[m]"))
+        target = FOLDER / "none.json"
+        arguments = ("--window", "0.2 s", "--ahead", "0.1 s", "-o", target)
+        self.check_error(run("fit", path, capture, "--left-out", wrong, *arguments), 3, "wrong.csv", '"x"')
+        self.assertFalse(target.exists())
+        self.check_error(run("fit", path, capture, "--left-out", f"{FOLDER}/./fall.csv", *arguments), 3, "fitted as well as left out")
+
+    def test_no_file_that_was_read_is_overwritten(self):
+        path, capture = book("coin", COIN_PLAN), self.capture()
+        sidecar = write("side.toml", 'file = "fall.csv"\n[labels]\nfile = "labels.csv"\ncolumn = "name"\n')
+        labels = write("labels.csv", "name,mass\nfall,1\n")
+        before = capture.read_text()
+        for target in (capture, labels, sidecar):
+            for option in ("-o", "--report"):
+                self.check_error(run("fit", path, sidecar, option, target), 2, target.name, "overwrite")
+        self.assertEqual(capture.read_text(), before)
+
+    def test_captures_in_a_wrong_unit_are_fitted_badly_and_suspected(self):
+        lines = (ROOT / "examples" / "tumbling_card" / "card.csv").read_text().replace("x[mm],y[mm]", "x[m],y[m]")
+        config = (ROOT / "examples" / "tumbling_card" / "fit.toml").read_text()
+        config = re.sub(r'"([xy])\(0\)" = .*', r'"\1(0)" = [-2000, 2000]', config)
+        config = "starts = 1\nmax_iterations = 3\n" + config
+        result = run("fit", "falling_plate", write("mm.csv", lines), "--config", write("card.toml", config))
+        self.assertIn(result.returncode, (0, 4), result.stderr)
+        self.assertIn("in another unit?", result.stderr)
+
+    def test_a_known_coordinate_without_a_box_is_told_so(self):
+        config = write("known.toml", '[fixed]\narea = "4.7144e-4 m^2"\nthickness = "2.55 mm"\n[known]\ndensity = "rho"\n'
+                       '[box]\nC_D = [0.5, 2.0]\n"v(0)" = [0.0, 0.5]\n')
+        self.check_error(run("fit", "vertical_fall", self.capture(), "--config", config), 3, "density", "[box]")
 
 
 class Series(Case):

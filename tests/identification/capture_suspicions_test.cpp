@@ -114,3 +114,14 @@ TEST_CASE("bad captures are suspected for what is wrong with them") {
     CHECK(suspicions(capture) == Sentences{"50 of 50 quaternions are not of unit length"});
   }
 }
+
+TEST_CASE("a long recording is suspected by some of its frames") {
+  // With all of them in windows of a quarter of the recording this would take minutes.
+  Capture capture = fall(20001);
+  capture.times *= 1e-3;
+  capture.channels[0].values = 1000.0 * (2.0 - 0.5 * 9.81 * capture.times.array().square()).matrix();
+  const Sentences found = suspicions(capture);
+  CHECK(std::ranges::count_if(found, [](const std::string& sentence) {
+          return sentence.starts_with("positions accelerate by 9.81e+03 m/s^2, gravity times 10^3");
+        }) == 1);
+}

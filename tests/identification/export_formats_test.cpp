@@ -184,3 +184,12 @@ TEST_CASE("a Motive export that cannot be read says why") {
               "Frame,Time (Seconds),X\n0,0,1\n") ==
         "a.csv:1: rotations are of the type \"XYZ\"; export them as Quaternion");
 }
+
+TEST_CASE("rows of an export that are too short are counted, and told of") {
+  const TestFiles files;
+  files.put("drop.txt", "mass_A\nt,x,y\n0,1,2\n0.1,1.1,\n0.2,1.2\n0.3\n0.4,1.5,2\n0.5,1.6,2\n");
+  const Capture drop =
+      read_captures(files.put("drop.toml", "file = \"drop.txt\"\nlength_unit = \"m\"\n")).front();
+  CHECK(drop.notes.back() ==
+        "2 of 6 rows of the export are shorter than its header; what they lack counts as not seen");
+}

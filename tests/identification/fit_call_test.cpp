@@ -4,6 +4,7 @@
 
 #include "files.h"
 #include "samara/identification/fit.h"
+#include "samara/identification/fit_problem.h"
 #include "synthetic.h"
 
 using namespace samara::identification;
@@ -135,6 +136,41 @@ TEST_CASE("a frame that rounding puts just behind the end of the family belongs 
   CHECK(fit(family, captures).captures[0].frames == 10);
   captures[0].times[9] = 1.01;
   CHECK_THAT(error_of<samara::ArgumentError>([&] { fit(family, captures); }), Contains("ends at 1 s"));
+}
+
+TEST_CASE("a box must hold what was measured at the start, on a circle at any turn") {
+  BrakedFamily family;
+  family.mutable_info().coordinates.push_back({"x(0)", "m", true, -1.0, 1.0});
+  const std::vector<double> times = even_times(10, 1.0);
+  Capture capture = make_capture("a", times, BrakedFamily::depths(1.0, 1.0, times));
+  capture.channels[0].values.array() += 5.0;
+  FitOptions options;
+  CHECK_THAT(error_of<samara::ArgumentError>([&] { fit(family, std::span(&capture, 1), options); }),
+             Contains("capture \"a\" has x = 5 at 0 s") && Contains("\"x(0)\" goes from -1 to 1"));
+  family.mutable_info().outputs[0].unit = "m";
+  options.periods = {{"x", 2.5}};
+  CHECK_NOTHROW(make_problem(family.info(), std::span(&capture, 1), options));
+}
+
+TEST_CASE("a fit tells of its starts, and leaves out those that nobody waits for") {
+  std::vector<std::string> told;
+  FitOptions options;
+  options.starts = 4;
+  options.progress = [&](const samara::Progress& progress) {
+    told.push_back(progress.stage);
+    return told.size() < 3;
+  };
+  const FitResult result = fit(BrakedFamily(), two_captures(), options);
+  CHECK(told == std::vector<std::string>{"start 1 of 4", "start 2 of 4", "start 3 of 4"});
+  CHECK(result.starts.size() == 2);
+  CHECK(result.is_usable());
+}
+
+TEST_CASE("steps without end are refused, and the times are asked about") {
+  std::vector<Capture> captures = two_captures();
+  FitOptions options;
+  options.step = 1e-15;
+  CHECK_THAT(fit_error(options, captures), Contains("takes 2e+15 steps") && Contains("in another unit?"));
 }
 
 TEST_CASE("options outside their meaning are refused") {

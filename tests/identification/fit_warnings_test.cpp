@@ -42,6 +42,28 @@ TEST_CASE("a fit that misses its captures by many loss scales says so") {
              Contains("the model misses x by") && Contains("times the loss scale of 0.002 m"));
 }
 
+TEST_CASE("scales that were stated count without a loss, too") {
+  std::vector<Capture> captures = coins(1.15);
+  for (Capture& capture : captures) capture.channels[0].values *= 3.0;
+  FitOptions options;
+  options.loss.kind = LossKind::none;
+  options.starts = 1;
+  CHECK_THAT(all(fit(*coin_family(), captures, options).warnings), !Contains("the model misses"));
+  options.loss.scales = {{"x", 1e-3}};
+  CHECK_THAT(all(fit(*coin_family(), captures, options).warnings), Contains("the loss scale of 0.001 m"));
+}
+
+TEST_CASE("a channel that means nothing to the model is warned of, with what was perhaps meant") {
+  std::vector<Capture> captures = coins(1.15);
+  for (Capture& capture : captures) capture.channels.push_back({"xx", "m", capture.channels[0].values});
+  FitOptions options;
+  CHECK(all(fit(*coin_family(), captures, options).warnings) ==
+        "capture \"coin 0\": \"xx\" is no output of \"vertical_fall\", and was not compared; did you mean "
+        "\"x\"?");
+  options.outputs = {"x"};  // chosen by name
+  CHECK(all(fit(*coin_family(), captures, options).warnings).empty());
+}
+
 TEST_CASE("a coefficient at a bound of its box is warned of, and has no error") {
   const auto family = coin_family();
   FitOptions options;
@@ -184,7 +206,24 @@ TEST_CASE("a fit without any trajectory fails with a status") {
   CHECK_THAT(result.message, Contains("none of 3 starts led anywhere"));
   CHECK(result.coefficients.empty());
   // What is wrong with the capture may be why.
-  CHECK(all(result.warnings) == "it has 5 frames");
+  CHECK(all(result.warnings) == "capture \"a\": it has 5 frames");
+}
+
+TEST_CASE("what is strange about captures is said of each by its name, also where the fit fails") {
+  const std::vector<double> times = even_times(10, 1.0);
+  std::vector<Capture> captures;
+  for (const char* id : {"a", "b"}) captures.push_back(make_capture(id, times, Eigen::VectorXd::Zero(10)));
+  captures[0].notes = {"a note"};
+  FitOptions options;
+  options.starts = 1;
+  for (const bool fails : {false, true}) {
+    const FitResult result =
+        fails ? fit(BrokenFamily(false), captures, options) : fit(BrakedFamily(), captures, options);
+    CHECK((result.status == FitStatus::failed) == fails);
+    for (const char* sentence :
+         {"capture \"a\": x never changes", "capture \"a\": a note", "capture \"b\": x never"})
+      CHECK_THAT(all(result.warnings), Contains(sentence));
+  }
 }
 
 TEST_CASE("what a source throws comes out of the fit") {

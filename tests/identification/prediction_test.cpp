@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <catch2/catch.hpp>
 
+#include "files.h"
 #include "samara/base/errors.h"
 #include "samara/identification/fit.h"
 #include "samara/identification/step_trajectories.h"
 #include "synthetic.h"
 
 using namespace samara::identification;
+using Catch::Matchers::Contains;
 
 namespace {
 
@@ -34,6 +37,39 @@ const PredictionScore& of(const std::vector<PredictionScore>& scores, const std:
   REQUIRE(found != scores.end());
   return *found;
 }
+
+/// theta = theta(0) + rate t.
+class TurningFamily final : public TrajectoryFamily {
+ public:
+  TurningFamily() {
+    info_.model = "turning";
+    info_.source = "closed form";
+    info_.coordinates = {{"rate", "rad/s", false, 1.0, 9.0}, {"theta(0)", "rad", true, -9.0, 9.0}};
+    info_.outputs = {{"theta", "rad"}};
+  }
+
+  const FamilyInfo& info() const override { return info_; }
+  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
+                                       const std::vector<std::string>&) const override {
+    return std::make_unique<Source>(times);
+  }
+
+ private:
+  struct Source final : TrajectorySource {
+    explicit Source(const std::vector<double>& at_times) : times(at_times) {}
+    bool evaluate(std::span<const double> q, Eigen::MatrixXd& values, Eigen::MatrixXd* derivatives) override {
+      for (std::size_t row = 0; row < times.size(); ++row) {
+        const auto at = static_cast<Eigen::Index>(row);
+        values(at, 0) = q[1] + q[0] * times[row];
+        if (derivatives) derivatives->row(at) << times[row], 1.0;
+      }
+      return true;
+    }
+    std::vector<double> times;
+  };
+
+  FamilyInfo info_;
+};
 
 constexpr double kInterval = 0.01;
 
@@ -233,4 +269,116 @@ TEST_CASE("predictions refuse times that are none, and say nothing of fits that 
   CHECK_THROWS_AS(predict_left_out(family, {}, {}, plain(), {.window = 0.0, .ahead = 0.5}),
                   samara::ArgumentError);
   CHECK(predict_left_out(family, {}, {}, plain(), {.window = 0.5, .ahead = 0.5}).empty());
+}
+
+TEST_CASE("angles are predicted on their circle") {
+  // An angle that goes on evenly, read from -pi to pi: it jumps within the window, and beyond it.
+  TurningFamily family;
+  const std::vector<double> times = even_times(41, 2.0);
+  const auto turning = [&](const std::string& id, double start, bool wraps) {
+    Eigen::VectorXd angles(41);
+    for (Eigen::Index k = 0; k < 41; ++k) {
+      const double angle = start + 6.0 * times[static_cast<std::size_t>(k)];
+      angles[k] = wraps ? std::remainder(angle, 2.0 * std::numbers::pi) : angle;
+    }
+    Capture capture = make_capture(id, times, angles);
+    capture.channels[0] = {"theta", "1", angles};
+    return capture;
+  };
+  FitOptions options = plain();
+  options.initial = {{"rate", 5.8}};
+  options.loss.scales = {{"theta", 0.01}};
+  const std::vector<Capture> seen = {turning("seen", 0.3, true)};
+  const FitResult fitted = fit(family, seen, options);
+  const std::vector<Capture> wrapped = {turning("a", 1.0, true), turning("b", 2.0, true)};
+  const auto scores = predict_left_out(family, fitted, wrapped, options, {.window = 1.0, .ahead = 0.9});
+  for (const char* predictor : {"model", "straight line", "cubic"}) {
+    CHECK(of(scores, predictor, "theta, up to 0.9 s ahead").captures == 2);
+    CHECK(of(scores, predictor, "theta, up to 0.9 s ahead").largest < 1e-6);
+  }
+}
+
+TEST_CASE("captures that cannot be predicted are named with the reason, and empty rows are left out") {
+  const BrakedFamily family;
+  FitResult fitted = fit(family, braked(0, 4, 0.0), plain());
+  std::vector<Capture> left_out = braked(4, 3, 0.0);
+  left_out[0] = first(left_out[0], 0.6);
+  left_out[1].channels[0].values.head(11).setConstant(std::nan(""));
+  fitted.warnings.clear();
+  // The frames end at 1.5 s: nothing is 5 s ahead.
+  add_predictions(family, left_out, plain(), {.window = 0.6, .ahead = 5.0}, fitted);
+  REQUIRE(fitted.warnings.size() == 3);
+  CHECK_THAT(fitted.warnings[0], Contains("capture \"4\" was not predicted: it has no frame between 0.6 s"));
+  CHECK_THAT(fitted.warnings[1],
+             Contains("capture \"5\" was not predicted") && Contains("too little to fit"));
+  CHECK_THAT(fitted.warnings[2], Contains("predictions go to 0.9 s ahead"));
+  REQUIRE(fitted.predictions.size() == 6);
+  for (const PredictionScore& score : fitted.predictions) {
+    CHECK(score.quantity == "position, up to 0.9 s ahead");
+    CHECK(score.captures == 1);
+  }
+  add_predictions(family, std::span(left_out).first(1), plain(), {.window = 0.6, .ahead = 0.5}, fitted);
+  CHECK(fitted.predictions.empty());
+  CHECK(fitted.warnings.back() == "none of the captures left out could be predicted");
+}
+
+TEST_CASE("a capture on which the model fails counts for the baselines, and the failure is said") {
+  struct Fragile final : TrajectoryFamily {
+    BrakedFamily whole;
+    bool fails = false;
+    const FamilyInfo& info() const override { return whole.info(); }
+    std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
+                                         const std::vector<std::string>& outputs) const override {
+      struct None final : TrajectorySource {
+        bool evaluate(std::span<const double>, Eigen::MatrixXd&, Eigen::MatrixXd*) override { return false; }
+      };
+      if (fails) return std::make_unique<None>();
+      return whole.at(times, outputs);
+    }
+  };
+  Fragile family;
+  FitResult fitted = fit(family, braked(0, 4, 0.0), plain());
+  fitted.warnings.clear();
+  family.fails = true;
+  add_predictions(family, braked(4, 2, 0.0), plain(), {.window = 0.6, .ahead = 0.5}, fitted);
+  CHECK(of(fitted.predictions, "model", "position, 0.5 s ahead").captures == 0);
+  CHECK(of(fitted.predictions, "cubic", "position, 0.5 s ahead").captures == 2);
+  REQUIRE(fitted.warnings.size() == 3);
+  CHECK_THAT(fitted.warnings[0], Contains("capture \"4\" counts for the baselines only"));
+  CHECK(fitted.warnings[2] == "the model failed on 2 of 2 captures left out");
+}
+
+TEST_CASE("captures that were fitted are not predicted") {
+  const BrakedFamily family;
+  std::vector<Capture> captures = braked(0, 3, 0.0);
+  for (Capture& capture : captures) capture.file = "drops.csv";
+  const PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
+  const FitResult fitted = fit(family, captures, plain());
+  const std::string refusal = "capture \"2\" is fitted as well as left out";
+  const std::span<const Capture> left_out = std::span(captures).last(1);
+  CHECK_THAT(
+      error_of<samara::InputError>([&] { predict_left_out(family, fitted, left_out, plain(), prediction); }),
+      Contains(refusal));
+  CHECK_THAT(
+      error_of<samara::InputError>([&] { check_left_out(family, captures, left_out, plain(), prediction); }),
+      Contains(refusal));
+}
+
+TEST_CASE("the frame on the border of the window is seen, and not predicted") {
+  const BrakedFamily family;
+  const FitResult fitted = fit(family, braked(0, 3, 0.0), plain());
+  std::vector<Capture> left_out = braked(3, 1, 0.0);
+  // Rounding has put it a little behind, where first() still takes it for the window's.
+  left_out[0].times[12] += 1e-6;
+  CHECK(first(left_out[0], 0.6).frame_count() == 13);
+  const auto scores = predict_left_out(family, fitted, left_out, plain(), {.window = 0.6, .ahead = 0.5});
+  CHECK(of(scores, "model", "position, up to 0.5 s ahead").count == 10);
+}
+
+TEST_CASE("captures that lack what was fitted are refused before the fit") {
+  const BrakedFamily family;
+  std::vector<Capture> left_out = braked(4, 1, 0.0);
+  left_out[0].channels[0].quantity = "z";
+  CHECK_THROWS_AS(check_left_out(family, braked(0, 2, 0.0), left_out, plain(), {.window = 0.6, .ahead = 0.5}),
+                  samara::ArgumentError);
 }

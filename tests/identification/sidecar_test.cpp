@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
@@ -153,4 +155,49 @@ TEST_CASE("keys of a sidecar that make no sense are refused where they stand") {
         "a.toml:4: [attitude] order: \"zzx\"; three of x, y, z, none twice in a row, were expected");
   CHECK(error("[attitude]\neuler = [\"a\", \"a\", \"b\"]\norder = \"zyx\"\nunit = \"m\"\n") ==
         "a.toml:5: [attitude] unit: is no unit of an angle; \"deg\" or \"rad\" was expected");
+}
+
+TEST_CASE("an angle that goes around its circle loses no frame to the search for outliers") {
+  const TestFiles files;
+  std::string table = "t[s],theta[deg],side[deg]\n";
+  for (int k = 0; k < 60; ++k) {
+    // Some noise, or rounding would be all there is to judge by. The sides of a plate look alike.
+    const double angle = 12.0 * k + 0.3 * std::sin(37.0 * k) + (k == 40 ? 30.0 : 0.0);
+    table += fmt::format("{},{},{}\n", 0.01 * k, std::remainder(angle, 360.0), std::remainder(angle, 180.0));
+  }
+  files.put("turns.csv", table);
+  const std::string text = "file = \"turns.csv\"\n[clean]\noutliers = 5\n";
+  const auto missing = [&](const std::string& more, const char* quantity) {
+    const Capture capture = read_captures(files.put("turns.toml", text + more)).front();
+    return capture.channel(quantity).values.array().isNaN().count();
+  };
+  CHECK(missing("", "theta") == 1);
+  CHECK(missing("periods = { side = \"180 deg\" }\n", "side") == 1);
+}
+
+TEST_CASE("options of outliers without outliers, and two rows of labels for a capture, are refused") {
+  const TestFiles files;
+  files.put("x.csv", "t[s],x[m]\n0,0\n1,1\n2,4\n");
+  CHECK(reading_error(files.put("a.toml", "file = \"x.csv\"\n[clean]\nwindow = \"0.1 s\"\n")) ==
+        "a.toml:3: [clean] window: belongs to `outliers`, which is not there");
+  files.put("index.csv", "name,mass\nx,1\nx,2\n");
+  CHECK_THAT(reading_error(files.put(
+                 "b.toml", "file = \"x.csv\"\n[labels]\nfile = \"index.csv\"\ncolumn = \"name\"\n")),
+             Catch::Matchers::StartsWith("b.toml:3: [labels] file: ") &&
+                 Catch::Matchers::Contains("several rows for name \"x\""));
+}
+
+TEST_CASE("the files behind a capture are its tables, its sidecar and its labels") {
+  const TestFiles files;
+  for (const char* name : {"a1.csv", "a2.csv"}) files.put(name, "t[s],x[m]\n0,0\n1,1\n2,4\n");
+  const auto sidecar =
+      files.put("a.toml", "file = \"a?.csv\"\n[labels]\nfile = \"index.csv\"\ncolumn = \"name\"\n");
+  std::set<std::string> names;
+  for (const auto& file : capture_files(sidecar)) names.insert(file.filename().string());
+  CHECK(names == std::set<std::string>{"a.toml", "a1.csv", "a2.csv", "index.csv"});
+  // A sidecar beside its table.
+  files.put("b.csv", "t[s],x[m]\n0,0\n1,1\n2,4\n");
+  files.put("b.toml", "from = \"0 s\"\n");
+  const auto beside = capture_files(files.path() / "b.csv");
+  CHECK(std::ranges::count(beside, files.path() / "b.toml") == 1);
 }

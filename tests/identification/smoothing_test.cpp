@@ -275,6 +275,27 @@ TEST_CASE("smoothing refuses what has no meaning") {
         "the period of an angle is 0; more than 0 was expected");
 }
 
+TEST_CASE("frames that scatter far more than the noise that is given are not outliers of it") {
+  std::mt19937_64 random(11);
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(73, 0.0, 0.3);
+  Eigen::VectorXd values = values_of(swing, times);
+  add_noise(values, 0.5, random);
+  for (const double noise : {1e-12, 1e-3, 0.05}) {
+    const Smoothed smoothed = smooth(times, values, times, {.degree = 2, .window = 0.02, .noise = noise});
+    // Of so few neighbours a normal frame is seldom 5 of their deviations away.
+    CHECK(smoothed.outlier.count() <= 3);
+    CHECK(smoothed.value.allFinite());
+  }
+  // A threshold that no frame meets.
+  CHECK(smooth(times, values, times, {.outlier_threshold = 1e-6}).value.allFinite());
+  // Attitudes, too.
+  Eigen::MatrixX4d q(73, 4);
+  for (Index k = 0; k < 73; ++k) q.row(k) << std::cos(values[k]), 0.0, std::sin(values[k]), 0.0;
+  const SmoothedAttitude attitude = smooth_attitude(times, q, times, {.noise = 1e-9});
+  CHECK(attitude.attitude.allFinite());
+  CHECK(attitude.outlier.count() <= 3);
+}
+
 TEST_CASE("a noise that is far too small makes no frame an outlier") {
   // Few frames of a curve that polynomials do not follow: all stand off by many times such a noise.
   const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(16, 0.0, 6.0);
