@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "real_data.h"
@@ -142,6 +144,29 @@ Eigen::VectorXd pitches_of(const Capture& capture) {
   return pitches;
 }
 
+/// Velocity and attitude as measured say how fast the body moves in the world: a straight line through that
+/// over the frames seen, carried on from the place that all frames agree on best.
+Eigen::Vector3d carried_on_by_velocity(const Capture& seen, double time) {
+  const Eigen::Index frames = seen.frame_count();
+  const Eigen::MatrixX3d places = positions_of(seen);
+  const double end = seen.times[frames - 1];
+  Eigen::MatrixX2d line(frames, 2);
+  Eigen::MatrixX3d velocities(frames, 3);
+  const auto at = [&](const char* name, Eigen::Index k) { return seen.channel(name).values[k]; };
+  for (Eigen::Index k = 0; k < frames; ++k) {
+    const Eigen::Quaterniond q(at("qw", k), at("qx", k), at("qy", k), at("qz", k));
+    velocities.row(k) = (q.normalized() * Eigen::Vector3d(at("ux", k), at("uy", k), at("uz", k))).transpose();
+    line.row(k) << 1.0, seen.times[k] - end;
+  }
+  const Eigen::Matrix<double, 2, 3> fitted = line.householderQr().solve(velocities);
+  const auto moved_by = [&](double since_end) -> Eigen::RowVector3d {
+    return fitted.row(0) * since_end + fitted.row(1) * (0.5 * since_end * since_end);
+  };
+  Eigen::RowVector3d last = Eigen::RowVector3d::Zero();
+  for (Eigen::Index k = 0; k < frames; ++k) last += places.row(k) - moved_by(seen.times[k] - end);
+  return (last / static_cast<double>(frames) + moved_by(time - end)).transpose();
+}
+
 void add_error(const Eigen::Vector3d& place, double pitch, const Capture& truth, BlimpErrors& errors) {
   errors.position.push_back((place - positions_of(truth).row(0).transpose()).norm());
   errors.pitch.push_back(std::abs(pitch - pitches_of(truth)[0]));
@@ -249,8 +274,10 @@ std::map<std::string, BlimpErrors> predict_blimp(const std::vector<BlimpFlight>&
       errors["model"].position.push_back(INFINITY);
       errors["model"].pitch.push_back(INFINITY);
     }
-    Eigen::MatrixXd places = positions_of(seen[k]);
+    const Eigen::MatrixXd places = positions_of(seen[k]);
     const Eigen::VectorXd at = Eigen::VectorXd::Constant(1, time);
+    const Eigen::MatrixXd turned = predict(Baseline::straight_line, {seen[k].times, pitches_of(seen[k])}, at);
+    add_error(carried_on_by_velocity(seen[k], time), turned(0, 0), truth[k], errors["measured velocity"]);
     for (const Baseline baseline : {Baseline::constant_velocity, Baseline::constant_acceleration}) {
       const Eigen::MatrixXd place = predict(baseline, {seen[k].times, places}, at);
       const Eigen::MatrixXd pitch = predict(baseline, {seen[k].times, pitches_of(seen[k])}, at);

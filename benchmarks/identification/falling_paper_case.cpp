@@ -166,6 +166,9 @@ void one_split(const std::vector<samara::identification::Capture>& drops, std::u
   const std::vector<double> line = baseline_errors(Baseline::straight_line, windows.unseen);
   note(worst, "next_median_line", median_of(line));
   note(worst, "next_rms_line", rms_of(line));
+  // Of one split: the worst of both may come from different ones.
+  note(worst, "next_median_over_line", median_of(unseen.errors) / median_of(line));
+  note(worst, "next_rms_over_line", rms_of(unseen.errors) / rms_of(line));
 
   fmt::print(
       stderr,
@@ -187,7 +190,9 @@ void falling_paper_case(const Options& options) {
   for (int seed = 1; seed <= (options.quick ? 1 : kSplits); ++seed) {
     one_split(drops, static_cast<std::uint64_t>(seed), !options.quick, worst);
   }
-  for (const auto& [metric, value] : worst) print({kBench, kCase, metric, value, "m"});
+  for (const auto& [metric, value] : worst) {
+    print({kBench, kCase, metric, value, metric.ends_with("_over_line") ? "1" : "m"});
+  }
 }
 
 }  // namespace samara::benchmarks::identification

@@ -266,8 +266,22 @@ Distances predict_flights(const std::vector<Capture>& flights, const FitResult& 
   return distances;
 }
 
-Distances predict_left_out_flights(const std::vector<Capture>& flights, const RotationStart& start, int folds,
-                                   const Horizon& horizon, SpinDrag spin_drag) {
+namespace {
+
+FitResult fit_from_all(const std::vector<Capture>& flights, std::span<const RotationStart> starts,
+                       SpinDrag spin_drag) {
+  FitResult best;
+  for (const RotationStart& start : starts) {
+    FitResult result = fit_labelled(flights, start, spin_drag);
+    if (best.captures.empty() || result.cost < best.cost) best = std::move(result);
+  }
+  return best;
+}
+
+}  // namespace
+
+Distances predict_left_out_flights(const std::vector<Capture>& flights, std::span<const RotationStart> starts,
+                                   int folds, const Horizon& horizon, SpinDrag spin_drag) {
   Distances all;
   for (int fold = 0; fold < folds; ++fold) {
     std::vector<Capture> training, test;
@@ -275,7 +289,7 @@ Distances predict_left_out_flights(const std::vector<Capture>& flights, const Ro
       (static_cast<int>(k) % folds == fold ? test : training).push_back(flights[k]);
     }
     const Distances part =
-        predict_flights(test, fit_labelled(training, start, spin_drag), fit_drag_only(training), horizon);
+        predict_flights(test, fit_from_all(training, starts, spin_drag), fit_drag_only(training), horizon);
     for (const auto& [name, values] : part) all[name].insert(all[name].end(), values.begin(), values.end());
   }
   return all;

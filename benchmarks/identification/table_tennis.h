@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -74,7 +75,9 @@ Distances predict_flights(const std::vector<Capture>& flights, const FitResult& 
                           const FitResult& drag_only, const Horizon& horizon);
 
 /// Labelled flights by cross validation: each is predicted by a fit that has not seen it.
-Distances predict_left_out_flights(const std::vector<Capture>& flights, const RotationStart& start, int folds,
-                                   const Horizon& horizon, SpinDrag spin_drag = SpinDrag::none);
+/// @param starts of each fit, of which the one with the lowest cost counts: chosen without the flights left
+/// out
+Distances predict_left_out_flights(const std::vector<Capture>& flights, std::span<const RotationStart> starts,
+                                   int folds, const Horizon& horizon, SpinDrag spin_drag = SpinDrag::none);
 
 }  // namespace samara::benchmarks::identification

@@ -1,5 +1,6 @@
 /// A table tennis ball: drag and Magnus coefficients from flights with labelled spin, and flights predicted
 /// without labels.
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -20,6 +21,8 @@ constexpr const char* kCase = "table_tennis";
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kLeastFrames = 12;
 constexpr int kFolds = 5;
+constexpr std::array kRotationStarts = {RotationStart{-81.0 * kDegree, 0.5},
+                                        RotationStart{-7.0 * kDegree, 0.5}};
 
 void report(const std::string& metric, double value, const std::string& unit = "1") {
   print({kBench, kCase, metric, value, unit});
@@ -29,8 +32,8 @@ void report(const std::string& metric, double value, const std::string& unit = "
 /// is returned.
 std::pair<RotationStart, FitResult> optima(const std::vector<Capture>& flights) {
   const std::vector<std::pair<std::string, RotationStart>> starts = {
-      {"minus81", {-81.0 * kDegree, 0.5}},
-      {"minus7", {-7.0 * kDegree, 0.5}},
+      {"minus81", kRotationStarts[0]},
+      {"minus7", kRotationStarts[1]},
       // A half turn about the axis about which balls spin least, and the opposite force.
       {"mirror_minus81", {99.0 * kDegree, -0.5}},
       {"mirror_minus7", {173.0 * kDegree, -0.5}},
@@ -115,7 +118,8 @@ void try_spin_drag(const std::vector<Capture>& flights, const RotationStart& sta
       report(fmt::format("{}_stderr{}", name, which), error_of(fitted, name));
     }
     report("CL_at_0.4" + which, lift_coefficient(fitted, 0.4).value);
-    const Distances distances = predict_left_out_flights(flights, start, kFolds, {}, spin_drag);
+    const Distances distances =
+        predict_left_out_flights(flights, std::span(&start, 1), kFolds, {}, spin_drag);
     for (const char* predictor : {"model", "labels"}) {
       report(fmt::format("left_out_median_{}{}", predictor, which), median_of(distances.at(predictor)), "m");
       report(fmt::format("left_out_rms_{}{}", predictor, which), rms_of(distances.at(predictor)), "m");
@@ -166,7 +170,7 @@ void table_tennis_case(const Options& options) {
   }
   for (const auto& [name, horizon] :
        {std::pair{"prediction", Horizon{0.15, 0.30}}, std::pair{"prediction_short", Horizon{0.10, 0.20}}}) {
-    const Distances labelled = predict_left_out_flights(flights.labelled, start, kFolds, horizon);
+    const Distances labelled = predict_left_out_flights(flights.labelled, kRotationStarts, kFolds, horizon);
     const Distances shifted = predict_flights(flights.shifted, fitted, drag_only, horizon);
     report_distances(name, joined(labelled, shifted));
     report_distances(fmt::format("{}_labelled_flights", name), labelled);
