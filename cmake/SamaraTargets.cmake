@@ -50,6 +50,11 @@ endfunction()
 function(samara_library target)
   target_link_libraries(${target} ${ARGN})
   samara_compile_options(${target})
+  # What nearly every source reads, compiled once per library: an eighth of the time of a build. The presets of the
+  # long checks do without, so that no source relies on what it does not include.
+  if("fmt::fmt" IN_LIST ARGN)
+    target_precompile_headers(${target} PRIVATE <Eigen/Core> <fmt/format.h> <algorithm> <cmath> <string> <vector>)
+  endif()
   set_target_properties(${target} PROPERTIES
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
     POSITION_INDEPENDENT_CODE ON)
