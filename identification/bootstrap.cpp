@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
 #include "samara/identification/minimize.h"
 #include "samara/pgd/random.h"
 
@@ -47,12 +49,19 @@ void add_bootstrap(const FitProblem& problem, std::vector<SegmentResidual>& resi
     for (Motion& motion : weighted.motions) motion.weight = weights[motion.cluster];
     const MinimizeResult run = minimize(weighted, residuals, point, options.max_iterations, kTolerance);
     if (run.status == FitStatus::failed) continue;
+    bootstrap.converged += run.status == FitStatus::converged ? 1 : 0;
     bootstrap.coefficients.row(bootstrap.replicates++) = run.point.shared.transpose();
   }
   bootstrap.coefficients.conservativeResize(bootstrap.replicates, Eigen::NoChange);
   const double C = problem.cluster_count;
   for (const double deviation : deviations(bootstrap.coefficients)) {
     bootstrap.standard_errors.push_back(std::sqrt((C + 1.0) / (C - 1.0)) * deviation);
+  }
+  if (bootstrap.converged < bootstrap.replicates) {
+    result.warnings.push_back(fmt::format(
+        "{} of {} fits with clusters weighted at random did not converge within {} iterations: the "
+        "errors from their scatter may be much too small",
+        bootstrap.replicates - bootstrap.converged, bootstrap.replicates, options.max_iterations));
   }
   result.bootstrap = std::move(bootstrap);
 }

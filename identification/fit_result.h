@@ -111,6 +111,7 @@ struct GlobalSearch {
 /// from it, and show where it bends. They do not look for other optima.
 struct Bootstrap {
   int replicates = 0;  ///< that led somewhere
+  int converged = 0;   ///< of them; the others stopped at the limit on iterations, short of their minimum
   std::uint64_t seed = 1;
   Eigen::MatrixXd coefficients = {};  ///< replicates x coefficients, SI
   /// Their scatter, widened by sqrt((C + 1)/(C - 1)) for C clusters: beside the clustered standard errors.

@@ -91,6 +91,7 @@ Json json_of(const GlobalSearch& search) {
 
 Json json_of(const Bootstrap& bootstrap) {
   return {{"replicates", bootstrap.replicates},
+          {"converged", bootstrap.converged},
           {"seed", bootstrap.seed},
           {"standard_errors", list(bootstrap.standard_errors)}};
 }

@@ -37,7 +37,7 @@ codebooks::Codebook book(const std::string& kind) {
     plan += fmt::format("{} = [{}, {}]\n", c.name, 0.88 * c.value, 1.12 * c.value);
   }
   plan += fmt::format(
-      "[time]\nend = 0.52\n[tolerance]\nrelative = 1e-3\n[builder]\nkind = \"{}\"\nmax_calls = {}\n", kind,
+      "[time]\nend = 0.52\n[tolerance]\nrelative = 5e-4\n[builder]\nkind = \"{}\"\nmax_calls = {}\n", kind,
       kind == "pgd" ? 200000000 : 1000000);
   return codebooks::build(codebooks::parse_plan(plan, "plan.toml")).book;
 }

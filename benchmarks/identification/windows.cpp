@@ -111,6 +111,10 @@ void say_coefficients(const FitResult& result) {
     if (result.bootstrap) fmt::print(stderr, ", bootstrap {:.2g}", result.bootstrap->standard_errors[k]);
     fmt::print(stderr, "\n");
   }
+  if (result.bootstrap) {
+    fmt::print(stderr, "  {} of {} fits of the bootstrap converged\n", result.bootstrap->converged,
+               result.bootstrap->replicates);
+  }
 }
 
 }  // namespace samara::benchmarks::identification

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <catch2/catch.hpp>
@@ -236,4 +238,20 @@ TEST_CASE("random weights are those of clusters, and of a seed") {
 
   captures[1].labels = captures[0].labels;
   CHECK_FALSE(fit(BrakedFamily(), captures, options).bootstrap);
+}
+
+TEST_CASE("fits of random weights that stop early are told of") {
+  std::mt19937_64 random(6);
+  const std::vector<Capture> captures = braked_captures(6, {.k = 0.2}, random);
+  FitOptions options;
+  options.starts = 1;
+  options.bootstrap.replicates = 4;
+  const FitResult whole = fit(BrakedFamily(), captures, options);
+  CHECK(whole.bootstrap->converged == 4);
+  options.max_iterations = 1;
+  const FitResult cut = fit(BrakedFamily(), captures, options);
+  REQUIRE(cut.bootstrap->converged < 4);
+  CHECK(std::ranges::any_of(cut.warnings, [](const std::string& warning) {
+    return warning.find("weighted at random did not converge within 1 iterations") != std::string::npos;
+  }));
 }
