@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
+#include "plate_captures.h"
+#include "residual_derivatives.h"
 #include "samara/base/errors.h"
 #include "samara/identification/fit.h"
 #include "samara/identification/fit_config.h"
@@ -40,23 +42,15 @@ const std::map<std::string, double>& truth() {
 Capture plate(double begin, double scale, double turn, std::uint64_t seed) {
   std::map<std::string, double> values = held();
   values.insert(truth().begin(), truth().end());
-  const samara::models::ParametricModel model(find_model("falling_plate_nd"), values, {});
-  constexpr int kFrames = 60;
-  std::vector<double> times;
-  for (int k = 0; k < kFrames; ++k) times.push_back(begin + 6.0 * k / (kFrames - 1));
-  const Eigen::MatrixXd states = samara::models::integrate(model, {}, times).states;
+  const std::vector<double> times = plate_times(60, begin);
+  Eigen::MatrixXd states = plate_states(values, times);
   const Eigen::VectorXd x = states.col(4).array() - states(0, 4) + 0.5;
   const Eigen::VectorXd y = states.col(5).array() - states(0, 5) - 0.2;
-  Capture capture;
+  states.col(3).array() += turn;
+  states.col(4) = scale * (std::cos(turn) * x - std::sin(turn) * y);
+  states.col(5) = scale * (std::sin(turn) * x + std::cos(turn) * y);
+  Capture capture = seen_plate(times, states, kNoise, seed);
   capture.id = fmt::format("plate at {}", begin);
-  capture.times = Eigen::Map<const Eigen::VectorXd>(times.data(), kFrames).array() - begin;
-  capture.channels = {{"theta", "1", states.col(3).array() + turn},
-                      {"x", "1", scale * (std::cos(turn) * x - std::sin(turn) * y)},
-                      {"y", "1", scale * (std::sin(turn) * x + std::cos(turn) * y)}};
-  samara::pgd::Random random(seed);
-  for (Channel& channel : capture.channels) {
-    for (double& value : channel.values) value += kNoise * random.normal();
-  }
   return capture;
 }
 
@@ -157,7 +151,7 @@ TEST_CASE("a turn of the camera is the same for places and for attitudes") {
 TEST_CASE("residuals seen by a camera have the derivatives of differences") {
   // A plate, and a body with its attitude.
   const auto check = [](const TrajectoryFamily& family, const std::vector<Capture>& captures,
-                        const FitOptions& options, Eigen::VectorXd shared) {
+                        const FitOptions& options, const Eigen::VectorXd& shared) {
     const FitProblem problem = make_problem(family.info(), captures, options);
     REQUIRE(problem.segments.size() > 1);
     SegmentResidual residual(family, problem, problem.segments[0]);
@@ -165,28 +159,7 @@ TEST_CASE("residuals seen by a camera have the derivatives of differences") {
     Eigen::VectorXd own(problem.own_count()), next(problem.own_count());
     for (double& value : own) value = 0.3 + 0.1 * random.normal();
     for (double& value : next) value = 0.3 + 0.1 * random.normal();
-    REQUIRE(residual.evaluate(shared.data(), own.data(), next.data(), true));
-    const Eigen::MatrixXd by_shared = residual.by_shared(), by_own = residual.by_own(),
-                          by_next = residual.by_next();
-    const auto differences = [&](Eigen::VectorXd& block, const Eigen::MatrixXd& derivatives) {
-      constexpr double kStep = 1e-5;
-      for (Eigen::Index k = 0; k < block.size(); ++k) {
-        const double before = block[k];
-        block[k] = before + kStep;
-        REQUIRE(residual.evaluate(shared.data(), own.data(), next.data(), false));
-        const Eigen::VectorXd up = residual.residual();
-        block[k] = before - kStep;
-        REQUIRE(residual.evaluate(shared.data(), own.data(), next.data(), false));
-        const Eigen::VectorXd difference = (up - residual.residual()) / (2.0 * kStep);
-        block[k] = before;
-        INFO("unknown " << k);
-        CHECK((derivatives.col(k) - difference).cwiseAbs().maxCoeff() <
-              1e-4 * (1.0 + derivatives.col(k).cwiseAbs().maxCoeff()));
-      }
-    };
-    differences(shared, by_shared);
-    differences(own, by_own);
-    differences(next, by_next);
+    check_derivatives(residual, shared, own, next);
   };
   check(*plate_family(), {plate(20.0, 1.0, 0.0, 1)}, plate_options(true), Eigen::Vector3d(1.3, 3.0, 0.25));
 

@@ -6,11 +6,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "plate_captures.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/query.h"
 #include "samara/identification/series_knots.h"
 #include "samara/models/integrate.h"
-#include "samara/pgd/random.h"
 
 using namespace samara::identification;
 using Catch::Matchers::Contains;
@@ -55,17 +55,7 @@ Capture fluttering(double height, std::uint64_t seed) {
   for (int k = 0; k < kFrames; ++k) times.push_back(kEnd * k / (kFrames - 1));
   const auto trajectory =
       samara::models::integrate(samara::models::ParametricModel(model, values, {}), {}, times);
-  samara::pgd::Random random(seed);
-  Capture capture;
-  capture.id = "plate";
-  capture.times = Eigen::Map<const Eigen::VectorXd>(times.data(), kFrames);
-  const std::vector<std::pair<std::string, int>> seen = {{"theta", 3}, {"x", 4}, {"y", 5}};
-  for (const auto& [name, state] : seen) {
-    Channel channel{name, "1", trajectory.states.col(state)};
-    for (double& value : channel.values) value += kNoise * random.normal();
-    capture.channels.push_back(std::move(channel));
-  }
-  return capture;
+  return seen_plate(times, trajectory.states, kNoise, seed);
 }
 
 FitOptions plate_options() {

@@ -1,6 +1,8 @@
 /// Fits of captures that are cut into segments.
 #include <catch2/catch.hpp>
 
+#include "plate_captures.h"
+#include "residual_derivatives.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/build.h"
 #include "samara/codebooks/plan.h"
@@ -9,16 +11,13 @@
 #include "samara/identification/mixed_trajectories.h"
 #include "samara/identification/segment_residual.h"
 #include "samara/identification/step_trajectories.h"
-#include "samara/models/integrate.h"
 #include "samara/pgd/random.h"
-#include "synthetic.h"
 
 using namespace samara::identification;
 using samara::models::find_model;
 
 namespace {
 
-constexpr double kEnd = 6.0;
 constexpr int kFrames = 60;
 constexpr double kNoise = 0.02;  ///< of the unit of length, half a chord
 
@@ -36,21 +35,8 @@ const std::map<std::string, double>& truth() {
 Capture tumbling(double noise, std::uint64_t seed) {
   std::map<std::string, double> values = plate(1.4);
   values.insert(truth().begin(), truth().end());
-  const samara::models::ParametricModel model(find_model("falling_plate_nd"), values, {});
-  std::vector<double> times;
-  for (int k = 0; k < kFrames; ++k) times.push_back(20.0 + kEnd * k / (kFrames - 1));
-  const auto trajectory = samara::models::integrate(model, {}, times);
-  samara::pgd::Random random(seed);
-  Capture capture;
-  capture.id = "plate";
-  capture.times = Eigen::Map<const Eigen::VectorXd>(times.data(), kFrames).array() - 20.0;
-  const std::vector<std::pair<std::string, int>> seen = {{"theta", 3}, {"x", 4}, {"y", 5}};
-  for (const auto& [name, state] : seen) {
-    Channel channel{name, "1", trajectory.states.col(state)};
-    for (double& value : channel.values) value += noise * random.normal();
-    capture.channels.push_back(std::move(channel));
-  }
-  return capture;
+  const std::vector<double> times = plate_times(kFrames, 20.0);
+  return seen_plate(times, plate_states(values, times), noise, seed);
 }
 
 std::map<std::string, Interval> plate_box() {
@@ -168,29 +154,8 @@ TEST_CASE("residuals and joins have the derivatives of differences, attitudes to
     return own;
   };
   Eigen::VectorXd own = random_own(), next = random_own();
-  REQUIRE(residual.evaluate(shared.data(), own.data(), next.data(), true));
-  const Eigen::MatrixXd by_shared = residual.by_shared(), by_own = residual.by_own(),
-                        by_next = residual.by_next();
-  const auto check = [&](Eigen::VectorXd& block, const Eigen::MatrixXd& derivatives) {
-    constexpr double kStep = 1e-5;
-    for (Eigen::Index k = 0; k < block.size(); ++k) {
-      const double before = block[k];
-      block[k] = before + kStep;
-      REQUIRE(residual.evaluate(shared.data(), own.data(), next.data(), false));
-      const Eigen::VectorXd up = residual.residual();
-      block[k] = before - kStep;
-      REQUIRE(residual.evaluate(shared.data(), own.data(), next.data(), false));
-      const Eigen::VectorXd difference = (up - residual.residual()) / (2.0 * kStep);
-      block[k] = before;
-      // Residuals up to 100, steps of 1e-5: rounding of 1e-9, truncation of 1e-10 times third derivatives.
-      CHECK((derivatives.col(k) - difference).cwiseAbs().maxCoeff() <
-            1e-4 * (1.0 + derivatives.col(k).cwiseAbs().maxCoeff()));
-    }
-  };
-  check(shared, by_shared);
-  check(own, by_own);
-  check(next, by_next);
-  CHECK(by_next.bottomRows(problem.join_rows()).cwiseAbs().maxCoeff() > 0.5);
+  check_derivatives(residual, shared, own, next);
+  CHECK(residual.by_next().bottomRows(problem.join_rows()).cwiseAbs().maxCoeff() > 0.5);
 }
 
 TEST_CASE("an angle that was measured on the circle fits as one that was unwrapped") {

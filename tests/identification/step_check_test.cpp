@@ -3,10 +3,9 @@
 
 #include <catch2/catch.hpp>
 
+#include "plate_captures.h"
 #include "samara/identification/fit.h"
 #include "samara/identification/step_trajectories.h"
-#include "samara/models/integrate.h"
-#include "samara/pgd/random.h"
 #include "synthetic.h"
 
 using namespace samara::identification;
@@ -16,7 +15,6 @@ namespace {
 
 constexpr double kNoise = 1e-6;  ///< so little that steps of 0.4 matter
 constexpr int kFrames = 16;
-constexpr double kEnd = 6.0;
 
 const std::map<std::string, double>& held() {
   static const std::map<std::string, double> values = {
@@ -28,21 +26,8 @@ const std::map<std::string, double>& held() {
 Capture fluttering() {
   std::map<std::string, double> values = held();
   values.insert({{"C_T", 1.2}, {"C_R", 3.14159}, {"A", 1.4}, {"mu1", 0.2}});
-  const samara::models::ParametricModel model(find_model("falling_plate_nd"), values, {});
-  std::vector<double> times;
-  for (int k = 0; k < kFrames; ++k) times.push_back(20.0 + kEnd * k / (kFrames - 1));
-  const auto trajectory = samara::models::integrate(model, {}, times);
-  samara::pgd::Random random(5);
-  Capture capture;
-  capture.id = "plate";
-  capture.times = Eigen::Map<const Eigen::VectorXd>(times.data(), kFrames).array() - 20.0;
-  const std::vector<std::pair<std::string, int>> seen = {{"theta", 3}, {"x", 4}, {"y", 5}};
-  for (const auto& [name, state] : seen) {
-    Channel channel{name, "1", trajectory.states.col(state)};
-    for (double& value : channel.values) value += kNoise * random.normal();
-    capture.channels.push_back(std::move(channel));
-  }
-  return capture;
+  const std::vector<double> times = plate_times(kFrames, 20.0);
+  return seen_plate(times, plate_states(values, times), kNoise, 5);
 }
 
 FitResult fit_with(double step, double segment) {
