@@ -180,12 +180,18 @@ void check_outputs(const FitArguments& arguments) {
   }
 }
 
-void say(const std::vector<std::string>& warnings) {
-  std::set<std::string> said;
-  for (const std::string& sentence : warnings) {
-    if (said.insert(sentence).second) warn(sentence);
+/// Every sentence once.
+class Warnings {
+ public:
+  void say(const std::vector<std::string>& sentences) {
+    for (const std::string& sentence : sentences) {
+      if (said_.insert(sentence).second) warn(sentence);
+    }
   }
-}
+
+ private:
+  std::set<std::string> said_;
+};
 
 std::vector<std::string> doubts_of_mass(const Source& source, const std::vector<id::Capture>& captures,
                                         const id::FitResult& fitted) {
@@ -199,8 +205,8 @@ std::vector<std::string> doubts_of_mass(const Source& source, const std::vector<
 }
 
 /// Coefficients that change in time.
-int run_series(const FitArguments& arguments, const Source& source,
-               const std::vector<id::Capture>& captures) {
+int run_series(const FitArguments& arguments, const Source& source, const std::vector<id::Capture>& captures,
+               Warnings& warnings) {
   if (!arguments.left_out.empty()) {
     throw ArgumentError(
         "--left-out asks for predictions, and a series holds for the captures it was fitted to; a config "
@@ -214,7 +220,7 @@ int run_series(const FitArguments& arguments, const Source& source,
   if (!arguments.series.empty() && series.status != id::FitStatus::failed)
     codebooks::save(id::series_codebook(series), arguments.series);
   print(arguments.json ? id::series_json(series) : printable(id::series_text(series), "\n"));
-  say(series.warnings);
+  warnings.say(series.warnings);
   if (series.status == id::FitStatus::converged) return kDone;
   complain(series.message);
   return kToleranceMissed;
@@ -235,7 +241,10 @@ int run(const FitArguments& arguments) {
     for (id::Capture& capture : captures) capture = id::first(capture, window);
     source.options.window.reset();
   }
-  if (source.series) return run_series(arguments, source, captures);
+  // A fit may take long: what is strange about the captures should not have to wait for it.
+  Warnings warnings;
+  for (const id::Capture& capture : captures) warnings.say(id::remarks(capture));
+  if (source.series) return run_series(arguments, source, captures, warnings);
   if (!arguments.series.empty()) {
     throw ArgumentError(
         "--series writes coefficients that change in time; a model and a config with [series] were expected");
@@ -244,13 +253,6 @@ int run(const FitArguments& arguments) {
   if (prediction) {
     of_file(arguments.config,
             [&] { id::check_left_out(*source.family, captures, left_out, source.options, *prediction); });
-  }
-  // A fit may take long: what is strange about the captures should not have to wait for it.
-  std::set<std::string> said;
-  for (const id::Capture& capture : captures) {
-    for (const std::string& sentence : id::remarks(capture)) {
-      if (said.insert(sentence).second) warn(sentence);
-    }
   }
   source.options.progress = progress_line();
   const id::FitResult result = of_file(arguments.config, [&] {
@@ -264,9 +266,7 @@ int run(const FitArguments& arguments) {
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::fit_json(result));
   if (!arguments.report.empty()) io::write_text_atomically(arguments.report, id::fit_html(result));
   print(arguments.json ? id::fit_json(result) : printable(id::fit_text(result), "\n"));
-  for (const std::string& sentence : result.warnings) {
-    if (said.insert(sentence).second) warn(sentence);
-  }
+  warnings.say(result.warnings);
   if (result.is_usable()) return kDone;
   complain(result.message);
   return kToleranceMissed;

@@ -33,7 +33,7 @@ struct TurnFunctions {
 };
 
 /// Of a rotation vector, with derivatives.
-void turn_in_space(const std::vector<double>& turn, CameraView& view, Eigen::Matrix3d& rotation) {
+void turn_in_space(std::span<const double> turn, CameraView& view, Eigen::Matrix3d& rotation) {
   std::array<Jet, 3> r;
   for (int k = 0; k < 3; ++k) r[static_cast<std::size_t>(k)] = Jet(turn[static_cast<std::size_t>(k)], k);
   const Jet square = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
@@ -71,10 +71,10 @@ void turn_in_plane(double angle, CameraView& view, Eigen::Matrix3d& rotation) {
   view.angle = angle;
 }
 
-std::vector<double> turn_of(const Camera& camera, const double* own) {
-  std::vector<double> turn;
-  for (int k = 0; k < camera.turns(); ++k) turn.push_back(own[*camera.turn + k]);
-  return turn;
+/// The unknowns of the turn, if there are any.
+std::span<const double> turn_of(const Camera& camera, const double* own) {
+  if (!camera.turn) return {};
+  return {own + *camera.turn, static_cast<std::size_t>(camera.turns())};
 }
 
 std::vector<std::string> output_names(const FamilyInfo& family) {
@@ -104,7 +104,7 @@ std::vector<int> turning_angles(const CameraOptions& options, const FitProblem& 
 
 }  // namespace
 
-CameraView::CameraView(std::size_t axes, double scale_error, const std::vector<double>& turn_by) {
+CameraView::CameraView(std::size_t axes, double scale_error, std::span<const double> turn_by) {
   by_turn.fill(Eigen::Matrix3d::Zero());
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   if (!turn_by.empty() && axes == 3) turn_in_space(turn_by, *this, rotation);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,7 @@ struct CameraView {
   CameraView() = default;
   /// @param axes 1, 2 or 3
   /// @param turn none, one or three numbers
-  CameraView(std::size_t axes, double scale_error, const std::vector<double>& turn);
+  CameraView(std::size_t axes, double scale_error, std::span<const double> turn);
   /// @param own unknowns of a segment
   CameraView(const Camera& camera, const double* own);
 
