@@ -65,13 +65,12 @@ SlabMarch::Outcome SlabMarch::probe(SlabCell& cell) {
   struct {
     double length = 0.0, error = 0.0;
   } refused;
-  // Ranks grow with the length of a slab, so that only short elements are put together; and a kink, which
-  // may err by more, has a slab of its own.
+  // Ranks grow with the length of a slab, so that only short elements are put together. Kinks, which may err
+  // by more, get slabs of their own; those too hold several elements, as each slab rounds the state anew.
   const double together = cell.time + options_.joint_slab * problem_.end;
-  bool kink = false;
   const auto may_grow = [&] {
     const auto elements = static_cast<int>(slab.borders.size()) - 1;
-    return elements == 0 || (!kink && elements < options_.max_elements && slab.end() + length <= together);
+    return elements == 0 || (elements < options_.max_elements && slab.end() + length <= together);
   };
   while (slab.end() < slab_end && may_grow()) {
     const double left = slab_end - slab.end();
@@ -93,7 +92,6 @@ SlabMarch::Outcome SlabMarch::probe(SlabCell& cell) {
         (slow || tried < kShort * cell.usual_length)) {
       if (slab.borders.size() > 1) break;
       cell.leniency = most_lenient_;
-      kink = true;
     }
     if (failed || error > wanted()) {
       if (!failed) refused = {tried, error};

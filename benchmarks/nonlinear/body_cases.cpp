@@ -73,7 +73,7 @@ void run_bodies(const Options& options) {
   for (const BodySet& set :
        {BodySet{"body3d_sd", 1.81, 0.31, 0.31, 0.5}, BodySet{"body3d_zz", 0.31, 0.91, 0.61, 0.5},
         BodySet{"body3d_az", 0.61, 1.81, 1.21, 0.3}, BodySet{"body3d_ar", 0.61, 2.71, 0.91, 0.3},
-        BodySet{"body3d_ar_cells", 0.61, 2.71, 0.91, 0.4, 0.05, 100'000'000}}) {
+        BodySet{"body3d_ar_cells", 0.61, 2.71, 0.91, 0.4, 0.05, 300'000'000}}) {
     if (options.wants(set.name)) run(set, options);
   }
 }

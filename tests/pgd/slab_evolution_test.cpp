@@ -87,26 +87,9 @@ TEST_CASE("a stiff box, on which Picard's iteration does not contract, is solved
 }
 
 TEST_CASE("a kink that sweeps through the box gets elements of its own length, and few slabs") {
-  // A clock, and x' that turns from -1 to 1 within a thousandth of the whole time, when the clock shows q.
-  constexpr double kWidth = 1e-3;
-  const System system(
-      2,
-      [](const Vector& x, const Vector& q) {
-        return Vector(Eigen::Vector2d(1.0, std::tanh((x[0] - q[0]) / kWidth)));
-      },
-      [](const Vector& x, const Vector& q) {
-        const double tanh = std::tanh((x[0] - q[0]) / kWidth);
-        return Matrix{{0.0, 0.0}, {(1.0 - tanh * tanh) / kWidth, 0.0}};
-      });
-  AdaptiveProblem problem;
-  problem.system = &system;
-  problem.time = {"t", "s", AxisRole::time};
-  problem.end = 1.0;
-  problem.parameters = {{{"q", "s", AxisRole::parameter}, 0.45, 0.55}};
-  problem.states = {{"clock", "s"}, {"x", "s"}};
-  problem.scales = {1.0, 1.0};
-  problem.scale_floors = {0.0, 0.0};
-  problem.initial = {{0.0, -1}, {0.0, -1}};
+  // x' turns from -1 to 1 within a thousandth of the whole time.
+  const System system = turning_at_q(1e-3, 0.0);
+  const AdaptiveProblem problem = turning_problem(system, 0.45, 0.55);
   const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-3});
   CAPTURE(result.message);
   CHECK(result.status == SlabStatus::converged);
@@ -122,6 +105,23 @@ TEST_CASE("a kink that sweeps through the box gets elements of its own length, a
   CHECK(longest_outside >= 0.1);
   CHECK(elements_inside >= 10);
   CHECK(result.history.size() <= 40);
+}
+
+TEST_CASE("short elements at a kink share slabs, as each slab rounds the state anew and errors grow") {
+  const System system = turning_at_q(3e-4, 6.0);
+  const AdaptiveProblem problem = turning_problem(system, 0.4, 0.6);
+  const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-3});
+  CAPTURE(result.message);
+  CHECK(result.reached == 1.0);
+  CHECK(largest_error(result, problem, system, 1.0, 200, 7, 1e-4) <= 1e-3);
+  int elements = 0, slabs = 0;
+  for (const SlabRecord& slab : result.history) {
+    if (slab.begin <= 0.4 || slab.end >= 0.6) continue;
+    elements += slab.elements;
+    ++slabs;
+  }
+  CHECK(elements >= 20);
+  CHECK(elements >= 3 * slabs);
 }
 
 TEST_CASE("slabs cost far fewer evaluations than their grids where there are many parameters") {

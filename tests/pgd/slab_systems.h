@@ -108,6 +108,31 @@ inline AdaptiveProblem well_problem(const System& system, double end) {
   return problem;
 }
 
+/// A clock, and x' = growth x + tanh((clock - q) / width), which turns from -1 to 1 when the clock shows q.
+inline System turning_at_q(double width, double growth) {
+  return {2,
+          [=](const Vector& x, const Vector& q) {
+            return Vector(Eigen::Vector2d(1.0, growth * x[1] + std::tanh((x[0] - q[0]) / width)));
+          },
+          [=](const Vector& x, const Vector& q) {
+            const double tanh = std::tanh((x[0] - q[0]) / width);
+            return Matrix{{0.0, 0.0}, {(1.0 - tanh * tanh) / width, growth}};
+          }};
+}
+
+inline AdaptiveProblem turning_problem(const System& system, double earliest, double latest) {
+  AdaptiveProblem problem;
+  problem.system = &system;
+  problem.time = {"t", "s", AxisRole::time};
+  problem.end = 1.0;
+  problem.parameters = {{{"q", "s", AxisRole::parameter}, earliest, latest}};
+  problem.states = {{"clock", "s"}, {"x", "s"}};
+  problem.scales = {1.0, 1.0};
+  problem.scale_floors = {0.0, 0.0};
+  problem.initial = {{0.0, -1}, {0.0, -1}};
+  return problem;
+}
+
 /// The state the pieces give at a point (time, then parameters); NaN outside all of them.
 inline Vector value_at(const SlabResult& result, std::span<const double> x) {
   for (const TrainField& field : result.pieces) {
@@ -120,7 +145,7 @@ inline Vector value_at(const SlabResult& result, std::span<const double> x) {
 
 /// Largest error over the ranges of the states at random points of the box and times up to `end`.
 inline double largest_error(const SlabResult& result, const AdaptiveProblem& problem, const System& system,
-                            double end, int points, std::uint64_t seed) {
+                            double end, int points, std::uint64_t seed, double step = 1e-3) {
   Random random(seed);
   double largest = 0.0;
   for (int i = 0; i < points; ++i) {
@@ -134,7 +159,7 @@ inline double largest_error(const SlabResult& result, const AdaptiveProblem& pro
           initial.axis < 0 ? initial.value : x[static_cast<std::size_t>(initial.axis) + 1];
     }
     const Vector q = Eigen::Map<const Vector>(x.data() + 1, static_cast<Eigen::Index>(x.size()) - 1);
-    const Vector exact = system.exact(start, q, x[0]);
+    const Vector exact = system.exact(start, q, x[0], step);
     const Vector error = (value_at(result, x) - exact).cwiseAbs();
     for (Eigen::Index s = 0; s < error.size(); ++s) {
       const double relative = error[s] / result.ranges[static_cast<std::size_t>(s)];
