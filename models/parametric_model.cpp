@@ -117,7 +117,7 @@ ParametricModel::Workspace ParametricModel::make_workspace() const {
           .has_tangents = Workspace::Tangents::unknown};
 }
 
-void ParametricModel::load(std::span<const double> q, ParameterValues& p) const {
+void ParametricModel::parameter_values(std::span<const double> q, ParameterValues& p) const {
   p = *base_;  // same sizes: copies without allocating
   for (std::size_t j = 0; j < free_.size(); ++j) {
     if (!free_[j].is_initial) p.value[static_cast<std::size_t>(free_[j].index)] = q[j];
@@ -126,7 +126,7 @@ void ParametricModel::load(std::span<const double> q, ParameterValues& p) const 
 
 void ParametricModel::complete(std::span<const double> q, Workspace& workspace) const {
   if (workspace.base == base_ && std::ranges::equal(q, workspace.q)) return;
-  load(q, workspace.p);
+  parameter_values(q, workspace.p);
   workspace.complete.value.resize(base_->value.size());
   workspace.complete.given.assign(base_->value.size(), 1);
   model_->complete_into(workspace.p, workspace.complete.value);
@@ -181,7 +181,7 @@ void ParametricModel::initial(std::span<const double> q, std::span<double> x0) c
 
 ParameterValues ParametricModel::parameter_values(std::span<const double> q) const {
   ParameterValues p;
-  load(q, p);
+  parameter_values(q, p);
   return p;
 }
 

@@ -75,6 +75,8 @@ class ParametricModel {
 
   /// The parameters at q as the model takes them: what is fixed or free is given.
   ParameterValues parameter_values(std::span<const double> q) const;
+  /// The same into p, which allocates on its first use only.
+  void parameter_values(std::span<const double> q, ParameterValues& p) const;
 
   /// All parameters at q with defaults filled in, in the order of the model.
   std::vector<double> parameters(std::span<const double> q) const;
@@ -86,7 +88,6 @@ class ParametricModel {
   void check(std::span<const double> q) const;
 
  private:
-  void load(std::span<const double> q, ParameterValues& p) const;
   /// Completes the parameters, unless the workspace has them already.
   void complete(std::span<const double> q, Workspace& workspace) const;
   void check_attitude(std::span<const double> q) const;

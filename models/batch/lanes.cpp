@@ -14,7 +14,6 @@ Lanes::Lanes(const ParametricModel& model, const StepKernel& kernel, std::span<c
     defaults_.push_back(parameter.default_value.value_or(0.0));
   }
   const auto states = static_cast<std::size_t>(model.state_count());
-  given_.resize(defaults_.size());
   initial_.resize(states);
   x_.resize(states * stride_);
   p_.resize(defaults_.size() * stride_);
@@ -25,10 +24,9 @@ void Lanes::load(int lane, std::span<const double> q, std::span<const int> direc
     for (std::size_t layer = 0; layer < stride_; layer += width_) to[place(variable, lane) + layer] = 0.0;
     to[place(variable, lane)] = value;
   };
-  const ParameterValues values = model_.parameter_values(q);
-  given_ = values.given;
-  for (std::size_t j = 0; j < given_.size(); ++j) {
-    clear_and_set(p_, j, given_[j] ? values.value[j] : defaults_[j]);
+  model_.parameter_values(q, values_);
+  for (std::size_t j = 0; j < defaults_.size(); ++j) {
+    clear_and_set(p_, j, values_.given[j] ? values_.value[j] : defaults_[j]);
   }
   model_.initial(q, initial_);
   for (std::size_t i = 0; i < initial_.size(); ++i) clear_and_set(x_, i, initial_[i]);

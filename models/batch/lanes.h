@@ -23,7 +23,7 @@ class Lanes {
   void load(int lane, std::span<const double> q, std::span<const int> directions);
 
   /// To be called after loads and before steps. The other lanes stay as they are.
-  void complete() { kernel_.complete(given_.data(), p_.data()); }
+  void complete() { kernel_.complete(values_.given.data(), p_.data()); }
 
   /// @param t one time per lane
   void advance(std::span<const double> t, double h, long steps) {
@@ -48,7 +48,7 @@ class Lanes {
   std::vector<int> directions_;
   std::size_t width_, stride_;
   std::vector<double> defaults_;  ///< of parameters, where they are constant
-  std::vector<char> given_;
+  ParameterValues values_;        ///< of the lane that was loaded last; all lanes are given the same
   std::vector<double> initial_;
   std::vector<double> x_, p_;
 };

@@ -18,7 +18,7 @@ struct Rk4Integrator::Impl {
 
   /// Values at t = 0.
   void start(std::span<const double> q) {
-    const ParameterValues values = model.parameter_values(q);
+    model.parameter_values(q, values);
     const std::vector<ParameterInfo>& parameters = model.model().info().parameters;
     for (std::size_t j = 0; j < p.size(); ++j) {
       p[j] = values.given[j] ? values.value[j] : parameters[j].default_value.value_or(0.0);
@@ -31,6 +31,7 @@ struct Rk4Integrator::Impl {
   Rk4Options options;
   ModelKernel through_rhs;
   const StepKernel& kernel;
+  ParameterValues values;
   std::vector<double> p, x;
 };
 
