@@ -1,6 +1,6 @@
 """Runs the benchmark programs and writes benchmarks/results.md, and pictures into DIRECTORY/pictures.
 
-Usage: run.py DIRECTORY [NAME] [--quick]
+Usage: run.py DIRECTORY [NAME [CASE]] [--quick]. One case, or quick runs, are printed only.
 """
 
 import json
@@ -47,21 +47,25 @@ def sections_of(text):
 def main():
     directory = pathlib.Path(sys.argv[1])
     quick = [a for a in sys.argv[2:] if a == "--quick"]
-    names = [a for a in sys.argv[2:] if a != "--quick"] or NAMES
-    unknown = [n for n in names if n not in NAMES]
-    if unknown:
-        sys.exit(f"unknown benchmark \"{unknown[0]}\"; known: {', '.join(NAMES)}")
+    name, *case = [a for a in sys.argv[2:] if a != "--quick"] or [None]
+    if name not in [None, *NAMES]:
+        sys.exit(f"unknown benchmark \"{name}\"; known: {', '.join(NAMES)}")
+    if len(case) > 1:
+        sys.exit(f"\"{case[1]}\" is one argument too many; expected [NAME [CASE]] [--quick]")
+    names = [name] if name else NAMES
     path = pathlib.Path(__file__).parent / "results.md"
     sections = sections_of(path.read_text()) if path.exists() else {}
     measured = commit()
     for name in names:
-        measurements = run(directory / name, [*quick, "--pictures", directory / "pictures"])
+        measurements = run(directory / name, [*quick, "--pictures", directory / "pictures", *case])
+        if case and not measurements:
+            sys.exit(f"the benchmark {name} has no case \"{case[0]}\"")
         for m in measurements:
             print(json.dumps(m))
         table = "\n".join(row(m) for m in measurements)
         sections[name] = (f"Commit {measured}, {cpu_name()}.\n\n"
                           f"| case | metric | value | unit | baseline | ratio |\n| --- | --- | --- | --- | --- | --- |\n{table}")
-        if not quick:
+        if not quick and not case:
             text = "# Results of the benchmarks\n\nWritten by `./dev bench [NAME]`, section by section. Times in seconds; "
             text += "ratio is the baseline's time over ours.\n"
             text += "".join(f"\n## {n}\n\n{sections[n]}\n" for n in NAMES if n in sections)
