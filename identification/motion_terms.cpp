@@ -86,6 +86,7 @@ MotionEquations motion_equations(const FitProblem& problem, const Motion& motion
   result.by_own.setZero(rows, directions * static_cast<Eigen::Index>(motion.segment_count));
   result.psi.resize(rows);
   result.dpsi.setOnes(rows);
+  result.is_data.setZero(rows);
   result.own_priors.setZero(result.by_own.cols(), result.by_own.cols());
   Eigen::Index first = 0;
   for (std::size_t k = 0; k < motion.segment_count; ++k) {
@@ -107,6 +108,7 @@ MotionEquations motion_equations(const FitProblem& problem, const Motion& motion
       const LossValue value = loss_value(problem.loss, residual.residual()[row]);
       result.psi[first + row] = value.psi;
       result.dpsi[first + row] = value.dpsi;
+      result.is_data[first + row] = 1.0;
       result.psi_squares += value.psi * value.psi;
       result.dpsi_sum += value.dpsi;
     }
@@ -127,6 +129,22 @@ Eigen::VectorXd own_floor(const FitProblem& problem, const Motion& motion, const
 
 }  // namespace
 
+Eigen::MatrixXd prior_information(const FitProblem& problem, const FitPoint& point) {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(problem.shared_count(), problem.shared_count());
+  for (const SharedPrior& prior : problem.priors) {
+    const double derivative = prior_residual(prior.prior, point.shared[prior.shared]).derivative;
+    sum(prior.shared, prior.shared) += derivative * derivative;
+  }
+  for (const SharedCombination& combination : problem.combinations) {
+    for (const auto& [row, a] : combination.terms) {
+      for (const auto& [column, b] : combination.terms) {
+        sum(row, column) += a * b / (combination.deviation * combination.deviation);
+      }
+    }
+  }
+  return sum;
+}
+
 MotionTerms motion_terms(const FitProblem& problem, const Motion& motion,
                          const std::vector<SegmentResidual>& residuals, const FitPoint& point,
                          const std::vector<int>& own) {
@@ -145,6 +163,9 @@ MotionTerms motion_terms(const FitProblem& problem, const Motion& motion,
   const Eigen::MatrixXd rest = J_s - J_o * terms.projection;
   terms.shared_diagonal_before = J_s.colwise().squaredNorm().transpose();
   terms.normal = rest.transpose() * rest;
+  terms.prior_part = terms.projection.transpose() * terms.own_priors * terms.projection;
+  const Eigen::VectorXd leverage = (J_o * terms.own_inverse.inverse).cwiseProduct(J_o).rowwise().sum();
+  terms.own_unknowns = leverage.dot(equations.is_data);
 
   const Eigen::MatrixXd H_oo = J_o.transpose() * dpsi.asDiagonal() * J_o;
   const Eigen::MatrixXd H_os = J_o.transpose() * dpsi.asDiagonal() * J_s;

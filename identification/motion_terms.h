@@ -42,6 +42,7 @@ struct MotionEquations {
   Eigen::MatrixXd by_shared, by_own;
   Eigen::VectorXd psi, dpsi;   ///< of priors and joins: the residual, and one
   Eigen::MatrixXd own_priors;  ///< J^T J of the priors' rows
+  Eigen::VectorXd is_data;     ///< one for data, zero for priors and joins
   double psi_squares = 0.0;    ///< of data alone
   double dpsi_sum = 0.0;
 };
@@ -58,12 +59,20 @@ struct MotionTerms {
   Eigen::MatrixXd projection;              ///< (J_o^T J_o)^-1 J_o^T J_s
   Eigen::VectorXd shared_diagonal_before;  ///< of J_s^T J_s
   Eigen::MatrixXd normal;                  ///< J_s^T J_s without what the own unknowns explain
+  Eigen::MatrixXd prior_part;              ///< of that, what priors of own unknowns add
   Eigen::MatrixXd hessian;                 ///< the same weighed by psi'
   Eigen::VectorXd score;                   ///< gradient of the cost
   bool hessian_usable = true;
   double psi_squares = 0.0;
   double dpsi_sum = 0.0;
+  double own_unknowns = 0.0;  ///< how many the data determine: what priors and joins determine counts less
 };
+
+/// Of the mean of psi': below it all residuals are outliers, and there are no errors.
+inline constexpr double kLeastSlope = 1e-12;
+
+/// What priors of shared unknowns, single ones and combinations, add to the Hessian of the cost.
+Eigen::MatrixXd prior_information(const FitProblem& problem, const FitPoint& point);
 
 /// @param residuals evaluated at `point`, with derivatives
 /// @param own free directions

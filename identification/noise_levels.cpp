@@ -201,10 +201,9 @@ std::vector<NoiseLevels::Column> NoiseLevels::columns(const FitProblem& problem,
     terms.push_back(motion_terms(problem, motion, residuals, point, free_directions(problem, motion, point)));
     normal += terms.back().normal;
   }
-  for (const SharedPrior& prior : problem.priors) {
-    const double derivative = prior_residual(prior.prior, point.shared[prior.shared]).derivative;
-    normal(prior.shared, prior.shared) += derivative * derivative;
-  }
+  double slope = 0.0;  // mean(psi'): the weight of frames beside priors
+  for (const MotionTerms& one : terms) slope += one.dpsi_sum / problem.observation_count();
+  normal += prior_information(problem, point) / std::max(slope, kLeastSlope);
   const std::vector<int> free = free_indices(at_bounds(problem.shared, problem.shared_chart, point.shared));
   const Eigen::MatrixXd inverse =
       invert_determined(normal(free, free), Eigen::VectorXd::Zero(static_cast<Eigen::Index>(free.size())))

@@ -14,51 +14,35 @@ namespace samara::identification {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-/// Of the mean of psi': below it all residuals are outliers, and there are no errors.
-constexpr double kLeastSlope = 1e-12;
 
 /// Sums over all motions, and the priors.
 struct Totals {
-  Eigen::MatrixXd normal, hessian;  ///< without priors
-  Eigen::MatrixXd priors;           ///< what they add to the Hessian
+  Eigen::MatrixXd normal, hessian;  ///< without priors of shared unknowns
+  Eigen::MatrixXd own_priors;       ///< of the normal matrix, what priors of own unknowns add
+  Eigen::MatrixXd priors;           ///< what those of shared ones add to the Hessian
   Eigen::VectorXd diagonal_before;
   Eigen::MatrixXd cluster_scores;  ///< shared x clusters
   bool hessian_usable = true;
   double psi_squares = 0.0, dpsi_sum = 0.0, spread = 0.0;
   double mean_dpsi = 0.0;
-  int own_unknowns = 0;  ///< not at bounds
+  double own_unknowns = 0.0;  ///< that the data determine
 
   /// The Hessian with the priors, and what stands in for it: mean(psi') J^T J, in units of mean(psi').
   Eigen::MatrixXd full_hessian() const { return hessian + priors; }
   Eigen::MatrixXd full_normal() const { return normal + priors / std::max(mean_dpsi, kLeastSlope); }
 };
 
-/// What priors, of single coordinates and of combinations, add to the Hessian.
-Eigen::MatrixXd prior_information(const FitProblem& problem, const FitPoint& point) {
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(problem.shared_count(), problem.shared_count());
-  for (const SharedPrior& prior : problem.priors) {
-    const double derivative = prior_residual(prior.prior, point.shared[prior.shared]).derivative;
-    sum(prior.shared, prior.shared) += derivative * derivative;
-  }
-  for (const SharedCombination& combination : problem.combinations) {
-    for (const auto& [row, a] : combination.terms) {
-      for (const auto& [column, b] : combination.terms) {
-        sum(row, column) += a * b / (combination.deviation * combination.deviation);
-      }
-    }
-  }
-  return sum;
-}
-
 Totals add_up(const FitProblem& problem, const std::vector<MotionTerms>& terms, const FitPoint& point) {
   Totals sum;
   const Eigen::Index shared_count = problem.shared_count();
   sum.normal.setZero(shared_count, shared_count);
+  sum.own_priors = sum.normal;
   sum.hessian = sum.normal;
   sum.diagonal_before.setZero(shared_count);
   sum.cluster_scores.setZero(shared_count, problem.cluster_count);
   for (std::size_t c = 0; c < terms.size(); ++c) {
     sum.normal += terms[c].normal;
+    sum.own_priors += terms[c].prior_part;
     sum.hessian += terms[c].hessian;
     sum.diagonal_before += terms[c].shared_diagonal_before;
     sum.cluster_scores.col(problem.motions[c].cluster) += terms[c].score;
@@ -66,9 +50,7 @@ Totals add_up(const FitProblem& problem, const std::vector<MotionTerms>& terms, 
     sum.psi_squares += terms[c].psi_squares;
     sum.dpsi_sum += terms[c].dpsi_sum;
     sum.spread += spread(problem, problem.motions[c]);
-    // Each joined segment brings as many conditions as unknowns.
-    const auto joined = static_cast<int>(problem.motions[c].segment_count) - 1;
-    sum.own_unknowns += static_cast<int>(terms[c].own_free.size()) - joined * problem.join_rows();
+    sum.own_unknowns += terms[c].own_unknowns;
   }
   sum.priors = prior_information(problem, point);
   sum.mean_dpsi = sum.dpsi_sum / problem.observation_count();
@@ -76,7 +58,7 @@ Totals add_up(const FitProblem& problem, const std::vector<MotionTerms>& terms, 
 }
 
 /// Variance of a residual as Huber's formula has it: var(psi)/mean(psi')^2. NaN if nothing is left over.
-double naive_variance(const FitProblem& problem, const Totals& sum, int unknowns) {
+double naive_variance(const FitProblem& problem, const Totals& sum, double unknowns) {
   const int count = problem.observation_count();
   if (count <= unknowns || sum.mean_dpsi <= kLeastSlope) return kNaN;
   return sum.psi_squares / (count - unknowns) / (sum.mean_dpsi * sum.mean_dpsi);
@@ -85,11 +67,14 @@ double naive_variance(const FitProblem& problem, const Totals& sum, int unknowns
 /// Huber's covariance of the free unknowns. What frames say varies as their residuals do; what was known
 /// beforehand, by its own deviation: with the weight m = mean(psi') of frames and K = (J^T J + P/m)^-1,
 ///
-///     K (variance J^T J + P/m^2) K.
+///     K (variance J^T J + P/m^2) K,
+///
+/// where J^T J has a part of the priors of own unknowns, eliminated with them, which varies by itself too.
 Eigen::MatrixXd naive_covariance(const Totals& sum, const std::vector<int>& free, const Eigen::MatrixXd& K,
                                  double variance) {
   const double m = std::max(sum.mean_dpsi, kLeastSlope);
-  return variance * K + (1.0 / m - variance) / m * (K * sum.priors(free, free) * K);
+  return variance * K + (1.0 / m - variance) / m * (K * sum.priors(free, free) * K) +
+         (1.0 - variance) * (K * sum.own_priors(free, free) * K);
 }
 
 /// H^-1 (C/(C - 1) sum_c g_c g_c^T + P) H^-1.
@@ -211,12 +196,13 @@ Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentR
   const std::vector<int> free = free_indices(result.at_bound);
   const Eigen::Index all = problem.shared_count();
   const DeterminedInverse inverse = invert_determined(normal(free, free), floor(free));
-  const int unknowns = static_cast<int>(free.size()) + sum.own_unknowns;
+  const Eigen::MatrixXd measured = (sum.normal - sum.own_priors)(free, free);
+  const double unknowns = (inverse.inverse * measured).trace() + sum.own_unknowns;
   const double variance = naive_variance(problem, sum, unknowns);
   result.naive = scattered(naive_covariance(sum, free, inverse.inverse, variance), free, all);
   result.information = information_of(sum);
   result.dispersion = variance * sum.mean_dpsi;
-  result.residual_freedom = problem.observation_count() - unknowns;
+  result.residual_freedom = problem.observation_count() - static_cast<int>(std::lround(unknowns));
   result.clustered =
       scattered(clustered_covariance(problem, sum, free, inverse, result.hessian_replaced), free, all);
   for (std::size_t c = 0; c < terms.size(); ++c) {

@@ -36,7 +36,7 @@ struct Uncertainty {
   /// What the cost is to be divided by to be a log-likelihood, frames taken as independent: sum(psi^2)/(n -
   /// p)/mean(psi'). NaN if nothing is left over.
   double dispersion = 0.0;
-  int residual_freedom = 0;  ///< n - p: compared numbers less unknowns, those at bounds not counted
+  int residual_freedom = 0;  ///< n - p: compared numbers less the unknowns that they determine
 };
 
 /// @param residuals one per segment; scratch, left at `point`

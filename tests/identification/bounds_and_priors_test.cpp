@@ -1,4 +1,5 @@
 /// Minima at bounds of the box, and what priors make of standard errors: against closed forms.
+#include <Eigen/LU>
 #include <catch2/catch.hpp>
 
 #include "samara/identification/fit.h"
@@ -42,7 +43,8 @@ struct Linear {
 
 TEST_CASE("a prior counts in standard errors with its own deviation, frames with their scatter") {
   // With N = 3 a^T a/scale^2, P = 1/deviation^2 and the dispersion s^2 of the residuals, the estimate is
-  // (N v_data + P mean)/(N + P): its variance is (s^2 N + P)/(N + P)^2.
+  // (N v_data + P mean)/(N + P): its variance is (s^2 N + P)/(N + P)^2. Of the unknown, data determine N/(N +
+  // P).
   Linear linear(0.02);
   linear.options.shared = std::vector<std::string>{"v(0)"};
   linear.options.priors["v(0)"] = {.mean = 1.1, .deviation = 0.1};
@@ -57,7 +59,7 @@ TEST_CASE("a prior counts in standard errors with its own deviation, frames with
     squares += r.squaredNorm();
     scores += std::pow(linear.a.dot(r) / 0.5, 2);
   }
-  const double dispersion = squares / (27 - 1);
+  const double dispersion = squares / (27 - N / (N + P));
   CHECK_THAT(v.naive_standard_error.value(), WithinRel(std::sqrt(dispersion * N + P) / (N + P), 1e-6));
   CHECK_THAT(v.standard_error.value(), WithinRel(std::sqrt(1.5 * scores + P) / (N + P), 1e-6));
 }
@@ -72,10 +74,45 @@ TEST_CASE("a prior of a capture's own coordinate counts in its error with its ow
   }
   const double N = linear.information();
   const double P = 1.0 / 0.09;
-  const double expected = std::sqrt(squares / (27 - 3) * N + P) / (N + P);
+  const double expected = std::sqrt(squares / (27 - 3 * N / (N + P)) * N + P) / (N + P);
   for (const CaptureFit& capture : result.captures) {
     CHECK_THAT(capture.nuisances.at(0).standard_error.value(), WithinRel(expected, 1e-6));
   }
+}
+
+TEST_CASE("a prior of own coordinates counts with its own deviation in the errors of shared ones, too") {
+  // Frames scatter far less than the loss scale says; what is known of v(0) beforehand limits k.
+  Linear linear(0.002);
+  linear.options.fixed.erase("k");
+  linear.options.priors["v(0)"] = {.mean = 1.2, .deviation = 0.05};
+  for (Capture& capture : linear.captures) {
+    capture.times = capture.times.head(3).eval();
+    capture.channels[0].values = capture.channels[0].values.head(3).eval();
+  }
+  linear.options.loss.length_scale = 0.02;
+  const FitResult result = fit(BrakedFamily(), linear.captures, linear.options);
+  const double k = result.coefficients.at(0).value;
+  // All unknowns at once: k, then v(0) of each capture.
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(9, 4);
+  const std::vector<double> times(linear.times.begin(), linear.times.begin() + 3);
+  double squares = 0.0;
+  for (int c = 0; c < 3; ++c) {
+    const double v = result.captures.at(static_cast<std::size_t>(c)).nuisances.at(0).value;
+    const double h = 1e-5;
+    J.block(3 * c, 0, 3, 1) =
+        (BrakedFamily::depths(k + h, v, times) - BrakedFamily::depths(k - h, v, times)) / (2.0 * h) / 0.02;
+    J.block(3 * c, c + 1, 3, 1) = BrakedFamily::depths(k, 1.0, times) / 0.02;
+    const Eigen::VectorXd& seen = linear.captures[static_cast<std::size_t>(c)].channels[0].values;
+    squares += ((BrakedFamily::depths(k, v, times) - seen) / 0.02).squaredNorm();
+  }
+  Eigen::MatrixXd P = Eigen::Vector4d(0.0, 400.0, 400.0, 400.0).asDiagonal();
+  const Eigen::MatrixXd data = J.transpose() * J;
+  const Eigen::MatrixXd inverse = (data + P).inverse();
+  const double dispersion = squares / (9.0 - (inverse * data).trace());
+  const Eigen::MatrixXd covariance = inverse * (dispersion * data + P) * inverse;
+  const double error = result.coefficients.at(0).naive_standard_error.value();
+  CHECK_THAT(error, WithinRel(std::sqrt(covariance(0, 0)), 1e-4));
+  CHECK(error > 2.0 * std::sqrt(dispersion * inverse(0, 0)));
 }
 
 TEST_CASE("a coefficient that only its prior holds has the prior's error, and is said to rest on it") {

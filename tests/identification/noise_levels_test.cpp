@@ -107,6 +107,18 @@ TEST_CASE("two outputs have their noise levels found, with every loss") {
   }
 }
 
+TEST_CASE("what is known of a combination of coefficients leaves its degree of freedom to the noise levels") {
+  FitOptions options = estimated(LossKind::none);
+  const std::vector<Capture> captures = braked(5);
+  const auto freedom = [&] {
+    const FitResult result = fit(BrakedWithRate(), captures, options);
+    return result.noise[0].degrees_of_freedom + result.noise[1].degrees_of_freedom;
+  };
+  const double without = freedom();
+  options.combinations = {{.weights = {{"k", 1.0}}, .mean = kRate, .deviation = 1e-7}};
+  CHECK(freedom() == Approx(without + 1.0).margin(1e-3));
+}
+
 TEST_CASE("from where the noise levels start does not matter") {
   const std::vector<Capture> captures = braked(2);
   FitOptions options = estimated(LossKind::huber);
