@@ -293,6 +293,38 @@ TEST_CASE("cameras are refused that have no place to look at") {
   CHECK_THROWS_WITH(fit(*plate_family(), captures, options), Contains("camera.scale is -0.1"));
 }
 
+TEST_CASE("cameras are refused whose axes are no place, whose angles are none, or of which all is known") {
+  const std::vector captures = {plate(20.0, 1.0, 0.0, 1)};
+  const auto refused = [&](const CameraOptions& camera, const std::string& words) {
+    FitOptions options = plate_options(false);
+    options.camera = camera;
+    CHECK_THROWS_WITH(fit(*plate_family(), captures, options), Contains(words));
+  };
+  refused({.rotation = 0.1, .axes = {"x", "x"}}, "camera.axes: \"x\" stands there twice");
+  refused({.rotation = 0.1, .axes = {"x", "theta"}}, "camera.axes: \"theta\" is in 1; coordinates");
+  refused({.rotation = 0.1, .angles = {{"theta", "theta"}}}, "camera.angles: \"theta\" stands there twice");
+  refused({.rotation = 0.1, .angles = {{"x"}}}, "camera.angles: \"x\" is one of camera.axes");
+  refused({.axes = {"x", "y"}}, "camera: neither scale nor rotation");
+  refused({.angles = {{"theta"}}}, "camera: neither scale nor rotation");
+
+  // Where outputs have units, those tell.
+  FamilyInfo family{.model = "plate",
+                    .outputs = {{"x", "m"}, {"y", "m"}, {"theta", "rad"}, {"vx", "m/s"}, {"C", "1"}},
+                    .translations = {"x", "y"}};
+  const auto of_units = [&](const std::vector<std::string>& axes, const std::string& words) {
+    CHECK_THROWS_WITH(camera_axes(family, {.rotation = 0.1, .axes = axes}), Contains(words));
+  };
+  of_units({"x", "theta"}, "camera.axes: \"theta\" is in rad");
+  of_units({"x", "vx"}, "camera.axes: \"vx\" is in m/s");
+  of_units({"x", "C"}, "camera.axes: \"C\" is in 1");
+  CHECK(camera_axes(family, {.rotation = 0.1, .axes = {"y", "x"}}) == std::vector<std::string>{"y", "x"});
+  FitProblem problem;
+  for (const FitOutput& output : family.outputs) problem.outputs.push_back({output.name, output.unit});
+  FitOptions options;
+  options.camera = {.rotation = 0.1, .angles = {{"vx"}}};
+  CHECK_THROWS_WITH(add_camera(family, options, problem), Contains("camera.angles: \"vx\" is in m/s"));
+}
+
 TEST_CASE("a config names what is not known of the camera") {
   const ConfigNames names = config_names(find_model("falling_plate")->info());
   const CameraOptions camera =
@@ -305,4 +337,8 @@ TEST_CASE("a config names what is not known of the camera") {
   CHECK(camera.axes == std::vector<std::string>{"x", "y"});
   CHECK(camera.angles.value() == std::vector<std::string>{"theta"});
   CHECK_THROWS_WITH(parse_fit_config("camera = { scale = 0 }", "fit.toml", names), Contains("more than 0"));
+  for (const char* empty : {"", "axes = [\"x\", \"y\"]"}) {
+    CHECK_THROWS_WITH(parse_fit_config(fmt::format("camera = {{ {} }}", empty), "fit.toml", names),
+                      Contains("camera: neither `scale` nor `rotation`"));
+  }
 }
