@@ -9,6 +9,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/identification/capture.h"
+#include "samara/identification/coordinate_names.h"
 
 namespace samara::identification {
 
@@ -214,6 +215,8 @@ void add_camera(const FamilyInfo& family, const FitOptions& options, FitProblem&
     const bool is_own = std::ranges::count(problem.own, start, &FitCoordinate::name) > 0;
     const auto held = problem.fixed.find(start);
     camera.is_own.push_back(is_own ? 1 : 0);
+    const std::optional<std::size_t> slot = position(family.coordinates, start);
+    camera.start_slots.push_back(slot ? static_cast<int>(*slot) : JoinRule::kNone);
     camera.starts.push_back(held == problem.fixed.end() ? 0.0 : held->second);
   }
   const std::vector<int> angles = turning_angles(wanted, axes, problem);
