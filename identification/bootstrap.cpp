@@ -23,6 +23,26 @@ Eigen::ArrayXd random_weights(int clusters, pgd::Random& random) {
   return weights / weights.mean();
 }
 
+/// By which the scatter of replicates falls short of standard errors.
+double widening(double clusters) {
+  return std::sqrt((clusters + 1.0) / (clusters - 1.0));
+}
+
+/// Puts the means of priors where another repetition might have had them. Their errors are not widened by a
+/// small number of clusters, as the scatter of all replicates will be.
+void draw_priors(const FitProblem& problem, pgd::Random& random, FitProblem& drawn) {
+  const double share = 1.0 / widening(problem.cluster_count);
+  for (std::size_t k = 0; k < problem.priors.size(); ++k) {
+    const Prior& prior = problem.priors[k].prior;
+    const double step = share * prior.deviation * random.normal();
+    drawn.priors[k].prior.mean = prior.logarithmic ? prior.mean * std::exp(step) : prior.mean + step;
+  }
+  for (std::size_t k = 0; k < problem.combinations.size(); ++k) {
+    const SharedCombination& prior = problem.combinations[k];
+    drawn.combinations[k].mean = prior.mean + share * prior.deviation * random.normal();
+  }
+}
+
 /// Of each column.
 std::vector<double> deviations(const Eigen::MatrixXd& values) {
   std::vector<double> result;
@@ -39,7 +59,13 @@ std::vector<double> deviations(const Eigen::MatrixXd& values) {
 
 void add_bootstrap(const FitProblem& problem, std::vector<SegmentResidual>& residuals, const FitPoint& point,
                    const FitOptions& options, FitResult& result) {
-  if (options.bootstrap.replicates < 1 || problem.cluster_count < 2 || problem.shared_count() == 0) return;
+  if (options.bootstrap.replicates < 1 || problem.shared_count() == 0) return;
+  if (problem.cluster_count < 2) {
+    result.warnings.emplace_back(
+        "the captures are one cluster, so there are no errors from clusters weighted at random: a bootstrap "
+        "needs two or more");
+    return;
+  }
   FitProblem weighted = problem;
   Bootstrap bootstrap{.seed = options.bootstrap.seed};
   bootstrap.coefficients.resize(options.bootstrap.replicates, problem.shared_count());
@@ -47,15 +73,17 @@ void add_bootstrap(const FitProblem& problem, std::vector<SegmentResidual>& resi
   for (int replicate = 0; replicate < options.bootstrap.replicates; ++replicate) {
     const Eigen::ArrayXd weights = random_weights(problem.cluster_count, random);
     for (Motion& motion : weighted.motions) motion.weight = weights[motion.cluster];
+    draw_priors(problem, random, weighted);
     const MinimizeResult run = minimize(weighted, residuals, point, options.max_iterations, kTolerance);
     if (run.status == FitStatus::failed) continue;
     bootstrap.converged += run.status == FitStatus::converged ? 1 : 0;
     bootstrap.coefficients.row(bootstrap.replicates++) = run.point.shared.transpose();
   }
   bootstrap.coefficients.conservativeResize(bootstrap.replicates, Eigen::NoChange);
-  const double C = problem.cluster_count;
   for (const double deviation : deviations(bootstrap.coefficients)) {
-    bootstrap.standard_errors.push_back(std::sqrt((C + 1.0) / (C - 1.0)) * deviation);
+    const bool is_held = result.coefficients[bootstrap.standard_errors.size()].at_bound;
+    bootstrap.standard_errors.push_back(is_held ? std::numeric_limits<double>::quiet_NaN()
+                                                : widening(problem.cluster_count) * deviation);
   }
   if (bootstrap.converged < bootstrap.replicates) {
     result.warnings.push_back(fmt::format(

@@ -20,9 +20,13 @@ namespace samara::identification {
 /// To first order replicates scatter by C/(C + 1) H^-1 (sum_c g_c g_c^T) H^-1, C clusters; errors are widened
 /// by sqrt((C + 1)/(C - 1)) to mean what the clustered ones in fit.h mean.
 ///
-/// Nothing is added for fewer than two clusters.
+/// Priors of coefficients are observations too: each fit has their means drawn anew, from their own
+/// distributions, so that what a prior alone holds scatters by its deviation.
+///
+/// A coefficient at a bound has no error (NaN). For fewer than two clusters a warning is all that is added.
 /// @param residuals one per segment; scratch
 /// @param point the answer
+/// @param result with its coefficients
 void add_bootstrap(const FitProblem& problem, std::vector<SegmentResidual>& residuals, const FitPoint& point,
                    const FitOptions& options, FitResult& result);
 

@@ -8,6 +8,8 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/identification/capture.h"
+#include "samara/identification/coordinate_names.h"
 
 namespace samara::identification {
 
@@ -83,8 +85,36 @@ std::vector<std::string> output_names(const FamilyInfo& family) {
   return names;
 }
 
+/// @throws ArgumentError for a name that stands in the list twice.
+void check_once(const std::string& field, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (std::ranges::count(names, name) == 1) continue;
+    throw ArgumentError(
+        fmt::format("{}: \"{}\" stands there twice; different outputs were expected", field, name));
+  }
+}
+
+const std::string& unit_of(const FamilyInfo& family, const std::string& output) {
+  return std::ranges::find(family.outputs, output, &FitOutput::name)->unit;
+}
+
+/// Axes are lengths in one unit, or numbers where the model has no units.
+void check_places(const FamilyInfo& family, const std::vector<std::string>& axes) {
+  for (const std::string& axis : axes) {
+    const std::string& unit = unit_of(family, axis);
+    const bool is_place = unit == "m" || unit == "1";
+    if (is_place && unit == unit_of(family, axes.front()) && !is_angle({axis, unit, {}})) continue;
+    throw ArgumentError(fmt::format(
+        "camera.axes: \"{}\" is in {}; coordinates of the place, all in m or all without a unit, were "
+        "expected",
+        axis, unit));
+  }
+}
+
 /// Compared outputs that turn with two axes.
-std::vector<int> turning_angles(const CameraOptions& options, const FitProblem& problem) {
+std::vector<int> turning_angles(const CameraOptions& options, const std::vector<std::string>& axes,
+                                const FitProblem& problem) {
+  check_once("camera.angles", options.angles.value_or(std::vector<std::string>{}));
   std::vector<int> angles;
   std::vector<std::string> known;
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
@@ -92,7 +122,14 @@ std::vector<int> turning_angles(const CameraOptions& options, const FitProblem& 
     known.push_back(output.name);
     const bool turns =
         options.angles ? std::ranges::count(*options.angles, output.name) > 0 : output.unit == "rad";
-    if (turns) angles.push_back(static_cast<int>(o));
+    if (!turns) continue;
+    const bool is_angle = output.unit == "rad" || output.unit == "1";
+    if (!is_angle || std::ranges::count(axes, output.name) > 0) {
+      throw ArgumentError(
+          fmt::format("camera.angles: \"{}\" is {}; an angle, in rad or without a unit, was expected",
+                      output.name, is_angle ? "one of camera.axes" : fmt::format("in {}", output.unit)));
+    }
+    angles.push_back(static_cast<int>(o));
   }
   for (const std::string& name : options.angles.value_or(std::vector<std::string>{})) {
     if (std::ranges::count(known, name) > 0) continue;
@@ -151,12 +188,17 @@ std::vector<std::string> camera_axes(const FamilyInfo& family, const CameraOptio
         "camera.axes: there are {} ({}); {} outputs that are coordinates of the place were expected",
         axes.size(), axes.empty() ? "none" : join(axes), options.rotation ? "2 or 3" : "1 to 3"));
   }
+  check_once("camera.axes", axes);
+  check_places(family, axes);
   return axes;
 }
 
 void add_camera(const FamilyInfo& family, const FitOptions& options, FitProblem& problem) {
   const CameraOptions& wanted = options.camera;
-  if (!wanted.scale && !wanted.rotation) return;
+  if (!wanted.scale && !wanted.rotation) {
+    if (wanted.axes.empty() && !wanted.angles) return;
+    throw ArgumentError("camera: neither scale nor rotation is given; one of them, or both, was expected");
+  }
   const std::vector<std::string> axes = camera_axes(family, wanted);
   const bool any = std::ranges::any_of(axes, [&](const std::string& axis) {
     return std::ranges::count(problem.outputs, axis, &ComparedOutput::name) > 0;
@@ -173,8 +215,11 @@ void add_camera(const FamilyInfo& family, const FitOptions& options, FitProblem&
     const bool is_own = std::ranges::count(problem.own, start, &FitCoordinate::name) > 0;
     const auto held = problem.fixed.find(start);
     camera.is_own.push_back(is_own ? 1 : 0);
+    const std::optional<std::size_t> slot = position(family.coordinates, start);
+    camera.start_slots.push_back(slot ? static_cast<int>(*slot) : JoinRule::kNone);
     camera.starts.push_back(held == problem.fixed.end() ? 0.0 : held->second);
   }
+  const std::vector<int> angles = turning_angles(wanted, axes, problem);
   int next = problem.own_count();
   const auto add = [&](double deviation) {
     camera.deviations.push_back(deviation);
@@ -183,7 +228,7 @@ void add_camera(const FamilyInfo& family, const FitOptions& options, FitProblem&
   };
   if (wanted.scale) camera.scale = add(*wanted.scale);
   if (wanted.rotation) {
-    if (axes.size() == 2) camera.angles = turning_angles(wanted, problem);
+    if (axes.size() == 2) camera.angles = angles;
     camera.turn = add(*wanted.rotation);
     for (int k = 1; k < camera.turns(); ++k) add(*wanted.rotation);
   }

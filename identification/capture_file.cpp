@@ -24,6 +24,13 @@ Sidecar find_sidecar(const std::filesystem::path& path) {
   return {.table = path};
 }
 
+/// A file that a section of the sidecar names ("" for the root) and that is not there is the sidecar's fault.
+void require_file(const Sidecar& sidecar, const std::string& section, const std::filesystem::path& path) {
+  std::error_code unreadable;
+  if (std::filesystem::exists(std::filesystem::status(path, unreadable))) return;
+  throw sidecar.error(section, "file", fmt::format("there is no file \"{}\"", path.string()));
+}
+
 std::vector<Capture> read_exported(const Export& exported, const Sidecar& sidecar) {
   std::vector<Capture> captures;
   for (const ExportedBody& body : exported.bodies) {
@@ -53,6 +60,7 @@ std::vector<Capture> read_exported(const Export& exported, const Sidecar& sideca
 }
 
 std::vector<Capture> read_table(const Sidecar& sidecar) {
+  if (sidecar.document && sidecar.document->has("file")) require_file(sidecar, "", sidecar.table);
   const std::string text = io::read_text_file(sidecar.table);
   if (sidecar.header.empty()) {
     if (const auto exported = read_export(text, sidecar)) return read_exported(*exported, sidecar);
@@ -71,6 +79,7 @@ bool is_same_name(const std::string& cell, const std::string& label) {
 }
 
 void add_labels(std::vector<Capture>& captures, const Sidecar& sidecar) {
+  require_file(sidecar, "labels", sidecar.labels->file);
   const io::DelimitedTable table = io::DelimitedTable::read(sidecar.labels->file);
   const std::string& column = sidecar.labels->column;
   const std::vector<std::string> names = table.texts(column);

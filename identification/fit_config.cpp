@@ -160,9 +160,13 @@ NoiseOptions read_noise(const TomlTable& root, const Units& outputs) {
   return noise;
 }
 
-CameraOptions read_camera(const TomlTable& table, const Units& outputs) {
+CameraOptions read_camera(const TomlTable& root, const Units& outputs) {
+  const TomlTable table = root.table("camera");
   table.expect_keys({"scale", "rotation", "axes", "angles"});
   CameraOptions camera;
+  if (!table.has("scale") && !table.has("rotation")) {
+    throw root.error("camera", "neither `scale` nor `rotation` is given; one of them, or both, was expected");
+  }
   if (table.has("scale")) {
     camera.scale = table.number("scale");
     require_positive(table, "scale", *camera.scale);
@@ -247,7 +251,7 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
   if (root.has("log_scale")) options.log_scale = known_names(root, "log_scale", names.coordinates);
   if (root.has("attitude_scale")) options.attitude_scale = positive_quantity(root, "attitude_scale", "rad");
   if (root.has("noise")) options.noise = read_noise(root, names.outputs);
-  if (root.has("camera")) options.camera = read_camera(root.table("camera"), names.outputs);
+  if (root.has("camera")) options.camera = read_camera(root, names.outputs);
   read_tables(root, names, options);
   for (const auto& [list, chosen] :
        {std::pair{"shared", &options.shared}, std::pair{"per_capture", &options.per_capture}}) {

@@ -101,6 +101,7 @@ struct JoinRule {
 struct Camera {
   std::vector<int> columns = {};        ///< of the requested outputs: coordinates of the place
   std::vector<char> is_own = {};        ///< per axis: where a segment starts is an own unknown
+  std::vector<int> start_slots = {};    ///< per axis: the coordinate of the family that says where, or kNone
   std::vector<double> starts = {};      ///< per axis, else
   std::vector<int> angles = {};         ///< compared outputs that turn with two axes
   std::optional<int> scale = {};        ///< the own unknown that is the relative error of lengths

@@ -106,15 +106,17 @@ struct GlobalSearch {
   double seconds = 0.0;
 };
 
-/// Fits of the same captures with clusters weighted at random, from the answer on (D. B. Rubin, Ann. Statist.
-/// 9 (1981) 130-134): unlike clustered standard errors, which follow the slopes at the answer, they move away
-/// from it, and show where it bends. They do not look for other optima.
+/// Fits of the same captures with clusters weighted at random, and the means of priors drawn anew, from the
+/// answer on (D. B. Rubin, Ann. Statist. 9 (1981) 130-134): unlike clustered standard errors, which follow
+/// the slopes at the answer, they move away from it, and show where it bends. They do not look for other
+/// optima.
 struct Bootstrap {
   int replicates = 0;  ///< that led somewhere
   int converged = 0;   ///< of them; the others stopped at the limit on iterations, short of their minimum
   std::uint64_t seed = 1;
   Eigen::MatrixXd coefficients = {};  ///< replicates x coefficients, SI
   /// Their scatter, widened by sqrt((C + 1)/(C - 1)) for C clusters: beside the clustered standard errors.
+  /// NaN at a bound.
   std::vector<double> standard_errors = {};
 };
 

@@ -10,6 +10,8 @@
 
 #include "samara/base/errors.h"
 #include "samara/identification/fit.h"
+#include "samara/identification/held_noise.h"
+#include "samara/identification/noise_levels.h"
 #include "samara/identification/reference_trajectories.h"
 #include "samara/identification/step_trajectories.h"
 #include "samara/io/text.h"
@@ -27,11 +29,22 @@ bool is_at_bound(const FitResult& fit) {
   return std::ranges::any_of(fit.coefficients, &Coefficient::at_bound);
 }
 
+/// What counts as a large residual; empty where nobody said.
+std::optional<double> scale_of(const OutputRms& output, const FitResult& fit, const FitOptions& options) {
+  const auto scale = options.loss.scales.find(output.output);
+  if (scale != options.loss.scales.end()) return scale->second;
+  if (output.unit == "m") return options.loss.length_scale;
+  for (const NoiseLevel& level : fit.noise) {
+    if (std::ranges::count(level.outputs, output.output) > 0)
+      return efficient_bend(options.loss.kind) * level.value;
+  }
+  return {};
+}
+
 bool misses_captures(const FitResult& fit, const FitOptions& options) {
   return std::ranges::any_of(fit.residuals, [&](const OutputRms& r) {
-    const auto scale = options.loss.scales.find(r.output);
-    const double size = scale != options.loss.scales.end() ? scale->second : options.loss.length_scale;
-    return r.unit != "rad" && r.rms > kMissed * size;
+    const std::optional<double> scale = scale_of(r, fit, options);
+    return scale && r.unit != "rad" && r.rms > kMissed * *scale;
   });
 }
 
@@ -47,7 +60,7 @@ std::optional<std::string> held_mass(const models::ParametricModel& model, const
 class OtherMasses {
  public:
   OtherMasses(const TrajectoryFamily& family, std::span<const Capture> captures, const FitOptions& options,
-              std::string name)
+              const FitResult& fitted, std::string name)
       : model_(*family.equations()),
         captures_(captures.begin(), captures.end()),
         options_(options),
@@ -57,7 +70,11 @@ class OtherMasses {
     options_.global = {};
     options_.starts = 1;
     options_.rounds = 1;
+    options_.bootstrap = {};
+    options_.progress = {};
     options_.max_iterations = std::min(options_.max_iterations, kMostIterations);
+    // Costs are comparable where residuals have the same scales. A fit that failed has none.
+    if (!fitted.noise.empty()) hold_noise(fitted, options_);
   }
 
   std::optional<FitResult> fit_with(double factor) const {
@@ -67,6 +84,11 @@ class OtherMasses {
       held->second *= factor;
       if (options.fixed.contains(name_)) options.fixed[name_] = held->second;
     }
+    std::map<std::string, Interval> box = box_;
+    for (auto* intervals : {&box, &options.box}) {
+      if (const auto known = intervals->find(name_); known != intervals->end())
+        known->second = {factor * known->second.lower, factor * known->second.upper};
+    }
     std::vector<Capture> captures = captures_;
     const auto label = options.known.find(name_);
     for (Capture& capture : captures) {
@@ -75,12 +97,12 @@ class OtherMasses {
       text = fmt::format("{}", factor * io::read_number(text).value);
     }
     try {
-      const auto family = options.step ? step_trajectories(model_.shared_model(), fixed, box_, *options.step)
-                                       : reference_trajectories(model_.shared_model(), fixed, box_);
+      const auto family = options.step ? step_trajectories(model_.shared_model(), fixed, box, *options.step)
+                                       : reference_trajectories(model_.shared_model(), fixed, box);
       FitResult result = fit(*family, captures, options);
       if (result.status != FitStatus::failed) return result;
-    } catch (const ArgumentError&) {
-      // No body can have that mass.
+    } catch (const Error&) {
+      // No body can have that mass; the fit that is in doubt stands.
     }
     return {};
   }
@@ -106,7 +128,7 @@ std::vector<std::string> mass_doubts(const TrajectoryFamily& family, std::span<c
   if (!failed && !is_at_bound(fitted) && !misses_captures(fitted, options)) return {};
   const std::optional<std::string> name = held_mass(*family.equations(), options);
   if (!name) return {};
-  const OtherMasses others(family, captures, options, *name);
+  const OtherMasses others(family, captures, options, fitted, *name);
   double least = failed ? std::numeric_limits<double>::infinity() : kFarBetter * fitted.cost;
   std::optional<int> best;
   for (const int power : {-4, -3, -2, -1, 1, 2, 3, 4}) {

@@ -12,8 +12,8 @@
 #include "samara/identification/fit.h"
 #include "samara/identification/fit_problem.h"
 #include "samara/identification/fitted_motion.h"
+#include "samara/identification/held_noise.h"
 #include "samara/identification/medians.h"
-#include "samara/identification/noise_levels.h"
 #include "samara/identification/segments.h"
 #include "samara/identification/smoothing.h"
 
@@ -43,21 +43,6 @@ bool compares_attitude(const FitResult& fitted) {
   return fitted.residuals.size() > compared_outputs(fitted).size();
 }
 
-/// The scales that the fit ended with, in place of levels to be found.
-void hold_noise(const FitResult& fitted, FitOptions& options) {
-  options.noise = {};
-  for (const NoiseLevel& level : fitted.noise) {
-    const double scale = efficient_bend(options.loss.kind) * level.value;
-    for (const std::string& output : level.outputs) {
-      if (output == "attitude") {
-        options.attitude_scale = scale;
-      } else {
-        options.loss.scales[output] = scale;
-      }
-    }
-  }
-}
-
 /// The options of the fit, with the coefficients held.
 FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions options,
                    const PredictionOptions& prediction) {
@@ -75,6 +60,7 @@ FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions
     options.outputs.insert(options.outputs.end(), family.attitude.begin(), family.attitude.end());
   }
   if (fitted.captures.front().nuisances.empty()) options.segments.length.reset();
+  options.combinations.clear();
   hold_noise(fitted, options);
   options.window = prediction.window;
   options.cluster_by.clear();
@@ -129,6 +115,7 @@ struct Outlook {
   Eigen::VectorXd times = {};  ///< since the first frame
   Eigen::MatrixXd truth = {};
   Eigen::MatrixXd model = {};  ///< NaN where it failed
+  bool is_cut = false;         ///< frames ahead lie beyond the end of trajectories
   std::string lack = {};       ///< why nothing can be compared; empty: it can
   std::string failure = {};    ///< why the model says nothing; empty: it does
 };
@@ -156,26 +143,51 @@ FitResult without_unknowns(FitResult fitted, const Capture& capture, const FitOp
   return fitted;
 }
 
+/// Of the capture's times, the last at which a frame has a trajectory. That begins at 0, or, with segments,
+/// at the first frame of the window with something to compare.
+/// @param before frames of the window
+/// @param attitudes of these, frames x 4, or none
+double last_time(const FamilyInfo& family, const FitOptions& options, const Capture& capture,
+                 const std::vector<Eigen::Index>& before, const Eigen::MatrixXd& positions,
+                 const Eigen::MatrixXd& attitudes) {
+  double start = 0.0;
+  for (std::size_t k = before.size(); options.segments.length && k-- > 0;) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const bool has_attitude = attitudes.cols() > 0 && !attitudes.row(row).hasNaN();
+    if (has_attitude || !positions.row(row).array().isNaN().all()) start = capture.times[before[k]];
+  }
+  // It begins half the width of a mean earlier, and the last mean reaches as far beyond its frame.
+  if (options.averaged_frames > 1 && before.size() > 1)
+    start -= (options.averaged_frames - 1) * median_interval(capture.times(before));
+  return start + family.end_time;
+}
+
 /// @param names of the outputs that are compared
 Outlook outlook_of(const TrajectoryFamily& family, const FitResult& fitted, const Capture& capture,
                    const std::vector<std::string>& names, const FitOptions& options,
                    const PredictionOptions& prediction) {
   if (capture.times.size() == 0) return {.lack = "it has no frames"};
   const std::vector<Eigen::Index> before = frames_between(capture, -1.0, prediction.window);
-  const double end =
-      std::min(prediction.window + prediction.ahead, family.info().end_time - capture.times[0]);
-  const std::vector<Eigen::Index> after = frames_between(capture, prediction.window, end);
   const Eigen::VectorXd since = capture.times.array() - capture.times[0];
   Outlook outlook;
   outlook.seen = {since(before), measured(capture, names, before)};
-  outlook.times = since(after);
-  outlook.truth = measured(capture, names, after);
   const auto attitude = compares_attitude(fitted) ? family.info().attitude : std::vector<std::string>{};
   const Eigen::MatrixXd attitudes = measured(capture, attitude, before);
+  const double last = last_time(family.info(), options, capture, before, outlook.seen.positions, attitudes);
+  const double wanted = prediction.window + prediction.ahead;
+  const double end = std::min(wanted, last - capture.times[0]);
+  const std::vector<Eigen::Index> after = frames_between(capture, prediction.window, end);
+  outlook.is_cut = frames_between(capture, prediction.window, wanted).size() > after.size();
+  outlook.times = since(after);
+  outlook.truth = measured(capture, names, after);
   const std::size_t unknowns = fitted.captures.front().nuisances.size();
   if (!can_be_fitted(outlook.seen.positions, attitudes, unknowns)) {
     outlook.lack = fmt::format("its first {} s, {} frames, hold too little to fit its {} unknowns",
                                prediction.window, before.size(), unknowns);
+  } else if (after.empty() && outlook.is_cut) {
+    outlook.lack =
+        fmt::format("the {} ends at {:.4g} s of its times and the window at {:.4g} s, with no frame between",
+                    family.info().source, last, capture.times[0] + prediction.window);
   } else if (after.empty()) {
     outlook.lack = fmt::format("it has no frame between {} s and {} s", prediction.window, end);
   }
@@ -189,7 +201,7 @@ Outlook outlook_of(const TrajectoryFamily& family, const FitResult& fitted, cons
     outlook.failure = window.message;
     return outlook;
   }
-  const Eigen::VectorXd times = capture.times(after).cwiseMin(family.info().end_time);
+  const Eigen::VectorXd times = capture.times(after).cwiseMin(last);
   const std::optional<Eigen::MatrixXd> model =
       fitted_motion(family, options, window, 0, {times.begin(), times.end()}, names);
   if (model) {
@@ -315,9 +327,11 @@ std::vector<Outlook> outlooks_of(const TrajectoryFamily& family, const FitResult
   if (outlooks.empty()) {
     if (!left_out.empty()) sentences.emplace_back("none of the captures left out could be predicted");
   } else if (const double reach = reach_of(outlooks, prediction); reach < prediction.ahead) {
-    sentences.push_back(
-        fmt::format("predictions go to {:.4g} s ahead, not to {:.4g} s: there is no frame to compare beyond",
-                    reach, prediction.ahead));
+    const bool is_cut = std::ranges::any_of(outlooks, &Outlook::is_cut);
+    sentences.push_back(fmt::format("predictions go to {:.4g} s ahead, not to {:.4g} s: {}", reach,
+                                    prediction.ahead,
+                                    is_cut ? fmt::format("the {} ends there", family.info().source)
+                                           : "there is no frame to compare beyond"));
   }
   return outlooks;
 }

@@ -160,11 +160,20 @@ void SegmentResidual::join_offset(const JoinRule& rule, int axis, Eigen::Index r
   Eigen::Vector3d way = place(frame_count_);
   for (std::size_t k = 0; k < camera.columns.size(); ++k) {
     double& part = way[static_cast<Eigen::Index>(k)];
-    part = camera.is_own[k] ? 0.0 : part - camera.starts[k];
+    const int slot = camera.start_slots[k];
+    const double start = slot == JoinRule::kNone ? camera.starts[k] : q_[slot];
+    part = camera.is_own[k] ? 0.0 : part - start;
   }
   residual_[row] = weight * (view_.map.row(axis).dot(way) + own[rule.own] - next[rule.own]);
   if (!with_derivatives) return;
   fill_axis(row, frame_count_, axis, way, weight);
+  for (std::size_t k = 0; k < camera.columns.size(); ++k) {
+    const int start = camera.start_slots[k];
+    if (start == JoinRule::kNone) continue;
+    const CoordinateSlot& slot = problem_->slots[static_cast<std::size_t>(start)];
+    if (slot.role == CoordinateRole::shared)
+      by_shared_(row, slot.index) -= weight * view_.map(axis, static_cast<Eigen::Index>(k));
+  }
   by_own_(row, rule.own) = weight;
   by_next_(row, rule.own) = -weight;
 }

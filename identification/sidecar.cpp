@@ -85,6 +85,17 @@ double read_frame_rate(const TomlTable& root) {
   return rate;
 }
 
+/// A file may lie beside a table, with its stem, and be none of its sidecars: a config, for one.
+void check_keys(const TomlTable& root, const std::filesystem::path& table,
+                const std::vector<std::string>& known) {
+  if (table.empty()) root.expect_keys(known);
+  for (const std::string& key : root.keys()) {
+    if (std::ranges::count(known, key) > 0) continue;
+    throw root.error(key, fmt::format("unknown key{}; the file was read as the sidecar of \"{}\"",
+                                      suggestion(key, known), table.filename().string()));
+  }
+}
+
 std::filesystem::path read_table_path(const TomlTable& root, const std::filesystem::path& sidecar,
                                       const std::filesystem::path& table) {
   if (!table.empty() && !root.has("file")) return table;
@@ -197,9 +208,9 @@ InputError Sidecar::error(const std::string& section, const std::string& key,
 
 Sidecar read_sidecar(const std::filesystem::path& path, const std::filesystem::path& table) {
   const TomlTable root = TomlTable::read(path);
-  root.expect_keys({"file", "delimiter", "header", "columns", "attitude", "group_by", "where", "frame_rate",
-                    "length_unit", "scale", "start", "from", "until", "repeated_times", "up", "clean",
-                    "labels"});
+  check_keys(root, table,
+             {"file", "delimiter", "header", "columns", "attitude", "group_by", "where", "frame_rate",
+              "length_unit", "scale", "start", "from", "until", "repeated_times", "up", "clean", "labels"});
   Sidecar sidecar;
   sidecar.document = root;
   sidecar.table = read_table_path(root, path, table);

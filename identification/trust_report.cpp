@@ -100,8 +100,9 @@ void add_bootstrap_text(const FitResult& result, std::back_insert_iterator<std::
   if (!result.bootstrap) return;
   fmt::format_to(out, "errors from {} fits with clusters weighted at random:", result.bootstrap->replicates);
   for (std::size_t k = 0; k < result.coefficients.size(); ++k) {
-    fmt::format_to(out, "{} {} +- {:.2g}", k == 0 ? "" : ",", result.coefficients[k].name,
-                   result.bootstrap->standard_errors[k]);
+    const double error = result.bootstrap->standard_errors[k];
+    fmt::format_to(out, "{} {} {}", k == 0 ? "" : ",", result.coefficients[k].name,
+                   std::isfinite(error) ? fmt::format("+- {:.2g}", error) : "-");
   }
   fmt::format_to(out, "\n");
 }

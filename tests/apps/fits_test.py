@@ -113,6 +113,27 @@ class Fits(Case):
                        '[box]\nC_D = [0.5, 2.0]\n"v(0)" = [0.0, 0.5]\n')
         self.check_error(run("fit", "vertical_fall", self.capture(), "--config", config), 3, "density", "[box]")
 
+    def test_a_doubt_about_a_known_mass_does_not_lose_the_fit(self):
+        rows = self.capture().read_text().splitlines()
+        write("heavy.csv", "\n".join([f"{rows[0]},rho"] + [f"{row},6338500" for row in rows[1:]]) + "\n")
+        sidecar = write("heavy.toml", 'file = "heavy.csv"\ngroup_by = ["rho"]\n[columns]\n'
+                        '"t[s]" = { quantity = "t", unit = "s" }\n"x[m]" = { quantity = "x", unit = "m" }\n')
+        config = write("heavy_fit.toml", '[fixed]\narea = "4.7144e-4 m^2"\nthickness = "2.55 mm"\n[known]\ndensity = "rho"\n'
+                       '[box]\ndensity = [6e6, 7e6]\nC_D = [0.5, 2.0]\n"v(0)" = [0.0, 0.5]\n')
+        answer, page = FOLDER / "heavy.json", FOLDER / "heavy.html"
+        result = run("fit", "vertical_fall", sidecar, "--config", config, "-o", answer, "--report", page)
+        self.assertIn(result.returncode, (0, 4), result.stderr)
+        self.assertTrue(answer.exists() and page.exists(), result.stderr)
+        self.assertIn("a density 10^3 times as small would leave", result.stderr)
+
+    def test_a_camera_that_is_none_is_refused_in_one_sentence(self):
+        example = ROOT / "examples" / "tumbling_card"
+        for camera, word in [("{}", "neither"), ('{ rotation = "1 deg", axes = ["x", "x"] }', "twice"),
+                             ('{ rotation = "1 deg", axes = ["x", "theta"] }', "rad"),
+                             ('{ rotation = "1 deg", axes = ["x", "vx"] }', "m/s")]:
+            config = write("camera.toml", f"camera = {camera}\n" + (example / "fit.toml").read_text())
+            self.check_error(run("fit", "falling_plate", example / "card.csv", "--config", config), 3, "camera.toml", "camera", word)
+
 
 class Series(Case):
     """Coefficients that change in time, from a capture to its replay."""

@@ -54,8 +54,7 @@ Capture plate(double begin, double scale, double turn, std::uint64_t seed) {
   return capture;
 }
 
-std::unique_ptr<TrajectoryFamily> plate_family() {
-  std::map<std::string, Interval> box;
+std::unique_ptr<TrajectoryFamily> plate_family(std::map<std::string, Interval> box = {}) {
   for (const auto& [name, value] : truth()) box[name] = {0.3 * value, 3.0 * value};
   for (const char* name : {"vx(0)", "vy(0)", "w(0)"}) box[name] = {-8.0, 8.0};
   box["theta(0)"] = {-60.0, 60.0};
@@ -177,6 +176,51 @@ TEST_CASE("residuals seen by a camera have the derivatives of differences") {
   check(*body, {capture}, options, Eigen::VectorXd::Constant(1, 1.3));
 }
 
+TEST_CASE("segments seen by a camera join by the way from where the motion starts, whoever says where") {
+  // Where the plate starts changes nothing else: offsets join alike with x(0) = 0.7, shared or known.
+  Capture capture = plate(20.0, 1.0, 0.0, 1);
+  capture.labels["x0"] = "0.7";
+  FitOptions options = plate_options(true);
+  options.offsets = {{"x", "y"}};
+  samara::pgd::Random random(5);
+  const auto somewhere = [&](int count) {
+    Eigen::VectorXd values(count);
+    for (double& value : values) value = 0.3 + 0.1 * random.normal();
+    return values;
+  };
+  const auto plain_family = plate_family();
+  const FitProblem plain = make_problem(plain_family->info(), std::span(&capture, 1), options);
+  SegmentResidual expected(*plain_family, plain, plain.segments[0]);
+  const Eigen::VectorXd own = somewhere(plain.own_count()), next = somewhere(plain.own_count());
+  const Eigen::Vector3d shared(1.3, 3.0, 0.25);
+  REQUIRE(expected.evaluate(shared.data(), own.data(), next.data(), false));
+
+  const auto family = plate_family({{"x(0)", {-2.0, 2.0}}});
+  for (const bool is_known : {false, true}) {
+    FitOptions with_start = options;
+    if (is_known) {
+      with_start.known["x(0)"] = "x0";
+    } else {
+      with_start.shared = {"x(0)"};
+    }
+    const FitProblem problem = make_problem(family->info(), std::span(&capture, 1), with_start);
+    Eigen::VectorXd values(problem.shared_count());
+    values.head<3>() = shared;
+    if (!is_known) {
+      REQUIRE(problem.shared.at(3).name == "x(0)");
+      values[3] = 0.7;
+    }
+    SegmentResidual residual(*family, problem, problem.segments[0]);
+    REQUIRE(residual.evaluate(values.data(), own.data(), next.data(), false));
+    REQUIRE(residual.join_size() > 0);
+    // Rounding of steps from another place.
+    CHECK((residual.residual().tail(residual.join_size()) - expected.residual().tail(residual.join_size()))
+              .cwiseAbs()
+              .maxCoeff() < 1e-9);
+    check_derivatives(residual, values, own, next);
+  }
+}
+
 TEST_CASE("a camera of another scale and other axes biases coefficients unless it is an unknown") {
   std::vector<Capture> captures;
   for (int c = 0; c < 3; ++c)
@@ -293,6 +337,38 @@ TEST_CASE("cameras are refused that have no place to look at") {
   CHECK_THROWS_WITH(fit(*plate_family(), captures, options), Contains("camera.scale is -0.1"));
 }
 
+TEST_CASE("cameras are refused whose axes are no place, whose angles are none, or of which all is known") {
+  const std::vector captures = {plate(20.0, 1.0, 0.0, 1)};
+  const auto refused = [&](const CameraOptions& camera, const std::string& words) {
+    FitOptions options = plate_options(false);
+    options.camera = camera;
+    CHECK_THROWS_WITH(fit(*plate_family(), captures, options), Contains(words));
+  };
+  refused({.rotation = 0.1, .axes = {"x", "x"}}, "camera.axes: \"x\" stands there twice");
+  refused({.rotation = 0.1, .axes = {"x", "theta"}}, "camera.axes: \"theta\" is in 1; coordinates");
+  refused({.rotation = 0.1, .angles = {{"theta", "theta"}}}, "camera.angles: \"theta\" stands there twice");
+  refused({.rotation = 0.1, .angles = {{"x"}}}, "camera.angles: \"x\" is one of camera.axes");
+  refused({.axes = {"x", "y"}}, "camera: neither scale nor rotation");
+  refused({.angles = {{"theta"}}}, "camera: neither scale nor rotation");
+
+  // Where outputs have units, those tell.
+  FamilyInfo family{.model = "plate",
+                    .outputs = {{"x", "m"}, {"y", "m"}, {"theta", "rad"}, {"vx", "m/s"}, {"C", "1"}},
+                    .translations = {"x", "y"}};
+  const auto of_units = [&](const std::vector<std::string>& axes, const std::string& words) {
+    CHECK_THROWS_WITH(camera_axes(family, {.rotation = 0.1, .axes = axes}), Contains(words));
+  };
+  of_units({"x", "theta"}, "camera.axes: \"theta\" is in rad");
+  of_units({"x", "vx"}, "camera.axes: \"vx\" is in m/s");
+  of_units({"x", "C"}, "camera.axes: \"C\" is in 1");
+  CHECK(camera_axes(family, {.rotation = 0.1, .axes = {"y", "x"}}) == std::vector<std::string>{"y", "x"});
+  FitProblem problem;
+  for (const FitOutput& output : family.outputs) problem.outputs.push_back({output.name, output.unit});
+  FitOptions options;
+  options.camera = {.rotation = 0.1, .angles = {{"vx"}}};
+  CHECK_THROWS_WITH(add_camera(family, options, problem), Contains("camera.angles: \"vx\" is in m/s"));
+}
+
 TEST_CASE("a config names what is not known of the camera") {
   const ConfigNames names = config_names(find_model("falling_plate")->info());
   const CameraOptions camera =
@@ -305,4 +381,8 @@ TEST_CASE("a config names what is not known of the camera") {
   CHECK(camera.axes == std::vector<std::string>{"x", "y"});
   CHECK(camera.angles.value() == std::vector<std::string>{"theta"});
   CHECK_THROWS_WITH(parse_fit_config("camera = { scale = 0 }", "fit.toml", names), Contains("more than 0"));
+  for (const char* empty : {"", "axes = [\"x\", \"y\"]"}) {
+    CHECK_THROWS_WITH(parse_fit_config(fmt::format("camera = {{ {} }}", empty), "fit.toml", names),
+                      Contains("camera: neither `scale` nor `rotation`"));
+  }
 }

@@ -79,6 +79,22 @@ TEST_CASE("a file that is not there is named") {
   CHECK_THAT(sidecar_error("frame_rate = 60\n"), Contains("file: the key is missing"));
 }
 
+TEST_CASE("a file that is read as a sidecar because of where it lies is said to be") {
+  const TestFiles files;
+  const auto table = files.put("card.csv", "t[s],x[m]\n" + kRows);
+  files.put("card.toml", "starts = 1\nsegments = \"60 ms\"\n");
+  CHECK_THAT(reading_error(table), StartsWith("card.toml:1: starts: unknown key") &&
+                                       Contains("the file was read as the sidecar of \"card.csv\""));
+}
+
+TEST_CASE("files that a sidecar names and that are not there are its fault") {
+  CHECK_THAT(sidecar_error("file = \"nope.csv\"\n"),
+             StartsWith("s.toml:1: file: there is no file \"") && Contains("nope.csv\""));
+  CHECK_THAT(
+      sidecar_error(kHead + kColumns + "[labels]\nfile = \"none.csv\"\ncolumn = \"name\"\n"),
+      StartsWith("s.toml:") && Contains("[labels] file: there is no file \"") && Contains("none.csv\""));
+}
+
 TEST_CASE("unknown keys of a sidecar are refused with the nearest known one") {
   CHECK_THAT(sidecar_error("file = \"a.csv\"\nframerate = 60\n"),
              StartsWith("s.toml:2: ") && Contains("did you mean \"frame_rate\"?"));

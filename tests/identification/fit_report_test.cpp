@@ -51,6 +51,8 @@ TEST_CASE("reports hold the errors from random weights") {
   CHECK(json["bootstrap"]["standard_errors"][0].get<double>() == 0.125);
   CHECK_THAT(fit_text(result),
              Contains("errors from 50 fits with clusters weighted at random: C_D +- 0.12\n"));
+  result.bootstrap->standard_errors = {std::nan("")};
+  CHECK_THAT(fit_text(result), Contains("weighted at random: C_D -\n"));
 }
 
 TEST_CASE("reports of joined segments say how nearly they join") {

@@ -237,7 +237,53 @@ TEST_CASE("random weights are those of clusters, and of a seed") {
   CHECK(twins.bootstrap->standard_errors[0] < 1e-6 * twins.coefficients[0].value);
 
   captures[1].labels = captures[0].labels;
-  CHECK_FALSE(fit(BrakedFamily(), captures, options).bootstrap);
+  const FitResult single = fit(BrakedFamily(), captures, options);
+  CHECK_FALSE(single.bootstrap);
+  CHECK(std::ranges::any_of(single.warnings, [](const std::string& warning) {
+    return warning.find("the captures are one cluster") != std::string::npos;
+  }));
+}
+
+TEST_CASE("what only a prior holds scatters by its deviation over fits of random weights") {
+  // 400 replicates tell a deviation to 3.5 %.
+  constexpr double kDeviation = 0.05;
+  const std::vector<double> times = even_times(9, 2.0);
+  std::mt19937_64 random(9);
+  std::vector<Capture> captures;
+  for (const char* id : {"a", "b", "c"}) {
+    captures.push_back(make_capture(id, times, BrakedFamily::depths(1.2, 1.1, times)));
+    add_noise(captures.back(), 1e-3, random);
+  }
+  const auto error = [&](const FitOptions& options) {
+    const FitResult result = fit(BrakedFamily(), captures, options);
+    REQUIRE(result.bootstrap);
+    return result.bootstrap->standard_errors.at(0);
+  };
+  FitOptions options;
+  options.loss.kind = LossKind::none;
+  options.starts = 1;
+  options.bootstrap.replicates = 400;
+  // Residuals over 1 km say nothing.
+  options.loss.length_scale = 1e3;
+  options.priors["k"] = {.mean = 1.2, .deviation = kDeviation};
+  CHECK_THAT(error(options), WithinRel(kDeviation, 0.15));
+  options.priors["k"] = {.mean = 1.2, .deviation = kDeviation, .logarithmic = true};
+  CHECK_THAT(error(options), WithinRel(1.2 * kDeviation, 0.15));
+  options.priors.clear();
+  options.combinations = {{.weights = {{"k", 2.0}}, .mean = 2.4, .deviation = 2.0 * kDeviation}};
+  CHECK_THAT(error(options), WithinRel(kDeviation, 0.15));
+}
+
+TEST_CASE("a coefficient at a bound has no error from random weights") {
+  std::mt19937_64 random(6);
+  const std::vector<Capture> captures = braked_captures(4, {}, random);
+  FitOptions options;
+  options.starts = 1;
+  options.bootstrap.replicates = 3;
+  options.box["k"] = {2.0, 3.0};
+  const FitResult result = fit(BrakedFamily(), captures, options);
+  REQUIRE(result.coefficients[0].at_bound);
+  CHECK(std::isnan(result.bootstrap->standard_errors.at(0)));
 }
 
 TEST_CASE("fits of random weights that stop early are told of") {

@@ -42,6 +42,41 @@ TEST_CASE("a density that is wrong by a thousand is named, to either side, fixed
   CHECK_THAT(light[0], Contains("a density 10^3 times as large would leave"));
 }
 
+TEST_CASE("a known density is doubted beyond its box, and nothing that a trial refuses ends the fit") {
+  // Captures from files are refused by another kind of error.
+  std::vector<Capture> captures = {coin_capture("a", 1.1, 0.1, 0.2), coin_capture("b", 1.1, 0.3, -0.1)};
+  auto fixed = coin_fixed();
+  const double density = 1e3 * fixed.at("density");
+  fixed.erase("density");
+  for (Capture& capture : captures) {
+    capture.file = "coins.csv";
+    capture.labels["rho"] = fmt::format("{}", density);
+  }
+  FitOptions options;
+  options.known["density"] = "rho";
+  const std::map<std::string, Interval> box = {
+      {"C_D", {0.6, 2.0}}, {"v(0)", {-0.4, 0.8}}, {"density", {0.5 * density, 2.0 * density}}};
+  options.box["density"] = {0.7 * density, 1.5 * density};
+  const auto family = reference_trajectories(samara::models::find_model("vertical_fall"), fixed, box);
+  const FitResult fitted = fit(*family, captures, options);
+  const auto said = mass_doubts(*family, captures, options, fitted);
+  REQUIRE(said.size() == 1);
+  CHECK_THAT(said[0], Contains("a density 10^3 times as small would leave"));
+}
+
+TEST_CASE("fits of other masses hold the noise that the fit found, and are silent") {
+  FitOptions options;
+  options.noise.estimated = true;
+  options.bootstrap.replicates = 2;
+  options.starts = 1;
+  int told = 0;
+  options.progress = [&](const samara::Progress&) { return ++told > 0; };
+  const auto said = doubts(1e3, options);
+  REQUIRE(said.size() == 1);
+  CHECK_THAT(said[0], Contains("a density 10^3 times as small would leave"));
+  CHECK(told == 1);  // by the fit itself
+}
+
 TEST_CASE("the right density is in no doubt, and another error is not blamed on it") {
   CHECK(doubts(1.0).empty());
   // C_D = 1.1 is outside its box: no power of ten of the mass makes up for that.

@@ -375,6 +375,45 @@ TEST_CASE("the frame on the border of the window is seen, and not predicted") {
   CHECK(of(scores, "model", "position, up to 0.5 s ahead").count == 10);
 }
 
+TEST_CASE("priors of combinations are of no concern once coefficients are held") {
+  const BrakedFamily family;
+  FitOptions options = plain();
+  options.combinations = {{.weights = {{"k", 2.0}}, .mean = 2.8, .deviation = 0.1}};
+  const FitResult fitted = fit(family, braked(0, 3, 0.0), options);
+  const auto scores =
+      predict_left_out(family, fitted, braked(3, 1, 0.0), options, {.window = 0.6, .ahead = 0.5});
+  CHECK(of(scores, "model", "position, 0.5 s ahead").largest < 1e-6);
+}
+
+TEST_CASE("with segments a codebook lasts from the first frame seen on, whatever its time") {
+  BrakedFamily family;
+  family.mutable_info().source = "codebook";
+  family.mutable_info().end_time = 1.0;
+  FitOptions options = plain();
+  options.window = 0.6;
+  options.segments.length = 0.6;
+  const PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
+  FitResult fitted = fit(family, braked(0, 3, 0.0), options);
+  std::vector<Capture> left_out = braked(3, 2, 0.0);
+  left_out[0].times.array() += 1.0;                                  // ends at 1.0 s after its first frame
+  left_out[1].channels[0].values.head(2).setConstant(std::nan(""));  // at 1.1 s
+  fitted.warnings.clear();
+  add_predictions(family, left_out, options, prediction, fitted);
+  CHECK(fitted.warnings.empty());
+  const PredictionScore& score = of(fitted.predictions, "model", "position, up to 0.5 s ahead");
+  CHECK(score.count == 8 + 10);
+  CHECK(score.largest < 1e-6);
+
+  add_predictions(family, std::span(left_out).first(1), options, prediction, fitted);
+  REQUIRE(fitted.warnings.size() == 1);
+  CHECK(fitted.warnings[0] == "predictions go to 0.4 s ahead, not to 0.5 s: the codebook ends there");
+  fitted.warnings.clear();
+  family.mutable_info().end_time = 0.6;
+  add_predictions(family, std::span(left_out).first(1), options, prediction, fitted);
+  REQUIRE(fitted.warnings.size() == 2);
+  CHECK_THAT(fitted.warnings[0], Contains("the codebook ends at 1.6 s of its times and the window at 1.6 s"));
+}
+
 TEST_CASE("captures that lack what was fitted are refused before the fit") {
   const BrakedFamily family;
   std::vector<Capture> left_out = braked(4, 1, 0.0);
