@@ -178,6 +178,11 @@ void validate(const SeriesOptions& options) {
     throw ArgumentError(
         "series.coefficients is empty; at least one parameter that changes along the captures was expected");
   }
+  for (const std::string& name : options.coefficients) {
+    if (std::ranges::count(options.coefficients, name) == 1) continue;
+    throw ArgumentError(
+        fmt::format("series.coefficients names \"{}\" twice; each coefficient once was expected", name));
+  }
   const auto require_positive = [](const std::string& field, double value) {
     if (!(value > 0.0 && std::isfinite(value)))
       throw ArgumentError(fmt::format("{} is {}; more than 0 was expected", field, value));

@@ -183,6 +183,7 @@ class Series(Case):
         text = (self.FILES / "series.toml").read_text()
         for old, new, words in [('"80 ms"', '"3 s"', ["series.window is 3 s", "lasts"]),
                                 ('["C_R"]', "[]", ["coefficients", "empty"]),
+                                ('["C_R"]', '["C_R", "C_R"]', ["C_R", "twice"]),
                                 ('["C_R"]', '["C_r"]', ["C_r", "did you mean"]),
                                 ('["C_R"]', '["A"]', ['"A" is fixed'])]:
             self.assertIn(old, text)

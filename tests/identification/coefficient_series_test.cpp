@@ -224,6 +224,7 @@ TEST_CASE("what a series cannot be is one sentence") {
              Contains("series.window is 9 s, but capture \"plate\" lasts 8 s"));
   CHECK_THAT(with([](SeriesOptions& s) { s.coefficients.clear(); }),
              Contains("series.coefficients is empty"));
+  CHECK_THAT(with([](SeriesOptions& s) { s.coefficients = {"C_R", "C_R"}; }), Contains("\"C_R\" twice"));
   CHECK_THAT(with([](SeriesOptions& s) { s.coefficients = {"C_r"}; }),
              Contains("no parameter \"C_r\"") && Contains("did you mean"));
   CHECK_THAT(with([](SeriesOptions& s) { s.coefficients = {"A"}; }), Contains("\"A\" is fixed"));
