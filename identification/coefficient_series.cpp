@@ -101,6 +101,33 @@ Chosen choose(SeriesFits& fits, std::vector<SmoothnessTrial>& trials) {
   return best;
 }
 
+/// Costs in units of noise compare only where these are the same: levels are found with one smoothness and
+/// held while the likeliest is looked for, until it is the one that they were found with. The first is rough,
+/// since what a smooth series misses would count as noise.
+Chosen choose_with_levels(SeriesFits& fits, const FitResult& constant, std::vector<SmoothnessTrial>& trials) {
+  constexpr double kRough = 0.1;
+  constexpr int kRounds = 5;
+  double factor = kRough;
+  Chosen found;
+  for (int round = 0; round < kRounds; ++round) {
+    found = {factor, fits.fit_with_levels(factor), {}};
+    fits.hold_levels(found.fit.status == FitStatus::failed ? constant : found.fit);
+    trials.clear();
+    Chosen best = choose(fits, trials);
+    if (found.fit.status == FitStatus::failed) {
+      if (best.fit.status == FitStatus::failed) return best;
+    } else {
+      found.judgement = fits.judge(found.fit, factor);
+      if (best.factor == factor) return found;
+    }
+    factor = best.factor;
+  }
+  found.fit.warnings.push_back(
+      "the likeliest smoothness and the noise levels that belong to it still changed each other in the last "
+      "round");
+  return found;
+}
+
 /// By how much errors grow where residuals are correlated; whiteness.h.
 double growth_of_errors(const FitResult& result) {
   if (!result.whiteness || !result.whiteness->p_value || *result.whiteness->p_value > 0.05) return 1.0;
@@ -227,10 +254,11 @@ CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
   SeriesFits fits(model, windows, windowed, series, result.constant);
   Chosen chosen;
   if (fits.has_free_scales()) {
-    chosen = choose(fits, result.trials);
+    chosen = fits.estimates_noise() ? choose_with_levels(fits, result.constant, result.trials)
+                                    : choose(fits, result.trials);
     result.factor = chosen.factor;
   } else {
-    chosen.fit = fits.fit_with(1.0);
+    chosen.fit = fits.estimates_noise() ? fits.fit_with_levels(1.0) : fits.fit_with(1.0);
     if (chosen.fit.status != FitStatus::failed) chosen.judgement = fits.judge(chosen.fit, 1.0);
   }
   result.fit = std::move(chosen.fit);

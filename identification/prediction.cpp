@@ -12,8 +12,8 @@
 #include "samara/identification/fit.h"
 #include "samara/identification/fit_problem.h"
 #include "samara/identification/fitted_motion.h"
+#include "samara/identification/held_noise.h"
 #include "samara/identification/medians.h"
-#include "samara/identification/noise_levels.h"
 #include "samara/identification/segments.h"
 #include "samara/identification/smoothing.h"
 
@@ -41,21 +41,6 @@ std::vector<OutputRms> compared_outputs(const FitResult& fitted) {
 
 bool compares_attitude(const FitResult& fitted) {
   return fitted.residuals.size() > compared_outputs(fitted).size();
-}
-
-/// The scales that the fit ended with, in place of levels to be found.
-void hold_noise(const FitResult& fitted, FitOptions& options) {
-  options.noise = {};
-  for (const NoiseLevel& level : fitted.noise) {
-    const double scale = efficient_bend(options.loss.kind) * level.value;
-    for (const std::string& output : level.outputs) {
-      if (output == "attitude") {
-        options.attitude_scale = scale;
-      } else {
-        options.loss.scales[output] = scale;
-      }
-    }
-  }
 }
 
 /// The options of the fit, with the coefficients held.

@@ -150,6 +150,16 @@ class Series(Case):
             self.assertLess(abs(value - (3.0 + 0.8 * math.sin(2 * math.pi * t / 1.2))), 4 * error)
         self.assertGreater(max(lift["values"]) - min(lift["values"]), 1.0)
 
+    def test_estimated_noise_does_not_hide_the_change(self):
+        answer = FOLDER / "estimated.json"
+        config = write("estimated.toml", 'noise = "estimated"\n' + (self.FILES / "series.toml").read_text())
+        result = run("fit", "falling_plate", self.FILES / "plate.csv", "--config", config, "-o", answer)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertNotIn("no change", result.stderr)
+        lift, = json.loads(answer.read_text())["series"]
+        for t, value, error in zip(json.loads(answer.read_text())["instants"], lift["values"], lift["standard_errors"]):
+            self.assertLess(abs(value - (3.0 + 0.8 * math.sin(2 * math.pi * t / 1.2))), 4 * error)
+
     def test_info_and_query_know_the_codebook(self):
         path, answer = self.series()
         info = json.loads(run("info", path, "--json").stdout)

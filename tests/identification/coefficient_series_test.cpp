@@ -178,6 +178,33 @@ TEST_CASE("a coefficient that does not change is a straight line within its erro
   CHECK(std::ranges::count(series.coefficients[0].basis, InstantBasis::neighbours) >= 10);
 }
 
+TEST_CASE("noise levels that are estimated choose the smoothness that known ones choose") {
+  FitOptions known = plate_options();
+  known.step = 0.067;  // a frame interval: many fits
+  FitOptions estimated = known;
+  estimated.loss.scales.clear();
+  estimated.noise.estimated = true;
+  const SeriesOptions windows = {.coefficients = {"C_R"}, .window = 0.8};
+  const auto series_by = [&](const FitOptions& options, double height) {
+    return fit_series(find_model("falling_plate_nd"), std::vector{fluttering(height, 5)}, options, windows);
+  };
+  const auto height = GENERATE(0.6, 0.0);
+  const CoefficientSeries series = series_by(estimated, height);
+  INFO(series.message);
+  REQUIRE(series.status == FitStatus::converged);
+  CHECK(misses(series, height) == 0);
+  REQUIRE(series.fit.noise.size() == 3);
+  // Of 120 values a level is known to 1/sqrt(240).
+  for (const NoiseLevel& level : series.fit.noise) CHECK_THAT(level.value, WithinAbs(kNoise, 0.26 * kNoise));
+  if (height == 0.0) {
+    CHECK(series.effective < 4.0);
+  } else {
+    const CoefficientSeries reference = series_by(known, height);
+    CHECK(series.factor == reference.factor);
+    CHECK_THAT(series.effective, WithinAbs(reference.effective, 0.5));
+  }
+}
+
 TEST_CASE("windows that slide recover the coefficient too, with start states of their own") {
   const CoefficientSeries series =
       series_of(fluttering(0.6, 7), {.coefficients = {"C_R"}, .window = 1.6, .stride = 0.8});
