@@ -46,6 +46,32 @@ void check_coefficient(const models::ModelInfo& model, const FitOptions& options
   }
 }
 
+/// @throws ArgumentError for what has no meaning for a series.
+void check_combination(const FitOptions& options, const SeriesOptions& series) {
+  if (options.profiles) {
+    throw ArgumentError(
+        "profiles are of coefficients that stay constant; either profiles or a series was expected");
+  }
+  if (options.bootstrap.replicates > 0) {
+    throw ArgumentError(fmt::format(
+        "bootstrap asks for {} replicates, and the errors of a series are not made of them; either a "
+        "bootstrap or a series was expected",
+        options.bootstrap.replicates));
+  }
+  if (series.stride && options.segments.length) {
+    throw ArgumentError(fmt::format(
+        "segments of {} s and a series.stride: windows that slide are the segments, unjoined; one of "
+        "the two was expected",
+        *options.segments.length));
+  }
+  if (series.stride && options.noise.estimated) {
+    throw ArgumentError(
+        "noise is not estimated where windows slide, since frames count in several of them; loss scales, or "
+        "no "
+        "series.stride, were expected");
+  }
+}
+
 std::unique_ptr<TrajectoryFamily> constant_family(const std::shared_ptr<const models::Model>& model,
                                                   const FitOptions& options) {
   return options.step ? step_trajectories(model, options.fixed, options.box, *options.step)
@@ -57,7 +83,6 @@ FitOptions options_of_windows(const FitOptions& options, const SeriesWindows& wi
                               const SeriesOptions& series) {
   FitOptions result = options;
   result.window.reset();
-  result.profiles = false;
   if (!windows.joined) {
     result.segments.length = std::numeric_limits<double>::max();
   } else if (!result.segments.length) {
@@ -237,6 +262,7 @@ CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
                              const SeriesOptions& series) {
   validate(options);
   validate(series);
+  check_combination(options, series);
   const models::ModelInfo& info = model->info();
   for (const std::string& name : series.coefficients) check_coefficient(info, options, name);
   const SeriesWindows windows = series_windows(captures, options, series);

@@ -119,8 +119,10 @@ struct CoefficientSeries {
 
 /// @param model whose coefficients are fitted  @param options with fixed, box (of the coefficients too) and,
 ///   for fixed steps, step  @param captures their times are on one axis: all see the same series
+/// A search of the box (`global`) and `starts` are for the constant fit, from which the others begin.
 /// @throws ArgumentError as fit(), and for windows longer than half of the captures, coefficients that are no
-///   parameters or not free, and options outside their meaning.
+///   parameters or not free, options outside their meaning, profiles and a bootstrap; where windows slide,
+///   for segments and noise to be estimated.
 CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
                              std::span<const Capture> captures, const FitOptions& options,
                              const SeriesOptions& series);

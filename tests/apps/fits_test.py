@@ -199,6 +199,10 @@ class Series(Case):
             self.assertIn(old, text)
             config = write("series.toml", text.replace(old, new))
             self.check_error(run("fit", "falling_plate", self.FILES / "plate.csv", "--config", config), 3, "series.toml", *words)
+        for line in ["profiles = true", "bootstrap = 20"]:
+            config = write("series.toml", f"{line}\n{text}")
+            self.check_error(run("fit", "falling_plate", self.FILES / "plate.csv", "--config", config), 3, "series.toml", line.split()[0])
+        self.check_error(self.fitted("--profiles"), 2, "--profiles", "[series]")
         plain = write("plain.toml", text.split("[series]")[0])
         self.check_error(run("fit", "falling_plate", self.FILES / "plate.csv", "--config", plain, "--series", FOLDER / "s.h5"), 2,
                          "--series", "[series]")

@@ -240,6 +240,24 @@ TEST_CASE("differences do not depend on how instants are spaced where the course
              WithinAbs(0.0, 1e-14));
 }
 
+TEST_CASE("what is asked of constant coefficients or joined segments is refused where there is no answer") {
+  const SeriesOptions joined = {.coefficients = {"C_R"}, .window = 0.8};
+  SeriesOptions sliding = joined;
+  sliding.stride = 0.4;
+  const auto with = [&](const SeriesOptions& series, auto change) {
+    FitOptions options = plate_options();
+    change(options);
+    return error_of(options, series);
+  };
+  CHECK_THAT(with(joined, [](FitOptions& o) { o.profiles = true; }), Contains("profiles or a series"));
+  CHECK_THAT(with(joined, [](FitOptions& o) { o.bootstrap.replicates = 20; }),
+             Contains("20 replicates") && Contains("bootstrap or a series"));
+  CHECK_THAT(with(sliding, [](FitOptions& o) { o.segments.length = 0.8; }),
+             Contains("segments of 0.8 s and a series.stride"));
+  CHECK_THAT(with(sliding, [](FitOptions& o) { o.noise.estimated = true; }),
+             Contains("noise is not estimated where windows slide"));
+}
+
 TEST_CASE("what a series cannot be is one sentence") {
   const SeriesOptions good = {.coefficients = {"C_R"}, .window = 0.8};
   const auto with = [&](auto change) {
