@@ -273,7 +273,9 @@ CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
                            .joined = windows.joined,
                            .windows = windows.count,
                            .instants = windows.knots.instants};
-  result.constant = fit(*constant_family(model, options), windows.captures, windowed);
+  const auto family = constant_family(model, options);
+  if (!windows.joined) check_sliding(family->info(), windows, windowed);
+  result.constant = fit(*family, windows.captures, windowed);
   result.message = fmt::format("with constant coefficients: {}", result.constant.message);
   if (result.constant.status == FitStatus::failed) return result;
 

@@ -122,7 +122,8 @@ struct CoefficientSeries {
 /// A search of the box (`global`) and `starts` are for the constant fit, from which the others begin.
 /// @throws ArgumentError as fit(), and for windows longer than half of the captures, coefficients that are no
 ///   parameters or not free, options outside their meaning, profiles and a bootstrap; where windows slide,
-///   for segments and noise to be estimated.
+///   for segments, noise to be estimated, and all that belongs to the start of a capture: states that are not
+///   free, their priors, a camera, and parameters of each capture.
 CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
                              std::span<const Capture> captures, const FitOptions& options,
                              const SeriesOptions& series);

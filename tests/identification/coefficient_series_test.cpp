@@ -258,6 +258,33 @@ TEST_CASE("what is asked of constant coefficients or joined segments is refused 
              Contains("noise is not estimated where windows slide"));
 }
 
+TEST_CASE("what belongs to the start of a capture is not applied to each window that slides") {
+  const SeriesOptions sliding = {.coefficients = {"C_R"}, .window = 0.8, .stride = 0.4};
+  const auto with = [&](auto change) {
+    FitOptions options = plate_options();
+    change(options);
+    return error_of(options, sliding);
+  };
+  const auto not_free = Contains("\"theta(0)\" is not free in each");
+  CHECK_THAT(with([](FitOptions& o) {
+               o.box.erase("theta(0)");
+               o.fixed["theta(0)"] = 0.6;
+             }),
+             not_free);
+  CHECK_THAT(with([](FitOptions& o) { o.shared = {"theta(0)"}; }), not_free);
+  CHECK_THAT(with([](FitOptions& o) { o.box.erase("theta(0)"); }), not_free);
+  CHECK_THAT(with([](FitOptions& o) { o.offsets = {{"x"}}; }),
+             Contains("\"y(0)\" is not free in each") && Contains("\"y\" among the offsets"));
+  CHECK_THAT(with([](FitOptions& o) { o.priors["w(0)"] = {0.0, 0.1}; }), Contains("the prior of \"w(0)\""));
+  CHECK_THAT(with([](FitOptions& o) {
+               o.fixed.erase("mu1");
+               o.box["mu1"] = {0.1, 0.4};
+               o.per_capture = {"mu1"};
+             }),
+             Contains("\"mu1\" of each capture"));
+  CHECK_THAT(with([](FitOptions& o) { o.camera.scale = 0.02; }), Contains("camera"));
+}
+
 TEST_CASE("what a series cannot be is one sentence") {
   const SeriesOptions good = {.coefficients = {"C_R"}, .window = 0.8};
   const auto with = [&](auto change) {
