@@ -15,6 +15,7 @@
 #include "samara/identification/series_knots.h"
 #include "samara/identification/series_windows.h"
 #include "samara/identification/step_trajectories.h"
+#include "samara/io/text.h"
 
 namespace samara::identification {
 
@@ -172,12 +173,19 @@ void add_replay(const models::ModelInfo& model, const FitResult& result, const S
       series.replay[c.name] = c.value;
   }
   // The state of a running mean of frames is before the first of them.
-  if (options.averaged_frames == 1) {
+  const auto holds_at_first_frame = [&](std::string_view name) {
+    return options.averaged_frames == 1 || !name.ends_with("(0)");
+  };
+  const CaptureFit& first = result.captures.front();
+  for (const auto& [name, label] : options.known) {
+    if (holds_at_first_frame(name)) series.replay[name] = io::read_number(first.labels.at(label)).value;
+  }
+  for (const Nuisance& n : first.nuisances) {
+    if (units.contains(n.name) && holds_at_first_frame(n.name)) series.replay[n.name] = n.value;
     constexpr std::string_view kOffset = "offset of ";
-    for (const Nuisance& n : result.captures.front().nuisances) {
-      if (units.contains(n.name)) series.replay[n.name] = n.value;
-      if (n.name.starts_with(kOffset)) series.replay[n.name.substr(kOffset.size()) + "(0)"] += n.value;
-    }
+    if (!n.name.starts_with(kOffset)) continue;
+    const std::string start = n.name.substr(kOffset.size()) + "(0)";
+    if (holds_at_first_frame(start)) series.replay[start] += n.value;
   }
   for (const auto& [name, value] : series.replay) series.replay_units[name] = units.at(name);
 }

@@ -108,8 +108,9 @@ struct CoefficientSeries {
   std::vector<SmoothnessTrial> trials = {};
   double effective = 0.0;           ///< free values used by all coefficients
   double correlation_factor = 1.0;  ///< by which errors grew because residuals are correlated
-  /// What a replay needs besides: fixed parameters, coefficients that stayed constant, and the state at the
-  /// first frame of the first capture ("s(0)", offsets added to what they shift).
+  /// What a replay needs besides: fixed parameters, coefficients that stayed constant, what is known of the
+  /// first capture or its own, and the state at its first frame ("s(0)", offsets added to what they shift;
+  /// not of averaged frames).
   std::map<std::string, double> replay = {};
   std::map<std::string, std::string> replay_units = {};
 

@@ -240,6 +240,34 @@ TEST_CASE("differences do not depend on how instants are spaced where the course
              WithinAbs(0.0, 1e-14));
 }
 
+TEST_CASE("a replay has what is known of the capture, and what is its own where frames are means too") {
+  const SeriesOptions given = {.coefficients = {"C_R"}, .window = 0.8, .scales = {{"C_R", 0.1}}};
+  FitOptions options = plate_options();
+  options.fixed.erase("mu1");
+  options.box["mu1"] = {0.1, 0.4};
+  Capture capture = fluttering(0.6, 5);
+  {
+    FitOptions known = options;
+    known.known = {{"mu1", "friction"}};
+    capture.labels["friction"] = "0.2";
+    const auto series = fit_series(find_model("falling_plate_nd"), std::vector{capture}, known, given);
+    REQUIRE(series.status == FitStatus::converged);
+    REQUIRE(series.replay.contains("mu1"));
+    CHECK(series.replay.at("mu1") == 0.2);
+    CHECK(series.replay_units.at("mu1") == "1");
+    CHECK(distance(series, capture, false) < 3.0 * kNoise);
+  }
+  options.per_capture = {"mu1"};
+  options.averaged_frames = 3;
+  const auto series = fit_series(find_model("falling_plate_nd"), std::vector{capture}, options, given);
+  INFO(series.message);
+  REQUIRE(series.status != FitStatus::failed);
+  CHECK(series.replay.contains("mu1"));
+  // The state is half a mean before the first frame.
+  CHECK_FALSE(series.replay.contains("theta(0)"));
+  CHECK_FALSE(series.replay.contains("x(0)"));
+}
+
 TEST_CASE("what is asked of constant coefficients or joined segments is refused where there is no answer") {
   const SeriesOptions joined = {.coefficients = {"C_R"}, .window = 0.8};
   SeriesOptions sliding = joined;
