@@ -189,6 +189,10 @@ class Series(Case):
         self.check_error(run("simulate", "falling_rectangle", "--coefficients", path), 3, "series.h5", "coefficients of falling_plate")
         self.check_error(run("simulate", "vertical_fall", "--coefficients", book("coin", COIN_PLAN)), 3, "coin.h5", "time alone")
 
+    def test_a_series_has_no_equations_to_be_certified_by(self):
+        path, _ = self.series()
+        self.check_error(run("validate", path), 3, "series.h5", "coefficients of falling_plate", "no equations")
+
     def test_a_series_that_cannot_be_is_one_sentence(self):
         text = (self.FILES / "series.toml").read_text()
         for old, new, words in [('"80 ms"', '"3 s"', ["series.window is 3 s", "lasts"]),
