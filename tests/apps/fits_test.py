@@ -193,6 +193,18 @@ class Series(Case):
         path, _ = self.series()
         self.check_error(run("validate", path), 3, "series.h5", "coefficients of falling_plate", "no equations")
 
+    def test_the_replay_of_a_series_that_missed_its_tolerance_says_so(self):
+        path, _ = self.series()
+        self.assertEqual(run("simulate", "falling_plate", "--coefficients", path, "--until", "1").stderr, "")
+        missed = FOLDER / "missed.h5"
+        config = write("missed.toml", "max_iterations = 1\n" + (self.FILES / "series.toml").read_text())
+        result = run("fit", "falling_plate", self.FILES / "plate.csv", "--config", config, "--series", missed)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertTrue(missed.exists(), result.stderr)
+        result = run("simulate", "falling_plate", "--coefficients", missed, "--until", "1")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("missed its tolerance", result.stderr)
+
     def test_a_series_that_cannot_be_is_one_sentence(self):
         text = (self.FILES / "series.toml").read_text()
         for old, new, words in [('"80 ms"', '"3 s"', ["series.window is 3 s", "lasts"]),
