@@ -212,6 +212,10 @@ int run_series(const FitArguments& arguments, const Source& source, const std::v
         "--left-out asks for predictions, and a series holds for the captures it was fitted to; a config "
         "without [series] was expected");
   }
+  if (arguments.profiles) {
+    throw ArgumentError(
+        "--profiles are of coefficients that stay constant; a config without [series] was expected");
+  }
   const id::CoefficientSeries series = of_file(arguments.config, [&] {
     return id::fit_series(source.model, captures, source.options, *source.series);
   });

@@ -169,6 +169,7 @@ int run(const SimulateArguments& arguments) {
   SteeredModel steered{.book = nullptr, .model = model, .values = parse_assignments(arguments.set, units)};
   if (!arguments.coefficients.empty()) {
     steered = steered_model(arguments.coefficients, model, steered.values);
+    warn_of_missed_tolerance(*steered.book, arguments.coefficients);
   }
   const models::ParametricModel parametric(steered.model, steered.values, {});
   warn_of_units(*model, parametric.fixed());

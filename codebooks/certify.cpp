@@ -150,6 +150,12 @@ models::ParametricModel model_of(const Codebook& book) {
         fmt::format("the codebook was sampled from a command ({}), there is no model behind it to integrate",
                     book.model().equations));
   }
+  if (book.build().builder == "fit") {
+    throw ArgumentError(fmt::format(
+        "the codebook holds a series, the {}: it has no equations that could be integrated, and cannot "
+        "be certified again",
+        book.model().name));
+  }
   std::vector<std::string> free;
   for (std::size_t k = 1; k < book.coordinates().size(); ++k) free.push_back(book.coordinates()[k].name);
   return models::ParametricModel(models::find_model(book.model().name), book.model().fixed, free);

@@ -30,7 +30,8 @@ Certificate certify(const Codebook& book, const models::ParametricModel& model,
                     const CertifyOptions& options);
 
 /// The model a codebook is a solution of, with the codebook's coordinates free.
-/// @throws ArgumentError if this library does not know the model.
+/// @throws ArgumentError if this library does not know the model, or the codebook holds what was sampled from
+/// a command or a series of coefficients, which have no equations.
 models::ParametricModel model_of(const Codebook& book);
 
 }  // namespace samara::codebooks

@@ -47,7 +47,7 @@ struct Provenance {
 
 /// How the builder went; the same on every machine and after every resume.
 struct BuildRecord {
-  std::string builder;     ///< "pgd" or "sampling"
+  std::string builder;     ///< "pgd", "sampling", or "fit": of a series of coefficients
   std::string strategy;    ///< "slabs", "newton", another name of the plan's strategies, or "cross"
   std::string status;      ///< "converged", or why not
   std::string message;     ///< in one sentence

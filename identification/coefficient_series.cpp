@@ -15,6 +15,7 @@
 #include "samara/identification/series_knots.h"
 #include "samara/identification/series_windows.h"
 #include "samara/identification/step_trajectories.h"
+#include "samara/io/text.h"
 
 namespace samara::identification {
 
@@ -46,6 +47,32 @@ void check_coefficient(const models::ModelInfo& model, const FitOptions& options
   }
 }
 
+/// @throws ArgumentError for what has no meaning for a series.
+void check_combination(const FitOptions& options, const SeriesOptions& series) {
+  if (options.profiles) {
+    throw ArgumentError(
+        "profiles are of coefficients that stay constant; either profiles or a series was expected");
+  }
+  if (options.bootstrap.replicates > 0) {
+    throw ArgumentError(fmt::format(
+        "bootstrap asks for {} replicates, and the errors of a series are not made of them; either a "
+        "bootstrap or a series was expected",
+        options.bootstrap.replicates));
+  }
+  if (series.stride && options.segments.length) {
+    throw ArgumentError(fmt::format(
+        "segments of {} s and a series.stride: windows that slide are the segments, unjoined; one of "
+        "the two was expected",
+        *options.segments.length));
+  }
+  if (series.stride && options.noise.estimated) {
+    throw ArgumentError(
+        "noise is not estimated where windows slide, since frames count in several of them; loss scales, or "
+        "no "
+        "series.stride, were expected");
+  }
+}
+
 std::unique_ptr<TrajectoryFamily> constant_family(const std::shared_ptr<const models::Model>& model,
                                                   const FitOptions& options) {
   return options.step ? step_trajectories(model, options.fixed, options.box, *options.step)
@@ -57,7 +84,6 @@ FitOptions options_of_windows(const FitOptions& options, const SeriesWindows& wi
                               const SeriesOptions& series) {
   FitOptions result = options;
   result.window.reset();
-  result.profiles = false;
   if (!windows.joined) {
     result.segments.length = std::numeric_limits<double>::max();
   } else if (!result.segments.length) {
@@ -101,6 +127,33 @@ Chosen choose(SeriesFits& fits, std::vector<SmoothnessTrial>& trials) {
   return best;
 }
 
+/// Costs in units of noise compare only where these are the same: levels are found with one smoothness and
+/// held while the likeliest is looked for, until it is the one that they were found with. The first is rough,
+/// since what a smooth series misses would count as noise.
+Chosen choose_with_levels(SeriesFits& fits, const FitResult& constant, std::vector<SmoothnessTrial>& trials) {
+  constexpr double kRough = 0.1;
+  constexpr int kRounds = 5;
+  double factor = kRough;
+  Chosen found;
+  for (int round = 0; round < kRounds; ++round) {
+    found = {factor, fits.fit_with_levels(factor), {}};
+    fits.hold_levels(found.fit.status == FitStatus::failed ? constant : found.fit);
+    trials.clear();
+    Chosen best = choose(fits, trials);
+    if (found.fit.status == FitStatus::failed) {
+      if (best.fit.status == FitStatus::failed) return best;
+    } else {
+      found.judgement = fits.judge(found.fit, factor);
+      if (best.factor == factor) return found;
+    }
+    factor = best.factor;
+  }
+  found.fit.warnings.push_back(
+      "the likeliest smoothness and the noise levels that belong to it still changed each other in the last "
+      "round");
+  return found;
+}
+
 /// By how much errors grow where residuals are correlated; whiteness.h.
 double growth_of_errors(const FitResult& result) {
   if (!result.whiteness || !result.whiteness->p_value || *result.whiteness->p_value > 0.05) return 1.0;
@@ -120,12 +173,19 @@ void add_replay(const models::ModelInfo& model, const FitResult& result, const S
       series.replay[c.name] = c.value;
   }
   // The state of a running mean of frames is before the first of them.
-  if (options.averaged_frames == 1) {
+  const auto holds_at_first_frame = [&](std::string_view name) {
+    return options.averaged_frames == 1 || !name.ends_with("(0)");
+  };
+  const CaptureFit& first = result.captures.front();
+  for (const auto& [name, label] : options.known) {
+    if (holds_at_first_frame(name)) series.replay[name] = io::read_number(first.labels.at(label)).value;
+  }
+  for (const Nuisance& n : first.nuisances) {
+    if (units.contains(n.name) && holds_at_first_frame(n.name)) series.replay[n.name] = n.value;
     constexpr std::string_view kOffset = "offset of ";
-    for (const Nuisance& n : result.captures.front().nuisances) {
-      if (units.contains(n.name)) series.replay[n.name] = n.value;
-      if (n.name.starts_with(kOffset)) series.replay[n.name.substr(kOffset.size()) + "(0)"] += n.value;
-    }
+    if (!n.name.starts_with(kOffset)) continue;
+    const std::string start = n.name.substr(kOffset.size()) + "(0)";
+    if (holds_at_first_frame(start)) series.replay[start] += n.value;
   }
   for (const auto& [name, value] : series.replay) series.replay_units[name] = units.at(name);
 }
@@ -178,6 +238,11 @@ void validate(const SeriesOptions& options) {
     throw ArgumentError(
         "series.coefficients is empty; at least one parameter that changes along the captures was expected");
   }
+  for (const std::string& name : options.coefficients) {
+    if (std::ranges::count(options.coefficients, name) == 1) continue;
+    throw ArgumentError(
+        fmt::format("series.coefficients names \"{}\" twice; each coefficient once was expected", name));
+  }
   const auto require_positive = [](const std::string& field, double value) {
     if (!(value > 0.0 && std::isfinite(value)))
       throw ArgumentError(fmt::format("{} is {}; more than 0 was expected", field, value));
@@ -205,6 +270,7 @@ CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
                              const SeriesOptions& series) {
   validate(options);
   validate(series);
+  check_combination(options, series);
   const models::ModelInfo& info = model->info();
   for (const std::string& name : series.coefficients) check_coefficient(info, options, name);
   const SeriesWindows windows = series_windows(captures, options, series);
@@ -215,17 +281,20 @@ CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
                            .joined = windows.joined,
                            .windows = windows.count,
                            .instants = windows.knots.instants};
-  result.constant = fit(*constant_family(model, options), windows.captures, windowed);
+  const auto family = constant_family(model, options);
+  if (!windows.joined) check_sliding(family->info(), windows, windowed);
+  result.constant = fit(*family, windows.captures, windowed);
   result.message = fmt::format("with constant coefficients: {}", result.constant.message);
   if (result.constant.status == FitStatus::failed) return result;
 
   SeriesFits fits(model, windows, windowed, series, result.constant);
   Chosen chosen;
   if (fits.has_free_scales()) {
-    chosen = choose(fits, result.trials);
+    chosen = fits.estimates_noise() ? choose_with_levels(fits, result.constant, result.trials)
+                                    : choose(fits, result.trials);
     result.factor = chosen.factor;
   } else {
-    chosen.fit = fits.fit_with(1.0);
+    chosen.fit = fits.estimates_noise() ? fits.fit_with_levels(1.0) : fits.fit_with(1.0);
     if (chosen.fit.status != FitStatus::failed) chosen.judgement = fits.judge(chosen.fit, 1.0);
   }
   result.fit = std::move(chosen.fit);

@@ -108,8 +108,9 @@ struct CoefficientSeries {
   std::vector<SmoothnessTrial> trials = {};
   double effective = 0.0;           ///< free values used by all coefficients
   double correlation_factor = 1.0;  ///< by which errors grew because residuals are correlated
-  /// What a replay needs besides: fixed parameters, coefficients that stayed constant, and the state at the
-  /// first frame of the first capture ("s(0)", offsets added to what they shift).
+  /// What a replay needs besides: fixed parameters, coefficients that stayed constant, what is known of the
+  /// first capture or its own, and the state at its first frame ("s(0)", offsets added to what they shift;
+  /// not of averaged frames).
   std::map<std::string, double> replay = {};
   std::map<std::string, std::string> replay_units = {};
 
@@ -119,8 +120,11 @@ struct CoefficientSeries {
 
 /// @param model whose coefficients are fitted  @param options with fixed, box (of the coefficients too) and,
 ///   for fixed steps, step  @param captures their times are on one axis: all see the same series
+/// A search of the box (`global`) and `starts` are for the constant fit, from which the others begin.
 /// @throws ArgumentError as fit(), and for windows longer than half of the captures, coefficients that are no
-///   parameters or not free, and options outside their meaning.
+///   parameters or not free, options outside their meaning, profiles and a bootstrap; where windows slide,
+///   for segments, noise to be estimated, and all that belongs to the start of a capture: states that are not
+///   free, their priors, a camera, and parameters of each capture.
 CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
                              std::span<const Capture> captures, const FitOptions& options,
                              const SeriesOptions& series);

@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "samara/identification/fit.h"
+#include "samara/identification/held_noise.h"
 #include "samara/identification/series_knots.h"
 
 namespace samara::identification {
@@ -65,6 +66,7 @@ SeriesFits::SeriesFits(const std::shared_ptr<const models::Model>& model, const 
                        const FitOptions& options, const SeriesOptions& series, const FitResult& constant)
     : windows_(windows),
       series_(series),
+      noise_(options.noise),
       options_(options_of_knots(options, windows.knots)),
       family_(knot_trajectories(model, options.fixed, options.box, options.step, windows.knots)),
       rows_(difference_rows(windows.knots.instants, series.order, windows.spacing)) {
@@ -90,6 +92,17 @@ bool SeriesFits::has_free_scales() const {
 double SeriesFits::scale(std::size_t c, double factor) const {
   const auto given = series_.scales.find(windows_.knots.coefficients[c]);
   return given == series_.scales.end() ? factor * sizes_[c] : given->second;
+}
+
+void SeriesFits::hold_levels(const FitResult& found) {
+  hold_noise(found, options_);
+}
+
+FitResult SeriesFits::fit_with_levels(double factor) {
+  options_.noise = noise_;
+  FitResult result = fit_with(factor);
+  options_.noise = {};
+  return result;
 }
 
 FitResult SeriesFits::fit_with(double factor) {

@@ -27,7 +27,15 @@ class SeriesFits {
   /// Of the differences of a coefficient.
   double scale(std::size_t c, double factor) const;
 
+  /// Whether noise levels are to be found.
+  bool estimates_noise() const { return noise_.estimated; }
+  /// Loss scales of the following fits: the levels that a fit has found.
+  void hold_levels(const FitResult& found);
+
+  /// With the loss scales that are held.
   FitResult fit_with(double factor);
+  /// With noise levels of its own.
+  FitResult fit_with_levels(double factor);
 
   /// What a fit says of all its values.
   struct Judgement {
@@ -50,6 +58,7 @@ class SeriesFits {
 
   const SeriesWindows& windows_;
   const SeriesOptions& series_;
+  NoiseOptions noise_;
   FitOptions options_;
   std::unique_ptr<TrajectoryFamily> family_;
   Eigen::MatrixXd rows_;

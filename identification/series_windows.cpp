@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/identification/coordinate_names.h"
+#include "samara/identification/fit_problem.h"
 
 namespace samara::identification {
 
@@ -87,6 +89,38 @@ void check_length(std::span<const Capture> captures, const Range& range, const S
 }
 
 }  // namespace
+
+void check_sliding(const FamilyInfo& family, const SeriesWindows& windows, const FitOptions& options) {
+  const FitProblem problem = make_problem(family, windows.captures, options);
+  std::vector<std::string> outputs;
+  for (const FitOutput& output : family.outputs) outputs.push_back(output.name);
+  for (const std::string& state : family.states.empty() ? outputs : family.states) {
+    if (position(problem.own, state + "(0)")) continue;
+    const auto compared = std::ranges::find(problem.outputs, state, &ComparedOutput::name);
+    const bool moves = contains(family.translations, state);
+    if (moves && (compared == problem.outputs.end() || compared->offset)) continue;
+    throw ArgumentError(fmt::format(
+        "series.stride: each window starts with a state of its own, but \"{0}(0)\" is not free in each; a "
+        "box for it{1}, was expected",
+        state, moves ? fmt::format(", or \"{}\" among the offsets", state) : ", not shared, fixed or known"));
+  }
+  for (const FitCoordinate& own : problem.own) {
+    if (own.is_initial) continue;
+    throw ArgumentError(fmt::format(
+        "series.stride: \"{}\" of each capture would be of each window; no per_capture was expected",
+        own.name));
+  }
+  if (problem.camera) {
+    throw ArgumentError(
+        "series.stride: the camera of a capture would be another one in each window; no camera was expected");
+  }
+  for (const OwnPrior& prior : problem.own_priors) {
+    throw ArgumentError(fmt::format(
+        "series.stride: the prior of \"{}\" is of where a capture starts, not of each window; no prior "
+        "was expected",
+        problem.own[static_cast<std::size_t>(prior.own)].name));
+  }
+}
 
 SeriesWindows series_windows(std::span<const Capture> captures, const FitOptions& options,
                              const SeriesOptions& series) {

@@ -7,6 +7,7 @@
 #include "samara/identification/coefficient_series.h"
 #include "samara/identification/fit_options.h"
 #include "samara/identification/series_knots.h"
+#include "samara/identification/trajectory_source.h"
 
 /// Internal to identification/.
 namespace samara::identification {
@@ -25,5 +26,13 @@ struct SeriesWindows {
 ///   hold.
 SeriesWindows series_windows(std::span<const Capture> captures, const FitOptions& options,
                              const SeriesOptions& series);
+
+/// For windows that slide: what is said of the start of a capture holds for none of them but the first.
+/// @param windows not joined  @param options of the windows
+/// @throws ArgumentError if a state is not free in each window (what the motion does not depend on may have
+/// an
+///   offset instead, or not be compared), for other coordinates of each capture, priors of initial values,
+///   and a camera.
+void check_sliding(const FamilyInfo& family, const SeriesWindows& windows, const FitOptions& options);
 
 }  // namespace samara::identification

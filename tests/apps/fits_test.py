@@ -171,6 +171,16 @@ class Series(Case):
             self.assertLess(abs(value - (3.0 + 0.8 * math.sin(2 * math.pi * t / 1.2))), 4 * error)
         self.assertGreater(max(lift["values"]) - min(lift["values"]), 1.0)
 
+    def test_estimated_noise_does_not_hide_the_change(self):
+        answer = FOLDER / "estimated.json"
+        config = write("estimated.toml", 'noise = "estimated"\n' + (self.FILES / "series.toml").read_text())
+        result = run("fit", "falling_plate", self.FILES / "plate.csv", "--config", config, "-o", answer)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertNotIn("no change", result.stderr)
+        lift, = json.loads(answer.read_text())["series"]
+        for t, value, error in zip(json.loads(answer.read_text())["instants"], lift["values"], lift["standard_errors"]):
+            self.assertLess(abs(value - (3.0 + 0.8 * math.sin(2 * math.pi * t / 1.2))), 4 * error)
+
     def test_info_and_query_know_the_codebook(self):
         path, answer = self.series()
         info = json.loads(run("info", path, "--json").stdout)
@@ -192,6 +202,9 @@ class Series(Case):
         constant = self.distance(run("simulate", "falling_plate", *sum((["--set", f"{k}={v!r}"] for k, v in sets.items()), []), *end))
         self.assertLess(replay, 1e-3)
         self.assertGreater(constant, 2 * replay)
+        # Ends of measured times are rounded.
+        later = str(math.nextafter(answer["instants"][-1], math.inf))
+        self.assertEqual(run("simulate", "falling_plate", "--coefficients", path, "--until", later, "--frames", "2").returncode, 0)
 
     def test_what_cannot_be_replayed_is_one_sentence(self):
         path, _ = self.series()
@@ -200,15 +213,36 @@ class Series(Case):
         self.check_error(run("simulate", "falling_rectangle", "--coefficients", path), 3, "series.h5", "coefficients of falling_plate")
         self.check_error(run("simulate", "vertical_fall", "--coefficients", book("coin", COIN_PLAN)), 3, "coin.h5", "time alone")
 
+    def test_a_series_has_no_equations_to_be_certified_by(self):
+        path, _ = self.series()
+        self.check_error(run("validate", path), 3, "series.h5", "coefficients of falling_plate", "no equations")
+
+    def test_the_replay_of_a_series_that_missed_its_tolerance_says_so(self):
+        path, _ = self.series()
+        self.assertEqual(run("simulate", "falling_plate", "--coefficients", path, "--until", "1").stderr, "")
+        missed = FOLDER / "missed.h5"
+        config = write("missed.toml", "max_iterations = 1\n" + (self.FILES / "series.toml").read_text())
+        result = run("fit", "falling_plate", self.FILES / "plate.csv", "--config", config, "--series", missed)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertTrue(missed.exists(), result.stderr)
+        result = run("simulate", "falling_plate", "--coefficients", missed, "--until", "1")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("missed its tolerance", result.stderr)
+
     def test_a_series_that_cannot_be_is_one_sentence(self):
         text = (self.FILES / "series.toml").read_text()
         for old, new, words in [('"80 ms"', '"3 s"', ["series.window is 3 s", "lasts"]),
                                 ('["C_R"]', "[]", ["coefficients", "empty"]),
+                                ('["C_R"]', '["C_R", "C_R"]', ["C_R", "twice"]),
                                 ('["C_R"]', '["C_r"]', ["C_r", "did you mean"]),
                                 ('["C_R"]', '["A"]', ['"A" is fixed'])]:
             self.assertIn(old, text)
             config = write("series.toml", text.replace(old, new))
             self.check_error(run("fit", "falling_plate", self.FILES / "plate.csv", "--config", config), 3, "series.toml", *words)
+        for line in ["profiles = true", "bootstrap = 20"]:
+            config = write("series.toml", f"{line}\n{text}")
+            self.check_error(run("fit", "falling_plate", self.FILES / "plate.csv", "--config", config), 3, "series.toml", line.split()[0])
+        self.check_error(self.fitted("--profiles"), 2, "--profiles", "[series]")
         plain = write("plain.toml", text.split("[series]")[0])
         self.check_error(run("fit", "falling_plate", self.FILES / "plate.csv", "--config", plain, "--series", FOLDER / "s.h5"), 2,
                          "--series", "[series]")

@@ -178,6 +178,33 @@ TEST_CASE("a coefficient that does not change is a straight line within its erro
   CHECK(std::ranges::count(series.coefficients[0].basis, InstantBasis::neighbours) >= 10);
 }
 
+TEST_CASE("noise levels that are estimated choose the smoothness that known ones choose") {
+  FitOptions known = plate_options();
+  known.step = 0.067;  // a frame interval: many fits
+  FitOptions estimated = known;
+  estimated.loss.scales.clear();
+  estimated.noise.estimated = true;
+  const SeriesOptions windows = {.coefficients = {"C_R"}, .window = 0.8};
+  const auto series_by = [&](const FitOptions& options, double height) {
+    return fit_series(find_model("falling_plate_nd"), std::vector{fluttering(height, 5)}, options, windows);
+  };
+  const auto height = GENERATE(0.6, 0.0);
+  const CoefficientSeries series = series_by(estimated, height);
+  INFO(series.message);
+  REQUIRE(series.status == FitStatus::converged);
+  CHECK(misses(series, height) == 0);
+  REQUIRE(series.fit.noise.size() == 3);
+  // Of 120 values a level is known to 1/sqrt(240).
+  for (const NoiseLevel& level : series.fit.noise) CHECK_THAT(level.value, WithinAbs(kNoise, 0.26 * kNoise));
+  if (height == 0.0) {
+    CHECK(series.effective < 4.0);
+  } else {
+    const CoefficientSeries reference = series_by(known, height);
+    CHECK(series.factor == reference.factor);
+    CHECK_THAT(series.effective, WithinAbs(reference.effective, 0.5));
+  }
+}
+
 TEST_CASE("windows that slide recover the coefficient too, with start states of their own") {
   const CoefficientSeries series =
       series_of(fluttering(0.6, 7), {.coefficients = {"C_R"}, .window = 1.6, .stride = 0.8});
@@ -213,6 +240,79 @@ TEST_CASE("differences do not depend on how instants are spaced where the course
              WithinAbs(0.0, 1e-14));
 }
 
+TEST_CASE("a replay has what is known of the capture, and what is its own where frames are means too") {
+  const SeriesOptions given = {.coefficients = {"C_R"}, .window = 0.8, .scales = {{"C_R", 0.1}}};
+  FitOptions options = plate_options();
+  options.fixed.erase("mu1");
+  options.box["mu1"] = {0.1, 0.4};
+  Capture capture = fluttering(0.6, 5);
+  {
+    FitOptions known = options;
+    known.known = {{"mu1", "friction"}};
+    capture.labels["friction"] = "0.2";
+    const auto series = fit_series(find_model("falling_plate_nd"), std::vector{capture}, known, given);
+    REQUIRE(series.status == FitStatus::converged);
+    REQUIRE(series.replay.contains("mu1"));
+    CHECK(series.replay.at("mu1") == 0.2);
+    CHECK(series.replay_units.at("mu1") == "1");
+    CHECK(distance(series, capture, false) < 3.0 * kNoise);
+  }
+  options.per_capture = {"mu1"};
+  options.averaged_frames = 3;
+  const auto series = fit_series(find_model("falling_plate_nd"), std::vector{capture}, options, given);
+  INFO(series.message);
+  REQUIRE(series.status != FitStatus::failed);
+  CHECK(series.replay.contains("mu1"));
+  // The state is half a mean before the first frame.
+  CHECK_FALSE(series.replay.contains("theta(0)"));
+  CHECK_FALSE(series.replay.contains("x(0)"));
+}
+
+TEST_CASE("what is asked of constant coefficients or joined segments is refused where there is no answer") {
+  const SeriesOptions joined = {.coefficients = {"C_R"}, .window = 0.8};
+  SeriesOptions sliding = joined;
+  sliding.stride = 0.4;
+  const auto with = [&](const SeriesOptions& series, auto change) {
+    FitOptions options = plate_options();
+    change(options);
+    return error_of(options, series);
+  };
+  CHECK_THAT(with(joined, [](FitOptions& o) { o.profiles = true; }), Contains("profiles or a series"));
+  CHECK_THAT(with(joined, [](FitOptions& o) { o.bootstrap.replicates = 20; }),
+             Contains("20 replicates") && Contains("bootstrap or a series"));
+  CHECK_THAT(with(sliding, [](FitOptions& o) { o.segments.length = 0.8; }),
+             Contains("segments of 0.8 s and a series.stride"));
+  CHECK_THAT(with(sliding, [](FitOptions& o) { o.noise.estimated = true; }),
+             Contains("noise is not estimated where windows slide"));
+}
+
+TEST_CASE("what belongs to the start of a capture is not applied to each window that slides") {
+  const SeriesOptions sliding = {.coefficients = {"C_R"}, .window = 0.8, .stride = 0.4};
+  const auto with = [&](auto change) {
+    FitOptions options = plate_options();
+    change(options);
+    return error_of(options, sliding);
+  };
+  const auto not_free = Contains("\"theta(0)\" is not free in each");
+  CHECK_THAT(with([](FitOptions& o) {
+               o.box.erase("theta(0)");
+               o.fixed["theta(0)"] = 0.6;
+             }),
+             not_free);
+  CHECK_THAT(with([](FitOptions& o) { o.shared = {"theta(0)"}; }), not_free);
+  CHECK_THAT(with([](FitOptions& o) { o.box.erase("theta(0)"); }), not_free);
+  CHECK_THAT(with([](FitOptions& o) { o.offsets = {{"x"}}; }),
+             Contains("\"y(0)\" is not free in each") && Contains("\"y\" among the offsets"));
+  CHECK_THAT(with([](FitOptions& o) { o.priors["w(0)"] = {0.0, 0.1}; }), Contains("the prior of \"w(0)\""));
+  CHECK_THAT(with([](FitOptions& o) {
+               o.fixed.erase("mu1");
+               o.box["mu1"] = {0.1, 0.4};
+               o.per_capture = {"mu1"};
+             }),
+             Contains("\"mu1\" of each capture"));
+  CHECK_THAT(with([](FitOptions& o) { o.camera.scale = 0.02; }), Contains("camera"));
+}
+
 TEST_CASE("what a series cannot be is one sentence") {
   const SeriesOptions good = {.coefficients = {"C_R"}, .window = 0.8};
   const auto with = [&](auto change) {
@@ -224,6 +324,7 @@ TEST_CASE("what a series cannot be is one sentence") {
              Contains("series.window is 9 s, but capture \"plate\" lasts 8 s"));
   CHECK_THAT(with([](SeriesOptions& s) { s.coefficients.clear(); }),
              Contains("series.coefficients is empty"));
+  CHECK_THAT(with([](SeriesOptions& s) { s.coefficients = {"C_R", "C_R"}; }), Contains("\"C_R\" twice"));
   CHECK_THAT(with([](SeriesOptions& s) { s.coefficients = {"C_r"}; }),
              Contains("no parameter \"C_r\"") && Contains("did you mean"));
   CHECK_THAT(with([](SeriesOptions& s) { s.coefficients = {"A"}; }), Contains("\"A\" is fixed"));
