@@ -160,8 +160,8 @@ void suspect_span(const Channel& channel, const SeenValues& seen, Sentences& fou
 /// One for all positions: the length of the acceleration says it, whatever the axes.
 void suspect_acceleration(const Capture& capture, Sentences& found) {
   constexpr double kMost = 5.0;  // times gravity
-  // Windows are wide: of a long recording some of the frames say the same, in a bearable time.
-  constexpr Index kFrames = 500;
+  // Windows are wide: some of the frames say the same, in a time that every fit can bear.
+  constexpr Index kFrames = 40;
   const Index stride = 1 + capture.times.size() / kFrames;
   const Eigen::VectorXd times = capture.times(Eigen::seq(0, capture.times.size() - 1, stride));
   const SmoothingOptions options{
