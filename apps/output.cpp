@@ -96,11 +96,15 @@ std::string unit_suffix(const std::string& unit) {
 
 Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {
   Json object = {{"met", c.met},
+                 {"verdict", codebooks::verdict(c)},
                  {"tolerance", c.tolerance},
                  {"max_error", c.max_error},
                  {"points", c.points},
                  {"times", c.times},
                  {"failed_points", c.failed_points},
+                 {"wrong_points", nullptr},
+                 {"share_above", nullptr},
+                 {"climbed_points", c.climbed_points},
                  {"seed", c.seed},
                  {"integrator", c.integrator},
                  {"integrator_tolerance", c.integrator_tolerance},
@@ -111,6 +115,10 @@ Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {
                    {"nonlinearity", c.spent.nonlinearity}}},
                  {"norm_defect", nullptr},
                  {"outputs", Json::array()}};
+  if (c.wrong_points) {
+    object["wrong_points"] = *c.wrong_points;
+    object["share_above"] = codebooks::share_above(*c.wrong_points, c.points);
+  }
   if (c.norm_defect) object["norm_defect"] = {{"max", c.norm_defect->max}, {"rms", c.norm_defect->rms}};
   for (const codebooks::OutputError& o : c.outputs) {
     Json worst = Json::object();
@@ -140,13 +148,22 @@ std::string shown(double value, const char* format, const std::string& suffix = 
 std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook& book) {
   std::string text =
       fmt::format("certificate: {}, largest error {} (asked for {:.3g}) at {} points{}\n",
-                  c.met ? "met" : "MISSED", shown(c.max_error, "{:.3g}"), c.tolerance, c.points,
-                  book.has_time() ? fmt::format(" x {} times", c.times) : std::string());
+                  c.met ? codebooks::verdict(c) : "MISSED", shown(c.max_error, "{:.3g}"), c.tolerance,
+                  c.points, book.has_time() ? fmt::format(" x {} times", c.times) : std::string());
   if (c.failed_points > 0) {
     text += fmt::format("  {} points {}{}{}\n", c.failed_points,
                         book.is_of_command() ? "have no answer" : "could not be integrated",
                         c.failure.empty() ? "" : ", the first with: ", c.failure);
   }
+  if (c.wrong_points) {
+    text +=
+        fmt::format("  with 95 % confidence at most {:.2g} % of the box errs by more: {} of {} points do\n",
+                    100.0 * codebooks::share_above(*c.wrong_points, c.points),
+                    *c.wrong_points == 0 ? "none" : std::to_string(*c.wrong_points), c.points);
+  }
+  if (c.climbed_points > 0)
+    text += fmt::format("  {} climbs went from the worst points to what is largest around them\n",
+                        c.climbed_points);
   text += book.is_of_command() ? fmt::format("  against {}; seed {}\n", c.integrator, c.seed)
                                : fmt::format("  against {}, relative tolerance {:.0e}; seed {}\n",
                                              c.integrator, c.integrator_tolerance, c.seed);

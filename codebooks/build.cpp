@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <ctime>
+#include <functional>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -17,8 +18,8 @@
 #include "samara/base/version.h"
 #include "samara/codebooks/call_memory.h"
 #include "samara/codebooks/certify.h"
-#include "samara/codebooks/certify_calls.h"
 #include "samara/codebooks/compaction.h"
+#include "samara/codebooks/measure.h"
 #include "samara/codebooks/pgd_builder.h"
 #include "samara/codebooks/sampling_builder.h"
 
@@ -72,8 +73,9 @@ std::string sentence(const BuildRecord& record, const Certificate& certificate, 
                        certificate.points - certificate.failed_points, certificate.points);
   }
   if (certificate.met) {
-    return fmt::format("certified: largest error {:.3g} <= {:.3g} at {} points", certificate.max_error,
-                       certificate.tolerance, certificate.points);
+    return fmt::format("certified: {}largest error {:.3g} <= {:.3g} at {} points",
+                       certificate.points < kCertificatePoints ? verdict(certificate) + ", " : "",
+                       certificate.max_error, certificate.tolerance, certificate.points);
   }
   if (certificate.failed_points > 0) {
     return fmt::format("the certificate is incomplete: {} of {} {}{}{}", certificate.failed_points,
@@ -121,11 +123,93 @@ CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& 
   }
 }
 
+CertifyOptions certify_options(const Plan& plan, const BuildOptions& options,
+                               const ProgressCallback& progress) {
+  CertifyOptions result;
+  result.points = options.certificate_points.value_or(plan.certificate_points());
+  result.seed = options.certificate_seed.value_or(plan.certificate_seed());
+  result.tolerance = plan.relative;
+  result.absolute = plan.absolute;
+  result.threads = plan.builder.threads;
+  result.progress = progress;
+  return result;
+}
+
+/// Certifies what a build comes up with, each time on points that it has not seen.
+class Certifier {
+ public:
+  using Measure = std::function<Measured(const Codebook&, const CertifyOptions&, Extent)>;
+
+  Certifier(CertifyOptions options, Measure measure)
+      : options_(std::move(options)), measure_(std::move(measure)) {}
+
+  CertifyOptions& options() { return options_; }
+
+  Measured operator()(const Codebook& book, Extent extent) {
+    Measured measured = measure_(book, options_, extent);
+    ++options_.seed;
+    return measured;
+  }
+
+ private:
+  CertifyOptions options_;
+  Measure measure_;
+};
+
+/// A plan on its way to a codebook.
+struct Build {
+  const Plan& plan;
+  const BuildOptions& options;
+  const ProgressCallback& progress;
+  const bool& cancelled;
+  ModelDescription model;
+  Certifier certifier;
+  Clock::time_point begin = Clock::now();
+
+  Codebook book_of(Solution solution) const {
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    return Codebook(model, std::move(solution.pieces), std::move(solution.record),
+                    provenance_of(plan, seconds), {}, plan.title);
+  }
+
+  Solution solve_by_sampling(CallMemory& calls, long max_calls) {
+    const CertifyClaim certify_claim = [this](const pgd::TrainField& field) {
+      return certifier(book_of({{Piece{{field}}}, {}, {}, 0.0}), Extent::until_wrong);
+    };
+    return codebooks::solve_by_sampling(plan, calls, max_calls, progress, certify_claim);
+  }
+
+  /// The codebook with its certificate, a fresh one unless the solution brings its own.
+  BuildResult certified(Solution solution) {
+    std::optional<Certificate> certificate = std::move(solution.certificate);
+    const double residual = solution.residual;
+    const ErrorBudget spent = solution.spent;
+    const Codebook book = book_of(std::move(solution));
+    if (!certificate) certificate = certifier(book, Extent::all_points).certificate;
+    return finished(book, residual, spent, std::move(*certificate));
+  }
+
+ private:
+  BuildResult finished(const Codebook& book, double residual, const ErrorBudget& spent,
+                       Certificate certificate) const {
+    const BuildRecord& record = book.build();
+    certificate.met = certificate.met && record.status == "converged";
+    certificate.residual = residual;
+    certificate.spent = spent;
+    if (record.status == "failed") certificate.failure = record.message;
+    const bool met = certificate.met;
+    const bool of_command = book.is_of_command();
+    std::string message = sentence(record, certificate, of_command, cancelled);
+    const bool has_failed = of_command && (record.status == "failed" || certificate.failed_points > 0);
+    return {book.with_certificate(std::move(certificate)), met, std::move(message), cancelled || has_failed};
+  }
+};
+
 /// Nothing where the engine has no result or refuses the plan: what sampling found must not be lost for it.
-std::optional<Solution> engine_trial(const Plan& plan, const models::ParametricModel& model,
-                                     const BuildOptions& options, const ProgressCallback& progress) {
+std::optional<Solution> engine_trial(const Build& build, const models::ParametricModel& model) {
   try {
-    return solve_by_pgd(plan, model, options, at_most(plan, kTrialEvaluations), progress);
+    return solve_by_pgd(build.plan, model, build.options, at_most(build.plan, kTrialEvaluations),
+                        build.progress);
   } catch (const NoResultError&) {
     return std::nullopt;
   } catch (const ArgumentError&) {
@@ -135,130 +219,116 @@ std::optional<Solution> engine_trial(const Plan& plan, const models::ParametricM
 
 /// Kind "auto": sampling, whose cost is known before it is spent, has the first trial, the PGD engine the
 /// second. Both are counted, not timed, so that the choice is the same everywhere.
-Solution solve_by_trial(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
-                        const ProgressCallback& progress, const bool& cancelled) {
+Solution solve_by_trial(Build& build, const models::ParametricModel& model) {
+  const Plan& plan = build.plan;
   if (plan.prescribes_axes()) {
-    return chosen(solve_by_pgd(plan, model, options, plan.builder.max_calls, progress),
+    return chosen(solve_by_pgd(plan, model, build.options, plan.builder.max_calls, build.progress),
                   "the plan prescribes an axis, and sampling chooses its own");
   }
-  CallMemory calls = calls_of(plan, model_source(plan, model), options);
-  Solution first = solve_by_sampling(plan, calls, at_most(plan, kTrialTrajectories), progress);
+  CallMemory calls = calls_of(plan, model_source(plan, model), build.options);
+  Solution first = build.solve_by_sampling(calls, at_most(plan, kTrialTrajectories));
   const std::string& status = first.record.status;
   if (status == "converged")
     return chosen(std::move(first),
                   fmt::format("it needed no more than the {} trajectories of its trial", kTrialTrajectories));
   // Where there is no trajectory, no builder finds a solution.
-  if (cancelled || status == "failed" || status == "not_finite") return first;
-  std::optional<Solution> second = engine_trial(plan, model, options, progress);
+  if (build.cancelled || status == "failed" || status == "not_finite") return first;
+  std::optional<Solution> second = engine_trial(build, model);
   const std::string failed = fmt::format("sampling did not converge ({})", status);
   if (second && second->record.status == "converged") return chosen(std::move(*second), failed);
   const std::string neither = "neither builder converged in its trial, and the calls of sampling are bounded";
-  if (cancelled || status != "max_calls") return chosen(std::move(first), neither);
-  return chosen(solve_by_sampling(plan, calls, at_most(plan, kMostSampledCalls), progress), neither);
+  if (build.cancelled || status != "max_calls") return chosen(std::move(first), neither);
+  return chosen(build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls)), neither);
 }
 
-Solution solve(const Plan& plan, const models::ParametricModel& model, const BuildOptions& options,
-               const ProgressCallback& progress, const bool& cancelled) {
-  if (plan.builder.kind == "pgd") return solve_by_pgd(plan, model, options, plan.builder.max_calls, progress);
-  if (plan.builder.kind == "auto") return solve_by_trial(plan, model, options, progress, cancelled);
-  CallMemory calls = calls_of(plan, model_source(plan, model), options);
-  return solve_by_sampling(plan, calls, at_most(plan, kMostSampledCalls), progress);
-}
-
-CertifyOptions certify_options(const Plan& plan, const BuildOptions& options,
-                               const ProgressCallback& progress) {
-  CertifyOptions result;
-  result.points = plan.command ? plan.command->certificate_points : options.certificate_points;
-  result.seed = options.certificate_seed;
-  result.tolerance = plan.relative;
-  result.absolute = plan.absolute;
-  result.threads = plan.builder.threads;
-  result.progress = progress;
-  return result;
-}
-
-/// A codebook that waits for its certificate.
-struct Uncertified {
-  Codebook book;
-  double residual = 0.0;
-  ErrorBudget spent;
-};
-
-Uncertified book_of(const Plan& plan, ModelDescription model, Solution solution, Clock::time_point begin) {
-  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-  return {Codebook(std::move(model), std::move(solution.pieces), std::move(solution.record),
-                   provenance_of(plan, seconds), {}, plan.title),
-          solution.residual, solution.spent};
-}
-
-BuildResult finished(const Uncertified& built, Certificate certificate, bool cancelled) {
-  const BuildRecord& record = built.book.build();
-  certificate.met = certificate.met && record.status == "converged";
-  certificate.residual = built.residual;
-  certificate.spent = built.spent;
-  const bool met = certificate.met;
-  const bool of_command = built.book.is_of_command();
-  std::string message = sentence(record, certificate, of_command, cancelled);
-  const bool has_failed = of_command && (record.status == "failed" || certificate.failed_points > 0);
-  return {built.book.with_certificate(std::move(certificate)), met, std::move(message),
-          cancelled || has_failed};
+Solution solve(Build& build, const models::ParametricModel& model) {
+  const Plan& plan = build.plan;
+  if (plan.builder.kind == "pgd")
+    return solve_by_pgd(plan, model, build.options, plan.builder.max_calls, build.progress);
+  if (plan.builder.kind == "auto") return solve_by_trial(build, model);
+  CallMemory calls = calls_of(plan, model_source(plan, model), build.options);
+  return build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls));
 }
 
 BuildResult build_of_model(const Plan& plan, const BuildOptions& options, const ProgressCallback& progress,
                            const bool& cancelled) {
-  const Clock::time_point begin = Clock::now();
   const models::ParametricModel model = plan.parametric_model();
-  const Solution solved = solve(plan, model, options, progress, cancelled);
-  const auto certified = [&](Solution solution) {
-    const Uncertified built = book_of(plan, describe(model), std::move(solution), begin);
-    Certificate certificate = certify(built.book, model, certify_options(plan, options, progress));
-    return finished(built, std::move(certificate), cancelled);
-  };
+  Build build{plan,
+              options,
+              progress,
+              cancelled,
+              describe(model),
+              {certify_options(plan, options, progress),
+               [&](const Codebook& book, const CertifyOptions& certify_by, Extent extent) {
+                 return measure(book, model, certify_by, extent);
+               }}};
+  Solution solved = solve(build, model);
   // Fewer numbers must not cost the certificate.
   for (const double share : {0.9, 0.4}) {
     std::optional<Solution> compact = compacted(
         solved,
         {.tolerance = plan.relative, .share = share, .absolute = plan.absolute, .seed = plan.builder.seed});
     if (!compact) break;
-    BuildResult result = certified(std::move(*compact));
+    BuildResult result = build.certified(std::move(*compact));
     if (result.met || cancelled) return result;
   }
-  return certified(solved);
+  return build.certified(std::move(solved));
 }
 
 /// A command that has failed is not called again for the certificate.
-BuildResult build_of_command(const Plan& plan, const BuildOptions& options, const ProgressCallback& progress,
+BuildResult build_of_command(const Plan& plan, const pgd::PointsFunction& function,
+                             const BuildOptions& options, const ProgressCallback& progress,
                              const bool& cancelled) {
-  const Clock::time_point begin = Clock::now();
-  CallMemory calls = calls_of(plan, command_source(plan), options);
-  const Uncertified built =
-      book_of(plan, describe(plan),
-              solve_by_sampling(plan, calls, at_most(plan, kMostSampledCalls), progress), begin);
-  const BuildRecord& record = built.book.build();
-  CertifyOptions certify_by = certify_options(plan, options, progress);
-  if (record.status == "failed") certify_by.progress = [](const Progress&) { return false; };
-  Certificate certificate = certify(built.book, calls, certify_by);
+  CallMemory calls = calls_of(plan, command_source(plan, function), options);
+  Build build{plan,
+              options,
+              progress,
+              cancelled,
+              describe(plan),
+              {certify_options(plan, options, progress),
+               [&](const Codebook& book, CertifyOptions certify_by, Extent extent) {
+                 if (!options.certificate_points)
+                   certify_by.points =
+                       plan.certificate_points(calls.seconds_per_call(), static_cast<double>(calls.calls()));
+                 return measure(book, calls, certify_by, extent);
+               }}};
+  Solution solved = build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls));
+  if (solved.record.status == "failed")
+    build.certifier.options().progress = [](const Progress&) { return false; };
+  BuildResult result = build.certified(std::move(solved));
   calls.save();
-  if (record.status == "failed") certificate.failure = record.message;
-  return finished(built, std::move(certificate), cancelled);
+  return result;
 }
 
-}  // namespace
-
-BuildResult build(const Plan& plan, const BuildOptions& options) {
+/// @param function instead of the command of the plan; empty: none
+BuildResult built(const Plan& plan, const pgd::PointsFunction& function, const BuildOptions& options) {
   // Once cancelled, always cancelled: neither solver nor certificate ask again.
   bool cancelled = false;
   ProgressCallback progress;
   if (options.progress) {
     progress = [&](const Progress& report) { return !(cancelled = cancelled || !options.progress(report)); };
   }
-  BuildResult result = plan.command ? build_of_command(plan, options, progress, cancelled)
+  BuildResult result = plan.command ? build_of_command(plan, function, options, progress, cancelled)
                                     : build_of_model(plan, options, progress, cancelled);
   if (!options.checkpoint.empty() && !options.keep_checkpoint && !result.resumable) {
     std::error_code ignored;
     std::filesystem::remove(options.checkpoint, ignored);
   }
   return result;
+}
+
+}  // namespace
+
+BuildResult build(const Plan& plan, const BuildOptions& options) {
+  return built(plan, {}, options);
+}
+
+BuildResult build(const Plan& plan, const pgd::PointsFunction& function, const BuildOptions& options) {
+  if (!plan.command)
+    throw ArgumentError(
+        fmt::format("the plan {} has no command for which a function could answer", plan.source));
+  if (!function) throw ArgumentError("a build from no function: an empty one was given");
+  return built(plan, function, options);
 }
 
 }  // namespace samara::codebooks

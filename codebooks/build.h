@@ -9,10 +9,12 @@
 #include "samara/base/progress.h"
 #include "samara/codebooks/codebook.h"
 #include "samara/codebooks/plan.h"
+#include "samara/pgd/sampling.h"
 
 /// Builds the codebook of a plan, by the PGD engine, which integrates no trajectory, or by sampling
 /// trajectories, and then certifies it against one integrator on points that the builder did not see. A
-/// command is sampled, and certified against itself.
+/// command is sampled, and certified against itself. Only the command of the plan given is ever run: nothing
+/// that stands in a codebook or a checkpoint is.
 ///
 /// Usage:
 ///   const BuildResult result = build(read_plan("coin.toml"));
@@ -21,8 +23,8 @@
 namespace samara::codebooks {
 
 struct BuildOptions {
-  int certificate_points = 2000;  ///< of models; a plan of a command has its own
-  std::uint64_t certificate_seed = 2026;
+  std::optional<int> certificate_points = {};          ///< instead of Plan::certificate_points()
+  std::optional<std::uint64_t> certificate_seed = {};  ///< instead of Plan::certificate_seed()
   /// Where to keep the engine's state between rounds and the calls of sampling; empty: nowhere. The file is
   /// removed when the build is done; one that was cancelled leaves it, and one whose command failed.
   std::filesystem::path checkpoint = {};
@@ -49,5 +51,10 @@ struct BuildResult {
 /// another plan; NoResultError if a command fails, or may not be called often enough, before there is any
 /// result.
 BuildResult build(const Plan& plan, const BuildOptions& options = {});
+
+/// The same of a plan with a command, where a function answers instead of the program: in its columns stand
+/// the inputs of [command] in order and the times, if the plan has any; outputs come first, then times.
+/// @throws ArgumentError if the plan has no command, or the function is empty
+BuildResult build(const Plan& plan, const pgd::PointsFunction& function, const BuildOptions& options = {});
 
 }  // namespace samara::codebooks

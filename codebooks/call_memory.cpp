@@ -67,8 +67,8 @@ Eigen::MatrixXd CallMemory::operator()(const Eigen::MatrixXd& points, const std:
   for (Eigen::Index j = 0; j < points.cols(); ++j) {
     if (!places_[sheet].contains(key(j)) && asked.insert(key(j)).second) missing.push_back(j);
   }
-  for (std::size_t first = 0; first < missing.size(); first += static_cast<std::size_t>(source_.batch)) {
-    const std::size_t end = std::min(first + static_cast<std::size_t>(source_.batch), missing.size());
+  for (std::size_t first = 0, end = 0; first < missing.size(); first = end) {
+    end = std::min(first + next_batch(), missing.size());
     const std::vector<Eigen::Index> chosen(missing.begin() + static_cast<std::ptrdiff_t>(first),
                                            missing.begin() + static_cast<std::ptrdiff_t>(end));
     ask(points(Eigen::all, chosen), sheet);
@@ -83,13 +83,24 @@ Eigen::MatrixXd CallMemory::operator()(const Eigen::MatrixXd& points, const std:
   return values;
 }
 
+std::size_t CallMemory::next_batch() const {
+  constexpr double kFirst = 16.0;
+  const double expected = calls_ == 0 ? kFirst : source_.batch_seconds / last_seconds_per_call_;
+  return static_cast<std::size_t>(std::clamp(expected, 1.0, static_cast<double>(source_.batch)));
+}
+
 void CallMemory::ask(const Eigen::MatrixXd& points, std::size_t sheet) {
   const std::size_t coordinates = source_.coordinates.size();
   for (Eigen::Index j = 0; j < points.cols(); ++j) {
     const auto failed = failures_.find(key_of(points.col(j).data(), coordinates));
     if (failed != failures_.end()) throw CallFailed(failed->second, points.col(j));
   }
+  const Clock::time_point begin = Clock::now();
   SampledAnswers answers = source_.answers(points, sheets_[sheet].times);
+  const std::chrono::duration<double> took = Clock::now() - begin;
+  asked_for_ += took;
+  calls_ += answers.values.cols();
+  last_seconds_per_call_ = took.count() / static_cast<double>(points.cols());
   for (Eigen::Index j = 0; j < answers.values.cols(); ++j) {
     if (answers.values.col(j).allFinite()) continue;
     answers.failure = not_finite(source_, answers.values.col(j), sheets_[sheet].times);

@@ -88,6 +88,16 @@ Certificate read_certificate(const Hdf5Reader& file) {
   c.points = count_attribute(file, path, "points");
   c.times = count_attribute(file, path, "times");
   c.failed_points = count_attribute(file, path, "failed_points");
+  if (file.has_attribute(path, "wrong_points")) {
+    c.wrong_points = count_attribute(file, path, "wrong_points");
+    if (*c.wrong_points > c.points || (c.met && *c.wrong_points > 0)) {
+      throw file.error(path,
+                       fmt::format("wrong_points is {}, expected {}", *c.wrong_points,
+                                   c.met ? "0 where met is 1" : fmt::format("at most points, {}", c.points)));
+    }
+  }
+  if (file.has_attribute(path, "climbed_points"))
+    c.climbed_points = count_attribute(file, path, "climbed_points");
   const CertificateNumbers number{file, c.met, c.failed_points < c.points};
   c.max_error = number(path, "max_error");
   if (c.met && !(c.max_error <= c.tolerance)) {

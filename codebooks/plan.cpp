@@ -11,8 +11,10 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/codebooks/certificate.h"
 #include "samara/codebooks/plan_command.h"
 #include "samara/io/toml_document.h"
+#include "samara/pgd/random.h"
 
 namespace samara::codebooks {
 
@@ -168,7 +170,7 @@ BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::str
 void read_tolerance(const TomlTable& root, const Subject& subject, Plan& plan) {
   const auto table = root.optional_table("tolerance");
   if (!table) return;
-  table->expect_keys({"relative", "absolute"});
+  table->expect_keys({"relative", "absolute", "assurance"});
   plan.relative = table->optional_number("relative").value_or(plan.relative);
   if (!(plan.relative > 0.0 && plan.relative < 1.0)) {
     throw table->error("relative", fmt::format("is {}, expected more than 0 and less than 1", plan.relative));
@@ -178,6 +180,12 @@ void read_tolerance(const TomlTable& root, const Subject& subject, Plan& plan) {
                        fmt::format("is {}, expected at least {}, which is what the integrator can "
                                    "certify",
                                    plan.relative, kLeastTolerance));
+  }
+  plan.assurance = table->optional_number("assurance");
+  constexpr double kLeastAssurance = 0.7, kMostAssurance = 0.999997;  // 10 and a million points
+  if (plan.assurance && !(*plan.assurance >= kLeastAssurance && *plan.assurance <= kMostAssurance)) {
+    throw table->error("assurance", fmt::format("is {}, expected {} to {}: a share of the box",
+                                                *plan.assurance, kLeastAssurance, kMostAssurance));
   }
   const auto absolute = table->optional_table("absolute");
   if (!absolute) return;
@@ -228,6 +236,18 @@ void check_builder_fits(const TomlTable& root, const Plan& plan) {
         entry.name, fmt::format("prescribes {}, but the builder of kind \"sampling\" chooses that by itself",
                                 entry.nodes ? "nodes" : "a basis"));
   }
+}
+
+/// A command may be called no oftener for the certificate than for the build.
+void check_assurance_is_allowed(const TomlTable& root, const Plan& plan) {
+  if (!plan.command || !plan.assurance || plan.builder.max_calls == 0) return;
+  const int points = plan.certificate_points();
+  if (points <= plan.builder.max_calls) return;
+  throw root.table("tolerance")
+      .error("assurance",
+             fmt::format("is {}, which takes {} points, more than the {} calls that max_calls of "
+                         "[builder] allows",
+                         *plan.assurance, points, plan.builder.max_calls));
 }
 
 /// What is given for a coordinate, fixed or free.
@@ -281,6 +301,28 @@ void check_complete(const TomlTable& root, const Plan& plan) {
 
 }  // namespace
 
+int Plan::certificate_points(double seconds_per_call, double calls) const {
+  constexpr double kLongCall = 60.0;  // s
+  constexpr double kFewest = 10.0;
+  if (assurance) return static_cast<int>(std::ceil(3.0 / (1.0 - *assurance) - 1e-6));
+  if (!command) return kCertificatePoints;
+  double points = kCertificatePoints;
+  if (builder.max_calls > 0) points = std::min(points, static_cast<double>(builder.max_calls));
+  if (seconds_per_call > kLongCall) points = std::min(points, std::max(calls, kFewest));
+  return static_cast<int>(points);
+}
+
+std::uint64_t Plan::certificate_seed() const {
+  std::string question = model;
+  for (const auto& [name, value] : fixed) question += fmt::format("|{} {}", name, value);
+  for (const BoxEntry& entry : box)
+    question += fmt::format("|{} {} {}", entry.name, entry.lower, entry.upper);
+  question += fmt::format("|{} {}|{} {}|{}", end, relative, builder.kind, builder.strategy, builder.seed);
+  std::uint64_t hash = 0xCBF29CE484222325u;  // FNV-1a
+  for (const char c : question) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
+  return pgd::Random(hash).bits();
+}
+
 bool Plan::prescribes_axes() const {
   return std::ranges::any_of(box, &BoxEntry::prescribes_axis);
 }
@@ -310,6 +352,7 @@ Plan parse_plan(const std::string& text, const std::string& name) {
   read_tolerance(root, subject, plan);
   read_builder(root, plan);
   check_builder_fits(root, plan);
+  check_assurance_is_allowed(root, plan);
   check_complete(root, plan);
   return plan;
 }

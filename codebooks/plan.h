@@ -40,9 +40,8 @@ struct PlannedCommand {
   std::vector<std::string> run;  ///< program and arguments
   std::vector<CommandQuantity> inputs;
   std::vector<CommandQuantity> outputs;
-  double timeout = 60.0;         ///< s, of one start of the program
-  int batch = 1000;              ///< most points for one start
-  int certificate_points = 200;  ///< points at which the certificate calls it
+  double timeout = 60.0;  ///< s, of one start of the program
+  int batch = 1000;       ///< most points for one start
 };
 
 /// A plan of a build (PLAN.toml): a model or a command, what is fixed, the box, the time, the tolerance, the
@@ -56,6 +55,9 @@ struct Plan {
   double end = 0.0;                        ///< s; time runs from 0; 0: there is no time (commands only)
   double relative = 1e-3;                  ///< of each output's range over box and time
   std::map<std::string, double> absolute;  ///< floor per output, SI
+  /// Share of the box that the certificate must show to be within the tolerance, at 95 % confidence: it takes
+  /// 3/(1 - assurance) points. Empty: kCertificatePoints of them.
+  std::optional<double> assurance;
 
   struct Builder {
     std::string kind = "auto";  ///< "auto", "pgd" or "sampling"
@@ -71,6 +73,14 @@ struct Plan {
 
   std::string source;  ///< file the plan came from, for messages; empty if none
   std::string text;    ///< the plan as read
+
+  /// How many points its certificate takes: what the assurance asks for; by default kCertificatePoints, or
+  /// fewer of a command, if the plan allows fewer calls, or if a call takes longer than a minute: then as
+  /// many as the builder has called.
+  int certificate_points(double seconds_per_call = 0.0, double calls = 0.0) const;
+  /// Of the scrambling: depends on what the plan asks for and by which builder, its seed included, so that
+  /// no two plans have points in common. Titles and threads change nothing.
+  std::uint64_t certificate_seed() const;
 
   /// Whether it prescribes any axis.
   bool prescribes_axes() const;

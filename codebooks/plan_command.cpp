@@ -62,7 +62,12 @@ int count_in(const TomlTable& table, const std::string& key, int fallback, int l
 }  // namespace
 
 PlannedCommand read_command(const TomlTable& table) {
-  table.expect_keys({"run", "inputs", "outputs", "timeout", "batch", "certificate_points"});
+  if (table.has("certificate_points")) {
+    throw table.error(
+        "certificate_points",
+        "is no key any more: [tolerance] assurance = 0.99 asks for 300 points, 3/(1 - assurance)");
+  }
+  table.expect_keys({"run", "inputs", "outputs", "timeout", "batch"});
   PlannedCommand command;
   command.run = table.strings("run");
   if (command.run.empty() || command.run.front().empty())
@@ -81,8 +86,6 @@ PlannedCommand read_command(const TomlTable& table) {
                       fmt::format("is {} s, expected more than 0 and at most {}", command.timeout, kLongest));
   }
   command.batch = count_in(table, "batch", command.batch, 1, 1'000'000);
-  command.certificate_points =
-      count_in(table, "certificate_points", command.certificate_points, 10, 1'000'000);
   return command;
 }
 

@@ -24,47 +24,53 @@ std::vector<double> listed_values(const Codebook& book, std::size_t coordinate) 
   return {values.begin(), values.end()};
 }
 
-/// Puts the points' errors of one output together, in the order of the points.
-OutputError summarise(const std::vector<PointErrors>& all, int output, const Codebook& book, double floor,
-                      const Eigen::MatrixXd& q, const std::vector<double>& times) {
-  const pgd::OutputLabel& label = book.outputs()[static_cast<std::size_t>(output)];
+/// Takes the largest error of one output among points, and where it is.
+void take_largest(const ComparedPoints& points, int output, const std::vector<double>& times,
+                  OutputError& result) {
+  for (std::size_t i = 0; i < points.errors.size(); ++i) {
+    const PointErrors& errors = points.errors[i];
+    if (!errors.usable) continue;
+    if (!result.worst.empty() && !(errors.max_error[output] > result.max_si)) continue;
+    result.max_si = errors.max_error[output];
+    result.worst.clear();
+    const int worst_time = errors.worst_time[static_cast<std::size_t>(output)];
+    if (!times.empty()) result.worst.push_back(times[static_cast<std::size_t>(worst_time)]);
+    const auto q = points.q.col(static_cast<Eigen::Index>(i));
+    result.worst.insert(result.worst.end(), q.begin(), q.end());
+  }
+}
+
+/// Puts the points' errors of one output together. @param range of it, 0 where it is constant
+OutputError summarise(const ComparedPoints& points, const ComparedPoints& climbs, int output,
+                      const pgd::OutputLabel& label, double range, const std::vector<double>& times) {
   OutputError result;
   result.name = label.name;
   result.unit = label.unit;
-  double smallest = std::numeric_limits<double>::infinity();
-  double largest = -smallest;
   double error2 = 0.0;
   double value2 = 0.0;
-  std::vector<double> errors;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!all[i].usable) continue;
-    smallest = std::min(smallest, all[i].smallest[output]);
-    largest = std::max(largest, all[i].largest[output]);
-    error2 += all[i].sum_error2[output];
-    value2 += all[i].sum_value2[output];
-    errors.push_back(all[i].max_error[output]);
-    if (result.worst.empty() || errors.back() > result.max_si) {
-      result.max_si = errors.back();
-      result.worst.clear();
-      const int worst_time = all[i].worst_time[static_cast<std::size_t>(output)];
-      if (!times.empty()) result.worst.push_back(times[static_cast<std::size_t>(worst_time)]);
-      for (Eigen::Index k = 0; k < q.rows(); ++k) result.worst.push_back(q(k, static_cast<Eigen::Index>(i)));
-    }
+  std::vector<double> largest;
+  for (const PointErrors& errors : points.errors) {
+    if (!errors.usable) continue;
+    error2 += errors.sum_error2[output];
+    value2 += errors.sum_value2[output];
+    largest.push_back(errors.max_error[output]);
   }
-  if (errors.empty()) {
+  if (largest.empty()) {
     result.range = result.max = result.p95 = result.mean = result.rms = result.max_si =
         std::numeric_limits<double>::quiet_NaN();
     return result;
   }
-  result.range = std::max(largest - smallest, floor);
-  const double scale = result.range > 0.0 ? result.range : 1.0;
+  take_largest(points, output, times, result);
+  take_largest(climbs, output, times, result);
+  result.range = range;
+  const double scale = range > 0.0 ? range : 1.0;
   result.max = result.max_si / scale;
-  std::sort(errors.begin(), errors.end());
+  std::sort(largest.begin(), largest.end());
   double sum = 0.0;
-  for (const double e : errors) sum += e;
-  result.mean = sum / static_cast<double>(errors.size()) / scale;
+  for (const double e : largest) sum += e;
+  result.mean = sum / static_cast<double>(largest.size()) / scale;
   result.p95 =
-      errors[static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(errors.size()))) - 1] / scale;
+      largest[static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(largest.size()))) - 1] / scale;
   result.rms = value2 > 0.0 ? std::sqrt(error2 / value2) : std::sqrt(error2);
   return result;
 }
@@ -156,6 +162,22 @@ Eigen::MatrixXd certificate_points(const Codebook& book, int count, std::uint64_
   return q;
 }
 
+std::pair<Eigen::VectorXd, Eigen::VectorXd> certificate_box(const Codebook& book) {
+  const auto d = static_cast<Eigen::Index>(book.parameters().size());
+  Eigen::VectorXd lower(d), upper(d);
+  for (Eigen::Index k = 0; k < d; ++k) {
+    const Coordinate& c = book.parameters()[static_cast<std::size_t>(k)];
+    const std::size_t coordinate = static_cast<std::size_t>(k) + (book.has_time() ? 1 : 0);
+    lower[k] = c.lower;
+    upper[k] = listed_values(book, coordinate).empty() ? c.upper : c.lower;
+  }
+  return {lower, upper};
+}
+
+double largest_over_scales(const PointErrors& point, const Eigen::VectorXd& scales) {
+  return point.max_error.cwiseQuotient((scales.array() > 0.0).select(scales, 1.0)).maxCoeff();
+}
+
 CertifiedAnswers::CertifiedAnswers(const Codebook& book, const std::vector<double>& times)
     : query_([&]() -> std::variant<Query, TrajectoryQuery> {
         const QueryOptions options{.as_stored = true};
@@ -195,29 +217,55 @@ PointErrors CertifiedAnswers::compare(std::span<const double> q, const Eigen::Ma
   return errors;
 }
 
-Certificate certificate_of(const std::vector<PointErrors>& errors, const Codebook& book,
-                           const CertifyOptions& options, const Eigen::MatrixXd& q,
-                           const std::vector<double>& times) {
+Eigen::VectorXd error_scales(const std::vector<PointErrors>& errors, const Codebook& book,
+                             const CertifyOptions& options) {
+  Eigen::VectorXd smallest, largest;
+  for (const PointErrors& point : errors) {
+    if (!point.usable) continue;
+    smallest = smallest.size() == 0 ? point.smallest : smallest.cwiseMin(point.smallest).eval();
+    largest = largest.size() == 0 ? point.largest : largest.cwiseMax(point.largest).eval();
+  }
+  Eigen::VectorXd scales = largest - smallest;
+  for (Eigen::Index o = 0; o < scales.size(); ++o) {
+    const auto floor = options.absolute.find(book.outputs()[static_cast<std::size_t>(o)].name);
+    if (floor != options.absolute.end()) scales[o] = std::max(scales[o], floor->second);
+  }
+  return scales;
+}
+
+Certificate certificate_of(const ComparedPoints& points, const ComparedPoints& climbs, const Codebook& book,
+                           const CertifyOptions& options, const std::vector<double>& times) {
+  const std::vector<PointErrors>& errors = points.errors;
   Certificate certificate;
   certificate.tolerance = options.tolerance;
   certificate.points = options.points;
   certificate.times = static_cast<int>(times.size());
   certificate.seed = options.seed;
-  certificate.failed_points = static_cast<int>(
-      std::count_if(errors.begin(), errors.end(), [](const PointErrors& e) { return !e.usable; }));
+  certificate.climbed_points = static_cast<int>(climbs.errors.size());
+  certificate.failed_points =
+      static_cast<int>(options.points - std::count_if(errors.begin(), errors.end(),
+                                                      [](const PointErrors& e) { return e.usable; }));
   const auto first_failure =
       std::find_if(errors.begin(), errors.end(), [](const PointErrors& e) { return !e.failure.empty(); });
   if (first_failure != errors.end()) certificate.failure = first_failure->failure;
   certificate.met = certificate.failed_points == 0;
   if (certificate.failed_points == options.points)
     certificate.max_error = std::numeric_limits<double>::quiet_NaN();
+  const Eigen::VectorXd scales = error_scales(errors, book, options);
   for (int o = 0; o < book.output_count(); ++o) {
-    const auto floor = options.absolute.find(book.outputs()[static_cast<std::size_t>(o)].name);
+    const double range = scales.size() == 0 ? 0.0 : scales[o];
     certificate.outputs.push_back(
-        summarise(errors, o, book, floor == options.absolute.end() ? 0.0 : floor->second, q, times));
+        summarise(points, climbs, o, book.outputs()[static_cast<std::size_t>(o)], range, times));
     const double error = certificate.outputs.back().max;
     if (error > certificate.max_error) certificate.max_error = error;
     certificate.met = certificate.met && error <= options.tolerance;
+  }
+  if (options.tolerance > 0.0) {
+    certificate.wrong_points =
+        certificate.failed_points +
+        static_cast<int>(std::count_if(errors.begin(), errors.end(), [&](const auto& e) {
+          return e.usable && !(largest_over_scales(e, scales) <= options.tolerance);
+        }));
   }
   if (quaternion_places(book, all_outputs(book))) certificate.norm_defect = norm_defect(errors, times.size());
   return certificate;

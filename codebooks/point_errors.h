@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -36,6 +37,10 @@ std::vector<double> certificate_times(const Codebook& book);
 /// Scrambled Sobol' points of the box: parameters x count. Of lists, each value as often as the others.
 Eigen::MatrixXd certificate_points(const Codebook& book, int count, std::uint64_t seed);
 
+/// Lower and upper corner of the box of the parameters, for climbs: those whose values are a list have no
+/// width.
+std::pair<Eigen::VectorXd, Eigen::VectorXd> certificate_box(const Codebook& book);
+
 /// A codebook at a point and all times of its certificate. One per thread; the codebook must outlive it.
 class CertifiedAnswers {
  public:
@@ -56,10 +61,24 @@ class CertifiedAnswers {
   Eigen::VectorXd at_point_;
 };
 
+/// What the errors of every output are divided by: its range over points and times, at least its floor;
+/// empty where no point was compared.
+Eigen::VectorXd error_scales(const std::vector<PointErrors>& errors, const Codebook& book,
+                             const CertifyOptions& options);
+
+/// The largest error of a point that was compared, over the outputs and their scales.
+double largest_over_scales(const PointErrors& point, const Eigen::VectorXd& scales);
+
+/// Points with their errors, which has fewer entries where later points were not asked.
+struct ComparedPoints {
+  Eigen::MatrixXd q;  ///< parameters x points
+  std::vector<PointErrors> errors;
+};
+
 /// Puts the points' errors together, in the order of the points; points that were not compared count as
-/// failed. What the errors are against is the caller's to say.
-Certificate certificate_of(const std::vector<PointErrors>& errors, const Codebook& book,
-                           const CertifyOptions& options, const Eigen::MatrixXd& q,
-                           const std::vector<double>& times);
+/// failed. Ends of climbs count for the largest errors only. What the errors are against is the caller's to
+/// say.
+Certificate certificate_of(const ComparedPoints& points, const ComparedPoints& climbs, const Codebook& book,
+                           const CertifyOptions& options, const std::vector<double>& times);
 
 }  // namespace samara::codebooks

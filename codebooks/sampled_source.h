@@ -10,6 +10,7 @@
 #include "samara/codebooks/plan.h"
 #include "samara/models/parametric_model.h"
 #include "samara/pgd/axis.h"
+#include "samara/pgd/sampling.h"
 #include "samara/pgd/separated_field.h"
 
 namespace samara::codebooks {
@@ -29,7 +30,9 @@ struct SampledSource {
   std::string answers_name;  ///< what it gives, for messages: "trajectory"
   /// At points (coordinates x points) and times, which are empty where there is no time.
   std::function<SampledAnswers(const Eigen::MatrixXd& points, const std::vector<double>& times)> answers;
-  int batch = 1;  ///< points that are asked for at a time
+  int batch = 1;  ///< most points that are asked for at a time
+  /// How long an answer to so many may take: no more points are asked for than the last ones let expect.
+  double batch_seconds = 10.0;
   /// The outputs where a build ends before it has any: the initial values of a model. Commands have none.
   std::optional<Eigen::VectorXd> stand_in;
 };
@@ -37,7 +40,8 @@ struct SampledSource {
 /// Trajectories of the reference integrator, by the plan's number of threads. The model must outlive it.
 SampledSource model_source(const Plan& plan, const models::ParametricModel& model);
 
-/// The plan's command, fixed inputs included.
-SampledSource command_source(const Plan& plan);
+/// The plan's command, fixed inputs included. @param function answers instead of the program, from the
+/// columns that would be its lines; empty: the program does
+SampledSource command_source(const Plan& plan, const pgd::PointsFunction& function = {});
 
 }  // namespace samara::codebooks

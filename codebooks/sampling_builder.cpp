@@ -22,6 +22,8 @@ constexpr double kSamplingShare = 0.5;
 constexpr double kSamplingShareWithoutTime = 0.8;
 constexpr double kRoundingShare = 0.1;  // and what the cross did not use of its own
 
+using SamplingChallenge = std::function<Eigen::MatrixXd(const pgd::SamplingResult&)>;
+
 /// Ends a build from inside, before there is a field.
 struct BuildStopped {
   std::string status;
@@ -124,7 +126,8 @@ SampledOutputs outputs_of(const Plan& plan, const SampledSource& source,
 }
 
 pgd::SamplingResult sample_calls(const Plan& plan, CallMemory& calls, const std::optional<TimeMesh>& mesh,
-                                 long max_calls, const ProgressCallback& progress) {
+                                 long max_calls, const ProgressCallback& progress,
+                                 const SamplingChallenge& challenge) {
   std::vector<pgd::SampledCoordinate> coordinates;
   for (std::size_t k = 0; k < plan.box.size(); ++k)
     coordinates.push_back({calls.source().coordinates[k], plan.box[k].lower, plan.box[k].upper});
@@ -135,6 +138,7 @@ pgd::SamplingResult sample_calls(const Plan& plan, CallMemory& calls, const std:
   options.max_calls = std::max(1L, max_calls);
   options.seed = plan.builder.seed;
   options.progress = progress;
+  options.challenge = challenge;
   const auto function = [&](const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
     values = calls(points, outputs.times);
   };
@@ -166,13 +170,25 @@ Eigen::VectorXd scale_of(const pgd::SamplingResult& result, const Plan& plan, co
   return (scale.array() > 0.0).select(scale, 1.0);
 }
 
+/// Points of the box, each at some time.
+Eigen::MatrixXd with_times(const Eigen::MatrixXd& points, const std::optional<TimeMesh>& mesh,
+                           std::uint64_t seed) {
+  if (!mesh) return points;
+  pgd::Random random(seed);
+  Eigen::MatrixXd result(points.rows() + 1, points.cols());
+  for (double& t : result.row(0)) t = mesh->axis.lower() + mesh->axis.length() * random.uniform();
+  result.bottomRows(points.rows()) = points;
+  return result;
+}
+
 pgd::RoundedField rounded_field(const pgd::SamplingResult& result, const Plan& plan,
                                 const SampledSource& source, const std::optional<TimeMesh>& mesh) {
   const pgd::TrainField field = mesh ? with_time(*result.field, mesh->axis, source.outputs) : *result.field;
   const double of_cross = mesh ? kSamplingShare : kSamplingShareWithoutTime;
   const double share =
       kRoundingShare * plan.relative + std::max(0.0, of_cross * plan.relative - result.error);
-  return pgd::rounded(field, scale_of(result, plan, source, mesh), share, plan.builder.seed);
+  return pgd::rounded(field, scale_of(result, plan, source, mesh), share, plan.builder.seed,
+                      with_times(result.pivots, mesh, plan.builder.seed));
 }
 
 /// The stand-in of the source, for all times and points: where there is nothing better.
@@ -208,7 +224,8 @@ std::string described(const TimeMesh& mesh, long pilots, double tolerance) {
                      mesh.resolved ? "" : fmt::format(" > {:.3g}", tolerance));
 }
 
-Solution solve(const Plan& plan, CallMemory& calls, long max_calls, const ProgressCallback& progress) {
+Solution solve(const Plan& plan, CallMemory& calls, long max_calls, const ProgressCallback& progress,
+               const CertifyClaim& certify_claim) {
   BuildRecord record;
   record.builder = "sampling";
   record.strategy = "cross";
@@ -225,7 +242,17 @@ Solution solve(const Plan& plan, CallMemory& calls, long max_calls, const Progre
       return without_field(plan, calls.source(), std::move(record));
     }
   }
-  const pgd::SamplingResult result = sample_calls(plan, calls, mesh, max_calls - pilots, progress);
+  std::optional<pgd::RoundedField> claimed;
+  std::optional<Certificate> certificate;
+  const SamplingChallenge challenge = [&](const pgd::SamplingResult& claim) {
+    claimed = rounded_field(claim, plan, calls.source(), mesh);
+    Measured measured = certify_claim(claimed->field);
+    certificate = std::move(measured.certificate);
+    return measured.wrong;
+  };
+  // What is not resolved in time is missed, however well the cross follows it.
+  const pgd::SamplingResult result = sample_calls(plan, calls, mesh, max_calls - pilots, progress,
+                                                  !mesh || mesh->resolved ? challenge : SamplingChallenge());
   record.evaluations = static_cast<double>(pilots + result.calls);
   record.grid_size = result.grid_size * (mesh ? mesh->axis.size() : 1);
   record.rounds = static_cast<int>(result.history.size());
@@ -233,20 +260,23 @@ Solution solve(const Plan& plan, CallMemory& calls, long max_calls, const Progre
   record.message = result.message;
   if (mesh) record.message += described(*mesh, pilots, kTimeShare * plan.relative);
   if (!result.field) return without_field(plan, calls.source(), std::move(record));
-  pgd::RoundedField field = rounded_field(result, plan, calls.source(), mesh);
+  const bool is_certified = result.tolerance_met() && claimed;
+  pgd::RoundedField field =
+      is_certified ? std::move(*claimed) : rounded_field(result, plan, calls.source(), mesh);
   record.message +=
       fmt::format("; rounded from {} numbers to {}", result.field->entries(), field.field.entries());
   const ErrorBudget spent{.discretisation = mesh ? mesh->error : 0.0,
                           .compression = result.error + field.error};
-  return {{Piece{{std::move(field.field)}}}, std::move(record), spent, 0.0};
+  if (!is_certified) certificate.reset();
+  return {{Piece{{std::move(field.field)}}}, std::move(record), spent, 0.0, std::move(certificate)};
 }
 
 }  // namespace
 
 Solution solve_by_sampling(const Plan& plan, CallMemory& calls, long max_calls,
-                           const ProgressCallback& progress) {
+                           const ProgressCallback& progress, const CertifyClaim& certify_claim) {
   try {
-    Solution solution = solve(plan, calls, max_calls, progress);
+    Solution solution = solve(plan, calls, max_calls, progress, certify_claim);
     calls.save();
     return solution;
   } catch (const NoResultError&) {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <functional>
+
 #include "samara/base/progress.h"
 #include "samara/codebooks/call_memory.h"
+#include "samara/codebooks/measure.h"
 #include "samara/codebooks/plan.h"
 #include "samara/codebooks/solution.h"
 
@@ -9,6 +12,9 @@ namespace samara::codebooks {
 
 /// Calls that a build by sampling may make where the plan sets no limit.
 inline constexpr long kMostSampledCalls = 100'000;
+
+/// Measures a rounded field, until it finds it wrong.
+using CertifyClaim = std::function<Measured(const pgd::TrainField& field)>;
 
 /// Solves a plan by sampling (pgd/sampling.h) the trajectories of a model, or a command.
 ///
@@ -18,11 +24,14 @@ inline constexpr long kMostSampledCalls = 100'000;
 /// is split into one of the outputs and one of time, and the train rounded to 0.1 of the tolerance and
 /// what the cross did not use of its share.
 ///
+/// What sampling claims to be met is certified, on fresh points each time. Where the certificate finds it
+/// wrong, these points go into the sample, and sampling goes on.
+///
 /// A point without an answer ends the build with the status "failed" and the point; the best so far, or else
 /// the source's stand-in for all times, is the piece. All calls are stored in the end.
 /// @param max_calls pilots included; answers remembered from an earlier build count as if they were made
 /// @throws NoResultError if there is neither a best nor a stand-in
 Solution solve_by_sampling(const Plan& plan, CallMemory& calls, long max_calls,
-                           const ProgressCallback& progress);
+                           const ProgressCallback& progress, const CertifyClaim& certify_claim);
 
 }  // namespace samara::codebooks

@@ -28,6 +28,11 @@ void write_certificate(Hdf5Writer& file, const Certificate& c) {
   file.write_integer_attribute(path, "points", c.points);
   file.write_integer_attribute(path, "times", c.times);
   file.write_integer_attribute(path, "failed_points", c.failed_points);
+  if (c.wrong_points) {
+    file.write_integer_attribute(path, "wrong_points", *c.wrong_points);
+    file.write_number_attribute(path, "share_above", share_above(*c.wrong_points, c.points));
+  }
+  file.write_integer_attribute(path, "climbed_points", c.climbed_points);
   // Seeds use all 64 bits, integers of the file are signed: as text.
   file.write_text_attribute(path, "seed", std::to_string(c.seed));
   file.write_text_attribute(path, "integrator", c.integrator);

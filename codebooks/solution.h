@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "samara/codebooks/codebook.h"
@@ -12,6 +13,8 @@ struct Solution {
   BuildRecord record;
   ErrorBudget spent;
   double residual = 0.0;  ///< of the equations, in scales of the states; 0 where none was formed
+  /// Of a builder that had its claim certified, and was not refuted.
+  std::optional<Certificate> certificate = {};
 };
 
 }  // namespace samara::codebooks

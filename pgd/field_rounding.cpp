@@ -15,11 +15,29 @@ namespace samara::pgd {
 
 namespace {
 
+constexpr int kPoints = 2000;
+
 /// Half of the points uniform, half with coordinates at the ends of their axes, each by the toss of a coin.
-Eigen::MatrixXd trial_points(const std::vector<Axis>& axes, std::uint64_t seed) {
-  constexpr int kPoints = 2000;
+/// Where there are centres, as many again: those, and points near them in most coordinates.
+Eigen::MatrixXd trial_points(const std::vector<Axis>& axes, const Eigen::MatrixXd& centres,
+                             std::uint64_t seed) {
+  constexpr double kNear = 0.1;
+  constexpr double kAnywhere = 0.25;
   Random random(seed);
-  Eigen::MatrixXd points(static_cast<Eigen::Index>(axes.size()), kPoints);
+  Eigen::MatrixXd points(static_cast<Eigen::Index>(axes.size()), centres.cols() > 0 ? 2 * kPoints : kPoints);
+  for (Eigen::Index j = kPoints; j < points.cols(); ++j) {
+    const bool is_centre = j - kPoints < std::min<Eigen::Index>(centres.cols(), kPoints / 2);
+    const Eigen::Index centre = is_centre ? j - kPoints : random.below(static_cast<int>(centres.cols()));
+    points.col(j) = centres.col(centre);
+    for (std::size_t k = 0; k < axes.size() && !is_centre; ++k) {
+      const Axis& axis = axes[k];
+      if (!axis.has_elements()) continue;
+      double& x = points(static_cast<Eigen::Index>(k), j);
+      const double way = axis.length() * kNear * random.normal();
+      x = random.uniform() < kAnywhere ? axis.lower() + axis.length() * random.uniform()
+                                       : std::clamp(x + way, axis.lower(), axis.upper());
+    }
+  }
   for (Eigen::Index j = 0; j < kPoints; ++j) {
     for (std::size_t k = 0; k < axes.size(); ++k) {
       const Axis& axis = axes[k];
@@ -51,14 +69,18 @@ TensorTrain with_outputs_scaled(TensorTrain train, const Eigen::VectorXd& factor
 }  // namespace
 
 RoundedField rounded(const TrainField& field, const Eigen::VectorXd& scale, double tolerance,
-                     std::uint64_t seed) {
+                     std::uint64_t seed, const Eigen::MatrixXd& centres) {
   if (scale.size() != field.output_count() || !(scale.minCoeff() > 0.0) || !scale.allFinite()) {
     throw ArgumentError(fmt::format("rounding of {} outputs by {} scales, expected as many positive ones",
                                     field.output_count(), scale.size()));
   }
   if (!(tolerance >= 0.0 && tolerance < 1.0))
     throw ArgumentError(fmt::format("rounding to {}, expected a tolerance from 0 to 1", tolerance));
-  const Eigen::MatrixXd points = trial_points(field.axes(), seed);
+  if (centres.size() > 0 && centres.rows() != field.axis_count()) {
+    throw ArgumentError(fmt::format("rounding with centres of {} coordinates, expected those of {} axes",
+                                    centres.rows(), field.axis_count()));
+  }
+  const Eigen::MatrixXd points = trial_points(field.axes(), centres, seed);
   const Eigen::MatrixXd exact = values_at(field, points);
   const TensorTrain train = with_outputs_scaled(field.train(), scale.cwiseInverse());
   const double entries = full_size(train);

@@ -161,9 +161,9 @@ bool GrowingCross::grow_bond(int b, double tolerance) {
   return true;
 }
 
-void GrowingCross::grow(double tolerance) {
+void GrowingCross::grow(double tolerance, long max_calls) {
   bool added = true;
-  while (added) {
+  while (added && table_.function().calls() <= max_calls) {
     added = false;
     for (int b = 0; b < bonds(); ++b) added = grow_bond(b, tolerance) || added;
   }

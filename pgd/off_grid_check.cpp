@@ -98,34 +98,43 @@ Eigen::MatrixXd OffGridCheck::suspicious_points(int count, const TrainField& lat
   return points;
 }
 
-void OffGridCheck::call(const Eigen::MatrixXd& points) {
+void OffGridCheck::call(const Eigen::MatrixXd& points, Eigen::Index uniform) {
   const Eigen::MatrixXd values = function_.recalled(points);
-  for (Eigen::Index j = points.cols() / 2; j < points.cols(); ++j) uniform_.push_back(points_.cols() + j);
+  for (Eigen::Index j = points.cols() - uniform; j < points.cols(); ++j)
+    uniform_.push_back(points_.cols() + j);
   for (Eigen::Index j = 0; j < points.cols(); ++j) called_.insert(bytes_of(points.col(j)));
   append_columns(points_, points);
   append_columns(values_, values);
 }
 
-Eigen::MatrixXd OffGridCheck::uniform_values() const {
-  return values_(Eigen::all, uniform_);
-}
-
-PointErrors OffGridCheck::errors(const TrainField& field, int count) const {
+PointErrors OffGridCheck::compare(const TrainField& field, const Eigen::MatrixXd& points,
+                                  const Eigen::MatrixXd& reference) const {
   const Eigen::VectorXd scale = function_.scale();
   TrainField::Workspace workspace = field.make_workspace();
   Eigen::VectorXd values(field.output_count());
   PointErrors errors;
-  errors.largest.resize(count);
+  errors.largest.resize(points.cols());
   double sum = 0.0;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::Index j = points_.cols() - count + i;
-    field.evaluate(column(points_, j), values, workspace);
-    const Eigen::VectorXd error = (values - values_.col(j)).cwiseQuotient(scale).cwiseAbs();
-    errors.largest[i] = error.maxCoeff();
+  for (Eigen::Index j = 0; j < points.cols(); ++j) {
+    field.evaluate(column(points, j), values, workspace);
+    const Eigen::VectorXd error = (values - reference.col(j)).cwiseQuotient(scale).cwiseAbs();
+    errors.largest[j] = error.maxCoeff();
     sum += error.squaredNorm();
   }
-  errors.root_mean_square = std::sqrt(sum / static_cast<double>(Eigen::Index{count} * field.output_count()));
+  errors.root_mean_square = std::sqrt(sum / static_cast<double>(points.cols() * field.output_count()));
   return errors;
+}
+
+PointErrors OffGridCheck::errors(const TrainField& field, int count) const {
+  return compare(field, points_.rightCols(count), values_.rightCols(count));
+}
+
+Eigen::VectorXd OffGridCheck::uniform_errors(const TrainField& field) const {
+  return compare(field, uniform_points(), values_(Eigen::all, uniform_)).largest;
+}
+
+Eigen::VectorXd OffGridCheck::errors_at(const TrainField& field, const Eigen::MatrixXd& points) {
+  return compare(field, points, function_.recalled(points)).largest;
 }
 
 }  // namespace samara::pgd

@@ -32,26 +32,32 @@ class OffGridCheck {
   /// Uniform in the box, coordinates x count.
   Eigen::MatrixXd random_points(int count);
 
-  /// Half of them uniform in the box. The other half are those of many candidates at which the latest two
-  /// interpolants differ most: uniform ones, and ones near pivots in most coordinates. So narrow features are
-  /// looked at where they are. No point is given twice, of those that were called before neither.
+  /// Half of them uniform in the box, the later ones. The other half are those of many candidates at which
+  /// the latest two interpolants differ most: uniform ones, and ones near pivots in most coordinates. So
+  /// narrow features are looked at where they are. No point is given twice, of those that were called before
+  /// neither.
   Eigen::MatrixXd suspicious_points(int count, const TrainField& latest, const TrainField& before,
                                     const Eigen::MatrixXd& pivots);
 
-  /// Calls the function at points and remembers them. @throws SamplingStopped
-  void call(const Eigen::MatrixXd& points);
+  /// Calls the function at points and remembers them. @param uniform how many, of the last, are uniform in
+  /// the box @throws SamplingStopped
+  void call(const Eigen::MatrixXd& points, Eigen::Index uniform = 0);
 
   int count() const { return static_cast<int>(points_.cols()); }
   /// All points called so far.
   const Eigen::MatrixXd& points() const { return points_; }
-  /// Values (outputs x points) at those of the points that were uniform in the box, of each call the later
-  /// half.
-  Eigen::MatrixXd uniform_values() const;
+  /// Those of the points that were uniform in the box, and the errors there.
+  Eigen::MatrixXd uniform_points() const { return points_(Eigen::all, uniform_); }
+  Eigen::VectorXd uniform_errors(const TrainField& field) const;
+  /// Errors at points that are called, but not remembered. @throws SamplingStopped
+  Eigen::VectorXd errors_at(const TrainField& field, const Eigen::MatrixXd& points);
   /// Errors at the last `count` points called.
   PointErrors errors(const TrainField& field, int count) const;
 
  private:
   Eigen::MatrixXd candidates(int count, const Eigen::MatrixXd& pivots);
+  PointErrors compare(const TrainField& field, const Eigen::MatrixXd& points,
+                      const Eigen::MatrixXd& values) const;
 
   const std::vector<SampledCoordinate>& coordinates_;
   SampledFunction& function_;

@@ -10,11 +10,12 @@
 
 #include "samara/base/errors.h"
 #include "samara/pgd/chebyshev_field.h"
+#include "samara/pgd/error_climb.h"
 #include "samara/pgd/field_decay.h"
 #include "samara/pgd/growing_cross.h"
 #include "samara/pgd/leja.h"
+#include "samara/pgd/noise_level.h"
 #include "samara/pgd/off_grid_check.h"
-#include "samara/pgd/peak_search.h"
 #include "samara/pgd/random.h"
 #include "samara/pgd/sample_table.h"
 #include "samara/pgd/transform_trial.h"
@@ -24,7 +25,10 @@ namespace samara::pgd {
 namespace {
 
 constexpr int kFirstNodes = 3;
-constexpr int kGuardPivots = 2;
+constexpr std::size_t kGuardPivots = 2;
+constexpr std::size_t kRefutedPivots = 8;  // of a claim that fresh points refute
+constexpr int kCheckPoints = 200;          // of every claim, beside the first one's exploration
+constexpr int kMostChallenges = 50;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void validate(const std::vector<SampledCoordinate>& coordinates, const std::vector<OutputLabel>& outputs,
@@ -59,7 +63,7 @@ void validate(const std::vector<SampledCoordinate>& coordinates, const std::vect
   require(o.max_rank >= 1, "max_rank", o.max_rank, "at least 1");
   require(o.max_nodes >= kFirstNodes && o.max_nodes <= kMostLejaPoints, "max_nodes", o.max_nodes, "3 to 128");
   require(o.guard_points >= 10, "guard_points", o.guard_points, "at least 10");
-  require(o.check_points >= 50, "check_points", o.check_points, "at least 50");
+  require(o.exploration_points >= 0, "exploration_points", o.exploration_points, "at least 0");
   const auto rows = static_cast<Eigen::Index>(coordinates.size());
   if (o.start.size() > 0 && (o.start.rows() != rows || !o.start.allFinite())) {
     throw ArgumentError(fmt::format("SamplingOptions::start has {} coordinates, expected {} finite ones",
@@ -109,6 +113,10 @@ class Sampling {
       maps.emplace_back(coordinates_[k].lower, coordinates_[k].upper, transforms[k]);
     }
     table_.emplace(function_, std::move(maps));
+    start_cross();
+  }
+
+  void start_cross() {
     cross_.emplace(*table_, std::vector<int>(coordinates_.size(), kFirstNodes), options_.max_rank,
                    random_.bits());
     for (Eigen::Index j = 0; j < options_.start.cols(); ++j) {
@@ -118,22 +126,26 @@ class Sampling {
 
   /// @returns true if the work is done, with status and message set
   bool round() {
-    cross_->grow(tolerance_);
+    // Ranks that run away, as in noise, must not use up all calls before anybody looks.
+    constexpr long kMore = 2;
+    constexpr long kFew = 500;
+    cross_->grow(tolerance_, kFew + kMore * function_.calls());
     std::optional<TrainField> before = std::move(latest_);
     latest_ = on_chebyshev_axes(coordinates_, table_->maps(), outputs_, cross_->train());
     const TrainField& field = *latest_;
     const TrainField& other = before ? *before : field;
-    check_.call(check_.suspicious_points(options_.guard_points, field, other, cross_->pivots()));
+    call_suspicious(options_.guard_points, field, other);
     // Every point off the grid that was ever called counts, not only this round's.
     const PointErrors errors = check_.errors(field, check_.count());
     keep_if_best(field, errors);
+    if (looks_noisy()) return restart_above_noise();
     const std::vector<int> rough = rough_coordinates(field);
     int pivots = 0;
-    if (errors.worst() <= kMargin * options_.tolerance && rough.empty()) {
+    if (errors.worst() <= margin() * options_.tolerance && rough.empty()) {
       if (holds_at_fresh_points(field, other)) return true;
-      pivots = add_worst(check_.errors(field, check_.count()));
+      pivots = add_worst(check_.errors(field, check_.count()), kRefutedPivots);
     } else {
-      pivots = add_worst(errors);
+      pivots = add_worst(errors, kGuardPivots);
     }
     const bool finer = refine(rough);
     if (pivots == 0 && !finer) {
@@ -175,33 +187,78 @@ class Sampling {
     result_.worst_point.assign(point.begin(), point.end());
   }
 
+  /// The claim: nothing that has been called errs, nor do fresh points, climbs or the challenge.
   bool holds_at_fresh_points(const TrainField& field, const TrainField& other) {
-    check_.call(check_.suspicious_points(options_.check_points, field, other, cross_->pivots()));
-    const PointErrors errors = check_.errors(field, options_.check_points);
-    keep(field, errors);
-    if (!(errors.worst() <= kMargin * options_.tolerance) || !holds_at_peaks(field)) return false;
+    if (!has_explored_) check_.call(check_.random_points(exploration_points()), exploration_points());
+    has_explored_ = true;
+    call_suspicious(kCheckPoints, field, other);
+    if (!holds_where_called(field) || !holds_after_climbs(field)) return false;
+    const double error = result_.error;
+    if (!holds_against_challenge()) return is_refuted();
     return stop(SamplingStatus::met, fmt::format("largest error {:.3g} <= {:.3g} at {} points of the check",
-                                                 errors.worst(), options_.tolerance, options_.check_points));
+                                                 error, options_.tolerance, result_.points_checked));
   }
 
-  /// Where the fresh points see next to nothing, climbs look for peaks, once.
-  bool holds_at_peaks(const TrainField& field) {
-    constexpr int kClimbs = 10;
-    const Eigen::MatrixXd values = check_.uniform_values();
-    if (has_climbed_ || !looks_like_peaks(values, function_.scale())) return true;
-    has_climbed_ = true;
-    check_.call(climb_peaks(coordinates_, function_, values, kClimbs, random_));
-    const PointErrors errors = check_.errors(field, kClimbs);
-    if (errors.worst() <= kMargin * options_.tolerance) return true;
+  int exploration_points() const {
+    constexpr int kPerCoordinate = 40;
+    constexpr long kShareOfCalls = 200;
+    if (options_.exploration_points > 0) return options_.exploration_points;
+    return static_cast<int>(kPerCoordinate * function_.coordinates() + options_.max_calls / kShareOfCalls);
+  }
+
+  bool holds_where_called(const TrainField& field) {
+    const PointErrors errors = check_.errors(field, check_.count());
     keep(field, errors);
+    return errors.worst() <= margin() * options_.tolerance;
+  }
+
+  double margin() const { return least_tolerance_ > 0.0 ? kMarginAboveNoise : kMargin; }
+
+  /// Where a few errors stand out, small as they are, climbs go to see what they belong to.
+  bool holds_after_climbs(const TrainField& field) {
+    constexpr int kClimbs = 3;
+    constexpr double kFarAbove = 10.0;
+    const Eigen::MatrixXd points = check_.uniform_points();
+    const Eigen::VectorXd errors = check_.uniform_errors(field);
+    if (!(errors.maxCoeff() > kNegligible * options_.tolerance) || !has_outliers(errors, kFarAbove))
+      return true;
+    const ErrorsAt errors_at = [&](const Eigen::MatrixXd& at) { return check_.errors_at(field, at); };
+    Eigen::VectorXd lower(points.rows()), upper(points.rows());
+    for (Eigen::Index k = 0; k < points.rows(); ++k) {
+      lower[k] = coordinates_[static_cast<std::size_t>(k)].lower;
+      upper[k] = coordinates_[static_cast<std::size_t>(k)].upper;
+    }
+    check_.call(climb_from_worst(lower, upper, errors_at, points, errors, kClimbs).points);
+    return holds_where_called(field);
+  }
+
+  bool holds_against_challenge() {
+    if (!options_.challenge) return true;
+    result_.range = function_.range();
+    result_.pivots = cross_->pivots();
+    const Eigen::MatrixXd wrong = options_.challenge(result_);
+    if (wrong.cols() == 0) return true;
+    ++refutations_;
+    check_.call(wrong);
+    holds_where_called(*latest_);
     return false;
   }
 
+  bool is_refuted() {
+    if (refutations_ < kMostChallenges) return false;
+    return stop(SamplingStatus::refuted,
+                fmt::format("fresh points found the field wrong {} times in a row", refutations_));
+  }
+
+  void call_suspicious(int count, const TrainField& field, const TrainField& other) {
+    check_.call(check_.suspicious_points(count, field, other, cross_->pivots()), count - count / 2);
+  }
+
   /// Makes the points with the largest errors pivots. @returns how many bonds took one
-  int add_worst(const PointErrors& errors) {
+  int add_worst(const PointErrors& errors, std::size_t most) {
     const std::vector<Eigen::Index> order = errors.descending();
     int added = 0;
-    for (std::size_t j = 0; j < order.size() && j < kGuardPivots; ++j) {
+    for (std::size_t j = 0; j < order.size() && j < most; ++j) {
       if (!(errors.largest[order[j]] > tolerance_)) break;
       added += cross_->add_pivot(nearest_node(check_.points().col(order[j])), tolerance_);
     }
@@ -232,7 +289,8 @@ class Sampling {
     tails_ = coefficient_tails(field, function_.scale(), points);
     std::vector<int> rough;
     for (std::size_t k = 0; k < tails_.size(); ++k) {
-      if (tails_[k] > kSmall * options_.tolerance) rough.push_back(static_cast<int>(k));
+      if (tails_[k] > std::max(kSmall * options_.tolerance, 0.5 * least_tolerance_))
+        rough.push_back(static_cast<int>(k));
     }
     return rough;
   }
@@ -258,18 +316,51 @@ class Sampling {
     std::vector<int> all;
     for (int k = 0; k < function_.coordinates(); ++k) all.push_back(k);
     refine(all);
-    if (tolerance_ > 0.01 * options_.tolerance) tolerance_ *= 0.5;
+    if (tolerance_ > 0.01 * options_.tolerance) tolerance_ = std::max(0.5 * tolerance_, least_tolerance_);
+  }
+
+  /// Once, where many more calls have not helped.
+  bool looks_noisy() {
+    constexpr double kMore = 1.5;
+    constexpr double kNoise = 1e-3;  // of the tolerance
+    if (result_.noise || static_cast<double>(function_.calls()) < kMore * static_cast<double>(calls_of_best_))
+      return false;
+    result_.noise = noise_level(coordinates_, function_, random_);
+    return *result_.noise > kNoise * options_.tolerance;
+  }
+
+  /// Pivots that follow noise spoil all others: the search begins again, and stays above the noise.
+  bool restart_above_noise() {
+    least_tolerance_ = kNoiseDeviations * *result_.noise;
+    if (attainable_error() > options_.tolerance) return stop(SamplingStatus::noise, noise_described());
+    tolerance_ = std::max(kShare * options_.tolerance, least_tolerance_);
+    latest_.reset();
+    start_cross();
+    return false;
+  }
+
+  /// Among some hundred values of noise one is about twice its root mean square, whatever its distribution.
+  double attainable_error() const { return 2.0 * *result_.noise; }
+
+  std::string noise_described() const {
+    return fmt::format(
+        "the values carry noise of {:.2g} of the range (root mean square), with which errors below about "
+        "{:.2g} cannot be reached",
+        *result_.noise, attainable_error());
   }
 
   bool stagnated() {
-    constexpr int kRounds = 12;
-    constexpr double kManyMore = 3.0;
-    const auto rounds = result_.history.size();
-    if (rounds < 2 * kRounds ||
-        static_cast<double>(function_.calls()) < kManyMore * static_cast<double>(calls_of_best_))
+    constexpr std::size_t kRounds = 24;
+    constexpr std::size_t kRoundsInNoise = 8;
+    constexpr long kManyMore = 3;
+    const bool is_noisy = least_tolerance_ > 0.0;
+    if (result_.history.size() < (is_noisy ? kRoundsInNoise : kRounds) ||
+        function_.calls() < kManyMore * calls_of_best_)
       return false;
-    return stop(SamplingStatus::stagnated,
-                fmt::format("three times as many calls did not lower the error of {:.3g}", result_.error));
+    const std::string sentence =
+        fmt::format("three times as many calls did not lower the error of {:.3g}", result_.error);
+    if (is_noisy) return stop(SamplingStatus::noise, noise_described() + ", and " + sentence);
+    return stop(SamplingStatus::stagnated, sentence);
   }
 
   bool stop(SamplingStatus status, std::string message) {
@@ -303,6 +394,12 @@ class Sampling {
   static constexpr double kShare = 0.5;
   /// What the points called must show: a few hundred points do not see the largest error of all.
   static constexpr double kMargin = 0.6;
+  /// Of errors that are mostly noise hundreds of points see nearly the largest.
+  static constexpr double kMarginAboveNoise = 0.9;
+  /// The largest of some hundred values of noise, over its root mean square.
+  static constexpr double kNoiseDeviations = 4.0;
+  /// Errors below this share of the tolerance are of no interest, however they are distributed.
+  static constexpr double kNegligible = 1e-3;
 
   const std::vector<SampledCoordinate>& coordinates_;
   const std::vector<OutputLabel>& outputs_;
@@ -310,11 +407,13 @@ class Sampling {
   SampledFunction function_;
   Random random_;
   OffGridCheck check_;
-  double tolerance_;  ///< of the search
+  double tolerance_;              ///< of the search
+  double least_tolerance_ = 0.0;  ///< of the search, where there is noise
   std::optional<SampleTable> table_;
   std::optional<GrowingCross> cross_;
   std::optional<TrainField> latest_;
-  bool has_climbed_ = false;
+  bool has_explored_ = false;
+  int refutations_ = 0;
   std::vector<double> tails_;  ///< per coordinate, see rough_coordinates()
   long calls_of_best_ = 0;
   SamplingResult result_;
@@ -341,6 +440,10 @@ std::string to_string(SamplingStatus status) {
       return "exhausted";
     case SamplingStatus::stagnated:
       return "stagnated";
+    case SamplingStatus::noise:
+      return "noise";
+    case SamplingStatus::refuted:
+      return "refuted";
     case SamplingStatus::not_finite:
       return "not_finite";
     case SamplingStatus::failed:

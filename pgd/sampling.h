@@ -26,13 +26,13 @@
 ///     is orthogonal to all of them;
 ///  3. coordinates along which the coefficients of the interpolant have not decayed get more nodes.
 ///
-/// The build is met when all three are silent and `check_points` fresh points agree within 0.6 of the
-/// tolerance, half of them uniform, half where the latest two interpolants differ most; where uniform points
-/// see next to nothing, climbs look for peaks. No number of calls can exclude a feature that none of them
-/// touches. References: S. Dolgov and D. Savostyanov, Parallel cross interpolation for high-precision
-/// calculation of high-dimensional integrals, Comput. Phys. Commun. 246 (2020); Y. Nunez Fernandez et al.,
-/// Learning tensor networks with tensor cross interpolation, SciPost Phys. 18, 104 (2025); L. Reichel, BIT 30
-/// (1990) for the nodes.
+/// The build is met when all three are silent, fresh points agree within 0.6 of the tolerance, some uniform
+/// (the exploration), some where the latest two interpolants differ most, no climb from errors that stand out
+/// finds more (error_climb.h), and the challenge, if there is one, finds nothing. No number of calls can
+/// exclude a feature that none of them touches. References: S. Dolgov and D. Savostyanov, Parallel cross
+/// interpolation for high-precision calculation of high-dimensional integrals, Comput. Phys. Commun. 246
+/// (2020); Y. Nunez Fernandez et al., Learning tensor networks with tensor cross interpolation, SciPost Phys.
+/// 18, 104 (2025); L. Reichel, BIT 30 (1990) for the nodes.
 ///
 /// Usage:
 ///   const SamplingResult result = sample({{{"C_D"}, 0.5, 2.0}, {{"m", "kg"}, 1.0, 2.0}}, {{"v", "m/s"}},
@@ -55,6 +55,8 @@ struct SampledCoordinate {
 /// for at most once, unless it was part of a batch from which an exception came.
 using PointsFunction = std::function<void(const Eigen::MatrixXd& points, Eigen::MatrixXd& values)>;
 
+struct SamplingResult;
+
 struct SamplingOptions {
   /// Largest error of an output at a check point, over the range of that output's values seen (over its size
   /// where the range is the rounding of a constant).
@@ -64,20 +66,28 @@ struct SamplingOptions {
   long max_calls = 100'000;  ///< guard and check included
   double max_seconds = 0.0;  ///< looked at before every batch; 0: not used
   int max_rank = 400;
-  int max_nodes = 65;      ///< per coordinate, 3 to kMostLejaPoints
-  int guard_points = 25;   ///< fresh ones in every round
-  int check_points = 200;  ///< fresh ones at the end
+  int max_nodes = 65;     ///< per coordinate, 3 to kMostLejaPoints
+  int guard_points = 25;  ///< fresh ones in every round
+  /// Uniform points that are called before the tolerance may be called met; 0: 40 for every coordinate and
+  /// one for every two hundred calls allowed.
+  int exploration_points = 0;
+  /// Asked about a field that has passed all checks: points (coordinates x points) at which it was found
+  /// wrong; none: nothing was found. The points go into the sample, and the build goes on. Calls that the
+  /// challenge makes itself are not counted.
+  std::function<Eigen::MatrixXd(const SamplingResult& claim)> challenge = {};
   std::uint64_t seed = 1;
   Eigen::MatrixXd start = {};  ///< points to take pivots near, coordinates x points: SamplingResult::pivots
   ProgressCallback progress = {};
 };
 
 enum class SamplingStatus {
-  met,        ///< the check points agree to the tolerance
+  met,        ///< all checks agree to the tolerance, and the challenge found nothing
   max_calls,  ///< another batch would take more calls than allowed
   max_seconds,
   exhausted,   ///< ranks and nodes allowed are used up
-  stagnated,   ///< many more calls no longer lowered the error: noise, a kink, a pole
+  stagnated,   ///< many more calls no longer lowered the error: a kink, a pole
+  noise,       ///< the function's values are not smooth enough for the tolerance: see SamplingResult::noise
+  refuted,     ///< the challenge found the field wrong again and again
   not_finite,  ///< a value was infinite or not a number; bad_point says where
   failed,      ///< the function threw an exception; bad_point says where, the message quotes it
   cancelled,
@@ -103,6 +113,9 @@ struct SamplingResult {
   long calls = 0;          ///< distinct points
   double grid_size = 0.0;  ///< points of the grid the crosses lie in
   Eigen::VectorXd range;   ///< per output, largest less smallest value seen
+  /// Root mean square of what neighbouring points do not share, over the scale, the largest output; nothing
+  /// where the build gave no reason to look for it.
+  std::optional<double> noise;
   Eigen::MatrixXd pivots;  ///< coordinates x points: a start for a similar function
   std::vector<double> bad_point;
   std::vector<SamplingRound> history;

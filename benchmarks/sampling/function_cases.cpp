@@ -60,7 +60,7 @@ std::vector<SampledCase> function_cases() {
            {120.0, 110.0, 1.0, 0.35, 0.08},
            black_scholes,
            2e-4,
-           3000}};
+           4000}};
 }
 
 }  // namespace

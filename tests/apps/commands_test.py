@@ -29,13 +29,13 @@ def plan(name, body, command="", tail=""):
 run = ["python3", "{program}"]
 inputs = {{ x = "m", y = "1" }}
 outputs = {{ u = "N", v = "m" }}
-certificate_points = 40
 {command}
 [box]
 x = [1.0, 2.0]
 y = [0.5, 1.5]
 [tolerance]
 relative = 1e-4
+assurance = 0.925
 {tail}""")
 
 
@@ -158,7 +158,10 @@ class FailingCommands(Case):
         self.check_failure("inf", "    print('inf', 1.0)\n", "u is inf, expected a finite number")
 
     def test_limits_that_leave_no_result(self):
-        result = built("few", tail="[builder]\nmax_calls = 3\n")
+        program = plan("few", GOOD, tail="[builder]\nmax_calls = 3\n")
+        text = program.read_text()
+        program.write_text(text.replace("assurance = 0.925\n", ""))
+        result = run("build", program, "-o", FOLDER / "few.h5")
         self.check_error(result, 4, "ended before it had a result", "3 allowed")
 
 
@@ -179,8 +182,11 @@ class BadCommands(Case):
         self.refuse(('x = "m"', 'x = "metres"'), "metres")
         self.refuse(('x = "m"', 'u = "m"'), "taken by another")
         self.refuse(('x = "m"', '"x/y" = "m"'), "is no name")
-        self.refuse(("certificate_points = 40", "certificate_points = 1"), "expected 10 to")
-        self.refuse(("certificate_points = 40", "timeout = -1"), "timeout", "more than 0")
+        self.refuse(("assurance = 0.925", "assurance = 0.999\n[builder]\nmax_calls = 100"),
+                    "takes 3000 points", "the 100 calls that max_calls")
+        self.refuse(("assurance = 0.925", "assurance = 1"), "expected 0.7 to")
+        self.refuse(("[box]", "certificate_points = 40\n[box]"), "is no key any more", "assurance")
+        self.refuse(("[box]", "timeout = -1\n[box]"), "timeout", "more than 0")
         self.refuse(("x = [1.0, 2.0]", "x = { range = [1.0, 2.0], nodes = 5 }"), "prescribes nodes")
         self.refuse(("relative = 1e-4", "relative = 1e-4\nabsolute = { w = 1 }"), "no output of this name")
 
@@ -220,12 +226,13 @@ class ResumedCommands(Case):
         self.same("mended", "undisturbed")
 
     def test_builds_that_are_killed_again_and_again(self):
-        self.assertEqual(built("whole").returncode, 0)
+        self.assertEqual(built("whole", command="batch = 20").returncode, 0)
         log = FOLDER / "kills.log"
-        body = GOOD + f"    open({str(log)!r}, 'a').write(line + '\\n')\n"
+        # Slow enough that storing every batch is cheap.
+        body = GOOD + f"    open({str(log)!r}, 'a').write(line + '\\n'); __import__('time').sleep(0.002)\n"
         target = FOLDER / "kills.h5"
         random.seed(5)
-        kills, text = 0, plan("kills", body)
+        kills, text = 0, plan("kills", body, "batch = 20")
         while not target.exists():
             process = subprocess.Popen([SAMARA, "build", text, "-o", target, "--resume"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
             try:
@@ -236,7 +243,7 @@ class ResumedCommands(Case):
             process.communicate()
         self.assertGreater(kills, 1)
         lines = log.read_text().splitlines()
-        # Of every kill, no more than the batch that was being asked is asked again.
+        # Of every kill, no more than the batch that was being asked, and one before it, is asked again.
         self.assertLessEqual(len(lines) - len(set(lines)), 40 * kills)
         self.same("whole", "kills")
 

@@ -28,12 +28,12 @@ Plan plan_of(const std::string& program, const std::string& tail = "") {
   return parse_plan("[command]\nrun = ['awk', '''" + program + R"toml(''']
 inputs = { a = "1/s", b = "m" }
 outputs = { p = "1", q = "m" }
-certificate_points = 60
 [box]
 b = [0.5, 2.0]
 a = [1.0, 3.0]
 [tolerance]
 relative = 1e-5
+assurance = 0.95
 )toml" + tail,
                     "p.toml");
 }
@@ -54,7 +54,7 @@ TEST_CASE("a plan of a command names its call, its inputs and outputs, and may h
   CHECK(plan.command->inputs[1].name == "b");
   CHECK(plan.command->outputs[1].unit == "m");
   CHECK(plan.command->timeout == 60.0);
-  CHECK(plan.command->certificate_points == 60);
+  CHECK(plan.certificate_points() == 60);
   CHECK(plan.box[0].name == "b");
   CHECK_THAT(error_text<samara::ArgumentError>([&] { plan.parametric_model(); }), Contains("has no model"));
 }
@@ -124,9 +124,12 @@ TEST_CASE("a command that is not called often enough ends with the status max_ca
   CHECK_FALSE(result.resumable);
   CHECK(result.book.build().status == "max_calls");
   CHECK(result.book.certificate()->failed_points == 0);
-  CHECK_THAT(
-      error_text<samara::NoResultError>([&] { build(plan_of(kTimeless, "[builder]\nmax_calls = 2\n")); }),
-      Contains("ended before it had a result"));
+  CHECK_THAT(error_text<samara::NoResultError>([&] {
+               Plan plan = plan_of(kTimeless);
+               plan.builder.max_calls = 2;
+               build(plan);
+             }),
+             Contains("ended before it had a result"));
 }
 
 TEST_CASE("a command that fails somewhere leaves what was found, marked, with the point, and its calls") {

@@ -1,0 +1,24 @@
+#include "samara/codebooks/certificate.h"
+
+#include <boost/math/special_functions/beta.hpp>
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+
+namespace samara::codebooks {
+
+double share_above(int wrong, int points) {
+  constexpr double kConfidence = 0.95;
+  if (points < 1 || wrong < 0 || wrong > points)
+    throw ArgumentError(fmt::format("{} of {} points are wrong, expected 0 to all of some", wrong, points));
+  if (wrong == points) return 1.0;
+  return boost::math::ibeta_inv(wrong + 1.0, static_cast<double>(points - wrong), kConfidence);
+}
+
+std::string verdict(const Certificate& certificate) {
+  if (!certificate.met) return "missed";
+  if (certificate.points >= kCertificatePoints) return "met";
+  return fmt::format("met at {} points", certificate.points);
+}
+
+}  // namespace samara::codebooks

@@ -1,0 +1,172 @@
+#include "samara/codebooks/certificate.h"
+
+#include <cmath>
+#include <set>
+
+#include <catch2/catch.hpp>
+
+#include "../io/error_text.h"
+#include "../io/temporary_directory.h"
+#include "samara/codebooks/build.h"
+#include "samara/codebooks/certify.h"
+#include "samara/codebooks/query.h"
+#include "samara/codebooks/store.h"
+#include "samara/pgd/random.h"
+
+// What a certificate states: of how much of the box, at how many points, and where errors stand out.
+
+using namespace samara::codebooks;
+using Catch::Matchers::Contains;
+using Catch::Matchers::WithinRel;
+
+namespace {
+
+Plan plan_of(const std::string& tail, int inputs = 2) {
+  std::string names, box;
+  for (int k = 0; k < inputs; ++k) {
+    names += (k == 0 ? "x" : ", x") + std::to_string(k) + " = \"1\"";
+    box += "x" + std::to_string(k) + " = [0, 1]\n";
+  }
+  return parse_plan("[command]\nrun = ['none']\ninputs = {" + names + "}\noutputs = { f = \"1\" }\n[box]\n" +
+                        box + "[tolerance]\nrelative = 1e-2\n" + tail,
+                    "p.toml");
+}
+
+samara::pgd::PointsFunction function_of(std::function<double(const Eigen::VectorXd&)> f) {
+  return [f = std::move(f)](const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
+    for (Eigen::Index j = 0; j < points.cols(); ++j) values(0, j) = f(points.col(j));
+  };
+}
+
+double smooth(const Eigen::VectorXd& x) {
+  return std::exp(-x.sum()) + x[0];
+}
+
+}  // namespace
+
+TEST_CASE("the share of the box that may be worse is Clopper and Pearson's limit") {
+  for (const int points : {10, 300, 2000, 100'000}) {
+    // None wrong: (1 - share)^points = 0.05, nearly 3/points.
+    CHECK_THAT(share_above(0, points), WithinRel(1.0 - std::pow(0.05, 1.0 / points), 1e-9));
+    CHECK(share_above(0, points) <= 3.0 / points);
+    CHECK(share_above(points, points) == 1.0);
+    CHECK(share_above(1, points) > share_above(0, points));
+  }
+  CHECK_THROWS_AS(share_above(-1, 10), samara::ArgumentError);
+  CHECK_THROWS_AS(share_above(11, 10), samara::ArgumentError);
+  CHECK_THROWS_AS(share_above(0, 0), samara::ArgumentError);
+}
+
+TEST_CASE("at most five of a hundred certificates state too small a share") {
+  samara::pgd::Random random(20261122);
+  constexpr int kTrials = 4000, kPoints = 300;
+  for (const double share : {0.002, 0.01, 0.05}) {
+    int too_small = 0;
+    for (int trial = 0; trial < kTrials; ++trial) {
+      int wrong = 0;
+      for (int j = 0; j < kPoints; ++j) wrong += random.uniform() < share ? 1 : 0;
+      too_small += share_above(wrong, kPoints) < share ? 1 : 0;
+    }
+    // Three deviations of the count above its expected value.
+    CHECK(too_small <= 0.05 * kTrials + 3.0 * std::sqrt(0.05 * 0.95 * kTrials));
+  }
+}
+
+TEST_CASE("a certificate takes as many points as the plan's assurance asks for") {
+  CHECK(plan_of("").certificate_points() == 2000);
+  CHECK(plan_of("assurance = 0.999\n").certificate_points() == 3000);
+  CHECK(plan_of("assurance = 0.99\n").certificate_points() == 300);
+  CHECK(plan_of("[builder]\nmax_calls = 500\n").certificate_points() == 500);
+  CHECK_THAT(
+      error_text<samara::InputError>([] { plan_of("assurance = 0.999\n[builder]\nmax_calls = 500\n"); }),
+      Contains("p.toml:10") && Contains("takes 3000 points, more than the 500 calls"));
+  for (const std::string wrong : {"1", "0.5", "nan", "-1", "1.5"}) {
+    CHECK_THAT(error_text<samara::InputError>([&] { plan_of("assurance = " + wrong + "\n"); }),
+               Contains("assurance"));
+  }
+  // A model's calls are evaluations: they do not bound its certificate.
+  const Plan coin = parse_plan(
+      "model = 'vertical_fall'\n[fixed]\narea = 4e-4\nthickness = 2e-3\ndensity = 6000\n[box]\nC_D = [1, "
+      "2]\n[time]\n"
+      "end = 0.1\n[tolerance]\nassurance = 0.999\n[builder]\nmax_calls = 10\n",
+      "p.toml");
+  CHECK(coin.certificate_points() == 3000);
+}
+
+TEST_CASE(
+    "where a call takes longer than a minute, the certificate takes no more points than the builder did") {
+  CHECK(plan_of("").certificate_points(59.0, 300.0) == 2000);
+  CHECK(plan_of("").certificate_points(61.0, 300.0) == 300);
+  CHECK(plan_of("").certificate_points(61.0, 1e5) == 2000);
+  CHECK(plan_of("assurance = 0.99\n").certificate_points(61.0, 50.0) == 300);
+}
+
+TEST_CASE("every plan and every seed has certificate points of its own") {
+  std::set<std::uint64_t> seeds;
+  for (const std::string tail : {"", "[builder]\nseed = 2\n", "[builder]\nseed = 3\n"})
+    seeds.insert(plan_of(tail).certificate_seed());
+  seeds.insert(plan_of("", 3).certificate_seed());
+  CHECK(seeds.size() == 4);
+  CHECK(plan_of("").certificate_seed() == plan_of("").certificate_seed());
+  CHECK(plan_of("# a remark\n[builder]\nthreads = 1\n").certificate_seed() == plan_of("").certificate_seed());
+  Plan other = plan_of("");
+  other.builder.seed = 9;
+  CHECK(other.certificate_seed() != plan_of("").certificate_seed());
+  CHECK(build(plan_of("[builder]\nseed = 2\n"), function_of(smooth)).book.certificate()->seed !=
+        build(plan_of(""), function_of(smooth)).book.certificate()->seed);
+}
+
+TEST_CASE("fewer points than usual are named with the verdict, in the file too") {
+  const TemporaryDirectory directory;
+  const BuildResult few = build(plan_of("assurance = 0.99\n"), function_of(smooth));
+  REQUIRE(few.met);
+  CHECK(verdict(*few.book.certificate()) == "met at 300 points");
+  CHECK_THAT(few.message, Contains("met at 300 points"));
+  const BuildResult usual = build(plan_of(""), function_of(smooth));
+  REQUIRE(usual.met);
+  CHECK(verdict(*usual.book.certificate()) == "met");
+  CHECK(usual.book.certificate()->wrong_points == 0);
+  save(few.book, directory / "few.h5");
+  CHECK(verdict(*load(directory / "few.h5").certificate()) == "met at 300 points");
+  CHECK(load(directory / "few.h5").certificate()->wrong_points == 0);
+  Certificate missed = *usual.book.certificate();
+  missed.met = false;
+  CHECK(verdict(missed) == "missed");
+}
+
+TEST_CASE("a narrow peak is not called met by a build that has not seen it") {
+  // In 1e-3 of the box, where 2,000 points see it in 86 of 100 builds: its tails show it to all of them.
+  const auto peak = [](const Eigen::VectorXd& x) {
+    const Eigen::Vector4d centre(0.31, 0.62, 0.47, 0.73);
+    return 0.5 * x.sum() + 1.7 * std::exp(-0.5 * (x - centre).squaredNorm() / (0.05 * 0.05));
+  };
+  const Eigen::Vector4d centre(0.31, 0.62, 0.47, 0.73);
+  for (int seed = 1; seed <= 6; ++seed) {
+    const BuildResult result = build(
+        plan_of("[builder]\nmax_calls = 30000\nseed = " + std::to_string(seed) + "\n", 4), function_of(peak));
+    INFO(result.message << "; " << result.book.build().message);
+    if (!result.met) continue;
+    Query query(result.book);
+    Eigen::VectorXd value(1);
+    query.values({centre.data(), 4}, value);
+    CHECK(value[0] == Approx(peak(centre)).margin(1e-2 * result.book.certificate()->outputs[0].range));
+  }
+}
+
+TEST_CASE("a function may answer instead of the plan's command, and its failures are reported as of one") {
+  const BuildResult result = build(plan_of(""), function_of(smooth));
+  INFO(result.message);
+  REQUIRE(result.met);
+  const double at[] = {0.3, 0.6};
+  Eigen::VectorXd value(1);
+  Query query(result.book);
+  query.values(at, value);
+  CHECK(value[0] == Approx(std::exp(-0.9) + 0.3).margin(1e-2));
+  const auto failing = function_of([](const Eigen::VectorXd& x) {
+    if (x[0] == 1.0) throw std::runtime_error("no answer at the border");
+    return smooth(x);
+  });
+  CHECK_THAT(error_text<samara::NoResultError>([&] { build(plan_of(""), failing); }),
+             Contains("no answer at the border"));
+  CHECK_THROWS_AS(build(plan_of(""), samara::pgd::PointsFunction()), samara::ArgumentError);
+}
