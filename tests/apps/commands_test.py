@@ -225,7 +225,7 @@ class ResumedCommands(Case):
         body = GOOD + f"    open({str(log)!r}, 'a').write(line + '\\n')\n"
         target = FOLDER / "kills.h5"
         random.seed(5)
-        kills, text = 0, plan("kills", body)
+        kills, text = 0, plan("kills", body, command="batch = 40")
         while not target.exists():
             process = subprocess.Popen([SAMARA, "build", text, "-o", target, "--resume"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
             try:
