@@ -62,7 +62,7 @@ int count_in(const TomlTable& table, const std::string& key, int fallback, int l
 }  // namespace
 
 PlannedCommand read_command(const TomlTable& table) {
-  table.expect_keys({"run", "inputs", "outputs", "timeout", "batch", "certificate_points"});
+  table.expect_keys({"run", "inputs", "outputs", "timeout", "batch", "persistent", "certificate_points"});
   PlannedCommand command;
   command.run = table.strings("run");
   if (command.run.empty() || command.run.front().empty())
@@ -80,6 +80,7 @@ PlannedCommand read_command(const TomlTable& table) {
     throw table.error("timeout",
                       fmt::format("is {} s, expected more than 0 and at most {}", command.timeout, kLongest));
   }
+  command.persistent = table.optional_boolean("persistent").value_or(command.persistent);
   command.batch = count_in(table, "batch", command.batch, 1, 1'000'000);
   command.certificate_points =
       count_in(table, "certificate_points", command.certificate_points, 10, 1'000'000);

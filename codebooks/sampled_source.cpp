@@ -11,7 +11,7 @@
 #include <tbb/task_arena.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/command_function.h"
+#include "samara/codebooks/command_program.h"
 #include "samara/models/integrate.h"
 
 namespace samara::codebooks {
@@ -63,8 +63,13 @@ class Trajectories {
 /// A program with some of its inputs fixed.
 class PlannedFunction {
  public:
-  explicit PlannedFunction(const Plan& plan) : command_(*plan.command) {
-    for (const CommandQuantity& input : command_.inputs) {
+  explicit PlannedFunction(const Plan& plan)
+      : outputs_(static_cast<Eigen::Index>(plan.command->outputs.size())),
+        program_(std::make_shared<CommandProgram>(Command{.run = plan.command->run,
+                                                          .timeout = plan.command->timeout,
+                                                          .largest_batch = plan.command->batch,
+                                                          .persistent = plan.command->persistent})) {
+    for (const CommandQuantity& input : plan.command->inputs) {
       const auto free =
           std::ranges::find_if(plan.box, [&](const BoxEntry& entry) { return entry.name == input.name; });
       places_.push_back(free == plan.box.end() ? -1 : free - plan.box.begin());
@@ -75,21 +80,20 @@ class PlannedFunction {
   /// Asks for all points at once; where that fails, one by one, to find the point.
   SampledAnswers operator()(const Eigen::MatrixXd& points, const std::vector<double>& times) const {
     const Eigen::MatrixXd rows = inputs(points, times);
-    const pgd::PointsFunction function = function_at(times);
+    const Eigen::Index numbers = outputs_ * std::max<Eigen::Index>(1, std::ssize(times));
     SampledAnswers answers;
     try {
-      function(rows, answers.values);
+      answers.values = program_->answers(rows, numbers);
       return answers;
     } catch (const Error& error) {
       answers.failure = error.what();
     }
-    answers.values.resize(answers.values.rows(), 0);
+    answers.values.resize(numbers, 0);
     if (points.cols() == 1) return answers;
-    Eigen::MatrixXd good(answers.values.rows(), points.cols()), one;
+    Eigen::MatrixXd good(numbers, points.cols());
     for (Eigen::Index j = 0; j < points.cols(); ++j) {
       try {
-        function(rows.col(j), one);
-        good.col(j) = one;
+        good.col(j) = program_->answers(rows.col(j), numbers);
       } catch (const Error& error) {
         return {good.leftCols(j), error.what()};
       }
@@ -114,16 +118,8 @@ class PlannedFunction {
     return rows;
   }
 
-  pgd::PointsFunction function_at(const std::vector<double>& times) const {
-    const auto instants = static_cast<int>(times.size());
-    return command_function({.run = command_.run,
-                             .inputs = static_cast<int>(command_.inputs.size()) + instants,
-                             .outputs = static_cast<int>(command_.outputs.size()) * std::max(1, instants),
-                             .timeout = command_.timeout,
-                             .largest_batch = command_.batch});
-  }
-
-  PlannedCommand command_;
+  Eigen::Index outputs_;
+  std::shared_ptr<CommandProgram> program_;
   std::vector<Eigen::Index> places_;  ///< of the inputs in the box; -1: fixed
   std::vector<double> fixed_;
 };
