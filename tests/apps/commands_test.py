@@ -166,6 +166,24 @@ for head in sys.stdin:
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(starts, 3)
 
+    def test_it_ends_with_a_samara_that_is_killed(self):
+        program = write("orphan.py", self.HEAD + "        time.sleep(0.01)\n" + self.GOOD)
+        text = write("orphan.toml", plan("orphan_plan", "", command="persistent = true").read_text().replace("orphan_plan.py", "orphan.py"))
+        process = subprocess.Popen([SAMARA, "build", text, "-o", FOLDER / "orphan.h5"], stderr=subprocess.PIPE)
+        starts = pathlib.Path(f"{program}.starts")
+        while process.poll() is None and not (starts.exists() and starts.read_text()):
+            time.sleep(0.02)
+        self.assertIsNone(process.poll())
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        for _ in range(500):
+            try:
+                os.kill(int(starts.read_text()), 0)
+            except ProcessLookupError:
+                return
+            time.sleep(0.02)
+        self.fail("the program goes on")
+
     def test_one_that_does_not_flush_or_hangs_is_killed(self):
         body = "        sys.stdout = open(1, 'w', closefd=False)\n" + self.GOOD.replace("    sys.stdout.flush()\n", "")
         result, _ = self.built("kept_silent", body, command='timeout = "0.5 s"')
