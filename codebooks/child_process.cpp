@@ -190,6 +190,7 @@ class Conversation {
       // One that ends closes its input, too: a moment later it is seen which it is.
       if (!in_.is_open()) deadline_ = std::min(deadline_, after(kMoment));
     }
+    read_some(out_, result.output);  // lines too many, told now rather than with the next batch
     return ChildResult::End::answered;
   }
 
