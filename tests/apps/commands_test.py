@@ -254,6 +254,7 @@ class BadCommands(Case):
         self.refuse(('x = "m"', '"x/y" = "m"'), "is no name")
         self.refuse(("certificate_points = 40", "certificate_points = 1"), "expected 10 to")
         self.refuse(("certificate_points = 40", "timeout = -1"), "timeout", "more than 0")
+        self.refuse(("certificate_points = 40", "persistent = 1"), "refused.toml", "persistent", "true or false")
         self.refuse(("x = [1.0, 2.0]", "x = { range = [1.0, 2.0], nodes = 5 }"), "prescribes nodes")
         self.refuse(("relative = 1e-4", "relative = 1e-4\nabsolute = { w = 1 }"), "no output of this name")
 

@@ -9,6 +9,7 @@
 #include "../io/error_text.h"
 #include "../io/temporary_directory.h"
 #include "samara/base/errors.h"
+#include "samara/codebooks/build.h"
 #include "samara/codebooks/command_function.h"
 
 // Programs that are kept between batches, good ones and nasty ones.
@@ -232,6 +233,39 @@ for head in sys.stdin:
   CHECK_THAT(result.message, Contains("ended with the code 1; it said \"too large\""));
   CHECK(numbers_in(directory / "s").size() == 2);
   for (const int process : numbers_in(directory / "s")) CHECK(is_gone(process));
+}
+
+TEST_CASE("a build keeps one program from its pilots to its certificate, and ends it when it is cancelled") {
+  const std::string program = R"(
+import math, os, sys
+print(os.getpid(), file=open(sys.argv[1], 'a'))
+for head in sys.stdin:
+    for _ in range(int(head)):
+        a, *times = map(float, sys.stdin.readline().split())
+        print(*(repr(math.exp(-a * t)) for t in times))
+    sys.stdout.flush()
+)";
+  const TemporaryDirectory directory;
+  for (const std::string stage : {"", "pilots", "sampling", "certificate"}) {
+    const auto starts = directory / ("starts" + stage);
+    const Plan plan =
+        parse_plan("[command]\nrun = ['python3', '-c', \"\"\"" + program + "\"\"\", '" + starts.string() +
+                       "']\ninputs = { a = '1/s' }\noutputs = { p = '1' }\npersistent = true\n"
+                       "[box]\na = [1, 2]\n[time]\nend = 1\n[tolerance]\nrelative = 1e-5\n",
+                   "p.toml");
+    BuildOptions options;
+    options.progress = [&](const samara::Progress& report) { return report.stage != stage; };
+    INFO("cancelled in stage \"" << stage << '"');
+    try {
+      const BuildResult result = build(plan, options);
+      CHECK(result.met == stage.empty());
+    } catch (const samara::NoResultError&) {
+      CHECK(stage != "");
+    }
+    const std::vector<int> processes = numbers_in(starts);
+    CHECK(processes.size() == (stage == "pilots" ? 0 : 1));  // which is asked before the first call
+    for (const int process : processes) CHECK(is_gone(process));
+  }
 }
 
 TEST_CASE("threads that call one program wait for each other") {
