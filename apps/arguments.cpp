@@ -125,9 +125,13 @@ void add_validate(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<ValidateArguments>();
   CLI::App* command = app.add_subcommand("validate", "certifies a codebook again, on fresh points");
   command->add_option("BOOK", values->book, "codebook file")->required();
-  command->add_option("--points", values->points, "scrambled Sobol' points in the box")
+  command->add_option("--plan", values->plan,
+                      "of a codebook of a command: the plan whose command is called; none that stands in a "
+                      "codebook is ever executed");
+  command
+      ->add_option("--points", values->points,
+                   "scrambled Sobol' points in the box; default: 2000, of a command what its plan says")
       ->check(whole_number())
-      ->capture_default_str()
       ->check(CLI::Range(1, 100000000));
   command->add_option("--seed", values->seed, "of the scrambling, from 0")
       ->capture_default_str()

@@ -53,7 +53,8 @@ struct QueryArguments {
 
 struct ValidateArguments {
   std::string book;
-  int points = 2000;
+  std::string plan;  ///< whose command is called; empty: the codebook is one of a model
+  std::optional<int> points;
   std::uint64_t seed = 1;
   bool json = false;
 };

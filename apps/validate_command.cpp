@@ -9,10 +9,52 @@
 
 namespace samara::apps {
 
+namespace {
+
+/// Errors of arguments are those of the file.
+template <class Make>
+auto blaming(const std::string& file, const Make& make) {
+  try {
+    return make();
+  } catch (const ArgumentError& error) {
+    throw InputError(file, error.what());
+  }
+}
+
+/// The program of a codebook of a command comes from the user's plan, never from the codebook.
+codebooks::Certificate certify_by_plan(const codebooks::Codebook& book, const ValidateArguments& arguments,
+                                       codebooks::CertifyOptions options) {
+  const codebooks::Plan plan = codebooks::read_plan(arguments.plan);
+  if (plan.command && !arguments.points) options.points = plan.certificate_points();
+  return blaming(arguments.plan, [&] { return codebooks::certify(book, plan, options); });
+}
+
+codebooks::Certificate certify_by_model(const codebooks::Codebook& book, const ValidateArguments& arguments,
+                                        const codebooks::CertifyOptions& options) {
+  const models::ParametricModel model = blaming(arguments.book, [&] { return codebooks::model_of(book); });
+  return codebooks::certify(book, model, options);
+}
+
+void check_plan(const codebooks::Codebook& book, const ValidateArguments& arguments) {
+  if (book.is_of_command() && arguments.plan.empty()) {
+    throw ArgumentError(fmt::format(
+        "{} was sampled from a command, and no program that stands in a codebook is executed: name "
+        "the plan whose command is to be called, --plan PLAN.toml",
+        arguments.book));
+  }
+  if (!book.is_of_command() && !arguments.plan.empty()) {
+    throw ArgumentError(fmt::format("{} is a solution of the model {}, which needs no --plan", arguments.book,
+                                    book.model().name));
+  }
+}
+
+}  // namespace
+
 int run(const ValidateArguments& arguments) {
   const codebooks::Codebook book = codebooks::load(arguments.book);
+  check_plan(book, arguments);
   codebooks::CertifyOptions options;
-  options.points = arguments.points;
+  options.points = arguments.points.value_or(options.points);
   options.seed = arguments.seed;
   options.progress = progress_line();
   if (book.certificate()) {
@@ -23,14 +65,8 @@ int run(const ValidateArguments& arguments) {
   } else {
     warn(fmt::format("{} has no certificate: errors are compared with zero", arguments.book));
   }
-  const models::ParametricModel model = [&] {
-    try {
-      return codebooks::model_of(book);
-    } catch (const ArgumentError& error) {
-      throw InputError(arguments.book, error.what());
-    }
-  }();
-  codebooks::Certificate certificate = codebooks::certify(book, model, options);
+  codebooks::Certificate certificate = book.is_of_command() ? certify_by_plan(book, arguments, options)
+                                                            : certify_by_model(book, arguments, options);
   if (book.certificate()) {
     certificate.residual = book.certificate()->residual;
     certificate.spent = book.certificate()->spent;

@@ -20,7 +20,9 @@ if(SAMARA_APPS)
 endif()
 if(SAMARA_TESTS)
   find_package(Catch2 2.13 REQUIRED)
-  # h5py lives with the distribution's Python; another one (pyenv, conda) may stand first on PATH.
+endif()
+if(SAMARA_TESTS OR SAMARA_BENCHMARKS)
+  # h5py and NumPy live with the distribution's Python; another one (pyenv, conda) may stand first on PATH.
   if(EXISTS /usr/bin/python3 AND NOT Python3_EXECUTABLE)
     set(Python3_EXECUTABLE /usr/bin/python3)
   endif()

@@ -40,8 +40,9 @@ struct PlannedCommand {
   std::vector<std::string> run;  ///< program and arguments
   std::vector<CommandQuantity> inputs;
   std::vector<CommandQuantity> outputs;
-  double timeout = 60.0;  ///< s, of one start of the program
-  int batch = 1000;       ///< most points for one start
+  double timeout = 60.0;    ///< s, of one batch
+  int batch = 1000;         ///< most points of one
+  bool persistent = false;  ///< whether the program is kept between batches
 };
 
 /// A plan of a build (PLAN.toml): a model or a command, what is fixed, the box, the time, the tolerance, the

@@ -67,7 +67,7 @@ PlannedCommand read_command(const TomlTable& table) {
         "certificate_points",
         "is no key any more: [tolerance] assurance = 0.99 asks for 300 points, 3/(1 - assurance)");
   }
-  table.expect_keys({"run", "inputs", "outputs", "timeout", "batch"});
+  table.expect_keys({"run", "inputs", "outputs", "timeout", "batch", "persistent"});
   PlannedCommand command;
   command.run = table.strings("run");
   if (command.run.empty() || command.run.front().empty())
@@ -85,6 +85,7 @@ PlannedCommand read_command(const TomlTable& table) {
     throw table.error("timeout",
                       fmt::format("is {} s, expected more than 0 and at most {}", command.timeout, kLongest));
   }
+  command.persistent = table.optional_boolean("persistent").value_or(command.persistent);
   command.batch = count_in(table, "batch", command.batch, 1, 1'000'000);
   return command;
 }

@@ -12,7 +12,7 @@
 #include <tbb/task_arena.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/command_function.h"
+#include "samara/codebooks/command_program.h"
 #include "samara/models/integrate.h"
 
 namespace samara::codebooks {
@@ -65,8 +65,13 @@ class Trajectories {
 class PlannedFunction {
  public:
   PlannedFunction(const Plan& plan, pgd::PointsFunction instead)
-      : command_(*plan.command), instead_(std::move(instead)) {
-    for (const CommandQuantity& input : command_.inputs) {
+      : outputs_(static_cast<Eigen::Index>(plan.command->outputs.size())),
+        instead_(std::move(instead)),
+        program_(std::make_shared<CommandProgram>(Command{.run = plan.command->run,
+                                                          .timeout = plan.command->timeout,
+                                                          .largest_batch = plan.command->batch,
+                                                          .persistent = plan.command->persistent})) {
+    for (const CommandQuantity& input : plan.command->inputs) {
       const auto free =
           std::ranges::find_if(plan.box, [&](const BoxEntry& entry) { return entry.name == input.name; });
       places_.push_back(free == plan.box.end() ? -1 : free - plan.box.begin());
@@ -77,21 +82,20 @@ class PlannedFunction {
   /// Asks for all points at once; where that fails, one by one, to find the point.
   SampledAnswers operator()(const Eigen::MatrixXd& points, const std::vector<double>& times) const {
     const Eigen::MatrixXd rows = inputs(points, times);
-    const pgd::PointsFunction function = function_at(times);
+    const Eigen::Index numbers = outputs_ * std::max<Eigen::Index>(1, std::ssize(times));
     SampledAnswers answers;
     try {
-      function(rows, answers.values);
+      answers.values = answered(rows, numbers);
       return answers;
     } catch (const Error& error) {
       answers.failure = error.what();
     }
-    answers.values.resize(answers.values.rows(), 0);
+    answers.values.resize(numbers, 0);
     if (points.cols() == 1) return answers;
-    Eigen::MatrixXd good(answers.values.rows(), points.cols()), one;
+    Eigen::MatrixXd good(numbers, points.cols());
     for (Eigen::Index j = 0; j < points.cols(); ++j) {
       try {
-        function(rows.col(j), one);
-        good.col(j) = one;
+        good.col(j) = answered(rows.col(j), numbers);
       } catch (const Error& error) {
         return {good.leftCols(j), error.what()};
       }
@@ -116,36 +120,23 @@ class PlannedFunction {
     return rows;
   }
 
-  pgd::PointsFunction function_at(const std::vector<double>& times) const {
-    const auto instants = static_cast<int>(times.size());
-    if (instead_) return answered_by_function(std::max(1, instants));
-    return command_function({.run = command_.run,
-                             .inputs = static_cast<int>(command_.inputs.size()) + instants,
-                             .outputs = static_cast<int>(command_.outputs.size()) * std::max(1, instants),
-                             .timeout = command_.timeout,
-                             .largest_batch = command_.batch});
+  /// Whatever a function throws counts as its failure.
+  Eigen::MatrixXd answered(const Eigen::MatrixXd& rows, Eigen::Index numbers) const {
+    if (!instead_) return program_->answers(rows, numbers);
+    Eigen::MatrixXd values = Eigen::MatrixXd::Zero(numbers, rows.cols());
+    try {
+      instead_(rows, values);
+    } catch (const std::exception& error) {
+      throw Error(error.what());
+    }
+    if (values.rows() == numbers && values.cols() == rows.cols()) return values;
+    throw Error(fmt::format("the function made a table of {} x {} for {} outputs at {} points", values.rows(),
+                            values.cols(), numbers, rows.cols()));
   }
 
-  /// Whatever it throws counts as its failure.
-  pgd::PointsFunction answered_by_function(int instants) const {
-    const auto outputs = static_cast<Eigen::Index>(command_.outputs.size()) * instants;
-    return [outputs, this](const Eigen::MatrixXd& rows, Eigen::MatrixXd& values) {
-      values.setZero(outputs, rows.cols());
-      try {
-        instead_(rows, values);
-      } catch (const Error&) {
-        throw;
-      } catch (const std::exception& error) {
-        throw ArgumentError(error.what());
-      }
-      if (values.rows() == outputs && values.cols() == rows.cols()) return;
-      throw ArgumentError(fmt::format("the function made a table of {} x {} for {} outputs at {} points",
-                                      values.rows(), values.cols(), outputs, rows.cols()));
-    };
-  }
-
-  PlannedCommand command_;
+  Eigen::Index outputs_;
   pgd::PointsFunction instead_;
+  std::shared_ptr<CommandProgram> program_;
   std::vector<Eigen::Index> places_;  ///< of the inputs in the box; -1: fixed
   std::vector<double> fixed_;
 };

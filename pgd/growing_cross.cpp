@@ -10,8 +10,6 @@ namespace samara::pgd {
 
 namespace {
 
-constexpr int kRookSteps = 2;
-
 bool has_column(const IndexBatch& set, const Eigen::VectorXi& column) {
   for (Eigen::Index j = 0; j < set.cols(); ++j) {
     if (set.col(j) == column) return true;
@@ -100,24 +98,44 @@ IndexBatch GrowingCross::candidate_cols(int bond) const {
   return cols;
 }
 
-/// Values at rows x cols over the scale of the row's output.
-Eigen::MatrixXd GrowingCross::block(const IndexBatch& rows, const IndexBatch& cols) {
-  const Eigen::Index before = rows.rows() - 1;
-  // Rows of bond 0 differ in their output only: one point serves them all.
-  const Eigen::Index prefixes = before == 0 ? 1 : rows.cols();
-  IndexBatch points(coordinates(), prefixes * cols.cols());
-  for (Eigen::Index c = 0; c < cols.cols(); ++c) {
+/// Points of a block, without the outputs: rows run fastest. Rows of bond 0 differ in their output only, so
+/// that one point serves them all.
+IndexBatch GrowingCross::points_of(const Block& block) const {
+  const Eigen::Index before = block.rows.rows() - 1;
+  const Eigen::Index prefixes = before == 0 ? 1 : block.rows.cols();
+  IndexBatch points(coordinates(), prefixes * block.cols.cols());
+  for (Eigen::Index c = 0; c < block.cols.cols(); ++c) {
     for (Eigen::Index p = 0; p < prefixes; ++p) {
-      points.col(c * prefixes + p) << rows.col(p).tail(before), cols.col(c);
+      points.col(c * prefixes + p) << block.rows.col(p).tail(before), block.cols.col(c);
     }
+  }
+  return points;
+}
+
+std::vector<Eigen::MatrixXd> GrowingCross::values(const std::vector<Block>& blocks) {
+  std::vector<IndexBatch> parts;
+  Eigen::Index count = 0;
+  for (const Block& block : blocks) count += parts.emplace_back(points_of(block)).cols();
+  IndexBatch points(coordinates(), count);
+  Eigen::Index first = 0;
+  for (const IndexBatch& part : parts) {
+    points.middleCols(first, part.cols()) = part;
+    first += part.cols();
   }
   const std::vector<int> places = table_.places(points);
   const Eigen::VectorXd scale = table_.function().scale();
-  Eigen::MatrixXd values(rows.cols(), cols.cols());
-  for (Eigen::Index c = 0; c < cols.cols(); ++c) {
-    for (Eigen::Index r = 0; r < rows.cols(); ++r) {
-      const auto place = static_cast<std::size_t>(c * prefixes + (before == 0 ? 0 : r));
-      values(r, c) = table_.value(rows(0, r), places[place]) / scale[rows(0, r)];
+  std::vector<Eigen::MatrixXd> values;
+  auto place = places.begin();
+  for (const Block& block : blocks) {
+    const bool shared = block.rows.rows() == 1;
+    Eigen::MatrixXd& table = values.emplace_back(block.rows.cols(), block.cols.cols());
+    for (Eigen::Index c = 0; c < table.cols(); ++c) {
+      for (Eigen::Index r = 0; r < table.rows(); ++r) {
+        const int output = block.rows(0, r);
+        table(r, c) = table_.value(output, *place) / scale[output];
+        if (!shared) ++place;
+      }
+      if (shared) ++place;
     }
   }
   return values;
@@ -128,85 +146,126 @@ void GrowingCross::append(Bond& bond, const Eigen::VectorXi& row, const Eigen::V
   append_column(bond.cols, col);
 }
 
-/// One pivot more at a bond, by rook search: the largest error of a random column, then of that row, then of
-/// that column. @returns false if the search ends at an error within the tolerance
-bool GrowingCross::grow_bond(int b, double tolerance) {
-  Bond& bond = bonds_[static_cast<std::size_t>(b)];
-  const IndexBatch rows = candidate_rows(b);
-  const IndexBatch cols = candidate_cols(b);
-  if (bond.cols.cols() >= std::min(rows.cols(), cols.cols())) return false;
-  if (bond.cols.cols() >= max_rank_) {
-    exhausted_ = true;
-    return false;
-  }
-  const Eigen::MatrixXd left = right_quotient(block(rows, bond.cols), block(bond.rows, bond.cols));
-  const Eigen::MatrixXd right = block(bond.rows, cols);
-  Eigen::Index row = -1;
-  Eigen::Index col = random_.below(static_cast<int>(cols.cols()));
-  double error = 0.0;
-  for (int step = 0; step < kRookSteps; ++step) {
-    const Eigen::VectorXd in_column = block(rows, cols.col(col)).col(0) - left * right.col(col);
-    Eigen::Index best = 0;
-    error = in_column.cwiseAbs().maxCoeff(&best);
-    if (best == row) break;
-    row = best;
-    const Eigen::RowVectorXd in_row = block(rows.col(row), cols).row(0) - left.row(row) * right;
-    error = in_row.cwiseAbs().maxCoeff(&best);
-    if (best == col) break;
-    col = best;
-  }
-  if (!(error > tolerance)) return false;
-  if (has_column(bond.rows, rows.col(row)) || has_column(bond.cols, cols.col(col))) return false;
-  append(bond, rows.col(row), cols.col(col));
-  return true;
-}
-
-void GrowingCross::grow(double tolerance, long max_calls) {
-  bool added = true;
-  while (added && table_.function().calls() <= max_calls) {
-    added = false;
-    for (int b = 0; b < bonds(); ++b) added = grow_bond(b, tolerance) || added;
-  }
-}
-
-int GrowingCross::add_pivot(const Eigen::VectorXi& point, double tolerance) {
-  const std::vector<int> place = table_.places(point);
-  int taken = 0;
+/// At every bond that has room for a pivot: the interpolant of its candidates, and in a random column the
+/// row with the largest error.
+std::vector<GrowingCross::Search> GrowingCross::searches() {
+  std::vector<Search> searches;
+  std::vector<Block> wanted;
   for (int b = 0; b < bonds(); ++b) {
-    Bond& bond = bonds_[static_cast<std::size_t>(b)];
+    const Bond& bond = bonds_[static_cast<std::size_t>(b)];
+    IndexBatch rows = candidate_rows(b);
+    IndexBatch cols = candidate_cols(b);
+    if (bond.cols.cols() >= std::min(rows.cols(), cols.cols())) continue;
     if (bond.cols.cols() >= max_rank_) {
       exhausted_ = true;
       continue;
     }
-    const Eigen::VectorXi col = point.tail(coordinates() - b);
-    // Any output may be the row's: at bond 0 all of them, behind it those that its pivots have.
-    IndexBatch rows(1 + b, table_.function().outputs());
-    rows << Eigen::RowVectorXi::LinSpaced(table_.function().outputs(), 0, table_.function().outputs() - 1),
-        point.head(b).replicate(1, table_.function().outputs());
+    const Eigen::Index start = random_.below(static_cast<int>(cols.cols()));
+    wanted.push_back({rows, bond.cols});
+    wanted.push_back({bond.rows, bond.cols});
+    wanted.push_back({bond.rows, cols});
+    wanted.push_back({rows, cols.col(start)});
+    searches.push_back({.bond = b, .rows = std::move(rows), .cols = std::move(cols), .col = start});
+  }
+  const std::vector<Eigen::MatrixXd> blocks = values(wanted);
+  auto block = blocks.begin();
+  for (Search& search : searches) {
+    search.left = right_quotient(block[0], block[1]);
+    search.right = block[2];
+    const Eigen::VectorXd errors = block[3] - search.left * search.right.col(search.col);
+    errors.cwiseAbs().maxCoeff(&search.row);
+    block += 4;
+  }
+  return searches;
+}
+
+/// Moves every search to the largest error in its row.
+void GrowingCross::look_along_rows(std::vector<Search>& searches) {
+  std::vector<Block> wanted;
+  for (const Search& search : searches) wanted.push_back({search.rows.col(search.row), search.cols});
+  const std::vector<Eigen::MatrixXd> blocks = values(wanted);
+  auto block = blocks.begin();
+  for (Search& search : searches) {
+    const Eigen::RowVectorXd errors = *block++ - search.left.row(search.row) * search.right;
+    search.error = errors.cwiseAbs().maxCoeff(&search.col);
+  }
+}
+
+/// One pivot more at every bond at which the search finds an error above the tolerance. @returns whether
+/// there was one
+bool GrowingCross::grow_once(double tolerance) {
+  std::vector<Search> found = searches();
+  look_along_rows(found);
+  bool grown = false;
+  for (const Search& search : found) {
+    Bond& bond = bonds_[static_cast<std::size_t>(search.bond)];
+    const auto row = search.rows.col(search.row);
+    const auto col = search.cols.col(search.col);
+    if (!(search.error > tolerance) || has_column(bond.rows, row) || has_column(bond.cols, col)) continue;
+    append(bond, row, col);
+    grown = true;
+  }
+  return grown;
+}
+
+void GrowingCross::grow(double tolerance, long max_calls) {
+  while (table_.function().calls() <= max_calls && grow_once(tolerance)) continue;
+}
+
+int GrowingCross::add_pivot(const Eigen::VectorXi& point, double tolerance) {
+  const int outputs = table_.function().outputs();
+  std::vector<Search> open;
+  std::vector<Block> crosses;
+  for (int b = 0; b < bonds(); ++b) {
+    const Bond& bond = bonds_[static_cast<std::size_t>(b)];
+    if (bond.cols.cols() >= max_rank_) {
+      exhausted_ = true;
+      continue;
+    }
+    IndexBatch col = point.tail(coordinates() - b);
     if (has_column(bond.cols, col)) continue;
-    const Eigen::MatrixXd left = right_quotient(block(rows, bond.cols), block(bond.rows, bond.cols));
-    const Eigen::VectorXd error = block(rows, col).col(0) - left * block(bond.rows, col).col(0);
+    // Any output may be the row's: at bond 0 all of them, behind it those that its pivots have.
+    IndexBatch rows(1 + b, outputs);
+    rows << Eigen::RowVectorXi::LinSpaced(outputs, 0, outputs - 1), point.head(b).replicate(1, outputs);
+    crosses.push_back({rows, bond.cols});
+    crosses.push_back({bond.rows, bond.cols});
+    crosses.push_back({bond.rows, col});
+    crosses.push_back({rows, col});
+    open.push_back({.bond = b, .rows = std::move(rows), .cols = std::move(col)});
+  }
+  const std::vector<Eigen::MatrixXd> blocks = values(crosses);
+  int taken = 0;
+  for (std::size_t s = 0; s < open.size(); ++s) {
+    Bond& bond = bonds_[static_cast<std::size_t>(open[s].bond)];
+    const Eigen::MatrixXd left = right_quotient(blocks[4 * s], blocks[4 * s + 1]);
+    const Eigen::VectorXd error = blocks[4 * s + 3].col(0) - left * blocks[4 * s + 2].col(0);
     Eigen::Index m = 0;
-    if (!(error.cwiseAbs().maxCoeff(&m) > tolerance) || has_column(bond.rows, rows.col(m))) continue;
-    append(bond, rows.col(m), col);
+    if (!(error.cwiseAbs().maxCoeff(&m) > tolerance) || has_column(bond.rows, open[s].rows.col(m))) continue;
+    append(bond, open[s].rows.col(m), open[s].cols.col(0));
     ++taken;
   }
   return taken;
 }
 
 TensorTrain GrowingCross::train() {
+  // T_k with rows (row of bond k-1, node of mode k), the row running fastest: a left unfolding.
+  std::vector<Block> wanted;
+  for (int b = 0; b < bonds(); ++b) {
+    const Bond& bond = bonds_[static_cast<std::size_t>(b)];
+    wanted.push_back({candidate_rows(b), bond.cols});
+    wanted.push_back({bond.rows, bond.cols});
+  }
+  wanted.push_back({candidate_rows(bonds()), IndexBatch(0, 1)});
+  const std::vector<Eigen::MatrixXd> blocks = values(wanted);
   TensorTrain train;
   for (int k = 0; k <= coordinates(); ++k) {
-    // T_k with rows (row of bond k-1, node of mode k), the row running fastest: a left unfolding.
-    const bool last = k == coordinates();
-    const IndexBatch rows = candidate_rows(k);
-    const IndexBatch cols = last ? IndexBatch(0, 1) : bonds_[static_cast<std::size_t>(k)].cols;
-    Eigen::MatrixXd values = block(rows, cols);
-    if (!last) values = right_quotient(values, block(bonds_[static_cast<std::size_t>(k)].rows, cols));
+    const auto at = 2 * static_cast<std::size_t>(k);
+    const Eigen::MatrixXd unfolding =
+        k == coordinates() ? blocks[at] : right_quotient(blocks[at], blocks[at + 1]);
     const int left = k == 0 ? 1 : static_cast<int>(bonds_[static_cast<std::size_t>(k) - 1].rows.cols());
     const int size = k == 0 ? table_.function().outputs() : nodes_[static_cast<std::size_t>(k) - 1];
-    TrainCore core(left, size, static_cast<int>(cols.cols()));
-    core.left_unfolding() = values;
+    TrainCore core(left, size, static_cast<int>(unfolding.cols()));
+    core.left_unfolding() = unfolding;
     train.cores.push_back(std::move(core));
   }
   // Back to the outputs' own units.

@@ -46,12 +46,29 @@ class GrowingCross {
     IndexBatch rows;  ///< output, then nodes of the coordinates before: (1 + b) x rank
     IndexBatch cols;  ///< nodes of the coordinates behind: (d - b) x rank
   };
+  /// Rows and columns of one bond between which values are wanted.
+  struct Block {
+    IndexBatch rows, cols;
+  };
+  /// A search for a pivot: the candidates of a bond, the interpolant there (left x right), where it is.
+  struct Search {
+    int bond = 0;
+    IndexBatch rows, cols;
+    Eigen::MatrixXd left = {}, right = {};
+    Eigen::Index row = 0, col = 0;
+    double error = 0.0;  ///< at row and column
+  };
   int coordinates() const { return static_cast<int>(nodes_.size()); }
   int bonds() const { return coordinates(); }
   IndexBatch candidate_rows(int bond) const;
   IndexBatch candidate_cols(int bond) const;
-  Eigen::MatrixXd block(const IndexBatch& rows, const IndexBatch& cols);
-  bool grow_bond(int bond, double tolerance);
+  IndexBatch points_of(const Block& block) const;
+  /// Rows x columns of every block, over the scale of the row's output: all that is missing in one batch.
+  std::vector<Eigen::MatrixXd> values(const std::vector<Block>& blocks);
+  /// All bonds are searched side by side, so that a batch has the points of all.
+  std::vector<Search> searches();
+  void look_along_rows(std::vector<Search>& searches);
+  bool grow_once(double tolerance);
   void append(Bond& bond, const Eigen::VectorXi& row, const Eigen::VectorXi& col);
 
   SampleTable& table_;

@@ -12,7 +12,7 @@ namespace samara::pgd {
 
 namespace {
 
-constexpr int kLines = 2;
+constexpr Eigen::Index kLines = 2;
 constexpr int kNodes = 5;
 /// A transform is taken only if it is clearly better than none.
 constexpr double kClearly = 0.5;
@@ -31,35 +31,60 @@ Eigen::MatrixXd coefficient_matrix() {
   return vandermonde.inverse();
 }
 
-/// Values along one coordinate, line by line, at some of the nodes.
-Eigen::MatrixXd values_on_lines(const Eigen::MatrixXd& bases, Eigen::Index k, const CoordinateMap& map,
-                                SampledFunction& function, const std::vector<int>& nodes) {
-  const auto count = static_cast<Eigen::Index>(nodes.size());
-  Eigen::MatrixXd points(bases.rows(), kLines * count);
-  for (Eigen::Index j = 0; j < points.cols(); ++j) {
-    points.col(j) = bases.col(j / count);
-    points(k, j) = map.from_unit(lobatto_node(nodes[static_cast<std::size_t>(j % count)]));
+constexpr std::array<Transform, 4> kTried = {Transform::none, Transform::logarithm, Transform::reciprocal,
+                                             Transform::square_root};
+/// Points of a coordinate that is tried: the ends of the lines, which all transforms share, then line by line
+/// the nodes between them, transform by transform.
+constexpr Eigen::Index kEnds = 2 * kLines, kInner = kLines * (kNodes - 2);
+constexpr Eigen::Index kPoints = kEnds + static_cast<Eigen::Index>(kTried.size()) * kInner;
+
+Eigen::MatrixXd points_on_lines(const Eigen::MatrixXd& bases, Eigen::Index k, const SampledCoordinate& c) {
+  Eigen::MatrixXd points(bases.rows(), kPoints);
+  Eigen::Index j = 0;
+  const auto add = [&](Eigen::Index line, double x) {
+    points.col(j) = bases.col(line);
+    points(k, j++) = x;
+  };
+  for (Eigen::Index line = 0; line < kLines; ++line) {
+    add(line, c.lower);
+    add(line, c.upper);
   }
-  return function(points);
+  for (const Transform transform : kTried) {
+    const CoordinateMap map(c.lower, c.upper, transform);
+    for (Eigen::Index line = 0; line < kLines; ++line) {
+      for (int i = 1; i + 1 < kNodes; ++i) add(line, map.from_unit(lobatto_node(i)));
+    }
+  }
+  return points;
 }
 
 /// Size of the last two coefficients along the coordinate, over the scales of the outputs, in root mean
-/// square over the lines.
-/// @param ends values at both ends of the lines, which all maps share
-double tail(const Eigen::MatrixXd& bases, Eigen::Index k, const CoordinateMap& map, SampledFunction& function,
-            const Eigen::MatrixXd& ends) {
+/// square over the lines. @param ends,inner values at the points of a coordinate
+double tail(const Eigen::MatrixXd& ends, const Eigen::MatrixXd& inner, const Eigen::VectorXd& scale) {
   static const Eigen::MatrixXd coefficients = coefficient_matrix();
-  constexpr int kInner = kNodes - 2;
-  const Eigen::MatrixXd inner = values_on_lines(bases, k, map, function, {1, 2, kNodes - 2});
   double sum = 0.0;
-  for (int line = 0; line < kLines; ++line) {
+  for (Eigen::Index line = 0; line < kLines; ++line) {
     Eigen::MatrixXd values(inner.rows(), kNodes);
-    values << ends.col(2 * line), inner.middleCols(line * kInner, kInner), ends.col(2 * line + 1);
+    values << ends.col(2 * line), inner.middleCols(line * (kNodes - 2), kNodes - 2), ends.col(2 * line + 1);
     const Eigen::MatrixXd on_line =
-        function.scale().cwiseInverse().asDiagonal() * values * coefficients.bottomRows(2).transpose();
+        scale.cwiseInverse().asDiagonal() * values * coefficients.bottomRows(2).transpose();
     sum += on_line.rowwise().squaredNorm().maxCoeff();
   }
   return std::sqrt(sum / kLines);
+}
+
+/// @param values at the points of a coordinate
+Transform best_transform(const Eigen::MatrixXd& values, const Eigen::VectorXd& scale) {
+  Transform best = Transform::none;
+  double least = 0.0;
+  for (std::size_t t = 0; t < kTried.size(); ++t) {
+    const Eigen::Index first = kEnds + static_cast<Eigen::Index>(t) * kInner;
+    const double size = tail(values.leftCols(kEnds), values.middleCols(first, kInner), scale);
+    if (t > 0 && !(size < least)) continue;
+    best = kTried[t];
+    least = t == 0 ? kClearly * size : size;
+  }
+  return best;
 }
 
 bool is_worth_trying(const SampledCoordinate& c) {
@@ -79,20 +104,21 @@ std::vector<Transform> try_transforms(const std::vector<SampledCoordinate>& coor
     }
   }
   std::vector<Transform> best;
+  std::vector<std::size_t> tried;
+  Eigen::MatrixXd points(bases.rows(), 0);
   for (std::size_t k = 0; k < coordinates.size(); ++k) {
-    const SampledCoordinate& c = coordinates[k];
-    best.push_back(c.label.transform);
-    if (!is_worth_trying(c)) continue;
-    const auto row = static_cast<Eigen::Index>(k);
-    const CoordinateMap linear(c.lower, c.upper, Transform::none);
-    const Eigen::MatrixXd ends = values_on_lines(bases, row, linear, function, {0, kNodes - 1});
-    double least = kClearly * tail(bases, row, linear, function, ends);
-    for (const Transform transform : {Transform::logarithm, Transform::reciprocal, Transform::square_root}) {
-      const double with = tail(bases, row, {c.lower, c.upper, transform}, function, ends);
-      if (!(with < least)) continue;
-      least = with;
-      best.back() = transform;
-    }
+    best.push_back(coordinates[k].label.transform);
+    if (!is_worth_trying(coordinates[k])) continue;
+    tried.push_back(k);
+    points.conservativeResize(Eigen::NoChange, points.cols() + kPoints);
+    points.rightCols(kPoints) = points_on_lines(bases, static_cast<Eigen::Index>(k), coordinates[k]);
+  }
+  if (tried.empty()) return best;
+  const Eigen::MatrixXd values = function(points);
+  const Eigen::VectorXd scale = function.scale();
+  for (std::size_t i = 0; i < tried.size(); ++i) {
+    const Eigen::Index first = static_cast<Eigen::Index>(i) * kPoints;
+    best[tried[i]] = best_transform(values.middleCols(first, kPoints), scale);
   }
   return best;
 }

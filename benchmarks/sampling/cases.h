@@ -38,6 +38,9 @@ void run_codebooks(const Options& options);
 /// Peaks, kinks, poles, noise: no success may be silent about an error.
 void run_guard(const Options& options);
 
+/// Calls of a NumPy program that is kept between batches, beside a loop that does no more than call it.
+void run_persistent_command(const Options& options);
+
 /// The flow map of the Lorenz equations, in windows and at once.
 void run_lorenz(const Options& options);
 

@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
     run_codebooks(chosen);
     run_guard(chosen);
     run_lorenz(chosen);
+    run_persistent_command(chosen);
   } catch (const std::exception& error) {
     std::cerr << "sampling: " << error.what() << '\n';
     return 1;

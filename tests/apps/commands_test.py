@@ -6,6 +6,7 @@ Plans that name a program instead of a model.
 import json
 import math
 import os
+import pathlib
 import random
 import signal
 import subprocess
@@ -80,7 +81,6 @@ class Commands(Case):
     def test_what_needs_a_model_or_time_says_so(self):
         book = FOLDER / "good.h5"
         self.check_error(run("query", book, "--set", "x=1.3", "--set", "y=0.7", "--at", "1"), 2, "--at needs time")
-        self.check_error(run("validate", book), 3, "good.h5", "sampled from a command (python3", "no model")
         capture = write("c.csv", "t[s],u[N]\n0,1\n1,2\n2,3\n")
         self.check_error(run("fit", book, capture), 3, "good.h5", "a fit needs time")
         self.check_error(run("fit", book, capture, "--reference"), 3, "good.h5", "sampled from a command")
@@ -115,6 +115,79 @@ class Commands(Case):
         self.assertEqual(info("fixed")["model"]["fixed"], {"x": 1.5})
         u = float(run("query", FOLDER / "fixed.h5", "--set", "y=1").stdout.splitlines()[1].split(",")[1])
         self.assertAlmostEqual(u, 0.4, delta=1e-4)
+
+
+class KeptCommands(Case):
+    """Programs that are kept between batches."""
+
+    HEAD = """import math, os, sys, time
+print(os.getpid(), file=open(sys.argv[0] + ".starts", "a"))
+for head in sys.stdin:
+    lines = [sys.stdin.readline() for _ in range(int(head))]
+    for line in lines:
+        x, y = map(float, line.split()[:2])
+"""
+    GOOD = "        print(repr(1 / (x + y)), repr(x * y))\n    sys.stdout.flush()\n"
+
+    def built(self, name, body, *options, command="", tail=""):
+        text = plan(name, "", command="persistent = true\n" + command, tail=tail)
+        program = write(f"{name}.py", self.HEAD + body)
+        result = run("build", text, "-o", FOLDER / f"{name}.h5", *options)
+        starts = pathlib.Path(f"{program}.starts").read_text().split()
+        for process in starts:
+            with self.assertRaises(ProcessLookupError):
+                os.kill(int(process), 0)
+        return result, len(starts)
+
+    def test_one_start_gives_the_codebook_of_many(self):
+        result, starts = self.built("kept", self.GOOD)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(starts, 1)
+        self.assertEqual(built("anew").returncode, 0)
+        for x in ("1.0", "1.234", "1.9"):
+            at = ["--set", f"x={x}", "--set", "y=1.111", "--gradient"]
+            self.assertEqual(run("query", FOLDER / "kept.h5", *at).stdout, run("query", FOLDER / "anew.h5", *at).stdout)
+
+    def test_with_time_lines_of_several_lengths_go_to_one_start(self):
+        body = ("        times = map(float, line.split()[2:])\n"
+                "        print(*(repr(w) for t in times for w in (math.exp(-x * t), y * t)))\n"
+                "    sys.stdout.flush()\n")
+        result, starts = self.built("kept_timed", body, tail="[time]\nend = 2\n")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(starts, 1)
+
+    def test_a_failure_names_the_point_and_is_taken_up_again(self):
+        result, starts = self.built("kept_bad", "        if x > 1.7: sys.exit('too long')\n" + self.GOOD)
+        self.assertEqual(result.returncode, 4, result.stderr)
+        self.assertRegex(result.stderr, "x = (1.[789]|2)")
+        self.assertIn('it said "too long"', result.stderr)
+        self.assertEqual(starts, 2)  # the second finds the point
+        result, starts = self.built("kept_bad", self.GOOD, "--resume")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(starts, 3)
+
+    def test_it_ends_with_a_samara_that_is_killed(self):
+        program = write("orphan.py", self.HEAD + "        time.sleep(0.01)\n" + self.GOOD)
+        text = write("orphan.toml", plan("orphan_plan", "", command="persistent = true").read_text().replace("orphan_plan.py", "orphan.py"))
+        process = subprocess.Popen([SAMARA, "build", text, "-o", FOLDER / "orphan.h5"], stderr=subprocess.PIPE)
+        starts = pathlib.Path(f"{program}.starts")
+        while process.poll() is None and not (starts.exists() and starts.read_text()):
+            time.sleep(0.02)
+        self.assertIsNone(process.poll())
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        for _ in range(500):
+            try:
+                os.kill(int(starts.read_text()), 0)
+            except ProcessLookupError:
+                return
+            time.sleep(0.02)
+        self.fail("the program goes on")
+
+    def test_one_that_does_not_flush_or_hangs_is_killed(self):
+        body = "        sys.stdout = open(1, 'w', closefd=False)\n" + self.GOOD.replace("    sys.stdout.flush()\n", "")
+        result, _ = self.built("kept_silent", body, command='timeout = "0.5 s"')
+        self.check_error(result, 4, "did not answer within 0.5 s and was killed", "must flush")
 
 
 class FailingCommands(Case):
@@ -187,6 +260,7 @@ class BadCommands(Case):
         self.refuse(("assurance = 0.925", "assurance = 1"), "expected 0.7 to")
         self.refuse(("[box]", "certificate_points = 40\n[box]"), "is no key any more", "assurance")
         self.refuse(("[box]", "timeout = -1\n[box]"), "timeout", "more than 0")
+        self.refuse(("[box]", "persistent = 1\n[box]"), "refused.toml", "persistent", "true or false")
         self.refuse(("x = [1.0, 2.0]", "x = { range = [1.0, 2.0], nodes = 5 }"), "prescribes nodes")
         self.refuse(("relative = 1e-4", "relative = 1e-4\nabsolute = { w = 1 }"), "no output of this name")
 
@@ -232,7 +306,7 @@ class ResumedCommands(Case):
         body = GOOD + f"    open({str(log)!r}, 'a').write(line + '\\n'); __import__('time').sleep(0.002)\n"
         target = FOLDER / "kills.h5"
         random.seed(5)
-        kills, text = 0, plan("kills", body, "batch = 20")
+        kills, text = 0, plan("kills", body, command="batch = 20")
         while not target.exists():
             process = subprocess.Popen([SAMARA, "build", text, "-o", target, "--resume"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
             try:

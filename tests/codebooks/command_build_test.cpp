@@ -5,6 +5,7 @@
 #include "../io/error_text.h"
 #include "../io/temporary_directory.h"
 #include "samara/codebooks/build.h"
+#include "samara/codebooks/certify.h"
 #include "samara/codebooks/chain.h"
 #include "samara/codebooks/query.h"
 #include "samara/codebooks/store.h"
@@ -104,6 +105,33 @@ TEST_CASE("a codebook of a command is stored and read to the last bit, with and 
   query.values(std::vector{1.5, 2.0}, values);
   CHECK_THAT(values(1, 0), WithinAbs(std::exp(-1.4), 1e-5));
   CHECK_THAT(values(2, 1), WithinAbs(3.0, 4e-5));
+}
+
+TEST_CASE("a codebook of a command is certified again by the command of a plan, and by no other") {
+  const Codebook& book = timeless().book;
+  CertifyOptions options{.points = 150, .seed = 77, .tolerance = 1e-5};
+  const Certificate same = certify(book, plan_of(kTimeless), options);
+  CHECK(same.met);
+  CHECK(same.points == 150);
+  CHECK(same.max_error > 0.0);
+  CHECK_THAT(same.integrator, Contains("the command of the plan: awk"));
+  // p + 0.01 instead of p, whose range is nearly exp(-1/2) - exp(-6).
+  const Certificate other =
+      certify(book, plan_of("{ printf \"%.17g %.17g\\n\", exp(-$1 * $2) + 0.01, $1 + $2 }"), options);
+  CHECK_FALSE(other.met);
+  CHECK_THAT(other.outputs[0].max_si, WithinAbs(0.01, 1e-4));
+  CHECK(other.outputs[1].max < 1e-5);
+  const auto refused = [&](const Codebook& of, const Plan& plan) {
+    return error_text<samara::ArgumentError>([&] { certify(of, plan, options); });
+  };
+  CHECK_THAT(refused(book, plan_of(kTimed, "[time]\nend = 2\n")), Contains("the plan has time"));
+  CHECK_THAT(refused(coin_build().book, plan_of(kTimeless)),
+             Contains("a solution of the model vertical_fall"));
+  Plan fewer = plan_of(kTimeless);
+  fewer.builder.max_calls = 100;
+  CHECK_THAT(refused(book, fewer), Contains("150, more than the 100 calls"));
+  options.points = 0;
+  CHECK_THAT(refused(book, plan_of(kTimeless)), Contains("expected at least 1"));
 }
 
 TEST_CASE("what needs time or a model says that a codebook of a command lacks it") {

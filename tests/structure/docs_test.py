@@ -5,6 +5,7 @@ What the documentation shows of the examples is what stands there.
 
 import pathlib
 import sys
+import textwrap
 import unittest
 
 ROOT = pathlib.Path(sys.argv[1])
@@ -23,6 +24,10 @@ class Excerpts(unittest.TestCase):
 
     def test_plan_of_a_command(self):
         self.assertIn(f"```toml\n{text('examples/command/settling.toml')}```", text("docs/plans.md"))
+
+    def test_loop_of_a_program_that_is_kept(self):
+        loop = text("examples/command/suspension.py").split("def main():\n")[1].split("\n\n")[0]
+        self.assertIn(f"```python\n{textwrap.dedent(loop)}\n```", text("docs/plans.md"))
 
     def test_own_model(self):
         self.assertIn(f"```cpp\n{text('examples/own_model/own_model.cpp')}```", text("docs/models.md"))
