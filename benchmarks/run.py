@@ -4,6 +4,7 @@ Usage: run.py DIRECTORY [NAME [CASE]] [--quick]. One case, or quick runs, are pr
 """
 
 import json
+import os
 import pathlib
 import platform
 import subprocess
@@ -14,7 +15,9 @@ NAMES = ["first_walk", "linear_engine", "nonlinear", "sampling", "models", "quer
 
 def run(program, arguments):
     print(f"running {program.name}", file=sys.stderr)
-    output = subprocess.run([program, *arguments], check=True, capture_output=True, text=True).stdout
+    # Draws that nobody may choose are seeded with the commit.
+    environment = {**os.environ, "SAMARA_COMMIT": commit()}
+    output = subprocess.run([program, *arguments], check=True, stdout=subprocess.PIPE, text=True, env=environment).stdout
     return [json.loads(line) for line in output.splitlines()]
 
 

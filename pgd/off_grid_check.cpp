@@ -84,18 +84,18 @@ Eigen::MatrixXd OffGridCheck::candidates(int count, const Eigen::MatrixXd& pivot
 
 Eigen::MatrixXd OffGridCheck::suspicious_points(int count, const TrainField& latest, const TrainField& before,
                                                 const Eigen::MatrixXd& pivots) {
-  Eigen::MatrixXd points = random_points(count);
-  const Eigen::MatrixXd pool = candidates(std::max(kCandidates, count), pivots);
+  const Eigen::MatrixXd pool = candidates(std::max(kCandidates, 2 * count), pivots);
   const std::vector<Eigen::Index> order =
       descending_order(disagreement(latest, before, pool, function_.scale()));
+  Eigen::MatrixXd points(pool.rows(), count);
   // Candidates beyond the box were moved to its border: many are the same corner.
   std::set<std::string> taken = called_;
   Eigen::Index j = 0;
   for (const Eigen::Index place : order) {
-    if (j == count / 2) break;
+    if (j == count) break;
     if (taken.insert(bytes_of(pool.col(place))).second) points.col(j++) = pool.col(place);
   }
-  return points;
+  return points.leftCols(j);
 }
 
 void OffGridCheck::call(const Eigen::MatrixXd& points, Eigen::Index uniform) {

@@ -32,10 +32,9 @@ class OffGridCheck {
   /// Uniform in the box, coordinates x count.
   Eigen::MatrixXd random_points(int count);
 
-  /// Half of them uniform in the box, the later ones. The other half are those of many candidates at which
-  /// the latest two interpolants differ most: uniform ones, and ones near pivots in most coordinates. So
-  /// narrow features are looked at where they are. No point is given twice, of those that were called before
-  /// neither.
+  /// Those of many candidates at which the latest two interpolants differ most: uniform ones, and ones near
+  /// pivots in most coordinates, so that narrow features are looked at where they are. No point is given
+  /// twice, of those that were called before neither.
   Eigen::MatrixXd suspicious_points(int count, const TrainField& latest, const TrainField& before,
                                     const Eigen::MatrixXd& pivots);
 

@@ -27,7 +27,8 @@ namespace {
 constexpr int kFirstNodes = 3;
 constexpr std::size_t kGuardPivots = 2;
 constexpr std::size_t kRefutedPivots = 8;  // of a claim that fresh points refute
-constexpr int kCheckPoints = 200;          // of every claim, beside the first one's exploration
+constexpr int kCheckPoints = 100;          // of the first claim, beside its exploration
+constexpr int kLaterCheckPoints = 50;      // of later ones, and as many uniform points
 constexpr int kMostChallenges = 50;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -134,7 +135,7 @@ class Sampling {
     latest_ = on_chebyshev_axes(coordinates_, table_->maps(), outputs_, cross_->train());
     const TrainField& field = *latest_;
     const TrainField& other = before ? *before : field;
-    call_suspicious(options_.guard_points, field, other);
+    call_off_grid(options_.guard_points / 2, options_.guard_points - options_.guard_points / 2, field, other);
     // Every point off the grid that was ever called counts, not only this round's.
     const PointErrors errors = check_.errors(field, check_.count());
     keep_if_best(field, errors);
@@ -189,9 +190,12 @@ class Sampling {
 
   /// The claim: nothing that has been called errs, nor do fresh points, climbs or the challenge.
   bool holds_at_fresh_points(const TrainField& field, const TrainField& other) {
-    if (!has_explored_) check_.call(check_.random_points(exploration_points()), exploration_points());
+    if (has_explored_) {
+      call_off_grid(kLaterCheckPoints, kLaterCheckPoints, field, other);
+    } else {
+      call_off_grid(kCheckPoints, exploration_points(), field, other);
+    }
     has_explored_ = true;
-    call_suspicious(kCheckPoints, field, other);
     if (!holds_where_called(field) || !holds_after_climbs(field)) return false;
     const double error = result_.error;
     if (!holds_against_challenge()) return is_refuted();
@@ -200,7 +204,7 @@ class Sampling {
   }
 
   int exploration_points() const {
-    constexpr int kPerCoordinate = 40;
+    constexpr int kPerCoordinate = 30;
     constexpr long kShareOfCalls = 200;
     if (options_.exploration_points > 0) return options_.exploration_points;
     return static_cast<int>(kPerCoordinate * function_.coordinates() + options_.max_calls / kShareOfCalls);
@@ -250,8 +254,11 @@ class Sampling {
                 fmt::format("fresh points found the field wrong {} times in a row", refutations_));
   }
 
-  void call_suspicious(int count, const TrainField& field, const TrainField& other) {
-    check_.call(check_.suspicious_points(count, field, other, cross_->pivots()), count - count / 2);
+  void call_off_grid(int suspicious, int uniform, const TrainField& field, const TrainField& other) {
+    const Eigen::MatrixXd first = check_.suspicious_points(suspicious, field, other, cross_->pivots());
+    Eigen::MatrixXd points(first.rows(), first.cols() + uniform);
+    points << first, check_.random_points(uniform);
+    check_.call(points, uniform);
   }
 
   /// Makes the points with the largest errors pivots. @returns how many bonds took one

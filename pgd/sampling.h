@@ -68,7 +68,7 @@ struct SamplingOptions {
   int max_rank = 400;
   int max_nodes = 65;     ///< per coordinate, 3 to kMostLejaPoints
   int guard_points = 25;  ///< fresh ones in every round
-  /// Uniform points that are called before the tolerance may be called met; 0: 40 for every coordinate and
+  /// Uniform points that are called before the tolerance may be called met; 0: 30 for every coordinate and
   /// one for every two hundred calls allowed.
   int exploration_points = 0;
   /// Asked about a field that has passed all checks: points (coordinates x points) at which it was found

@@ -1,10 +1,7 @@
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -170,6 +167,7 @@ void run_guard(const Options& options) {
     print({kSampling, "guard", "false_share", false_share});
     print({kSampling, "guard", "false_fraction", share_of(verdicts, &Verdict::is_grossly_false)});
     print({kSampling, "guard", "met_fraction", smooth_met / smooth});
+    print({kSampling, "guard", "calls_over_before", calls_over_before()});
   }
   if (options.wants("oblique_peaks")) {
     const int peaks = options.quick ? 10 : 40;
