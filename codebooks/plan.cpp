@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <memory>
-#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +10,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/codebooks/plan_command.h"
+#include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
 
 namespace samara::codebooks {
@@ -315,12 +314,7 @@ Plan parse_plan(const std::string& text, const std::string& name) {
 }
 
 Plan read_plan(const std::filesystem::path& path) {
-  const TomlTable checked =
-      TomlTable::read(path);  // missing, unreadable or malformed files are reported by it
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parse_plan(text.str(), path.string());
+  return parse_plan(io::read_text_file(path), path.string());
 }
 
 }  // namespace samara::codebooks

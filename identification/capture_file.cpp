@@ -12,6 +12,7 @@
 #include "samara/identification/export_formats.h"
 #include "samara/identification/sidecar.h"
 #include "samara/io/text.h"
+#include "samara/io/text_file.h"
 
 namespace samara::identification {
 
