@@ -6,7 +6,8 @@
 #include "samara/base/progress.h"
 #include "samara/models/model.h"
 
-/// Exit codes, and everything that goes to stderr.
+/// Exit codes, and everything that goes to stderr. What stderr does not take is lost, and nothing else with
+/// it.
 namespace samara::apps {
 
 inline constexpr int kDone = 0;
@@ -15,6 +16,10 @@ inline constexpr int kWrongCall = 2;
 inline constexpr int kBadInput = 3;
 inline constexpr int kToleranceMissed = 4;
 inline constexpr int kOutsideBox = 5;
+
+/// To be called first: standard streams that are closed become ones that can be neither read nor written, so
+/// that no file opened later takes their number, and with it the words meant for them.
+void hold_closed_streams();
 
 /// "samara: <sentence>" on stderr.
 void complain(const std::string& sentence);
