@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "samara/base/names.h"
-#include "samara/models/unit_warnings.h"
+#include "samara/models/parameter_warnings.h"
 
 namespace samara::apps {
 
@@ -44,8 +44,8 @@ void warn(const std::string& sentence) {
   say(fmt::format("samara: warning: {}\n", printable(sentence)));
 }
 
-void warn_of_units(const models::Model& model, const std::map<std::string, double>& values) {
-  for (const std::string& sentence : models::unit_warnings(model, values)) warn(sentence);
+void warn_of_parameters(const models::Model& model, const std::map<std::string, double>& values) {
+  for (const std::string& sentence : models::parameter_warnings(model, values)) warn(sentence);
 }
 
 void narrate(const std::string& line) {

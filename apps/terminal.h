@@ -25,8 +25,8 @@ void hold_closed_streams();
 void complain(const std::string& sentence);
 /// "samara: warning: <sentence>" on stderr.
 void warn(const std::string& sentence);
-/// Warns of values (SI, by parameter) that look like mistakes of units.
-void warn_of_units(const models::Model& model, const std::map<std::string, double>& values);
+/// Warns of values (SI, by parameter) that no body or fluid has.
+void warn_of_parameters(const models::Model& model, const std::map<std::string, double>& values);
 /// One line of narration on stderr.
 void narrate(const std::string& line);
 

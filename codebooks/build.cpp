@@ -21,6 +21,7 @@
 #include "samara/codebooks/compaction.h"
 #include "samara/codebooks/pgd_builder.h"
 #include "samara/codebooks/sampling_builder.h"
+#include "samara/models/parameter_warnings.h"
 
 namespace samara::codebooks {
 
@@ -204,10 +205,19 @@ BuildResult finished(const Uncertified& built, Certificate certificate, bool can
           cancelled || has_failed};
 }
 
+/// What is fixed, and the centre of the box.
+void warn_of_parameters(const Plan& plan, const models::Model& model, const BuildOptions& options) {
+  if (!options.warning) return;
+  std::map<std::string, double> values = plan.fixed;
+  for (const BoxEntry& entry : plan.box) values.emplace(entry.name, 0.5 * (entry.lower + entry.upper));
+  for (const std::string& sentence : models::parameter_warnings(model, values)) options.warning(sentence);
+}
+
 BuildResult build_of_model(const Plan& plan, const BuildOptions& options, const ProgressCallback& progress,
                            const bool& cancelled) {
   const Clock::time_point begin = Clock::now();
   const models::ParametricModel model = plan.parametric_model();
+  warn_of_parameters(plan, model.model(), options);
   const Solution solved = solve(plan, model, options, progress, cancelled);
   const auto certified = [&](Solution solution) {
     const Uncertified built = book_of(plan, describe(model), std::move(solution), begin);

@@ -10,7 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/models/positive.h"
-#include "samara/models/unit_warnings.h"
+#include "samara/models/parameter_warnings.h"
 
 namespace samara::models {
 
