@@ -18,6 +18,7 @@
 #include "samara/codebooks/call_memory.h"
 #include "samara/codebooks/certify.h"
 #include "samara/codebooks/certify_calls.h"
+#include "samara/codebooks/checkpoint.h"
 #include "samara/codebooks/compaction.h"
 #include "samara/codebooks/pgd_builder.h"
 #include "samara/codebooks/sampling_builder.h"
@@ -102,8 +103,7 @@ Solution chosen(Solution solution, const std::string& reason) {
 /// not end a build that needs no disk: it is told once.
 CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& options) {
   std::vector<CallSheet> known;
-  if (options.resume && std::filesystem::exists(options.checkpoint))
-    known = load_calls(options.checkpoint, plan.text);
+  if (options.resume && is_checkpoint(options.checkpoint)) known = load_calls(options.checkpoint, plan.text);
   CallMemory::Save save;
   if (!options.checkpoint.empty()) {
     save = [&plan, &options, warned = false](const std::vector<CallSheet>& calls) mutable {
@@ -118,7 +118,7 @@ CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& 
   try {
     return CallMemory(std::move(source), std::move(known), std::move(save));
   } catch (const ArgumentError& error) {
-    throw InputError(options.checkpoint.string(), error.what());
+    throw bad_checkpoint(options.checkpoint, error.what());
   }
 }
 

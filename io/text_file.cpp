@@ -57,7 +57,11 @@ std::string read_text_file(const std::filesystem::path& path, const TextLimits& 
     if (!S_ISREG(status.st_mode)) await_data(name, file.get(), limits.silence);
     const ssize_t count = ::read(file.get(), block.data(), block.size());
     if (count == 0) return text;
-    if (count < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0 && errno == EAGAIN) {  // some files of the kernel say that they are regular, and wait
+      await_data(name, file.get(), limits.silence);
+      continue;
+    }
     if (count < 0) throw InputError(name, std::string("cannot be read to its end: ") + std::strerror(errno));
     text.append(block.data(), static_cast<std::size_t>(count));
     if (text.size() > limits.bytes)
