@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/limits.h"
 #include "samara/base/names.h"
 #include "samara/codebooks/plan_command.h"
 #include "samara/io/text_file.h"
@@ -132,11 +133,9 @@ void read_axis_kind(const TomlTable& table, BoxEntry& entry) {
   }
 }
 
-/// Squares, and products of a few such numbers, are still numbers.
 void check_size(const TomlTable& table, const std::string& key, double value) {
-  constexpr double kLargest = 1e60;
-  if (std::abs(value) <= kLargest) return;
-  throw table.error(key, fmt::format("has the number {}, expected at most {} in size", value, kLargest));
+  if (std::abs(value) <= kLargestInput) return;
+  throw table.error(key, fmt::format("has the number {}, expected at most {} in size", value, kLargestInput));
 }
 
 BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::string& unit) {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/limits.h"
 #include "samara/base/names.h"
 #include "samara/identification/capture_axes.h"
 #include "samara/identification/column_meanings.h"
@@ -141,14 +142,12 @@ void check_times(const io::DelimitedTable& table, const std::string& column, con
   }
 }
 
-/// Squares, and products of a few of the numbers, must be numbers.
 void check_sizes(const io::DelimitedTable& table, const Column& column, const Rows& rows) {
-  constexpr double kLargest = 1e60;
   for (const std::size_t row : rows) {
     const double value = column.values[static_cast<Eigen::Index>(row)];
-    if (!(std::abs(value) > kLargest)) continue;
+    if (!(std::abs(value) > kLargestInput)) continue;
     throw table.error(row, fmt::format("column \"{}\" has {} {}; at most {} in size was expected",
-                                       column.name, value, column.unit, kLargest));
+                                       column.name, value, column.unit, kLargestInput));
   }
 }
 

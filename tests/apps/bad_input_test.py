@@ -285,6 +285,8 @@ class BadCalls(Case):
         for until in ["1e-300", "1e-320"]:
             self.check_error(run(*line, "--until", until), 2, f"--until is {until}, expected at least",
                              "of the characteristic time")
+        self.check_error(run(*line, "--until", "1e100"), 2, "--until is 1e100, expected at most 1e+60 in size")
+        self.check_error(run("simulate", "constant_rate", "--set", "k=-1e308"), 2, "k is -1e308, expected at most 1e+60 in size")
         self.check_error(run(*line, "--until", "inf"), 2, "--until is inf, expected a finite number")
         for frames in ["2.5", "1e3", "99999999999999999999", "many"]:
             self.check_error(run(*line, "--frames", frames), 2, f"--frames: is {frames}, expected a whole number")
