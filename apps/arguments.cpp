@@ -5,6 +5,7 @@
 #include <limits>
 #include <sstream>
 #include <string_view>
+#include <type_traits>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -21,16 +22,17 @@ namespace {
 
 constexpr const char* kAssignments = "NAME=VALUE, SI or with a unit: C_D=1.2, \"v(0)=10 cm/s\"";
 
-/// "2.5" and "1e3" are no whole numbers, and digits beyond an int are too large: in words, where the parser
-/// would only say that it could not convert.
+/// "2.5" and "1e3" are no whole numbers, and digits beyond the type are too large: in words, where the parser
+/// would only say that it could not convert, or take the largest number in silence.
+template <class T = int>
 CLI::Validator whole_number() {
   return CLI::Validator(
       [](const std::string& text) {
-        int value = 0;
+        T value = 0;
         const auto [rest, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
         if (problem == std::errc() && rest == text.data() + text.size()) return std::string();
-        return fmt::format("is {}, expected a whole number of at most {}", text,
-                           std::numeric_limits<int>::max());
+        return fmt::format("is {}, expected a whole number {}of at most {}", text,
+                           std::is_unsigned_v<T> ? "from 0 on, " : "", std::numeric_limits<T>::max());
       },
       "");
 }
@@ -135,11 +137,7 @@ void add_validate(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1, 100000000));
   command->add_option("--seed", values->seed, "of the scrambling, from 0")
       ->capture_default_str()
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            return text.starts_with('-') ? fmt::format("is {}, expected at least 0", text) : std::string();
-          },
-          ""));
+      ->check(whole_number<std::uint64_t>());
   command->add_flag("--json", values->json, "print one JSON object");
   on_call(command, arguments.validate, values);
 }
@@ -180,6 +178,15 @@ void add_fit(CLI::App& app, Arguments& arguments) {
 
 namespace {
 
+/// `--config "$CONFIG"` with a variable that is not set must not mean that there is no config.
+void refuse_empty(CLI::App& command) {
+  for (CLI::Option* option : command.get_options()) {
+    if (option->get_items_expected_max() == 0 || option->get_required()) continue;
+    option->check(CLI::Validator(
+        [](const std::string& text) { return text.empty() ? std::string("is empty") : std::string(); }, ""));
+  }
+}
+
 /// The option parser would only say that some command is needed.
 void check_command(const CLI::App& app, int argc, const char* const* argv) {
   if (argc < 2 || std::string_view(argv[1]).starts_with('-')) return;
@@ -210,6 +217,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_query(app, arguments);
   add_validate(app, arguments);
   add_fit(app, arguments);
+  for (CLI::App* command : app.get_subcommands({})) refuse_empty(*command);
   check_command(app, argc, argv);
   try {
     app.parse(argc, argv);

@@ -6,12 +6,15 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/limits.h"
 #include "samara/base/names.h"
 #include "samara/io/units.h"
 
 namespace samara::apps {
 
-double number_or_quantity(const std::string& what, const std::string& text, const std::string& unit) {
+namespace {
+
+double any_number_or_quantity(const std::string& what, const std::string& text, const std::string& unit) {
   double value = 0.0;
   const char* end = text.data() + text.size();
   const auto [rest, problem] = std::from_chars(text.data(), end, value);
@@ -25,6 +28,14 @@ double number_or_quantity(const std::string& what, const std::string& text, cons
   } catch (const ArgumentError& error) {
     throw ArgumentError(fmt::format("{}: {}", what, error.what()));
   }
+}
+
+}  // namespace
+
+double number_or_quantity(const std::string& what, const std::string& text, const std::string& unit) {
+  const double value = any_number_or_quantity(what, text, unit);
+  if (std::abs(value) <= kLargestInput) return value;
+  throw ArgumentError(fmt::format("{} is {}, expected at most {} in size", what, text, kLargestInput));
 }
 
 std::map<std::string, double> parse_assignments(const std::vector<std::string>& texts,

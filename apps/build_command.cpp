@@ -18,7 +18,6 @@ int run(const BuildArguments& arguments) {
   check_output(arguments.output, {arguments.plan});
   { const io::PendingFile probe(arguments.output); }
   const codebooks::Plan plan = codebooks::read_plan(arguments.plan);
-  if (!plan.command) warn_of_units(*models::find_model(plan.model), plan.fixed);
   codebooks::BuildOptions options;
   options.checkpoint = arguments.output + ".checkpoint";
   options.keep_checkpoint = true;

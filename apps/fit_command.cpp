@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -47,7 +49,8 @@ struct Source {
 
 /// A name that is no file, and has no dot or slash that would make it one, is the name of a model.
 bool is_model_name(const std::string& text) {
-  return !std::filesystem::exists(text) && text.find_first_of("./") == std::string::npos;
+  std::error_code ignored;
+  return !std::filesystem::exists(text, ignored) && text.find_first_of("./") == std::string::npos;
 }
 
 /// What is wrong with values that came from a file is wrong with the file.
@@ -74,7 +77,10 @@ Source open_source(const FitArguments& arguments) {
           "the fit of the model \"{}\" needs --config with a [box] of what is free", arguments.source));
     }
     source.options = id::read_fit_config(arguments.config, id::config_names(model->info()));
-    warn_of_units(*model, source.options.fixed);
+    std::map<std::string, double> values = source.options.fixed;
+    for (const auto& [name, interval] : source.options.box)
+      values.emplace(name, 0.5 * (interval.lower + interval.upper));
+    warn_of_parameters(*model, values);
     source.model = model;
     source.series = id::read_series_config(arguments.config, id::config_names(model->info()));
     source.family = of_file(arguments.config, [&] {

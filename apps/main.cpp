@@ -1,4 +1,6 @@
 #include <exception>
+#include <filesystem>
+#include <new>
 
 #include "commands.h"
 #include "samara/base/errors.h"
@@ -35,6 +37,13 @@ int guarded(int argc, const char* const* argv) {
   } catch (const ArgumentError& error) {
     complain(error.what());
     return kWrongCall;
+  } catch (const std::filesystem::filesystem_error& error) {
+    // A path that the system refuses where nobody expected it to.
+    complain(error.what());
+    return kWrongCall;
+  } catch (const std::bad_alloc&) {
+    complain("there is not enough memory for this");
+    return kInternalFailure;
   } catch (const std::exception& error) {
     complain(error.what());
     return kInternalFailure;
@@ -46,5 +55,6 @@ int guarded(int argc, const char* const* argv) {
 }  // namespace samara::apps
 
 int main(int argc, char** argv) {
+  samara::apps::hold_closed_streams();
   return samara::apps::guarded(argc, argv);
 }

@@ -172,7 +172,7 @@ int run(const SimulateArguments& arguments) {
     warn_of_missed_tolerance(*steered.book, arguments.coefficients);
   }
   const models::ParametricModel parametric(steered.model, steered.values, {});
-  warn_of_units(*model, parametric.fixed());
+  warn_of_parameters(*model, parametric.fixed());
   const double end = end_of(arguments, parametric);
   if (steered.book) steered.check_time(end);
   check_frames(arguments, info);

@@ -6,7 +6,8 @@
 #include "samara/base/progress.h"
 #include "samara/models/model.h"
 
-/// Exit codes, and everything that goes to stderr.
+/// Exit codes, and everything that goes to stderr. What stderr does not take is lost, and nothing else with
+/// it.
 namespace samara::apps {
 
 inline constexpr int kDone = 0;
@@ -16,12 +17,16 @@ inline constexpr int kBadInput = 3;
 inline constexpr int kToleranceMissed = 4;
 inline constexpr int kOutsideBox = 5;
 
+/// To be called first: standard streams that are closed become ones that can be neither read nor written, so
+/// that no file opened later takes their number, and with it the words meant for them.
+void hold_closed_streams();
+
 /// "samara: <sentence>" on stderr.
 void complain(const std::string& sentence);
 /// "samara: warning: <sentence>" on stderr.
 void warn(const std::string& sentence);
-/// Warns of values (SI, by parameter) that look like mistakes of units.
-void warn_of_units(const models::Model& model, const std::map<std::string, double>& values);
+/// Warns of values (SI, by parameter) that no body or fluid has.
+void warn_of_parameters(const models::Model& model, const std::map<std::string, double>& values);
 /// One line of narration on stderr.
 void narrate(const std::string& line);
 

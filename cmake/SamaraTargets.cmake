@@ -46,6 +46,9 @@ function(samara_room_part name)
   set_property(GLOBAL APPEND PROPERTY SAMARA_ROOM_PARTS ${target})
 endfunction()
 
+# To be included in front of sources with machine flags; users get it with samara::eigen.
+set(SAMARA_EIGEN_ALIGNMENT samara/base/eigen_alignment.h)
+
 # What all our libraries have in common.
 function(samara_library target)
   target_link_libraries(${target} ${ARGN})
@@ -72,6 +75,7 @@ endfunction()
 
 # Warnings and sanitizers for our own code (never passed on to users of the libraries).
 function(samara_compile_options target)
+  set_target_properties(${target} PROPERTIES SAMARA_OWN_TARGET ON)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow
     $<$<BOOL:${SAMARA_WARNINGS_AS_ERRORS}>:-Werror>)
   if(SAMARA_SANITIZE)

@@ -18,10 +18,12 @@
 #include "samara/base/version.h"
 #include "samara/codebooks/call_memory.h"
 #include "samara/codebooks/certify.h"
+#include "samara/codebooks/checkpoint.h"
 #include "samara/codebooks/compaction.h"
 #include "samara/codebooks/measure.h"
 #include "samara/codebooks/pgd_builder.h"
 #include "samara/codebooks/sampling_builder.h"
+#include "samara/models/parameter_warnings.h"
 
 namespace samara::codebooks {
 
@@ -103,8 +105,7 @@ Solution chosen(Solution solution, const std::string& reason) {
 /// not end a build that needs no disk: it is told once.
 CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& options) {
   std::vector<CallSheet> known;
-  if (options.resume && std::filesystem::exists(options.checkpoint))
-    known = load_calls(options.checkpoint, plan.text);
+  if (options.resume && is_checkpoint(options.checkpoint)) known = load_calls(options.checkpoint, plan.text);
   CallMemory::Save save;
   if (!options.checkpoint.empty()) {
     save = [&plan, &options, warned = false](const std::vector<CallSheet>& calls) mutable {
@@ -119,7 +120,7 @@ CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& 
   try {
     return CallMemory(std::move(source), std::move(known), std::move(save));
   } catch (const ArgumentError& error) {
-    throw InputError(options.checkpoint.string(), error.what());
+    throw bad_checkpoint(options.checkpoint, error.what());
   }
 }
 
@@ -250,9 +251,18 @@ Solution solve(Build& build, const models::ParametricModel& model) {
   return build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls));
 }
 
+/// What is fixed, and the centre of the box.
+void warn_of_parameters(const Plan& plan, const models::Model& model, const BuildOptions& options) {
+  if (!options.warning) return;
+  std::map<std::string, double> values = plan.fixed;
+  for (const BoxEntry& entry : plan.box) values.emplace(entry.name, 0.5 * (entry.lower + entry.upper));
+  for (const std::string& sentence : models::parameter_warnings(model, values)) options.warning(sentence);
+}
+
 BuildResult build_of_model(const Plan& plan, const BuildOptions& options, const ProgressCallback& progress,
                            const bool& cancelled) {
   const models::ParametricModel model = plan.parametric_model();
+  warn_of_parameters(plan, model.model(), options);
   Build build{plan,
               options,
               progress,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -38,9 +39,8 @@ void check_format(const io::Hdf5Reader& file) {
   if (!file.has_attribute("/", "format_version") ||
       file.integer_attribute("/", "format_version") != kVersion ||
       file.text_attribute("/", "generator") != generator()) {
-    throw file.error("/", fmt::format("the checkpoint was not written by {}, format {}; remove it or build "
-                                      "without --resume",
-                                      generator(), kVersion));
+    throw file.error("/",
+                     fmt::format("the checkpoint was not written by {}, format {}", generator(), kVersion));
   }
 }
 
@@ -91,7 +91,7 @@ std::vector<double> read_scales(const io::Hdf5Reader& file) {
 void check_belongs(const io::Hdf5Reader& file, const std::string& plan) {
   check_format(file);
   if (file.texts("/plan") == std::vector<std::string>{plan}) return;
-  throw file.error("/plan", "the checkpoint belongs to another plan; remove it or build without --resume");
+  throw file.error("/plan", "the checkpoint belongs to another plan");
 }
 
 bool has_state(const io::Hdf5Reader& file) {
@@ -184,13 +184,28 @@ EngineState read_engine(const io::Hdf5Reader& file) {
 /// What else is in the file. One that is broken or of another plan gives nothing: it is replaced.
 template <class Part, class Read>
 Part kept_part(const std::filesystem::path& path, const std::string& plan, const Read& read) {
-  if (!std::filesystem::exists(path)) return {};
+  if (!is_checkpoint(path)) return {};
   try {
     const io::Hdf5Reader file(path);
     check_belongs(file, plan);
     return read(file);
   } catch (const InputError&) {
     return {};
+  }
+}
+
+/// What is to be taken up.
+template <class Read>
+auto taken_up(const std::filesystem::path& path, const std::string& plan, const Read& read) {
+  try {
+    const io::Hdf5Reader file(path);
+    check_belongs(file, plan);
+    return read(file);
+  } catch (const InputError& error) {
+    std::string reason = error.what();
+    const std::string name = path.string() + ": ";
+    if (reason.starts_with(name)) reason.erase(0, name.size());
+    throw bad_checkpoint(path, reason);
   }
 }
 
@@ -216,6 +231,15 @@ void write_checkpoint(const std::filesystem::path& path, const std::string& plan
 
 }  // namespace
 
+bool is_checkpoint(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored);
+}
+
+InputError bad_checkpoint(const std::filesystem::path& path, const std::string& reason) {
+  return InputError(path.string(), fmt::format("{}; remove the file or build without --resume", reason));
+}
+
 void save_checkpoint(const std::filesystem::path& path, const std::string& plan,
                      const pgd::SolverState& state) {
   write_checkpoint(path, plan, {state, {}}, kept_part<std::vector<CallTable>>(path, plan, read_calls));
@@ -237,25 +261,25 @@ void save_calls(const std::filesystem::path& path, const std::string& plan,
 }
 
 pgd::SolverState load_checkpoint(const std::filesystem::path& path, const std::string& plan) {
-  const io::Hdf5Reader file(path);
-  check_belongs(file, plan);
-  return has_state(file) ? read_state(file) : pgd::SolverState();
+  return taken_up(path, plan, [](const io::Hdf5Reader& file) {
+    return has_state(file) ? read_state(file) : pgd::SolverState();
+  });
 }
 
 std::vector<double> load_march(const std::filesystem::path& path, const std::string& plan) {
-  const io::Hdf5Reader file(path);
-  check_belongs(file, plan);
-  if (!file.has("/march")) return {};
-  const Eigen::VectorXd state = file.vector("/march");
-  return {state.begin(), state.end()};
+  return taken_up(path, plan, [](const io::Hdf5Reader& file) -> std::vector<double> {
+    if (!file.has("/march")) return {};
+    const Eigen::VectorXd state = file.vector("/march");
+    return {state.begin(), state.end()};
+  });
 }
 
 std::vector<CallSheet> load_calls(const std::filesystem::path& path, const std::string& plan) {
-  const io::Hdf5Reader file(path);
-  check_belongs(file, plan);
-  std::vector<CallSheet> sheets;
-  for (const CallTable& table : read_calls(file)) sheets.push_back(sheet_of(table));
-  return sheets;
+  return taken_up(path, plan, [](const io::Hdf5Reader& file) {
+    std::vector<CallSheet> sheets;
+    for (const CallTable& table : read_calls(file)) sheets.push_back(sheet_of(table));
+    return sheets;
+  });
 }
 
 }  // namespace samara::codebooks

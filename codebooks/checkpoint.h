@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "samara/base/errors.h"
 #include "samara/pgd/adaptive_evolution.h"
 
 namespace samara::codebooks {
@@ -11,6 +12,12 @@ namespace samara::codebooks {
 /// A checkpoint lies beside a build, so that the build can go on after a kill: the state of the engine or of
 /// its march in slabs, the calls of sampling, or both (of a plan of kind "auto"). Written atomically, like
 /// save().
+
+/// Whether there is one; a path that the system refuses has none.
+bool is_checkpoint(const std::filesystem::path& path);
+
+/// Why a checkpoint cannot be taken up, and what the user can do about it.
+InputError bad_checkpoint(const std::filesystem::path& path, const std::string& reason);
 
 /// Calls at the same times, in the order they were made.
 struct CallSheet {

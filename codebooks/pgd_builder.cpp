@@ -116,20 +116,18 @@ void check_fits(const pgd::AdaptiveProblem& problem, const pgd::SolverState& sta
   if (fits && state.time_elements <= pgd::AdaptiveOptions().max_time_elements &&
       state.round < pgd::AdaptiveOptions().max_rounds + 1)
     return;
-  throw InputError(checkpoint.string(),
-                   "axes, nodes, states or rounds of the checkpoint do not fit the plan");
+  throw bad_checkpoint(checkpoint, "axes, nodes, states or rounds of the checkpoint do not fit the plan");
 }
 
 /// @throws InputError if a checkpoint that is to be taken up is not of this plan
 pgd::SlabResult slab_result(const pgd::AdaptiveProblem& problem, const pgd::SlabOptions& slabs,
                             const Plan& plan, const BuildOptions& options) {
-  if (!options.resume || !std::filesystem::exists(options.checkpoint))
-    return pgd::solve_by_slabs(problem, slabs);
+  if (!options.resume || !is_checkpoint(options.checkpoint)) return pgd::solve_by_slabs(problem, slabs);
   const std::vector<double> state = load_march(options.checkpoint, plan.text);
   try {
     return pgd::solve_by_slabs(problem, slabs, state);
   } catch (const ArgumentError& error) {
-    throw InputError(options.checkpoint.string(), error.what());
+    throw bad_checkpoint(options.checkpoint, error.what());
   }
 }
 
@@ -154,27 +152,37 @@ Solution solve_by_slabs(const Plan& plan, const pgd::AdaptiveProblem& problem, c
   return solution;
 }
 
-/// The plan was checked before: what the engine refuses now is a field that it cannot hold.
+[[noreturn]] void cannot_solve(const std::string& reason) {
+  throw NoResultError(fmt::format("the separated engine cannot solve this plan, sampling may: {}", reason));
+}
+
+/// The plan was checked before: what the engine refuses now is a field that it cannot hold. One that it could
+/// not even begin with is no result.
 pgd::AdaptiveResult adaptive_result(const pgd::AdaptiveProblem& problem, const pgd::AdaptiveOptions& options,
                                     pgd::SolverState start) {
   try {
-    return solve_adaptively(problem, options, std::move(start));
+    pgd::AdaptiveResult result = solve_adaptively(problem, options, std::move(start));
+    if (result.evolution.status == pgd::EvolutionStatus::rank_limit && result.state.iterations == 0)
+      cannot_solve(result.message);
+    return result;
   } catch (const ArgumentError& error) {
-    throw NoResultError(
-        fmt::format("the separated engine cannot solve this plan, sampling may: {}", error.what()));
+    cannot_solve(error.what());
   }
 }
+
+/// Of a plan that allows any number. No plan that Newton's iteration met took a tenth of it.
+constexpr long kMostNewtonEvaluations = 20'000'000;
 
 Solution solve_by_newton(const Plan& plan, const pgd::AdaptiveProblem& problem, const BuildOptions& options,
                          long max_evaluations, const ProgressCallback& progress) {
   pgd::AdaptiveOptions adaptive;
   adaptive.tolerance = plan.relative;
-  adaptive.max_evaluations = max_evaluations;
+  adaptive.max_evaluations = max_evaluations > 0 ? max_evaluations : kMostNewtonEvaluations;
   adaptive.evolution.seed = plan.builder.seed;
   adaptive.evolution.progress = progress;
   adaptive.checkpoint = checkpoint_writer<pgd::SolverState>(plan, options, save_checkpoint);
   pgd::SolverState start;
-  if (options.resume && std::filesystem::exists(options.checkpoint))
+  if (options.resume && is_checkpoint(options.checkpoint))
     start = load_checkpoint(options.checkpoint, plan.text);
   check_fits(problem, start, options.checkpoint);
   pgd::AdaptiveResult result = adaptive_result(problem, adaptive, std::move(start));

@@ -2,17 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <memory>
-#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/limits.h"
 #include "samara/base/names.h"
 #include "samara/codebooks/certificate.h"
 #include "samara/codebooks/plan_command.h"
+#include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
 #include "samara/pgd/random.h"
 
@@ -135,6 +135,11 @@ void read_axis_kind(const TomlTable& table, BoxEntry& entry) {
   }
 }
 
+void check_size(const TomlTable& table, const std::string& key, double value) {
+  if (std::abs(value) <= kLargestInput) return;
+  throw table.error(key, fmt::format("has the number {}, expected at most {} in size", value, kLargestInput));
+}
+
 BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::string& unit) {
   BoxEntry entry;
   entry.name = key;
@@ -153,6 +158,7 @@ BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::str
   }
   if (range.size() != 2)
     throw box.error(key, fmt::format("has {} numbers, expected an interval [lower, upper]", range.size()));
+  for (const double end : range) check_size(box, key, end);
   if (!(range[0] < range[1])) {
     throw box.error(key, fmt::format("is the interval [{}, {}], expected lower < upper", range[0], range[1]));
   }
@@ -256,6 +262,7 @@ void read_coordinates(const TomlTable& root, const Subject& subject, Plan& plan)
     for (const std::string& key : fixed->keys()) {
       plan.fixed[key] =
           fixed->quantity(key, unit_of(*fixed, key, subject.settable, subject, subject.what_settable));
+      check_size(*fixed, key, plan.fixed[key]);
       check_meaning(*fixed, key, subject, plan.fixed[key]);
     }
   }
@@ -277,7 +284,11 @@ void read_time(const TomlTable& root, const Subject& subject, Plan& plan) {
   const TomlTable time = root.table("time");
   time.expect_keys({"end"});
   plan.end = time.quantity("end", subject.time_unit);
+  check_size(time, "end", plan.end);
   if (!(plan.end > 0.0)) throw time.error("end", fmt::format("is {}, expected more than 0", plan.end));
+  constexpr double kShortest = 1e-60;
+  if (plan.end < kShortest)
+    throw time.error("end", fmt::format("is {}, expected at least {}", plan.end, kShortest));
 }
 
 /// Nothing that the model or the command asks for may be missing.
@@ -293,7 +304,10 @@ void check_complete(const TomlTable& root, const Plan& plan) {
     return;
   }
   try {
-    plan.parametric_model();  // required parameters
+    const models::ParametricModel model = plan.parametric_model();  // required parameters
+    std::vector<double> centre;
+    for (const BoxEntry& entry : plan.box) centre.push_back(0.5 * (entry.lower + entry.upper));
+    model.check(centre);
   } catch (const ArgumentError& error) {
     throw InputError(plan.source, root.line("model"), error.what());
   }
@@ -358,12 +372,7 @@ Plan parse_plan(const std::string& text, const std::string& name) {
 }
 
 Plan read_plan(const std::filesystem::path& path) {
-  const TomlTable checked =
-      TomlTable::read(path);  // missing, unreadable or malformed files are reported by it
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parse_plan(text.str(), path.string());
+  return parse_plan(io::read_text_file(path), path.string());
 }
 
 }  // namespace samara::codebooks

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/codebooks/checkpoint.h"
 #include "samara/pgd/random.h"
 #include "samara/pgd/strategies/strategy_march.h"
 
@@ -252,7 +253,7 @@ bool is_marched(const std::string& strategy) {
 Solution solve_by_strategy(const Plan& plan, const pgd::AdaptiveProblem& problem, const BuildOptions& options,
                            long max_evaluations, const ProgressCallback& progress) {
   // Of a plan of kind "auto" the checkpoint holds the calls of sampling.
-  if (plan.builder.kind == "pgd" && options.resume && std::filesystem::exists(options.checkpoint)) {
+  if (plan.builder.kind == "pgd" && options.resume && is_checkpoint(options.checkpoint)) {
     throw ArgumentError(
         fmt::format("{}: a build by the strategy \"{}\" keeps no checkpoint, so it cannot be resumed; remove "
                     "the file or build without --resume",

@@ -12,6 +12,7 @@
 #include "samara/identification/export_formats.h"
 #include "samara/identification/sidecar.h"
 #include "samara/io/text.h"
+#include "samara/io/text_file.h"
 
 namespace samara::identification {
 
@@ -20,7 +21,8 @@ namespace {
 Sidecar find_sidecar(const std::filesystem::path& path) {
   if (path.extension() == ".toml") return read_sidecar(path);
   const std::filesystem::path beside = std::filesystem::path(path).replace_extension(".toml");
-  if (std::filesystem::is_regular_file(beside)) return read_sidecar(beside, path);
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(beside, ignored)) return read_sidecar(beside, path);
   return {.table = path};
 }
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/limits.h"
 #include "samara/base/names.h"
 #include "samara/identification/capture_axes.h"
 #include "samara/identification/column_meanings.h"
@@ -141,6 +142,15 @@ void check_times(const io::DelimitedTable& table, const std::string& column, con
   }
 }
 
+void check_sizes(const io::DelimitedTable& table, const Column& column, const Rows& rows) {
+  for (const std::size_t row : rows) {
+    const double value = column.values[static_cast<Eigen::Index>(row)];
+    if (!(std::abs(value) > kLargestInput)) continue;
+    throw table.error(row, fmt::format("column \"{}\" has {} {}; at most {} in size was expected",
+                                       column.name, value, column.unit, kLargestInput));
+  }
+}
+
 /// Number of frames before the first in which all channels are visible; all frames if there is none.
 Eigen::Index frames_before_visible(const Capture& capture) {
   for (Eigen::Index frame = 0; frame < capture.times.size(); ++frame) {
@@ -214,10 +224,15 @@ Capture read_group(const io::DelimitedTable& table, const Columns& columns, cons
   keep_interval(rows, capture.times, sidecar);
   if (const std::size_t dropped = drop_repeated(rows, capture.times, sidecar); dropped > 0)
     capture.notes.push_back(fmt::format("{} frames dropped whose time is that of the frame before", dropped));
-  if (columns.time) check_times(table, columns.time->name, rows, capture.times);
+  if (columns.time) {
+    check_sizes(table, *columns.time, rows);
+    check_times(table, columns.time->name, rows, capture.times);
+  }
   for (const auto* some : {&columns.measured, &columns.euler}) {
-    for (const Column& column : *some)
+    for (const Column& column : *some) {
+      check_sizes(table, column, rows);
       capture.channels.push_back({column.quantity, column.unit, picked(column.values, rows)});
+    }
   }
   if (sidecar.start == CaptureStart::first_visible) begin_at_first_visible(capture, rows);
   if (const Eigen::Index frames = visible_frames(capture); frames < 3) {

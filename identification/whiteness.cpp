@@ -92,6 +92,15 @@ bool too_many(int rejected, int tested) {
   return cdf(complement(distribution, rejected - 1)) < 0.01;
 }
 
+/// By a power of two: correlations stay as they are, and squares are numbers whatever the residuals.
+void scale_to_one(std::vector<double>& values) {
+  double largest = 0.0;
+  for (const double value : values) largest = std::max(largest, std::abs(value));
+  if (!(largest > 0.0 && std::isfinite(largest))) return;
+  const int exponent = std::ilogb(largest);
+  for (double& value : values) value = std::ldexp(value, -exponent);
+}
+
 std::string sentence_of(const Whiteness& w) {
   if (w.tested == 0) return "there are too few residuals to tell whether they are independent";
   const std::string found = fmt::format(
@@ -117,6 +126,7 @@ SeriesWhiteness series_whiteness(std::span<const double> times, std::span<const 
   result.count = static_cast<int>(series.values.size());
   if (series.values.empty()) return result;
   tame(series.values);
+  scale_to_one(series.values);
   const auto n = static_cast<double>(series.values.size());
   double variance = 0.0;
   for (const double value : series.values) variance += value * value / n;

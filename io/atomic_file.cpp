@@ -8,9 +8,11 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "samara/base/errors.h"
+#include "samara/io/descriptor.h"
 
 namespace samara::io {
 
@@ -21,22 +23,6 @@ namespace {
 [[noreturn]] void cannot_write(const fs::path& path, const std::string& reason) {
   throw ArgumentError("cannot write \"" + path.string() + "\": " + reason);
 }
-
-/// A file descriptor that is closed at the end of its scope.
-class Descriptor {
- public:
-  explicit Descriptor(int descriptor) : descriptor_(descriptor) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  bool valid() const { return descriptor_ >= 0; }
-  int get() const { return descriptor_; }
-
- private:
-  int descriptor_;
-};
 
 /// A name that no other thread or process uses now; its length does not depend on the final name, which may
 /// already be as long as the file system allows.
@@ -56,20 +42,34 @@ void write_all(int descriptor, std::string_view text, const fs::path& path) {
   }
 }
 
+/// The path behind symbolic links, also behind those that lead to no file yet.
+fs::path followed(const fs::path& given) {
+  constexpr int kMostLinks = 40;  // as the kernel's
+  fs::path path = given;
+  std::error_code error;
+  for (int links = 0; fs::is_symlink(fs::symlink_status(path, error)); ++links) {
+    if (links == kMostLinks) cannot_write(given, "its symbolic links lead round in a circle");
+    const fs::path next = fs::read_symlink(path, error);
+    if (error) cannot_write(given, error.message());
+    path = path.parent_path() / next;  // `next` itself where it is absolute
+  }
+  return path;
+}
+
 bool is_stream(const fs::file_status& status) {
   return fs::is_character_file(status) || fs::is_fifo(status) || fs::is_socket(status);
 }
 
 }  // namespace
 
-PendingFile::PendingFile(const fs::path& final_path) : given_(final_path), target_(final_path) {
+PendingFile::PendingFile(const fs::path& final_path) : given_(final_path), target_(followed(final_path)) {
   std::error_code error;
-  const fs::file_status status = fs::status(final_path, error);
+  const fs::file_status status = fs::status(target_, error);
   if (fs::exists(status)) {
     if (fs::is_directory(status)) cannot_write(given_, "it is a directory");
     if (!fs::is_regular_file(status)) cannot_write(given_, "it is not a regular file");
-    target_ = fs::canonical(final_path, error);
-    if (error) cannot_write(given_, error.message());
+  } else if (error && error != std::errc::no_such_file_or_directory && error != std::errc::not_a_directory) {
+    cannot_write(given_, error.message());  // a name that is too long, above all
   }
   const fs::path directory = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
   if (target_.filename().empty()) cannot_write(given_, "the path names no file");
@@ -79,6 +79,9 @@ PendingFile::PendingFile(const fs::path& final_path) : given_(final_path), targe
   const Descriptor file(::open(candidate.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666));
   if (!file.valid()) cannot_write(given_, std::strerror(errno));
   temporary_ = candidate;
+  // Whoever was kept from the old content is kept from the new. Where a file system has no permissions there
+  // is nothing to keep.
+  if (fs::exists(status)) ::fchmod(file.get(), static_cast<mode_t>(status.permissions()) & 0777);
 }
 
 PendingFile::~PendingFile() {

@@ -14,7 +14,8 @@ namespace samara::io {
 /// A temporary file that becomes the final one on commit() and is removed otherwise.
 class PendingFile {
  public:
-  /// Creates the temporary file, empty. A symbolic link is followed: the file it points to will be replaced.
+  /// Creates the temporary file, empty. Symbolic links are followed: the file behind them will be replaced,
+  /// or created. One that is replaced keeps its permissions.
   /// @throws ArgumentError naming `final_path` if its directory does not exist or cannot be written, or if it
   /// is a directory or a device.
   explicit PendingFile(const std::filesystem::path& final_path);
@@ -40,7 +41,7 @@ class PendingFile {
   void discard() noexcept;
 
   std::filesystem::path given_;
-  std::filesystem::path target_;     // given_ without symbolic links
+  std::filesystem::path target_;     // what given_ leads to
   std::filesystem::path temporary_;  // empty once committed or moved from
 };
 

@@ -11,6 +11,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/io/text.h"
+#include "samara/io/text_file.h"
 
 namespace samara::io {
 

@@ -2,16 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <fstream>
-#include <memory>
 #include <system_error>
-
-#include "samara/base/errors.h"
 
 namespace samara::io {
 
@@ -62,23 +55,6 @@ std::string in_quotes(std::string_view text) {
     }
   }
   return quote.append(shown == text.size() ? "\"" : "...\"");
-}
-
-std::string read_text_file(const std::filesystem::path& path) {
-  std::error_code status_error;
-  const std::filesystem::file_status status = std::filesystem::status(path, status_error);
-  if (!std::filesystem::exists(status)) throw InputError(path.string(), "the file does not exist");
-  if (std::filesystem::is_directory(status))
-    throw InputError(path.string(), "is a directory, expected a file");
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), &std::fclose);
-  if (!file) throw InputError(path.string(), std::string("cannot be opened: ") + std::strerror(errno));
-  std::string text;
-  std::array<char, 65536> block;
-  while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
-    text.append(block.data(), count);
-  }
-  if (std::ferror(file.get()) != 0) throw InputError(path.string(), "cannot be read to its end");
-  return text;
 }
 
 }  // namespace samara::io

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -33,9 +32,5 @@ std::string_view trimmed(std::string_view text);
 
 /// The text in double quotes for a message: cut when it is long, control characters as \x0a.
 std::string in_quotes(std::string_view text);
-
-/// The whole content of a file.
-/// @throws InputError if it is missing, a directory, or cannot be read.
-std::string read_text_file(const std::filesystem::path& path);
 
 }  // namespace samara::io

@@ -8,6 +8,7 @@
 
 #include "samara/base/names.h"
 #include "samara/io/text.h"
+#include "samara/io/text_file.h"
 #include "samara/io/units.h"
 
 namespace samara::io {

@@ -4,9 +4,11 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "samara/base/errors.h"
 #include "samara/pgd/compression.h"
@@ -14,6 +16,7 @@
 #include "samara/pgd/entry_table.h"
 #include "samara/pgd/evolution_checks.h"
 #include "samara/pgd/evolution_terms.h"
+#include "samara/pgd/separation.h"
 #include "samara/pgd/strategies/polynomial_system.h"
 
 namespace samara::pgd {
@@ -50,12 +53,12 @@ class Newton {
       record_ = {};
       record_.step = step_;
       record_.rank = w_.rank();
-      if (approximate_residual() && !finished() && approximate_jacobian()) solve_linear();
+      if (!is_cancelled() && approximate_residual() && !finished() && approximate_jacobian()) solve_linear();
       record_.seconds = std::chrono::duration<double>(Clock::now() - iteration_begin).count();
       history_.push_back(record_);
     }
     EvolutionResult result{grid_.field(w_), status_, message_, std::move(history_)};
-    result.residual = residual_;
+    result.residual = std::isfinite(residual_) ? residual_ : 1.0;
     result.nonlinearity_error = nonlinearity_error_;
     result.rhs_evaluations = rhs_evaluations_;
     result.jacobian_evaluations = jacobian_evaluations_;
@@ -71,6 +74,7 @@ class Newton {
     SeparatedTensor state = w_;
     state.append(start_);
     const EntryFunction rhs = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
+      if (is_cancelled()) return no_values(grid_.states(), entries, values);
       grid_.rhs(state, entries, values);
     };
     EntryTable known(rhs, grid_.states(), grid_.sizes());  // asked once, at whatever accuracy
@@ -116,8 +120,30 @@ class Newton {
     apply_integration(integral.cores[1]);
     // Scaled to the weighted norm, in which rounding is right.
     scale_modes(integral, grid_.root_weights());
-    integral_ = to_separated(rounded(std::move(integral), 0.2 * accuracy));
+    std::optional<SeparatedTensor> sum =
+        as_sum(rounded(std::move(integral), 0.2 * accuracy), 0.2 * accuracy, "the right-hand side");
+    if (!sum) return false;
+    integral_ = std::move(*sum);
     return true;
+  }
+
+  /// A train as a sum of products, none if that takes too many.
+  std::optional<SeparatedTensor> as_sum(const TensorTrain& train, double tolerance, const char* what) {
+    double products = 1.0;
+    for (const int rank : train.ranks()) products *= rank;
+    if (products <= options_.max_terms) return to_separated(train);
+    Separation separation = separate(train, tolerance, options_.max_terms);
+    if (separation.status == SeparationStatus::met) return std::move(separation.tensor);
+    stop(EvolutionStatus::rank_limit,
+         fmt::format("{} takes more than the {} products allowed, a train of ranks {} in all {:.3g}; slabs "
+                     "need no such sums and may go further",
+                     what, options_.max_terms, fmt::join(train.ranks(), ", "), separation.chains));
+    return std::nullopt;
+  }
+
+  /// What a function that is no longer asked answers: it ends a cross interpolation.
+  static void no_values(int outputs, const IndexBatch& entries, Eigen::MatrixXd& values) {
+    values.setConstant(outputs, entries.cols(), std::numeric_limits<double>::quiet_NaN());
   }
 
   static void scale_modes(TensorTrain& train, const std::vector<Eigen::VectorXd>& scale) {
@@ -139,6 +165,7 @@ class Newton {
 
   bool cross_is_finite(const CrossResult& result, const char* what) {
     if (result.status != CrossStatus::not_finite) return true;
+    if (stopped_) return false;  // cancelled on the way
     // A step too long may leave the domain of f: the caller shortens it before this counts.
     if (shorten_step()) return false;
     stop(EvolutionStatus::not_finite,
@@ -146,7 +173,7 @@ class Newton {
     return false;
   }
 
-  bool finished() { return converged() || grew() || out_of_iterations() || cancelled(); }
+  bool finished() { return converged() || grew() || out_of_iterations() || is_cancelled(); }
 
   bool converged() {
     if (!(residual_ <= options_.tolerance)) return false;
@@ -196,11 +223,14 @@ class Newton {
                             options_.tolerance, options_.max_iterations));
   }
 
-  bool cancelled() {
-    if (!options_.progress) return false;
-    const double fraction = std::clamp(std::log(residual_) / std::log(options_.tolerance), 0.0, 1.0);
+  bool is_cancelled() {
+    if (stopped_ || !options_.progress) return stopped_;
+    const double known = std::isfinite(residual_) ? residual_ : 1.0;
+    const double fraction = std::clamp(std::log(known) / std::log(options_.tolerance), 0.0, 1.0);
     if (options_.progress({"Newton", fraction})) return false;
-    return stop(EvolutionStatus::cancelled, fmt::format("cancelled at residual {:.3g}", residual_));
+    return stop(EvolutionStatus::cancelled, std::isfinite(residual_)
+                                                ? fmt::format("cancelled at residual {:.3g}", residual_)
+                                                : std::string("cancelled before the first residual"));
   }
 
   /// J(x0 + W), to the accuracy the inexact iteration needs. @returns false if it is not finite.
@@ -208,6 +238,7 @@ class Newton {
     SeparatedTensor state = w_;
     state.append(start_);
     const EntryFunction j = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
+      if (is_cancelled()) return no_values(grid_.states() * grid_.states(), entries, values);
       grid_.jacobian(state, entries, values);
     };
     CrossOptions cross;
@@ -221,7 +252,10 @@ class Newton {
     if (!cross_is_finite(result, "the Jacobian")) return false;
     jacobian_pivots_ = std::move(result.pivots);
     jacobian_size_ = std::max(result.largest, 1.0);
-    jacobian_ = compressed(to_separated(result.train), options_.linear_tolerance * jacobian_size_);
+    const double accuracy = options_.linear_tolerance * jacobian_size_;
+    const std::optional<SeparatedTensor> sum = as_sum(result.train, 0.3 * accuracy, "the Jacobian");
+    if (!sum) return false;
+    jacobian_ = compressed(*sum, accuracy);
     record_.jacobian_terms = jacobian_.rank();
     return true;
   }
@@ -244,7 +278,9 @@ class Newton {
     if (linear.residual_tolerance > kInnerProductsResolve) linear.residual = ResidualKind::fast;
     linear.max_rank = options_.max_rank;
     linear.seed = options_.seed + history_.size();
+    linear.progress = [this](const Progress&) { return !is_cancelled(); };
     EnrichResult result = enrich(problem, linear, &w_);
+    if (stopped_) return;
     record_.rhs_terms = problem.rhs.rank();
     record_.linear = result.termination;
     record_.linear_residual = result.residual / linear.residual_tolerance * wanted;
@@ -349,11 +385,12 @@ EvolutionResult solve_evolution(const EvolutionProblem& problem, const Evolution
   problem.validate();
   if (guess != nullptr) check_guess(problem, *guess);
   if (!(options.tolerance > 0.0) || !(options.linear_tolerance > 0.0) || options.max_iterations < 1 ||
-      options.max_rank < 1) {
-    throw ArgumentError(
-        fmt::format("EvolutionOptions: tolerance {}, linear_tolerance {}, max_iterations {}, max_rank {}; "
-                    "expected positive numbers",
-                    options.tolerance, options.linear_tolerance, options.max_iterations, options.max_rank));
+      options.max_rank < 1 || options.max_terms < 1) {
+    throw ArgumentError(fmt::format(
+        "EvolutionOptions: tolerance {}, linear_tolerance {}, max_iterations {}, max_rank {}, max_terms {}; "
+        "expected positive numbers",
+        options.tolerance, options.linear_tolerance, options.max_iterations, options.max_rank,
+        options.max_terms));
   }
   return Newton(problem, options, guess).run();
 }
@@ -370,6 +407,8 @@ std::string to_string(EvolutionStatus status) {
       return "not_finite";
     case EvolutionStatus::stalled:
       return "stalled";
+    case EvolutionStatus::rank_limit:
+      return "rank_limit";
     case EvolutionStatus::cancelled:
       return "cancelled";
   }

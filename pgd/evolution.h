@@ -67,6 +67,9 @@ struct EvolutionOptions {
   double tolerance = 1e-6;
   int max_iterations = 25;
   int max_rank = 150;
+  /// Products of the linear problems' right-hand sides and Jacobians. Their cost grows with the square of
+  /// this number, and the products of a train with the product of its ranks.
+  int max_terms = 3000;
   /// The integral form is the identity plus a smoothing operator, for which Galerkin is safe; and it keeps
   /// the causal structure in time, so that the factor updates of the time axis are solved element by element.
   Projection projection = Projection::galerkin;
@@ -74,6 +77,7 @@ struct EvolutionOptions {
   /// the contraction of the inexact Newton iteration.
   double linear_tolerance = 0.1;
   std::uint64_t seed = 1;
+  /// Also asked between the evaluations and the linear problems' terms of an iteration, which may take long.
   ProgressCallback progress = {};
 };
 
@@ -83,6 +87,7 @@ enum class EvolutionStatus {
   diverged,    ///< the residual grows even with shortened steps: the solution may not exist on the whole box
   not_finite,  ///< f or its Jacobian is not finite somewhere; the message says where
   stalled,     ///< the linear solves no longer reduce the residual
+  rank_limit,  ///< f or its Jacobian takes more products than max_terms
   cancelled,
 };
 
@@ -103,7 +108,8 @@ struct EvolutionResult {
   EvolutionStatus status = EvolutionStatus::diverged;
   std::string message;
   std::vector<EvolutionRecord> history;
-  /// Last one, in scales: what the truncation to finitely many terms leaves of the equations.
+  /// Last one, in scales: what the truncation to finitely many terms leaves of the equations; 1 if the solve
+  /// ended before there was one.
   double residual = 0.0;
   double nonlinearity_error = 0.0;  ///< guard error of f times the duration, in scales
   long rhs_evaluations = 0;

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/models/parameter_warnings.h"
 #include "samara/models/positive.h"
-#include "samara/models/unit_warnings.h"
 
 namespace samara::models {
 

@@ -24,7 +24,7 @@ struct FallingPlateLinearDrag {
             "w' = -A_perp w - 3 pi fluid_density vn vt/mass,  theta' = w,  x' = u,  y' = v,  "
             "s = sin(theta),  c = cos(theta),  vt = u c + v s,  vn = v c - u s,  "
             "L = pi fluid_density chord/mass,  "
-            "k = sign(v) sign(vt), where sign(q) = q/sqrt(q^2 + sign_floor^2)",
+            "k = sign(v) sign(vt),  sign(q) = q/sqrt(q^2 + sign_floor^2)",
         .frames =
             "u, v and x, y in the world, x horizontal, y upward; theta the angle of the chord above the "
             "horizontal; vt, vn the velocity along chord and normal. With alpha = atan2(u, v) and beta = "

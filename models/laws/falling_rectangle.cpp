@@ -116,7 +116,7 @@ struct FallingRectangle {
     const S a2 = a * a;
     const added_mass::SectionAddedMass<S> added = added_mass::rectangle_section(a, b, fluid);
     const S mass = p[kDensity] * a * b;
-    const S quarter = S(0.25) * fluid * a;
+    const S half = S(0.5) * fluid * a;
     return {.offset = p[kOffset],
             .mass = mass,
             .moment = p[kMomentOfInertia],
@@ -125,11 +125,11 @@ struct FallingRectangle {
             .added_moment = added.I_a,
             .weight = mass * p[kG],
             .buoyancy = fluid * a * b * p[kG],
-            // 1/2 (C_0 cos^2 + C_90 sin^2) = 1/4 (C_0 + C_90) - 1/4 (C_90 - C_0) (cos^2 - sin^2)
             .flow = {.lift_T = fluid * a * p[kCT],
                      .lift_R = S(0.5) * fluid * a2 * p[kCR],
-                     .drag_A = quarter * (p[kC90] + p[kC0]),
-                     .drag_B = quarter * (p[kC90] - p[kC0]),
+                     .drag_chord = half * p[kC0],
+                     .drag_normal = half * p[kC90],
+                     .drag_floor = S(0.0),
                      .damping = S(0.0),
                      .damping_abs = S(1.0 / 64.0) * fluid * a2 * a2 * p[kCTau],
                      .speed_floor = p[kSpeedFloor],

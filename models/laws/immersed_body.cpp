@@ -23,7 +23,7 @@ Parameters coefficient_parameters() {
       not_negative("linear_damping_y", "N m s", 0.0, "damping torque over rate about body y"),
       not_negative("linear_damping_z", "N m s", 0.0, "skin friction: torque over rate about body z"),
       share("centre_of_pressure", 0.0,
-            "share of the offset (1 - sin^3 alpha) l/4 of the centre of pressure; with 1, the Munk "
+            "share of the offset (1 - sin_alpha^3) l/4 of the centre of pressure; with 1, the Munk "
             "moment counts attached flow a second time: lower kappa"),
       share("kappa", 1.0, "factor of the Munk moment (M u_r) x u_r, 0 to 1"),
   };
@@ -79,8 +79,8 @@ ModelInfo ImmersedBody::info() {
       "Re = 2 a U/nu;  "
       "l = 2 a b sqrt(v_x^2 + v_y^2 + speed_floor^2)/h(v);  "
       "h(v) = sqrt(b^2 v_x^2 + a^2 v_y^2 + a b speed_floor^2);  "
-      "p = centre_of_pressure (1 - sin^3 alpha) (a b/2) (u_rx, u_ry, 0)/h(u_r);  "
-      "sin alpha = |u_rz|/sqrt(|u_r|^2 + speed_floor^2);  "
+      "p = centre_of_pressure (1 - sin_alpha^3) (a b/2) (u_rx, u_ry, 0)/h(u_r);  "
+      "sin_alpha = |u_rz|/sqrt(|u_r|^2 + speed_floor^2);  "
       "s_x = i s + (1 - i) b sqrt(w_x^2 + rate_floor^2);  "
       "s_y = i s + (1 - i) a sqrt(w_y^2 + rate_floor^2);  "
       "s = sqrt(b^2 w_x^2 + a^2 w_y^2 + a b rate_floor^2);  "
@@ -124,7 +124,7 @@ ModelInfo ImmersedBodyIn<StillFluid>::info() const {
   ModelInfo info = ImmersedBody::info();
   info.name = "immersed_body";
   info.title = "Body with quasi-steady forces in a fluid at rest";
-  info.equations += ";  w_air = 0";
+  info.equations += ";  w_air = (0, 0, 0)";
   info.symmetries = upright_symmetries();
   return info;
 }

@@ -39,10 +39,11 @@ struct PlanarMotion {
 /// The coefficients of the terms that the flow makes, at the plate's centre.
 template <class S>
 struct PlanarFlow {
-  S lift_T;  ///< translational lift, lift_T vx vy/v (vy, -vx)
-  S lift_R;  ///< rotational lift, lift_R w (-vy, vx)
-  S drag_A;  ///< drag, -(drag_A - drag_B (vx^2 - vy^2)/v^2) v (vx, vy)
-  S drag_B;
+  S lift_T;      ///< translational lift, lift_T vx vy/v (vy, -vx)
+  S lift_R;      ///< rotational lift, lift_R w (-vy, vx)
+  S drag_chord;  ///< drag, -(drag_chord vx^2 + drag_normal vy^2 + drag_floor speed_floor^2)/v (vx, vy)
+  S drag_normal;
+  S drag_floor;
   S damping;  ///< dissipation, -(damping + damping_abs |w|) w
   S damping_abs;
   S speed_floor;  ///< v = sqrt(vx^2 + vy^2 + speed_floor^2)
@@ -57,12 +58,14 @@ PlanarForces<S> flow_forces(const PlanarFlow<S>& flow, const PlanarMotion<S>& at
   using std::sqrt;
   const S vx2 = at.vx * at.vx;
   const S vy2 = at.vy * at.vy;
-  const S v2 = vx2 + vy2 + flow.speed_floor * flow.speed_floor;
+  const S floor2 = flow.speed_floor * flow.speed_floor;
+  const S v2 = vx2 + vy2 + floor2;
   const S v = sqrt(v2);
   const S over_v = S(1.0) / (v + flow.Re.lift);  // 1/v / (1 + Re_lift/Re)
   const S translational = flow.lift_T * at.vx * at.vy * over_v;
   const S rotational = flow.lift_R * at.w * v * over_v;
-  const S drag = (flow.drag_A * v2 - flow.drag_B * (vx2 - vy2)) * drag_speed(v, flow.Re.drag) / v2;
+  const S drag = (flow.drag_chord * vx2 + flow.drag_normal * vy2 + flow.drag_floor * floor2) *
+                 drag_speed(v, flow.Re.drag) / v2;
   PlanarForces<S> terms;
   terms[kTranslationalLift] = {translational * at.vy, -translational * at.vx};
   terms[kRotationalLift] = {-rotational * at.vy, rotational * at.vx};

@@ -28,6 +28,40 @@ class BadPlans(Case):
     def test_an_empty_interval(self):
         self.check_error(self.build(LINE_PLAN.replace("[1.0, 10.0]", "[2.0, 2.0]")), 3, "bad.toml:3", "k", "lower < upper")
 
+    def test_numbers_whose_squares_are_none(self):
+        for ends in ["-1e308, 1e308", "1.0, 1e200"]:
+            self.check_error(self.build(LINE_PLAN.replace("1.0, 10.0", ends)), 3, "bad.toml:3", "[box] k", "expected at most 1e+60 in size")
+        self.check_error(self.build(LINE_PLAN.replace("[box]", "[fixed]\nrate = -1e308\n[box]")), 3, "bad.toml:3", "rate", "-1e+308")
+        self.check_error(self.build(LINE_PLAN.replace("end = 10.0", "end = 1e308")), 3, "bad.toml:5", "end", "1e+308")
+
+    def test_a_time_too_short_for_any_step(self):
+        for end in ("1e-300", "5e-324"):
+            self.check_error(self.build(LINE_PLAN.replace("end = 10.0", f"end = {end}")), 3, "bad.toml:5", "end", "expected at least 1e-60")
+
+    def test_values_that_do_not_fit_together(self):
+        plan = """model = "immersed_body"
+[fixed]
+a = 0.035
+b = 0.02
+c = 1e-4
+density = 1200.0
+"qw(0)" = 0.0
+[box]
+C_T = [1.0, 2.0]
+[time]
+end = 0.01
+"""
+        self.check_error(self.build(plan), 3, "bad.toml:1", "initial quaternion")
+
+    def test_a_plan_without_end(self):
+        self.check_error(run("build", "/dev/zero", "-o", FOLDER / "never.h5"), 3, "/dev/zero", "more than 256 MB")
+
+    def test_a_plan_from_a_pipe(self):
+        target = FOLDER / "piped.h5"
+        result = subprocess.run([SAMARA, "build", "/dev/stdin", "-o", target], input=LINE_PLAN, capture_output=True, text=True)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(json.loads(run("info", target, "--json").stdout)["provenance"]["plan"], LINE_PLAN)
+
     def test_nan(self):
         self.check_error(self.build(LINE_PLAN.replace("10.0]", "nan]")), 3, "bad.toml:3", "nan")
 
@@ -108,6 +142,10 @@ class BadCaptures(Case):
 
     def test_a_number_that_is_none(self):
         self.check_error(self.fit("t[s],x[m]\n" + self.ROWS.replace("0.1,", "0.1x,", 1)), 3, "capture.csv:")
+
+    def test_positions_whose_squares_are_none(self):
+        rows = "".join(f"{i / 60},{0.2e198 * (i + 1) / 60}\n" for i in range(12))
+        self.check_error(self.fit("t[s],x[m]\n" + rows), 3, "capture.csv:2", '"x[m]" has 3.3', "at most 1e+60 in size")
 
     def test_a_missing_file(self):
         self.check_error(run("fit", book("coin", COIN_PLAN), FOLDER / "none.csv"), 3, "none.csv")
@@ -233,13 +271,22 @@ class BadCalls(Case):
 
     def test_what_has_no_effect_or_no_meaning_is_refused(self):
         self.check_error(run("fit", "vertical_fall", "x.csv", "--reference"), 2, "--reference", "integrated anyway")
-        self.check_error(run("validate", book("line", LINE_PLAN), "--seed", "-1"), 2, "--seed", "-1")
+        for seed in ["-1", "1" * 23, "1.5", "0x10"]:
+            self.check_error(run("validate", book("line", LINE_PLAN), "--seed", seed), 2, f"--seed: is {seed}, expected a whole number from 0 on")
+
+    def test_an_option_with_an_empty_value_is_not_one_that_was_not_given(self):
+        path = book("line", LINE_PLAN)
+        for call in [["query", path, "--set", "k=4", "-o", ""], ["fit", path, "x.csv", "--config", ""], ["fit", path, "x.csv", "--window", ""],
+                     ["simulate", "constant_rate", "--set", "k=2", "--coefficients", ""], ["models", ""]]:
+            self.check_error(run(*call), 2, "is empty")
 
     def test_times_and_frames_that_cannot_be_are_refused_before_any_work(self):
         line = ["simulate", "constant_rate", "--set", "k=2"]
         for until in ["1e-300", "1e-320"]:
             self.check_error(run(*line, "--until", until), 2, f"--until is {until}, expected at least",
                              "of the characteristic time")
+        self.check_error(run(*line, "--until", "1e100"), 2, "--until is 1e100, expected at most 1e+60 in size")
+        self.check_error(run("simulate", "constant_rate", "--set", "k=-1e308"), 2, "k is -1e308, expected at most 1e+60 in size")
         self.check_error(run(*line, "--until", "inf"), 2, "--until is inf, expected a finite number")
         for frames in ["2.5", "1e3", "99999999999999999999", "many"]:
             self.check_error(run(*line, "--frames", frames), 2, f"--frames: is {frames}, expected a whole number")

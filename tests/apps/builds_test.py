@@ -10,7 +10,7 @@ import signal
 import subprocess
 import time
 
-from samara_case import COIN_PLAN, FOLDER, SAMARA, Case, main, run, write
+from samara_case import COIN_PLAN, FOLDER, LINE_PLAN, SAMARA, Case, main, run, write
 
 
 PLATE_PLAN = """model = "falling_plate_nd"
@@ -87,8 +87,28 @@ class Builds(Case):
         path = FOLDER / "slabs.h5"
         pathlib.Path(f"{path}.checkpoint").write_text("")
         result = run("build", write("slabs.toml", PLATE_PLAN), "-o", path, "--resume")
-        self.check_error(result, 3, f"{path}.checkpoint")
+        self.check_error(result, 3, f"{path}.checkpoint", "remove the file or build without --resume")
         self.assertFalse(path.exists())
+
+    def test_a_name_with_room_for_no_checkpoint_is_built_without(self):
+        for length in (244, 255):
+            target = FOLDER / ("n" * (length - 3) + ".h5")
+            result = run("build", write("coin.toml", COIN_PLAN), "-o", target)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertTrue(run("info", target).stdout)
+            self.assertEqual("no checkpoint: cannot write" in result.stderr, length == 255, result.stderr)
+        self.check_error(run("build", FOLDER / "coin.toml", "-o", FOLDER / ("n" * 256)), 2, "File name too long")
+        self.check_error(run("query", "n" * 300, "--set", "k=1"), 3, "n" * 300)
+        self.check_error(run("fit", "n" * 300, "x.csv"), 2, "n" * 300)
+
+    def test_an_output_that_is_a_link_stays_one(self):
+        link, target = FOLDER / "link_to_new.h5", FOLDER / "behind.h5"
+        link.symlink_to("behind.h5")
+        for _ in range(2):  # the file is not there yet, and is
+            self.assertEqual(run("build", write("line.toml", LINE_PLAN), "-o", link).returncode, 0)
+            self.assertTrue(link.is_symlink())
+            self.assertFalse(target.is_symlink())
+            self.assertEqual(run("query", target, "--set", "k=4").returncode, 0)
 
     def build_with_files_of_at_most(self, size, plan, target):
         def limit():

@@ -371,6 +371,33 @@ TEST_CASE("a build that is cancelled says so, asks no more, and gives what it ha
   }
 }
 
+TEST_CASE("equations of too many products end a build by Newton's iteration with a status") {
+  // Four parameters that act together: the terms of f are the products of all ranks of a train.
+  const BuildResult result = built(fall_plan("area = 4.7144e-4\n",
+                                             "C_D = [0.5, 2]\nthickness = [2e-3, 3e-3]\ndensity = [2000, "
+                                             "8000]\n'v(0)' = [0, 0.5]\n",
+                                             "1", "1e-5"),
+                                   {.certificate_points = 20});
+  CHECK_FALSE(result.met);
+  CHECK(result.book.build().status == "rank_limit");
+  CHECK_THAT(result.book.build().message, Contains("takes more than the 3000 products allowed"));
+}
+
+TEST_CASE("a build warns of parameters that no body has, by the centre of the box") {
+  std::vector<std::string> warnings;
+  BuildOptions options{.certificate_points = 20};
+  options.warning = [&](const std::string& sentence) { warnings.push_back(sentence); };
+  const auto fall = [](const std::string& thickness) {
+    return fall_plan("area = 4.7144e-4\ndensity = 6338.5\n",
+                     "C_D = [0.8, 1.6]\nthickness = " + thickness + "\n", "0.1");
+  };
+  built(fall("[2e-3, 3e-3]"), options);
+  CHECK(warnings.empty());
+  built(fall("[0.02, 0.04]"), options);
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], Contains("thickness is 0.03 m, more than the radius of a disc of that area"));
+}
+
 TEST_CASE("axes are refined round by round until they resolve the solution, to tight tolerances") {
   // u = (10 / k - 1) t: the pole at k = 0 lies near the box, so the axis needs many nodes and many rounds. On
   // new axes the field carried over has zero highest coefficients, which must not be taken for resolution.

@@ -100,6 +100,21 @@ TEST_CASE("outliers neither make nor hide correlation") {
   CHECK(series_whiteness(times, values).lag1 == Approx(before).margin(0.15));
 }
 
+TEST_CASE("the size of residuals tells nothing of their correlation") {
+  std::vector<double> values = {1.0, -0.3, 0.8,  0.2, -1.4, 0.5, 0.1, -0.7,
+                                1.2, 0.4,  -0.2, 0.9, -1.1, 0.6, 0.3};
+  std::vector<double> times;
+  for (std::size_t k = 0; k < values.size(); ++k) times.push_back(0.1 * static_cast<double>(k));
+  const auto w = series_whiteness(times, values);
+  REQUIRE(w.p_value);
+  for (const int exponent : {-900, 900}) {
+    std::vector<double> scaled;
+    for (const double value : values) scaled.push_back(std::ldexp(value, exponent));
+    CHECK(series_whiteness(times, scaled).p_value == w.p_value);
+    CHECK(series_whiteness(times, scaled).lag1 == w.lag1);
+  }
+}
+
 TEST_CASE("few, missing or zero residuals have no p-value") {
   CHECK_FALSE(series_whiteness(even_times(7, 1.0), std::vector<double>(7, 0.1)).p_value);
   CHECK_FALSE(series_whiteness(even_times(20, 1.0), std::vector<double>(20, kNaN)).p_value);

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Usage: consumer.sh BUILD_DIR
-# Installs BUILD_DIR into a temporary prefix and uses it from a project of its own.
+# Installs BUILD_DIR into a temporary prefix and uses it from a project of its own, compiled for several machines.
 set -euo pipefail
 build=$(cd "$1" && pwd)
 here=$(cd "$(dirname "$0")" && pwd)
@@ -13,4 +13,11 @@ cmake -G Ninja -S "$here/consumer" -B "$work/consumer" -DCMAKE_PREFIX_PATH="$wor
 cmake --build "$work/consumer"
 "$work/consumer/consumer" "$work/book.h5"
 "$work/consumer/ask" "$work/book.h5"
+for program in "$work"/consumer/objects_*; do
+  if [[ $program == *avx2* ]] && ! grep -qw avx2 /proc/cpuinfo; then
+    echo "skipped: this machine has no AVX2"
+  else
+    "$program" "$work"
+  fi
+done
 "$work/prefix/bin/samara" --version

@@ -68,6 +68,38 @@ TEST_CASE("a symbolic link stays, and the file behind it is replaced") {
   CHECK(content(directory / "f") == "new");
 }
 
+TEST_CASE("a symbolic link to a file that does not exist yet stays, and the file is created") {
+  const TemporaryDirectory directory;
+  fs::create_directory(directory / "far");
+  fs::create_symlink("far/away", directory / "second");  // relative to where the link stands
+  fs::create_symlink(directory / "second", directory / "first");
+  write_text_atomically(directory / "first", "new");
+  CHECK(fs::is_symlink(directory / "first"));
+  CHECK(fs::is_symlink(directory / "second"));
+  CHECK(content(directory / "far" / "away") == "new");
+}
+
+TEST_CASE("symbolic links that lead round in a circle, or into nothing, are refused") {
+  const TemporaryDirectory directory;
+  fs::create_symlink("b", directory / "a");
+  fs::create_symlink("a", directory / "b");
+  fs::create_symlink("none/f", directory / "lost");
+  const auto error = [&](const char* name) {
+    return error_text<ArgumentError>([&] { write_text_atomically(directory / name, "x"); });
+  };
+  CHECK_THAT(error("a"), Contains("cannot write") && Contains("/a\""));
+  CHECK_THAT(error("lost"), Contains("lost\"") && Contains("does not exist"));
+  CHECK(fs::is_symlink(directory / "a"));
+}
+
+TEST_CASE("a file that is replaced keeps its permissions") {
+  const TemporaryDirectory directory;
+  put_content(directory / "f", "old");
+  fs::permissions(directory / "f", fs::perms::owner_read | fs::perms::owner_write);
+  write_text_atomically(directory / "f", "new");
+  CHECK(fs::status(directory / "f").permissions() == (fs::perms::owner_read | fs::perms::owner_write));
+}
+
 TEST_CASE("a new file gets the permissions of the process") {
   const TemporaryDirectory directory;
   put_content(directory / "usual", "");
@@ -99,7 +131,8 @@ TEST_CASE("a path that cannot be written is refused with path and reason") {
   CHECK_THAT(error(directory.path()), Contains("it is a directory"));
   CHECK_THAT(error(directory / "file/f"), Contains("file/f\""));
   CHECK_THAT(error(""), Contains("names no file"));
-  CHECK_THAT(error(directory / std::string(256, 'n')), Contains("cannot write"));
+  CHECK_THAT(error(directory / std::string(256, 'n')), Contains("cannot write") && Contains("name too long"));
+  CHECK_THAT(error(directory / std::string(256, 'n') / "f"), Contains("cannot write"));
   CHECK_THAT(error_text<ArgumentError>([] { PendingFile pending("/dev/null"); }),
              Contains("not a regular file"));
 }

@@ -153,20 +153,38 @@ TEST_CASE("the allowed iterations end the solve with what was reached") {
   CHECK(std::isfinite(result.field(std::vector<double>{0.5, 1.0})[0]));
 }
 
-TEST_CASE("progress is reported and may cancel") {
+TEST_CASE("progress is reported, also within an iteration, and may cancel at any time") {
   const Fall fall;
-  std::vector<double> fractions;
-  EvolutionOptions options{.tolerance = 1e-6};
-  options.progress = [&](const samara::Progress& progress) {
-    CHECK(progress.stage == "Newton");
-    fractions.push_back(progress.fraction);
-    return fractions.size() < 4;
+  const auto solved = [&](std::size_t calls, std::vector<double>& fractions) {
+    EvolutionOptions options{.tolerance = 1e-6};
+    options.progress = [&fractions, calls](const samara::Progress& progress) {
+      CHECK(progress.stage == "Newton");
+      fractions.push_back(progress.fraction);
+      return fractions.size() < calls;
+    };
+    return solve_evolution(fall.problem(6, 5, 12), options);
   };
-  const EvolutionResult result = solve_evolution(fall.problem(6, 5, 12), options);
-  CHECK(result.status == EvolutionStatus::cancelled);
-  CHECK_THAT(result.message, Contains("cancelled at residual"));
-  CHECK(fractions.size() == 4);
-  for (const double fraction : fractions) CHECK((fraction >= 0.0 && fraction <= 1.0));
+  std::vector<double> whole;
+  const EvolutionResult result = solved(1'000'000, whole);
+  REQUIRE(result.status == EvolutionStatus::converged);
+  // Evaluations and terms of the linear problems lie between two iterations.
+  CHECK(whole.size() > 5 * result.history.size());
+  for (const double fraction : whole) CHECK((fraction >= 0.0 && fraction <= 1.0));
+  for (std::size_t calls = 1; calls < whole.size(); ++calls) {
+    std::vector<double> fractions;
+    const EvolutionResult cancelled = solved(calls, fractions);
+    CHECK(cancelled.status == EvolutionStatus::cancelled);
+    CHECK_THAT(cancelled.message, Contains("cancelled"));
+    CHECK(fractions.size() == calls);
+    CHECK(std::isfinite(cancelled.residual));
+  }
+}
+
+TEST_CASE("sums of more products than are allowed end the solve, with what they would have taken") {
+  const Fall fall;
+  const EvolutionResult result = solve_evolution(fall.problem(6, 5, 12), {.tolerance = 1e-6, .max_terms = 2});
+  CHECK(result.status == EvolutionStatus::rank_limit);
+  CHECK_THAT(result.message, Contains("takes more than the 2 products allowed, a train of ranks"));
 }
 
 TEST_CASE("f is evaluated only where it is asked for, and every evaluation is counted") {

@@ -1,0 +1,9 @@
+#pragma once
+
+namespace samara {
+
+/// Numbers from plans, captures and calls, in SI units, are at most this large: squares, and products of a
+/// few of them, are still numbers.
+inline constexpr double kLargestInput = 1e60;
+
+}  // namespace samara
