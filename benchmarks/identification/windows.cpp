@@ -76,9 +76,9 @@ Eigen::MatrixX3d baseline_next(Baseline baseline, std::span<const Window> window
   Eigen::MatrixX3d next(std::ssize(windows), 3);
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const Capture& seen = windows[k].capture;
-    next.row(static_cast<Eigen::Index>(k)) =
-        samara::identification::predict(baseline, {.times = seen.times, .positions = positions_of(seen)},
-                                        Eigen::VectorXd::Constant(1, windows[k].next_time));
+    next.row(static_cast<Eigen::Index>(k)) = samara::identification::predict(
+        baseline, samara::identification::SeenMotion{.times = seen.times, .positions = positions_of(seen)},
+        Eigen::VectorXd::Constant(1, windows[k].next_time));
   }
   return next;
 }
@@ -93,6 +93,16 @@ std::vector<double> errors_of(const Eigen::MatrixX3d& next, std::span<const Wind
 
 std::vector<double> baseline_errors(Baseline baseline, std::span<const Window> windows) {
   return errors_of(baseline_next(baseline, windows), windows);
+}
+
+BestBaseline best_baseline(std::span<const Window> windows) {
+  BestBaseline best{.median = std::numeric_limits<double>::infinity()};
+  for (const Baseline baseline : samara::identification::all_baselines()) {
+    if (baseline == Baseline::measured_velocity) continue;
+    const double median = median_of(baseline_errors(baseline, windows));
+    if (median < best.median) best = {to_string(baseline), median};
+  }
+  return best;
 }
 
 std::vector<double> window_misfits(const FitResult& result) {

@@ -89,7 +89,8 @@ C_D = [0.6, 2.0]
   CHECK(options.bootstrap.replicates == 50);
   CHECK(options.bootstrap.seed == 3);
   CHECK(options.initial.at("C_D") == 1.1);
-  CHECK(options.known.at("area") == "area_m2");
+  CHECK(options.known.at("area").label == "area_m2");
+  CHECK(options.known.at("area").power == 1.0);
   CHECK(options.priors.at("C_D").logarithmic);
   CHECK(options.priors.at("C_D").deviation == 0.2);
   CHECK_THAT(options.periods.at("x"), WithinRel(0.01, 1e-15));
