@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -31,12 +32,16 @@ namespace {
 
 namespace id = samara::identification;
 
+bool is_table(const std::string& path) {
+  return !path.ends_with(".toml");
+}
+
 /// @param sidecar of every table; empty: those beside them
 std::vector<id::Capture> read_all(const std::vector<std::string>& files, const std::string& sidecar) {
   std::vector<id::Capture> captures;
   for (const std::string& path : files) {
-    const bool is_table = !path.ends_with(".toml");
-    auto read = !sidecar.empty() && is_table ? id::read_captures(path, sidecar) : id::read_captures(path);
+    auto read =
+        !sidecar.empty() && is_table(path) ? id::read_captures(path, sidecar) : id::read_captures(path);
     for (id::Capture& capture : read) captures.push_back(std::move(capture));
   }
   return captures;
@@ -94,7 +99,7 @@ std::vector<std::string> files_read(const FitArguments& arguments) {
   std::vector<std::string> files;
   for (const auto& paths : {arguments.captures, arguments.left_out}) {
     for (const std::string& path : paths) {
-      const bool has_sidecar = !arguments.sidecar.empty() && !path.ends_with(".toml");
+      const bool has_sidecar = !arguments.sidecar.empty() && is_table(path);
       for (const std::filesystem::path& file :
            has_sidecar ? id::capture_files(path, arguments.sidecar) : id::capture_files(path))
         files.push_back(file.string());
@@ -188,6 +193,19 @@ int run_series(const FitArguments& arguments, const FitSource& source,
   return kToleranceMissed;
 }
 
+/// A sidecar that no table needs would do nothing.
+void check_sidecar(const FitArguments& arguments) {
+  std::vector<std::string> files = arguments.captures;
+  files.insert(files.end(), arguments.left_out.begin(), arguments.left_out.end());
+  if (!arguments.sidecar.empty() && std::ranges::none_of(files, is_table)) {
+    throw ArgumentError(
+        fmt::format("--sidecar \"{}\" says what the columns of tables are, and every capture given is a "
+                    "sidecar itself; a table "
+                    "was expected",
+                    arguments.sidecar));
+  }
+}
+
 /// All that is fitted, and all that is left out.
 id::CaptureSplit read_captures(const FitArguments& arguments, const FitSource& source) {
   if (arguments.captures.empty() && arguments.left_out.empty()) {
@@ -263,6 +281,7 @@ void take_window(const FitArguments& arguments, FitSource& source, std::vector<i
 int run(const FitArguments& arguments) {
   // Ceres reports through glog, which would print its own lines; the result carries the same in a sentence.
   FLAGS_minloglevel = google::GLOG_FATAL;
+  check_sidecar(arguments);
   check_outputs(arguments);
   FitSource source = open_fit_source(arguments);
   source.options.profiles = source.options.profiles || arguments.profiles;
@@ -271,15 +290,16 @@ int run(const FitArguments& arguments) {
   take_window(arguments, source, captures.fitted);
   // A fit may take long: what is strange about the captures should not have to wait for it.
   Warnings warnings;
-  warnings.say(id::suspicions_of_all(captures.fitted));
-  const std::vector<std::string> upside_down = doubts_of_gravity(source, captures.fitted);
+  const bool fits = !captures.fitted.empty();
+  const std::vector<id::Capture>& looked_at = fits ? captures.fitted : captures.left_out;
+  warnings.say(id::suspicions_of_all(looked_at));
+  const std::vector<std::string> upside_down = doubts_of_gravity(source, looked_at);
   warnings.say(upside_down);
   if (source.series) return run_series(arguments, source, captures.fitted, warnings);
   if (!arguments.series.empty()) {
     throw ArgumentError(
         "--series writes coefficients that change in time; a model and a config with [series] were expected");
   }
-  const bool fits = !captures.fitted.empty();
   if (prediction && fits && !source.prediction.folds) {
     of_file(arguments.config, [&] {
       id::check_left_out(*source.family, captures.fitted, captures.left_out, source.options, *prediction);

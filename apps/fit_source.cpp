@@ -74,6 +74,8 @@ void take_over(const FitArguments& arguments, const id::ConfigNames& names,
       options.initial[c.name] = c.value;
       continue;
     }
+    // Of each capture's own, it is an unknown again.
+    if (std::ranges::count(options.per_capture, c.name) > 0) continue;
     options.fixed[c.name] = c.value;
     for (std::vector<std::string>* list : {&options.shared, &options.log_scale}) std::erase(*list, c.name);
     options.box.erase(c.name);

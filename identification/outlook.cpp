@@ -10,9 +10,9 @@
 #include "samara/identification/fit.h"
 #include "samara/identification/fit_problem.h"
 #include "samara/identification/fitted_motion.h"
+#include "samara/identification/known_values.h"
 #include "samara/identification/medians.h"
 #include "samara/identification/rotation_vectors.h"
-#include "samara/identification/segments.h"
 #include "samara/io/units.h"
 
 namespace samara::identification {

@@ -36,7 +36,9 @@ struct PredictionOptions {
 /// tenth of the way ("position, 0.1 s ahead"). Captures that have too few frames in the window or none beyond
 /// are left out of all scores; those on which the fit of the window fails, of the model's. A score that no
 /// capture counts for is left out. After the scores of all captures follow those of each.
-/// @param fitted its coefficients are held at their values; as made by fit(), or by read_fit()
+/// @param fitted its coefficients are held at their values, unless `options` makes them each capture's own;
+/// as
+///   made by fit(), or by read_fit()
 /// @param options of that fit; window, starts and roles of what is not held are taken over
 /// @returns nothing if the fit failed
 /// @throws ArgumentError as fit(), for a capture that does not measure what was fitted, and for times that

@@ -194,7 +194,7 @@ Eigen::MatrixX4d turn_on(const SeenTurn& window, Eigen::Index last, const Eigen:
 
 }  // namespace
 
-Eigen::MatrixX4d predict(Baseline baseline, const SeenTurn& window, const Eigen::VectorXd& times) {
+Eigen::MatrixX4d predict_turn(Baseline baseline, const SeenTurn& window, const Eigen::VectorXd& times) {
   check_count("attitudes", window.attitudes.rows(), window.times);
   if (window.body_rates.size() > 0) check_count("rates", window.body_rates.rows(), window.times);
   check_times(window.times, times);

@@ -54,7 +54,7 @@ Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& window, const Eigen
 
 /// The baseline's attitudes at other times, not before those seen: unit quaternions, or NaN.
 /// @throws ArgumentError as above, and for a quaternion of length 0.
-Eigen::MatrixX4d predict(Baseline baseline, const SeenTurn& window, const Eigen::VectorXd& times);
+Eigen::MatrixX4d predict_turn(Baseline baseline, const SeenTurn& window, const Eigen::VectorXd& times);
 
 /// Distances between prediction and measurement, frame by frame; frames with a component missing in either
 /// are left out.

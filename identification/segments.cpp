@@ -10,19 +10,13 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/identification/known_values.h"
 #include "samara/identification/medians.h"
-#include "samara/io/text.h"
 #include "samara/io/units.h"
 
 namespace samara::identification {
 
 namespace {
-
-/// What is wrong with a capture is wrong with the file it came from, if it came from one.
-[[noreturn]] void refuse(const std::string& file, const std::string& sentence) {
-  if (file.empty()) throw ArgumentError(sentence);
-  throw InputError(file, sentence);
-}
 
 /// @throws ArgumentError or InputError unless the capture measures it, in its unit, in every frame or NaN.
 const Channel& compared_channel(const Capture& capture, const std::string& name, const std::string& unit) {
@@ -50,48 +44,6 @@ const Channel& compared_channel(const Capture& capture, const std::string& name,
                        capture.id, name));
   }
   return channel;
-}
-
-/// The number in the label or channel of a known coordinate.
-double stated_number(const Capture& capture, const std::string& coordinate, const std::string& label) {
-  const auto refuse_text = [&](const char* what, const std::string& text) {
-    refuse(capture.file,
-           fmt::format("capture \"{}\": the {} \"{}\" is \"{}\"; the value of \"{}\" in SI units, a "
-                       "finite number, was expected",
-                       capture.id, what, label, text, coordinate));
-  };
-  if (const auto found = capture.labels.find(label); found != capture.labels.end()) {
-    const io::NumberPrefix value = io::read_number(found->second);
-    if (value.problem != io::NumberProblem::none || value.length != found->second.size())
-      refuse_text("label", found->second);
-    return value.value;
-  }
-  if (capture.has(label) && capture.times.size() > 0) {
-    const double value = capture.channel(label).values[0];
-    if (!std::isfinite(value)) refuse_text("first value of", fmt::format("{}", value));
-    return value;
-  }
-  refuse(capture.file,
-         fmt::format("capture \"{}\" has no label \"{}\" and no such channel, which was to hold \"{}\"",
-                     capture.id, label, coordinate));
-}
-
-/// Values of FitOptions::known, in its order.
-std::vector<double> known_values(const FamilyInfo& family, const Capture& capture,
-                                 const FitOptions& options) {
-  std::vector<double> values;
-  for (const auto& [coordinate, known] : options.known) {
-    const double value = known_value(capture, coordinate, known);
-    const auto c = std::ranges::find(family.coordinates, coordinate, &FitCoordinate::name);
-    if (!(value >= c->lower && value <= c->upper)) {
-      refuse(capture.file,
-             fmt::format("capture \"{}\": the label \"{}\" says that \"{}\" is {}; a value in the box of the "
-                         "{}, {} to {}, was expected",
-                         capture.id, known.label, coordinate, value, family.source, c->lower, c->upper));
-    }
-    values.push_back(value);
-  }
-  return values;
 }
 
 /// What a capture holds for the fit, frame by frame.
@@ -397,10 +349,6 @@ void check_capture(const Capture& capture, const FitProblem& problem) {
   const Frames measured(problem, capture);
 }
 
-double known_value(const Capture& capture, const std::string& coordinate, const KnownValue& known) {
-  return known.times * std::pow(stated_number(capture, coordinate, known.label), known.power);
-}
-
 std::vector<int> clusters_of(std::span<const Capture> captures, const std::vector<std::string>& cluster_by) {
   std::vector<std::vector<std::string>> keys;
   for (const Capture& capture : captures) {
@@ -408,11 +356,6 @@ std::vector<int> clusters_of(std::span<const Capture> captures, const std::vecto
                                capture.labels, cluster_by));
   }
   return numbered(keys);
-}
-
-bool has_value(const Capture& capture, const KnownValue& known) {
-  const auto label = capture.labels.find(known.label);
-  return label != capture.labels.end() ? !label->second.empty() : capture.has(known.label);
 }
 
 }  // namespace samara::identification

@@ -22,11 +22,4 @@ void check_capture(const Capture& capture, const FitProblem& problem);
 /// @throws ArgumentError if a capture lacks a label
 std::vector<int> clusters_of(std::span<const Capture> captures, const std::vector<std::string>& cluster_by);
 
-/// The value of a known coordinate, SI.
-/// @throws ArgumentError or InputError if the capture does not say it
-double known_value(const Capture& capture, const std::string& coordinate, const KnownValue& known);
-
-/// Whether the capture says what a known coordinate is.
-bool has_value(const Capture& capture, const KnownValue& known);
-
 }  // namespace samara::identification

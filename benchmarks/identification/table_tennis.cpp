@@ -260,8 +260,7 @@ Distances predict_flights(const std::vector<Capture>& flights, const FitResult& 
   add("drag only", *family("sphere_flight", drag, start_box()), window_options());
   for (std::size_t k = 0; k < seen.size(); ++k) {
     const Eigen::VectorXd at = Eigen::VectorXd::Constant(1, times[k]);
-    const Eigen::MatrixXd place =
-        predict(Baseline::quadratic, SeenMotion{seen[k].times, positions_of(seen[k])}, at);
+    const Eigen::MatrixXd place = predict(Baseline::quadratic, {seen[k].times, positions_of(seen[k])}, at);
     distances["parabola"].push_back((place.row(0).transpose() - truth[k]).norm());
   }
   return distances;

@@ -76,9 +76,9 @@ Eigen::MatrixX3d baseline_next(Baseline baseline, std::span<const Window> window
   Eigen::MatrixX3d next(std::ssize(windows), 3);
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const Capture& seen = windows[k].capture;
-    next.row(static_cast<Eigen::Index>(k)) = samara::identification::predict(
-        baseline, samara::identification::SeenMotion{.times = seen.times, .positions = positions_of(seen)},
-        Eigen::VectorXd::Constant(1, windows[k].next_time));
+    next.row(static_cast<Eigen::Index>(k)) =
+        samara::identification::predict(baseline, {.times = seen.times, .positions = positions_of(seen)},
+                                        Eigen::VectorXd::Constant(1, windows[k].next_time));
   }
   return next;
 }

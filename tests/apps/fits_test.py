@@ -188,6 +188,7 @@ class Fits(Case):
         result = run("fit", book("coin", COIN_PLAN), FOLDER / "elsewhere" / "*.csv", "--sidecar", sidecar, "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(json.loads(result.stdout)["clusters"], 2)
+        self.check_error(run("fit", book("coin", COIN_PLAN), sidecar, "--sidecar", sidecar), 2, "--sidecar", "columns.toml", "table")
         target = FOLDER / "elsewhere" / "one.csv"
         self.check_error(run("fit", book("coin", COIN_PLAN), target, "--sidecar", sidecar, "-o", target), 2, "overwrite")
 

@@ -90,13 +90,13 @@ TEST_CASE("attitudes go on turning about their axis, whatever the signs of their
   for (Eigen::Index k = 0; k < kSeen.size(); k += 3) window.attitudes.row(k) *= -1.0;
   window.attitudes.row(5).setConstant(kNaN);
   const Eigen::MatrixX4d truth = turns(kNext, 30.0, 20.0);
-  CHECK(largest(turn_distances(predict(Baseline::quadratic, window, kNext), truth)) < 1e-9);
+  CHECK(largest(turn_distances(predict_turn(Baseline::quadratic, window, kNext), truth)) < 1e-9);
   // The line through 0.15 s runs on at the mean rate: at the end it lacks 20 (0.25 - 0.075)^2 rad, and some.
-  CHECK(largest(turn_distances(predict(Baseline::straight_line, window, kNext), truth)) > 0.5);
-  CHECK(predict(Baseline::measured_velocity, window, kNext).array().isNaN().all());
+  CHECK(largest(turn_distances(predict_turn(Baseline::straight_line, window, kNext), truth)) > 0.5);
+  CHECK(predict_turn(Baseline::measured_velocity, window, kNext).array().isNaN().all());
   const Eigen::Vector3d axis = Eigen::Vector3d(1.0, -2.0, 0.5).normalized();
   window.body_rates = (30.0 + 40.0 * kSeen.array()).matrix() * axis.transpose();
-  CHECK(largest(turn_distances(predict(Baseline::measured_velocity, window, kNext), truth)) < 1e-9);
+  CHECK(largest(turn_distances(predict_turn(Baseline::measured_velocity, window, kNext), truth)) < 1e-9);
 }
 
 TEST_CASE("missing values are left out of window and score") {
@@ -136,8 +136,7 @@ TEST_CASE("distances are those of the plane") {
 }
 
 TEST_CASE("predictions refuse shapes that do not fit") {
-  CHECK_THROWS_AS(predict(Baseline::cubic, SeenMotion{kSeen, Eigen::MatrixXd(3, 2)}, kNext),
-                  samara::ArgumentError);
+  CHECK_THROWS_AS(predict(Baseline::cubic, {kSeen, Eigen::MatrixXd(3, 2)}, kNext), samara::ArgumentError);
   CHECK_THROWS_AS(prediction_distances(Eigen::MatrixXd(3, 2), Eigen::MatrixXd(3, 1)), samara::ArgumentError);
   CHECK(all_baselines().size() == 6);
   CHECK(to_string(Baseline::constant_velocity) == "constant velocity");
