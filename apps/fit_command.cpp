@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
@@ -145,26 +146,31 @@ class Warnings {
   std::set<std::string> said_;
 };
 
-std::vector<std::string> doubts_of_mass(const FitSource& source, const std::vector<id::Capture>& captures,
-                                        const id::FitResult& fitted) {
-  if (source.family->equations() != nullptr) {
-    return id::mass_doubts(*source.family, captures, source.options, fitted);
-  }
-  // A program that was sampled, or a model of the user's own, has no equations here.
+/// The family as equations have it; a program that was sampled, or a model of the user's own, has none here.
+std::unique_ptr<id::TrajectoryFamily> behind_codebook(const FitSource& source) {
   const std::vector<std::string> known = models::model_names();
   if (!source.book || std::ranges::count(known, source.book->model().name) == 0) return {};
-  return id::mass_doubts(*id::reference_trajectories(*source.book), captures, source.options, fitted);
+  return id::reference_trajectories(*source.book);
+}
+
+std::vector<std::string> doubts_of_mass(const FitSource& source, const std::vector<id::Capture>& captures,
+                                        const id::FitResult& fitted) {
+  if (source.family->equations() != nullptr)
+    return id::mass_doubts(*source.family, captures, source.options, fitted);
+  const auto family = behind_codebook(source);
+  if (!family) return {};
+  return id::mass_doubts(*family, captures, source.options, fitted);
 }
 
 /// Whether an axis of the captures seems to point the other way.
 std::vector<std::string> doubts_of_gravity(const FitSource& source,
                                            const std::vector<id::Capture>& captures) {
-  const models::ParametricModel* const equations = source.family->equations();
-  if (equations == nullptr) return {};
+  const auto behind = source.family->equations() == nullptr ? behind_codebook(source) : nullptr;
+  const id::TrajectoryFamily& family = behind ? *behind : *source.family;
+  if (family.equations() == nullptr) return {};
   std::vector<double> middle;
-  for (const id::FitCoordinate& c : source.family->info().coordinates)
-    middle.push_back(0.5 * (c.lower + c.upper));
-  return id::gravity_doubts(*equations, middle, captures);
+  for (const id::FitCoordinate& c : family.info().coordinates) middle.push_back(0.5 * (c.lower + c.upper));
+  return id::gravity_doubts(*family.equations(), middle, captures);
 }
 
 /// Coefficients that change in time.

@@ -212,10 +212,13 @@ class Fits(Case):
         lines = ["t[s],x[m]"] + [f"{k / 60},{-0.4 * k / 60 - 3 * (k / 60) ** 2}" for k in range(22)]
         config = write("down.toml", '[fixed]\narea = "4.7144e-4 m^2"\nthickness = "2.55 mm"\ndensity = 6338.5\n'
                        '[box]\nC_D = [0.5, 2.0]\n"v(0)" = [-2.0, 2.0]\n')
-        result = run("fit", "vertical_fall", write("upside_down.csv", "\n".join(lines) + "\n"), "--config", config)
-        self.assertIn("is an axis upside down?", result.stderr)
-        result = run("fit", "vertical_fall", self.capture(), "--config", config)
-        self.assertNotIn("upside down", result.stderr)
+        capture = write("upside_down.csv", "\n".join(lines) + "\n")
+        for source in (("vertical_fall", capture, "--config", config), (book("coin", COIN_PLAN), capture)):
+            result = run("fit", *source)
+            self.assertIn("is an axis upside down?", result.stderr)
+        for source in (("vertical_fall", self.capture(), "--config", config), (book("coin", COIN_PLAN), self.capture())):
+            result = run("fit", *source)
+            self.assertNotIn("upside down", result.stderr)
 
     def test_a_prediction_needs_captures_a_window_and_a_time(self):
         path, capture = book("coin", COIN_PLAN), self.capture()
