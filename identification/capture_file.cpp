@@ -148,15 +148,15 @@ Capture cleaned(Capture capture, const Sidecar& sidecar) {
   return capture;
 }
 
-/// Captures without long gaps of the places; all of one motion belong together.
+/// Captures without long gaps of the place and the attitude; all of one motion belong together.
 std::vector<Capture> pieces_of(const std::vector<Capture>& captures, const Sidecar& sidecar) {
   std::vector<Capture> pieces;
   for (const Capture& capture : captures) {
-    std::vector<std::string> places;
-    for (const std::string name : {"x", "y", "z"}) {
-      if (capture.has(name)) places.push_back(name);
+    std::vector<std::string> pose;
+    for (const std::string name : {"x", "y", "z", "qw"}) {
+      if (capture.has(name)) pose.push_back(name);
     }
-    for (Capture& piece : continuous_pieces(capture, {.quantities = places,
+    for (Capture& piece : continuous_pieces(capture, {.quantities = pose,
                                                      .longest_gap = *sidecar.clean.longest_gap,
                                                      .least_frames = std::max(3, sidecar.least_frames)})) {
       piece.motion = capture.id;
