@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <limits>
+#include <map>
 #include <sstream>
 #include <string_view>
 #include <type_traits>
@@ -149,9 +150,15 @@ void add_fit(CLI::App& app, Arguments& arguments) {
       ->add_option("SOURCE", values->source,
                    "codebook file, or name of a model (with a config that has a [box])")
       ->required();
-  command->add_option("CAPTURE", values->captures, "capture files: tables, or sidecars (.toml) that map one")
-      ->required();
+  // Not required for the parser, which would take the last capture left out for one to fit.
+  command->add_option("CAPTURE", values->captures, "capture files: tables, or sidecars (.toml) that map one");
+  command->add_option("--sidecar", values->sidecar,
+                      "what the columns of all tables given are, TOML, in place of sidecars beside them");
   command->add_option("--config", values->config, "what to fit and how, TOML");
+  command->add_option(
+      "--coefficients", values->coefficients,
+      "JSON of another fit: its coefficients are where this one begins, or held where the "
+      "config has no box for them; without a CAPTURE all are held, and --left-out is predicted");
   command->add_option("--window", values->window,
                       "only this much of each capture from its first frame, s or with a unit");
   command->add_flag("--reference", values->reference,
@@ -159,11 +166,12 @@ void add_fit(CLI::App& app, Arguments& arguments) {
   command->add_flag("--profiles", values->profiles,
                     "fit again with each coefficient held at other values: intervals, and whether there is a "
                     "limit to both sides");
-  command
-      ->add_option(
-          "--left-out", values->left_out,
-          "captures to predict: their window is seen, with the coefficients held, and --ahead is compared")
-      ->allow_extra_args(false);
+  command->add_option(
+      "--left-out", values->left_out,
+      "captures to predict, one or more: their window is seen, with the coefficients held, and --ahead is "
+      "compared");
+  command->add_option("--left-out-window", values->left_out_window,
+                      "how much of each of them is seen, s or with a unit; default: as --window");
   command->add_option("--ahead", values->ahead, "how far beyond the window to predict, s or with a unit");
   command->add_option("--series", values->series,
                       "write the coefficients that change in time, those of [series] in the config, to this "
@@ -197,6 +205,27 @@ void check_command(const CLI::App& app, int argc, const char* const* argv) {
   throw ArgumentError(fmt::format("\"{}\" is not a command{}", name, suggestion(name, known)));
 }
 
+/// A value too many behind an option would pass for one more input. So the inputs of a command stand in one
+/// row, which no option with values interrupts.
+void check_row(const CLI::App& command) {
+  std::map<const CLI::Option*, std::size_t> counts;
+  std::string interrupted_by;
+  bool has_inputs = false;
+  for (const CLI::Option* option : command.parse_order()) {
+    const std::size_t index = counts[option]++;
+    if (!option->get_positional()) {
+      if (has_inputs && option->get_items_expected_max() > 0) interrupted_by = option->get_name();
+      continue;
+    }
+    if (!interrupted_by.empty()) {
+      throw ArgumentError(fmt::format(
+          "\"{}\" stands behind {}, apart from the inputs before it; all inputs in one row were expected",
+          option->results().at(index), interrupted_by));
+    }
+    has_inputs = true;
+  }
+}
+
 }  // namespace
 
 Arguments parse(int argc, const char* const* argv) {
@@ -221,6 +250,7 @@ Arguments parse(int argc, const char* const* argv) {
   check_command(app, argc, argv);
   try {
     app.parse(argc, argv);
+    for (const CLI::App* command : app.get_subcommands()) check_row(*command);
   } catch (const CLI::Success& help) {
     std::ostringstream text;
     arguments.exit_code = app.exit(help, text, text);

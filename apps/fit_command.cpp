@@ -12,23 +12,20 @@
 
 #include "assignments.h"
 #include "commands.h"
+#include "fit_source.h"
 #include "output.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/codebooks/store.h"
 #include "samara/identification/capture_file.h"
 #include "samara/identification/capture_suspicions.h"
-#include "samara/identification/codebook_trajectories.h"
-#include "samara/identification/coefficient_series.h"
 #include "samara/identification/fit.h"
-#include "samara/identification/fit_config.h"
 #include "samara/identification/fit_page.h"
 #include "samara/identification/fit_report.h"
+#include "samara/identification/gravity_check.h"
 #include "samara/identification/mass_check.h"
 #include "samara/identification/prediction.h"
 #include "samara/identification/reference_trajectories.h"
-#include "samara/identification/series_config.h"
-#include "samara/identification/step_trajectories.h"
 #include "samara/io/atomic_file.h"
 #include "terminal.h"
 
@@ -38,87 +35,17 @@ namespace {
 
 namespace id = samara::identification;
 
-/// What is fitted: the trajectories of a codebook (kept alive here) or of a model.
-struct Source {
-  std::shared_ptr<const models::Model> model;  ///< null for a codebook
-  std::optional<id::SeriesOptions> series;     ///< only with a model
-  std::optional<codebooks::Codebook> book;
-  std::unique_ptr<id::TrajectoryFamily> family;
-  id::FitOptions options;
-};
-
-/// A name that is no file, and has no dot or slash that would make it one, is the name of a model.
-bool is_model_name(const std::string& text) {
-  std::error_code ignored;
-  return !std::filesystem::exists(text, ignored) && text.find_first_of("./") == std::string::npos;
+bool is_table(const std::string& path) {
+  return !path.ends_with(".toml");
 }
 
-/// What is wrong with values that came from a file is wrong with the file.
-template <class Call>
-auto of_file(const std::string& file, const Call& call) {
-  try {
-    return call();
-  } catch (const ArgumentError& error) {
-    if (file.empty()) throw;
-    throw InputError(file, error.what());
-  }
-}
-
-Source open_source(const FitArguments& arguments) {
-  Source source;
-  if (is_model_name(arguments.source)) {
-    const auto model = models::find_model(arguments.source);
-    if (arguments.reference) {
-      throw ArgumentError(fmt::format(
-          "--reference says how to fit a codebook; the model \"{}\" is integrated anyway", arguments.source));
-    }
-    if (arguments.config.empty()) {
-      throw ArgumentError(fmt::format(
-          "the fit of the model \"{}\" needs --config with a [box] of what is free", arguments.source));
-    }
-    source.options = id::read_fit_config(arguments.config, id::config_names(model->info()));
-    std::map<std::string, double> values = source.options.fixed;
-    for (const auto& [name, interval] : source.options.box)
-      values.emplace(name, 0.5 * (interval.lower + interval.upper));
-    warn_of_parameters(*model, values);
-    source.model = model;
-    source.series = id::read_series_config(arguments.config, id::config_names(model->info()));
-    source.family = of_file(arguments.config, [&] {
-      const id::FitOptions& options = source.options;
-      for (const auto& [name, label] : options.known) {
-        if (options.box.contains(name)) continue;
-        throw ArgumentError(fmt::format(
-            "[known] \"{}\" has no entry in [box]; an interval that holds its values was expected", name));
-      }
-      return options.step ? id::step_trajectories(model, options.fixed, options.box, *options.step)
-                          : id::reference_trajectories(model, options.fixed, options.box);
-    });
-    return source;
-  }
-  source.book = codebooks::load(arguments.source);
-  if (!arguments.config.empty()) {
-    source.options = id::read_fit_config(arguments.config, id::config_names(*source.book));
-    if (id::read_series_config(arguments.config, id::config_names(*source.book))) {
-      throw InputError(arguments.config,
-                       fmt::format("[series] needs equations whose coefficients may change, and \"{}\" is a "
-                                   "codebook; the name of its model, \"{}\", was expected",
-                                   arguments.source, source.book->model().name));
-    }
-  }
-  if (!source.book->certificate() || !source.book->certificate()->met) {
-    warn(fmt::format("{} has no certificate that meets its tolerance", arguments.source));
-  }
-  source.family = of_file(arguments.source, [&] {
-    return arguments.reference ? id::reference_trajectories(*source.book)
-                               : id::codebook_trajectories(*source.book);
-  });
-  return source;
-}
-
-std::vector<id::Capture> read_all(const std::vector<std::string>& files) {
+/// @param sidecar of every table; empty: those beside them
+std::vector<id::Capture> read_all(const std::vector<std::string>& files, const std::string& sidecar) {
   std::vector<id::Capture> captures;
   for (const std::string& path : files) {
-    for (id::Capture& capture : id::read_captures(path)) captures.push_back(std::move(capture));
+    auto read =
+        !sidecar.empty() && is_table(path) ? id::read_captures(path, sidecar) : id::read_captures(path);
+    for (id::Capture& capture : read) captures.push_back(std::move(capture));
   }
   return captures;
 }
@@ -130,25 +57,43 @@ double positive_time(const std::string& option, const std::string& text) {
   throw ArgumentError(fmt::format("{} is {} s; more than 0 was expected", option, time));
 }
 
+/// What the command says, else the config; empty where neither does.
+std::optional<double> time_of(const std::string& option, const std::string& text,
+                              std::optional<double> in_config) {
+  return text.empty() ? in_config : positive_time(option, text);
+}
+
 /// How captures left out are predicted, if there are any.
-std::optional<id::PredictionOptions> read_prediction(const FitArguments& arguments,
-                                                     const id::FitOptions& options) {
-  if (arguments.left_out.empty()) {
-    if (arguments.ahead.empty()) return {};
+std::optional<id::PredictionOptions> read_prediction(const FitArguments& arguments, const FitSource& source) {
+  const id::PredictionConfig& config = source.prediction;
+  if (arguments.left_out.empty() && config.left_out.empty() && !config.folds) {
+    if (arguments.ahead.empty() && arguments.left_out_window.empty()) return {};
     throw ArgumentError(
-        "--ahead says how far to predict captures; --left-out, with their files, was expected");
+        fmt::format("{} says how to predict captures; --left-out, with their files, was expected",
+                    arguments.ahead.empty() ? "--left-out-window" : "--ahead"));
   }
-  if (arguments.ahead.empty())
-    throw ArgumentError("--left-out needs --ahead, the time beyond the window that is to be predicted");
-  id::PredictionOptions prediction;
-  prediction.ahead = positive_time("--ahead", arguments.ahead);
-  if (!arguments.window.empty()) {
-    prediction.window = positive_time("--window", arguments.window);
-  } else if (options.window) {
-    prediction.window = *options.window;
-  } else {
-    throw ArgumentError("--left-out needs --window, or a window in the config: what is seen of each capture");
+  if (config.folds && !arguments.left_out.empty()) {
+    throw ArgumentError(
+        "--left-out names captures to predict, and the config has folds, where every capture is left out "
+        "once; "
+        "one of the two was expected");
   }
+  id::PredictionOptions prediction{.stride = config.stride};
+  const auto ahead = time_of("--ahead", arguments.ahead, config.ahead);
+  if (!ahead) {
+    throw ArgumentError(
+        "--left-out needs --ahead, or `ahead` in [prediction]: the time beyond the window that is to be "
+        "predicted");
+  }
+  prediction.ahead = *ahead;
+  std::optional<double> window = time_of("--left-out-window", arguments.left_out_window, config.window);
+  if (!window) window = time_of("--window", arguments.window, source.options.window);
+  if (!window) {
+    throw ArgumentError(
+        "--left-out needs --left-out-window or --window, or a window in the config: what is seen of each "
+        "capture");
+  }
+  prediction.window = *window;
   return prediction;
 }
 
@@ -157,7 +102,10 @@ std::vector<std::string> files_read(const FitArguments& arguments) {
   std::vector<std::string> files;
   for (const auto& paths : {arguments.captures, arguments.left_out}) {
     for (const std::string& path : paths) {
-      for (const std::filesystem::path& file : id::capture_files(path)) files.push_back(file.string());
+      const bool has_sidecar = !arguments.sidecar.empty() && is_table(path);
+      for (const std::filesystem::path& file :
+           has_sidecar ? id::capture_files(path, arguments.sidecar) : id::capture_files(path))
+        files.push_back(file.string());
     }
   }
   return files;
@@ -168,6 +116,7 @@ void check_outputs(const FitArguments& arguments) {
   std::vector<std::string> inputs = files_read(arguments);
   inputs.push_back(arguments.source);
   inputs.push_back(arguments.config);
+  inputs.push_back(arguments.coefficients);
   if (!arguments.output.empty()) check_output(arguments.output, inputs);
   if (!arguments.report.empty()) check_output(arguments.report, inputs);
   if (!arguments.series.empty()) check_output(arguments.series, inputs);
@@ -199,20 +148,36 @@ class Warnings {
   std::set<std::string> said_;
 };
 
-std::vector<std::string> doubts_of_mass(const Source& source, const std::vector<id::Capture>& captures,
-                                        const id::FitResult& fitted) {
-  if (source.family->equations() != nullptr) {
-    return id::mass_doubts(*source.family, captures, source.options, fitted);
-  }
-  // A program that was sampled, or a model of the user's own, has no equations here.
+/// The family as equations have it; a program that was sampled, or a model of the user's own, has none here.
+std::unique_ptr<id::TrajectoryFamily> behind_codebook(const FitSource& source) {
   const std::vector<std::string> known = models::model_names();
   if (!source.book || std::ranges::count(known, source.book->model().name) == 0) return {};
-  return id::mass_doubts(*id::reference_trajectories(*source.book), captures, source.options, fitted);
+  return id::reference_trajectories(*source.book);
+}
+
+std::vector<std::string> doubts_of_mass(const FitSource& source, const std::vector<id::Capture>& captures,
+                                        const id::FitResult& fitted) {
+  if (source.family->equations() != nullptr)
+    return id::mass_doubts(*source.family, captures, source.options, fitted);
+  const auto family = behind_codebook(source);
+  if (!family) return {};
+  return id::mass_doubts(*family, captures, source.options, fitted);
+}
+
+/// Whether an axis of the captures seems to point the other way.
+std::vector<std::string> doubts_of_gravity(const FitSource& source,
+                                           const std::vector<id::Capture>& captures) {
+  const auto behind = source.family->equations() == nullptr ? behind_codebook(source) : nullptr;
+  const id::TrajectoryFamily& family = behind ? *behind : *source.family;
+  if (family.equations() == nullptr) return {};
+  std::vector<double> middle;
+  for (const id::FitCoordinate& c : family.info().coordinates) middle.push_back(0.5 * (c.lower + c.upper));
+  return id::gravity_doubts(*family.equations(), middle, captures);
 }
 
 /// Coefficients that change in time.
-int run_series(const FitArguments& arguments, const Source& source, const std::vector<id::Capture>& captures,
-               Warnings& warnings) {
+int run_series(const FitArguments& arguments, const FitSource& source,
+               const std::vector<id::Capture>& captures, Warnings& warnings) {
   if (!arguments.left_out.empty()) {
     throw ArgumentError(
         "--left-out asks for predictions, and a series holds for the captures it was fitted to; a config "
@@ -236,47 +201,130 @@ int run_series(const FitArguments& arguments, const Source& source, const std::v
   return kToleranceMissed;
 }
 
+/// A sidecar that no table needs would do nothing.
+void check_sidecar(const FitArguments& arguments) {
+  std::vector<std::string> files = arguments.captures;
+  files.insert(files.end(), arguments.left_out.begin(), arguments.left_out.end());
+  if (!arguments.sidecar.empty() && std::ranges::none_of(files, is_table)) {
+    throw ArgumentError(
+        fmt::format("--sidecar \"{}\" says what the columns of tables are, and every capture given is a "
+                    "sidecar itself; a table "
+                    "was expected",
+                    arguments.sidecar));
+  }
+}
+
+/// All that is fitted, and all that is left out.
+id::CaptureSplit read_captures(const FitArguments& arguments, const FitSource& source) {
+  if (arguments.captures.empty() && arguments.left_out.empty()) {
+    throw ArgumentError(
+        "there is no CAPTURE; files to fit, or with --coefficients --left-out and files to "
+        "predict, were expected");
+  }
+  if (arguments.captures.empty() && arguments.coefficients.empty()) {
+    throw ArgumentError(
+        fmt::format("there is no CAPTURE to fit: all files given stand behind --left-out ({}); "
+                    "captures before it, or --coefficients, were expected",
+                    fmt::join(arguments.left_out, ", ")));
+  }
+  return of_file(arguments.config, [&] {
+    const std::vector<id::Capture> given = read_all(arguments.captures, arguments.sidecar);
+    std::vector<id::Capture> left_out = read_all(arguments.left_out, arguments.sidecar);
+    if (given.empty() && !source.prediction.left_out.empty())
+      return id::CaptureSplit{{}, id::split(left_out, source.prediction).left_out};
+    id::CaptureSplit captures = id::split(given, source.prediction);
+    for (id::Capture& capture : left_out) captures.left_out.push_back(std::move(capture));
+    if (!arguments.captures.empty() && captures.fitted.empty())
+      throw ArgumentError("no capture is left to fit; sidecar and [prediction] leave out all of them");
+    return captures;
+  });
+}
+
+/// Nothing is fitted but what is each capture's own.
+id::FitResult predicted(const FitArguments& arguments, const FitSource& source,
+                        const std::vector<id::Capture>& left_out, const id::PredictionOptions& prediction) {
+  id::FitResult result = *source.coefficients;
+  id::add_predictions(*source.family, left_out, source.options, prediction, result);
+  result.status = id::FitStatus::converged;
+  result.message = fmt::format("nothing was fitted; coefficients from {}", arguments.coefficients);
+  result.source = source.family->info().source;
+  result.loss = id::to_string(source.options.loss.kind);
+  result.fixed = source.family->info().fixed;
+  for (const id::Coefficient& c : result.coefficients) result.fixed[c.name] = c.value;
+  result.coefficients.clear();
+  result.captures.clear();
+  result.noise.clear();
+  return result;
+}
+
+id::FitResult fitted(const FitSource& source, const id::CaptureSplit& captures,
+                     const std::optional<id::PredictionOptions>& prediction) {
+  id::FitResult result = id::fit(*source.family, captures.fitted, source.options);
+  for (const std::string& doubt : doubts_of_mass(source, captures.fitted, result))
+    result.warnings.push_back(doubt);
+  if (!prediction) return result;
+  if (source.prediction.folds) {
+    id::cross_validate(*source.family, captures.fitted, source.options, *prediction, *source.prediction.folds,
+                       result);
+  } else {
+    id::add_predictions(*source.family, captures.left_out, source.options, *prediction, result);
+  }
+  return result;
+}
+
+/// The window of the command holds in place of the config's.
+void take_window(const FitArguments& arguments, FitSource& source, std::vector<id::Capture>& captures) {
+  if (arguments.window.empty()) return;
+  const double window = positive_time("--window", arguments.window);
+  if (source.options.stride || source.prediction.folds) {
+    source.options.window = window;
+    return;
+  }
+  for (id::Capture& capture : captures) capture = id::first(capture, window);
+  source.options.window.reset();
+}
+
 }  // namespace
 
 int run(const FitArguments& arguments) {
   // Ceres reports through glog, which would print its own lines; the result carries the same in a sentence.
   FLAGS_minloglevel = google::GLOG_FATAL;
+  check_sidecar(arguments);
   check_outputs(arguments);
-  Source source = open_source(arguments);
+  FitSource source = open_fit_source(arguments);
   source.options.profiles = source.options.profiles || arguments.profiles;
-  const std::optional<id::PredictionOptions> prediction = read_prediction(arguments, source.options);
-  std::vector<id::Capture> captures = read_all(arguments.captures);
-  if (!arguments.window.empty()) {
-    const double window = positive_time("--window", arguments.window);
-    for (id::Capture& capture : captures) capture = id::first(capture, window);
-    source.options.window.reset();
-  }
+  const std::optional<id::PredictionOptions> prediction = read_prediction(arguments, source);
+  id::CaptureSplit captures = read_captures(arguments, source);
+  take_window(arguments, source, captures.fitted);
   // A fit may take long: what is strange about the captures should not have to wait for it.
   Warnings warnings;
-  for (const id::Capture& capture : captures) warnings.say(id::remarks(capture));
-  if (source.series) return run_series(arguments, source, captures, warnings);
+  const bool fits = !captures.fitted.empty();
+  const std::vector<id::Capture>& looked_at = fits ? captures.fitted : captures.left_out;
+  warnings.say(id::suspicions_of_all(looked_at));
+  const std::vector<std::string> upside_down = doubts_of_gravity(source, looked_at);
+  warnings.say(upside_down);
+  if (source.series) return run_series(arguments, source, captures.fitted, warnings);
   if (!arguments.series.empty()) {
     throw ArgumentError(
         "--series writes coefficients that change in time; a model and a config with [series] were expected");
   }
-  const std::vector<id::Capture> left_out = read_all(arguments.left_out);
-  if (prediction) {
-    of_file(arguments.config,
-            [&] { id::check_left_out(*source.family, captures, left_out, source.options, *prediction); });
+  if (prediction && fits && !source.prediction.folds) {
+    of_file(arguments.config, [&] {
+      id::check_left_out(*source.family, captures.fitted, captures.left_out, source.options, *prediction);
+    });
   }
   source.options.progress = progress_line();
-  const id::FitResult result = of_file(arguments.config, [&] {
-    id::FitResult fitted = id::fit(*source.family, captures, source.options);
-    for (const std::string& doubt : doubts_of_mass(source, captures, fitted))
-      fitted.warnings.push_back(doubt);
-    if (prediction) id::add_predictions(*source.family, left_out, source.options, *prediction, fitted);
-    return fitted;
+  id::FitResult result = of_file(arguments.config, [&] {
+    return fits ? fitted(source, captures, prediction)
+                : predicted(arguments, source, captures.left_out, *prediction);
   });
+  result.warnings.insert(result.warnings.end(), upside_down.begin(), upside_down.end());
   clear_progress();
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, id::fit_json(result));
   if (!arguments.report.empty()) io::write_text_atomically(arguments.report, id::fit_html(result));
   print(arguments.json ? id::fit_json(result) : printable(id::fit_text(result), "\n"));
   warnings.say(result.warnings);
+  if (!fits && result.predictions.empty()) return kToleranceMissed;
   if (result.is_usable()) return kDone;
   complain(result.message);
   return kToleranceMissed;

@@ -29,6 +29,7 @@ struct Capture {
   Eigen::VectorXd times;                      ///< s, strictly increasing
   std::vector<Channel> channels;
   std::vector<std::string> notes = {};  ///< what reading and cleaning did to it, in sentences
+  std::string motion = {};              ///< of a window: the id of the capture that it was cut from
 
   int frame_count() const { return static_cast<int>(times.size()); }
   bool has(const std::string& quantity) const;
@@ -43,5 +44,15 @@ Eigen::Index frames_within(const Capture& capture, double seconds);
 /// The part of a capture that is at most `seconds` after its first frame, as frames_within() counts.
 /// @throws ArgumentError if `seconds` is not positive, or fewer than 3 frames are left.
 Capture first(const Capture& capture, double seconds);
+
+/// Windows of a capture, the first from its first frame, the next ones from the first frames that are
+/// `stride` or more after the start of the one before. They have the capture's labels, and times of their own
+/// that count from their first frame. Left out are those that reach beyond the end of the capture, and those
+/// of whose frames fewer than half (or than 3) are seen.
+/// @param length, stride s
+/// @param quantities of which a frame that is seen has all; empty: any
+/// @throws ArgumentError for times that are not positive.
+std::vector<Capture> windows(const Capture& capture, double length, double stride,
+                             const std::vector<std::string>& quantities = {});
 
 }  // namespace samara::identification

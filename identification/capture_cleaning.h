@@ -69,6 +69,11 @@ struct BeforeImpact {
 /// @throws ArgumentError if a quantity is not measured, or fewer than 3 frames are left
 BeforeImpact before_impact(const Capture& capture, const ImpactOptions& options = {});
 
+/// The frames before the first in which a quantity lies outside an interval (of its unit): a body that comes
+/// near the floor. A frame in which it was not seen lies inside.
+/// @throws ArgumentError if it is not measured, or fewer than 3 frames are left
+Capture while_inside(const Capture& capture, const std::string& quantity, double lower, double upper);
+
 struct PieceOptions {
   std::vector<std::string> quantities = {"x", "y", "z"};  ///< positions that count
   double longest_gap = 0.1;                               ///< s between frames in which all of them are seen

@@ -107,6 +107,17 @@ void add_labels(std::vector<Capture>& captures, const Sidecar& sidecar) {
   }
 }
 
+/// Captures whose labels are among those that `where` allows.
+void select_by_labels(std::vector<Capture>& captures, const Sidecar& sidecar) {
+  for (const auto& [label, allowed] : sidecar.where) {
+    if (!sidecar.has_label(label)) continue;
+    std::erase_if(captures, [&](const Capture& capture) {
+      const auto found = capture.labels.find(label);
+      return found == capture.labels.end() || !is_allowed(found->second, allowed);
+    });
+  }
+}
+
 /// What goes around a circle jumps where it is complete, and no such frame is wrong.
 std::map<std::string, double> periods_of(const Capture& capture, const CleaningSteps& steps) {
   std::map<std::string, double> periods = steps.periods;
@@ -124,6 +135,9 @@ Capture cleaned(Capture capture, const Sidecar& sidecar) {
     if (steps.frame_grid) capture = on_frame_grid(capture).capture;
     step = "before_impact";
     if (steps.impact) capture = before_impact(capture, {.jump = *steps.impact}).capture;
+    step = "inside";
+    for (const auto& [quantity, ends] : steps.inside)
+      capture = while_inside(capture, quantity, ends.first, ends.second);
     step = "outliers";
     if (steps.outliers) {
       capture = without_outliers(capture, {.window = steps.window, .outlier_threshold = *steps.outliers},
@@ -136,6 +150,24 @@ Capture cleaned(Capture capture, const Sidecar& sidecar) {
   return capture;
 }
 
+/// Captures without long gaps of the place and the attitude; all of one motion belong together.
+std::vector<Capture> pieces_of(const std::vector<Capture>& captures, const Sidecar& sidecar) {
+  std::vector<Capture> pieces;
+  for (const Capture& capture : captures) {
+    std::vector<std::string> pose;
+    for (const std::string name : {"x", "y", "z", "qw"}) {
+      if (capture.has(name)) pose.push_back(name);
+    }
+    for (Capture& piece : continuous_pieces(capture, {.quantities = pose,
+                                                     .longest_gap = *sidecar.clean.longest_gap,
+                                                     .least_frames = std::max(3, sidecar.least_frames)})) {
+      piece.motion = capture.id;
+      pieces.push_back(std::move(piece));
+    }
+  }
+  return pieces;
+}
+
 std::vector<Capture> read_all(Sidecar sidecar) {
   if (sidecar.tables.empty()) sidecar.tables = {sidecar.table};
   std::vector<Capture> captures;
@@ -143,10 +175,16 @@ std::vector<Capture> read_all(Sidecar sidecar) {
     sidecar.table = table;
     for (Capture& capture : read_table(sidecar)) captures.push_back(std::move(capture));
   }
-  if (sidecar.labels) add_labels(captures, sidecar);
+  if (sidecar.labels) {
+    add_labels(captures, sidecar);
+    select_by_labels(captures, sidecar);
+  }
   if (sidecar.clean.any()) {
     for (Capture& capture : captures) capture = cleaned(capture, sidecar);
   }
+  if (sidecar.clean.longest_gap) captures = pieces_of(captures, sidecar);
+  std::erase_if(captures,
+                [&](const Capture& capture) { return capture.frame_count() < sidecar.least_frames; });
   return captures;
 }
 
@@ -156,14 +194,26 @@ std::vector<Capture> read_captures(const std::filesystem::path& path) {
   return read_all(find_sidecar(path));
 }
 
-std::vector<std::filesystem::path> capture_files(const std::filesystem::path& path) {
-  const Sidecar sidecar = find_sidecar(path);
+namespace {
+
+std::vector<std::filesystem::path> files_of(const Sidecar& sidecar, const std::filesystem::path& path) {
   std::vector<std::filesystem::path> files = sidecar.tables;
   if (files.empty()) files = {sidecar.table};
   files.push_back(path);
   if (sidecar.document) files.push_back(sidecar.document->file());
   if (sidecar.labels) files.push_back(sidecar.labels->file);
   return files;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> capture_files(const std::filesystem::path& path) {
+  return files_of(find_sidecar(path), path);
+}
+
+std::vector<std::filesystem::path> capture_files(const std::filesystem::path& table,
+                                                 const std::filesystem::path& sidecar) {
+  return files_of(read_sidecar(sidecar, table), table);
 }
 
 std::vector<Capture> read_captures(const std::filesystem::path& table, const std::filesystem::path& sidecar) {

@@ -22,7 +22,9 @@
 ///     delimiter = ";"                    # ",", ";", "tab"
 ///     header = ["time", "x"]             # names of the columns, where the file has none
 ///     group_by = ["drop", "cam"]         # several captures in one file: one per combination of their cells
-///     where = { cam = ["1"] }            # only rows with one of these cells
+///     where = { cam = ["1"] }            # only rows with one of these cells, or captures with such labels;
+///                                        # "< 2" and "> 2" stand for numbers
+///     least_frames = 12                  # captures with fewer, once cleaned, are left out
 ///     frame_rate = "60 Hz"               # if time is a frame number, unit "frame", or if there is no time
 ///     from = "0.5 s"                     # only frames from this time of the table
 ///     until = "2 s"
@@ -51,9 +53,11 @@
 ///     [clean]                            # see capture_cleaning.h; in this order
 ///     frame_grid = true
 ///     before_impact = "1.2 m/s"
+///     inside = { z = ["3 cm", "3 m"] }   # ends before the first frame outside
 ///     outliers = 5
 ///     window = "0.1 s"                   # of outliers
 ///     periods = { theta = "180 deg" }    # of outliers; angles have a turn
+///     longest_gap = "35 ms"              # where place or attitude is not seen for longer, a piece ends
 ///
 /// With start = "first visible", the default, a capture begins at the first frame in which all its quantities
 /// are visible, and times count from there: that frame is the model's t = 0. "as given" keeps all frames and
@@ -70,7 +74,7 @@
 // clang-format on
 namespace samara::identification {
 
-/// All captures of a file.
+/// All captures of a file that `where` and `least_frames` leave; there may be none.
 /// @param path a sidecar (*.toml), or a table. A table with a *.toml of the same stem beside it is read
 ///   through that sidecar; then `file` may be left out of it.
 /// @throws InputError with file and line: columns that are missing, a header without units, times that are
@@ -81,6 +85,9 @@ std::vector<Capture> read_captures(const std::filesystem::path& path);
 /// The files that read_captures() would read there: tables, sidecar, labels. Also those that do not exist.
 /// @throws InputError for a sidecar that cannot be read
 std::vector<std::filesystem::path> capture_files(const std::filesystem::path& path);
+/// The same for a table and a sidecar that does not name it.
+std::vector<std::filesystem::path> capture_files(const std::filesystem::path& table,
+                                                 const std::filesystem::path& sidecar);
 
 /// Captures of a table and a sidecar that does not name it: one sidecar for many tables.
 /// @param table a pattern ("[0-9]*.csv") stands for every file that matches. Labels are looked for beside it.

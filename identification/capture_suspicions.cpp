@@ -1,6 +1,7 @@
 #include "samara/identification/capture_suspicions.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -227,6 +228,24 @@ void suspect_channel(const Capture& capture, const Channel& channel, bool ordere
   }
 }
 
+/// "3 frames are missing" and "12 frames are missing" are alike, and "it has 1 frame" is, too.
+std::string without_numbers(const std::string& sentence) {
+  std::string kept;
+  for (std::size_t k = 0; k < sentence.size(); ++k) {
+    const bool is_exponent = sentence[k] == 'e' && k + 1 < sentence.size() && !kept.empty() &&
+                             kept.back() == '#' && (sentence[k + 1] == '-' || sentence[k + 1] == '+');
+    if (is_exponent) ++k;
+    const bool is_number = is_exponent || std::isdigit(static_cast<unsigned char>(sentence[k])) != 0 ||
+                           (sentence[k] == '.' && !kept.empty() && kept.back() == '#');
+    if (!is_number) {
+      kept.push_back(sentence[k]);
+    } else if (kept.empty() || kept.back() != '#') {
+      kept.push_back('#');
+    }
+  }
+  return kept;
+}
+
 }  // namespace
 
 std::vector<std::string> suspicions(const Capture& capture) {
@@ -245,10 +264,41 @@ std::vector<std::string> suspicions(const Capture& capture) {
   return found;
 }
 
-std::vector<std::string> remarks(const Capture& capture) {
-  Sentences all = suspicions(capture);
-  all.insert(all.end(), capture.notes.begin(), capture.notes.end());
-  for (std::string& sentence : all) sentence = fmt::format("capture \"{}\": {}", capture.id, sentence);
+std::vector<std::string> suspicions_of_all(std::span<const Capture> captures) {
+  std::vector<std::pair<std::string, std::string>> all;
+  for (const Capture& capture : captures) {
+    for (const std::string& sentence : suspicions(capture)) all.emplace_back(capture.id, sentence);
+  }
+  return alike_together(all);
+}
+
+std::vector<std::string> alike_together(const std::vector<std::pair<std::string, std::string>>& sentences) {
+  struct Kind {
+    std::string without_numbers, first;
+    std::vector<std::string> others = {};  ///< ids
+  };
+  std::vector<Kind> kinds;
+  for (const auto& [id, sentence] : sentences) {
+    const std::string kind = without_numbers(sentence);
+    const auto found = std::ranges::find(kinds, kind, &Kind::without_numbers);
+    if (found == kinds.end()) {
+      kinds.push_back({kind, fmt::format("capture \"{}\": {}", id, sentence)});
+    } else {
+      found->others.push_back(fmt::format("\"{}\"", id));
+    }
+  }
+  Sentences all;
+  for (Kind& kind : kinds) {
+    constexpr std::size_t kNamed = 5;
+    const std::size_t count = kind.others.size();
+    std::string more;
+    if (count > 0) {
+      kind.others.resize(std::min(count, kNamed));
+      more = fmt::format("; the like of {} more: {}{}", count, fmt::join(kind.others, ", "),
+                         count > kNamed ? ", .." : "");
+    }
+    all.push_back(kind.first + more);
+  }
   return all;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "samara/identification/capture.h"
@@ -27,7 +29,11 @@ namespace samara::identification {
 // clang-format on
 std::vector<std::string> suspicions(const Capture& capture);
 
-/// Its suspicions and its notes, each with its id: among those of other captures.
-std::vector<std::string> remarks(const Capture& capture);
+/// What is suspicious about captures, each sentence with the id of its capture. Sentences that differ in
+/// their numbers alone are said of the first capture, with the ids of the others.
+std::vector<std::string> suspicions_of_all(std::span<const Capture> captures);
+
+/// Sentences about captures by their ids, in this form.
+std::vector<std::string> alike_together(const std::vector<std::pair<std::string, std::string>>& sentences);
 
 }  // namespace samara::identification

@@ -47,13 +47,16 @@ Rows selected_rows(const io::DelimitedTable& table, const Sidecar& sidecar) {
   Rows rows(table.rows());
   std::iota(rows.begin(), rows.end(), std::size_t{0});
   for (const auto& [column, allowed] : sidecar.where) {
+    // Labels of captures are looked at when they are known.
+    if (!table.has(column) && sidecar.has_label(column)) continue;
     const std::vector<std::string> cells = named_cells(table, sidecar, "where", column, column);
     for (const std::string& value : allowed) {
-      if (std::ranges::count(cells, value) > 0) continue;
+      if (std::ranges::any_of(cells, [&](const std::string& cell) { return is_allowed(cell, {value}); }))
+        continue;
       throw sidecar.error("where", column,
                           fmt::format("no row of \"{}\" has \"{}\" there", table.file(), value));
     }
-    std::erase_if(rows, [&](std::size_t row) { return std::ranges::count(allowed, cells[row]) == 0; });
+    std::erase_if(rows, [&](std::size_t row) { return !is_allowed(cells[row], allowed); });
   }
   return rows;
 }

@@ -59,6 +59,12 @@ void check_combination(const FitOptions& options, const SeriesOptions& series) {
         "bootstrap or a series was expected",
         options.bootstrap.replicates));
   }
+  if (options.stride) {
+    throw ArgumentError(
+        "stride cuts captures into windows, and a series follows each of them as a whole; either a stride or "
+        "a "
+        "series was expected");
+  }
   if (series.stride && options.segments.length) {
     throw ArgumentError(fmt::format(
         "segments of {} s and a series.stride: windows that slide are the segments, unjoined; one of "
@@ -177,8 +183,8 @@ void add_replay(const models::ModelInfo& model, const FitResult& result, const S
     return options.averaged_frames == 1 || !name.ends_with("(0)");
   };
   const CaptureFit& first = result.captures.front();
-  for (const auto& [name, label] : options.known) {
-    if (holds_at_first_frame(name)) series.replay[name] = io::read_number(first.labels.at(label)).value;
+  for (const auto& [name, value] : first.known) {
+    if (holds_at_first_frame(name)) series.replay[name] = value;
   }
   for (const Nuisance& n : first.nuisances) {
     if (units.contains(n.name) && holds_at_first_frame(n.name)) series.replay[n.name] = n.value;

@@ -177,10 +177,20 @@ CameraOptions read_camera(const TomlTable& root, const Units& outputs) {
   return camera;
 }
 
-std::map<std::string, std::string> read_known(const TomlTable& table, const Units& coordinates) {
-  table.expect_keys(names_of(coordinates));
-  std::map<std::string, std::string> known;
-  for (const std::string& name : table.keys()) known[name] = table.string(name);
+/// `mass = "m"`, or `mass = { label = "radius_m", times = 0.22, power = 2 }`.
+std::map<std::string, KnownValue> read_known(const TomlTable& root, const Units& coordinates) {
+  root.expect_keys(names_of(coordinates));
+  std::map<std::string, KnownValue> known;
+  for (const std::string& name : root.keys()) {
+    if (!root.is_table(name)) {
+      known[name] = root.string(name);
+      continue;
+    }
+    const TomlTable table = root.table(name);
+    table.expect_keys({"label", "times", "power"});
+    known[name] = {table.string("label"), table.optional_number("times").value_or(1.0),
+                   table.optional_number("power").value_or(1.0)};
+  }
   return known;
 }
 
@@ -225,13 +235,17 @@ void read_tables(const TomlTable& root, const ConfigNames& names, FitOptions& op
 
 FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
   root.expect_keys(
-      {"window",     "outputs", "loss",           "shared",          "per_capture", "offsets",
-       "cluster_by", "starts",  "max_iterations", "profiles",        "segments",    "global",
-       "step",       "rounds",  "round_body",     "averaged_frames", "log_scale",   "attitude_scale",
-       "fixed",      "initial", "known",          "priors",          "periods",     "box",
-       "bootstrap",  "noise",   "camera",         "series"});  // series_config.h
+      {"window",     "outputs",         "loss",      "shared",         "per_capture", "offsets", "cluster_by",
+       "starts",     "max_iterations",  "profiles",  "segments",       "global",      "step",    "rounds",
+       "round_body", "averaged_frames", "log_scale", "attitude_scale", "fixed",       "initial", "known",
+       "priors",     "periods",         "box",       "bootstrap",      "noise",       "camera",  "stride",
+       "series",        // series_config.h
+       "prediction"});  // prediction_config.h
   FitOptions options;
   if (root.has("window")) options.window = positive_quantity(root, "window", "s");
+  if (root.has("stride")) options.stride = positive_quantity(root, "stride", "s");
+  if (options.stride && !options.window)
+    throw root.error("stride", "belongs to `window`, which is not there");
   if (root.has("outputs")) options.outputs = known_names(root, "outputs", names.outputs);
   if (root.has("loss")) options.loss = read_loss(root.table("loss"), names.outputs);
   if (root.has("shared")) options.shared = known_names(root, "shared", names.coordinates);

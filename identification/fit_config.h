@@ -12,6 +12,7 @@
 /// Options of a fit from a TOML file:
 ///
 ///     window = "0.4 s"
+///     stride = "0.4 s"                                # a window so often, not one at the start of a capture
 ///     outputs = ["x"]
 ///     loss = { kind = "huber", scale = "2 mm" }       # or scale = { x = "2 mm", theta = "3 deg" }
 ///     shared = ["C_D"]
@@ -42,15 +43,15 @@
 ///
 ///     [initial]                                       # of the first start
 ///     C_D = 1.1
-///     [known]                                         # a label of the captures holds it, in SI units
-///     thickness = "thickness_m"
-///     [priors]
-///     C_D = { mean = 1.1, deviation = 0.2 }           # logarithmic = true: median and relative deviation
-///     [periods]                                       # of outputs; those in rad have 360 deg
-///     theta = "180 deg"
+///     [known]                                         # a label of the captures holds it, in SI units, or
+///     the thickness = "thickness_m"                       # first value of a channel; { label, times, power
+///     } of it [priors] C_D = { mean = 1.1, deviation = 0.2 }           # logarithmic = true: median and
+///     relative deviation [periods]                                       # of outputs; those in rad have 360
+///     deg theta = "180 deg"
 ///
-/// A table [series] is for series_config.h. Every key may be left out; fit_options.h has the meanings and
-/// defaults. To fit a model without a codebook, its family takes `fixed` and `box` of the options:
+/// Tables [series] and [prediction] are for series_config.h and prediction_config.h. Every key may be left
+/// out; fit_options.h has the meanings and defaults. To fit a model without a codebook, its family takes
+/// `fixed` and `box` of the options:
 ///
 ///     const auto model = models::find_model("vertical_fall");
 ///     const FitOptions options = read_fit_config("fit.toml", config_names(model->info()));

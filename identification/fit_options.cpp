@@ -43,6 +43,11 @@ GlobalMethod global_method_from_string(const std::string& name) {
 
 void validate(const FitOptions& options) {
   if (options.window) require_positive("window", *options.window);
+  if (options.stride) {
+    require_positive("stride", *options.stride);
+    if (!options.window)
+      throw ArgumentError("stride is set without window; the length of a window was expected");
+  }
   require_positive("loss.length_scale", options.loss.length_scale);
   for (const auto& [output, scale] : options.loss.scales) {
     require_positive(fmt::format("the loss scale of \"{}\"", output), scale);

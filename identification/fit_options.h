@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "samara/base/progress.h"
@@ -49,6 +50,20 @@ struct CameraOptions {
   std::vector<std::string> axes = {};
   /// Outputs that turn with two axes: angles that grow from the first to the second. Empty: those in rad.
   std::optional<std::vector<std::string>> angles = {};
+};
+
+/// Where the value of a coordinate that is known for each capture stands: in a label, or, where the capture
+/// has no such label, in the first value of a channel of that name. SI, times * value^power: the mass of a
+/// disc of paper of which the radius is known is {"radius_m", 0.07 * pi, 2}.
+struct KnownValue {
+  std::string label;
+  double times = 1.0;
+  double power = 1.0;
+
+  KnownValue() = default;
+  KnownValue(std::string of_label, double factor = 1.0, double exponent = 1.0)
+      : label(std::move(of_label)), times(factor), power(exponent) {}
+  KnownValue(const char* of_label) : label(of_label) {}
 };
 
 /// What is known of a coefficient beforehand: a normal distribution of it, or of its logarithm.
@@ -107,6 +122,9 @@ struct FitOptions {
   // What is compared
   /// s: only this much of each capture, from its first frame. Empty: all of it.
   std::optional<double> window = {};
+  /// s: a window of each capture so often, from its first frame on, each with unknowns of its own: see
+  /// windows() in capture.h. Empty: one, from the first frame.
+  std::optional<double> stride = {};
   /// Names; empty: every output that all captures measure.
   std::vector<std::string> outputs = {};
   LossOptions loss = {};
@@ -121,12 +139,13 @@ struct FitOptions {
   std::map<std::string, double> fixed = {};
   /// Intervals within the family's box that the fit must not leave (SI).
   std::map<std::string, Interval> box = {};
-  /// Coordinates that are known for each capture: the label that holds the value, SI, in the family's box.
-  std::map<std::string, std::string> known = {};
+  /// Coordinates that are known for each capture, in the family's box. Captures that are left out of a fit
+  /// and predicted (prediction.h) may lack the value: there the coordinate is one of their own unknowns.
+  std::map<std::string, KnownValue> known = {};
   /// Shared coordinates that move by factors, not by differences; their boxes must be positive.
   std::vector<std::string> log_scale = {};
   /// Of shared coordinates, and of those of each capture's own: there of every capture alike, and of where
-  /// its first segment starts.
+  /// its first segment starts. Of known coordinates: for captures left out that lack the value.
   std::map<std::string, Prior> priors = {};
   std::vector<CombinationPrior> combinations = {};
   /// Outputs that get a free constant for each capture, added to the model. Empty: those in which the model

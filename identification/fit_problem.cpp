@@ -42,7 +42,7 @@ void check_names(const FamilyInfo& family, const FitOptions& options) {
   };
   for (const std::string& name : options.shared) check("shared", name);
   for (const std::string& name : options.per_capture) check("per_capture", name);
-  for (const auto& [name, label] : options.known) check("known", name);
+  for (const auto& [name, value] : options.known) check("known", name);
   for (const auto& [name, value] : options.fixed) {
     const auto held = family.fixed.find(name);
     if (held == family.fixed.end()) {
@@ -296,8 +296,33 @@ bool FitProblem::is_joined() const {
   return std::ranges::any_of(segments, &Segment::joined);
 }
 
-FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captures,
-                        const FitOptions& options) {
+namespace {
+
+/// Captures, or the windows of each.
+std::vector<Capture> cut(const FamilyInfo& family, std::span<const Capture> captures,
+                         const FitOptions& options) {
+  if (!family.autonomous) {
+    throw ArgumentError(
+        fmt::format("stride: the equations of \"{}\" depend on time, and windows have times of their own; "
+                    "whole captures were expected",
+                    family.model));
+  }
+  std::vector<Capture> parts;
+  for (const Capture& capture : captures) {
+    for (Capture& part : windows(capture, *options.window, *options.stride, options.outputs))
+      parts.push_back(std::move(part));
+  }
+  if (parts.empty()) {
+    throw ArgumentError(fmt::format("none of {} captures holds a window of {} s; a shorter one was expected",
+                                    captures.size(), *options.window));
+  }
+  return parts;
+}
+
+}  // namespace
+
+FitProblem describe_problem(const FamilyInfo& family, std::span<const Capture> captures,
+                            const FitOptions& options) {
   validate(options);
   if (captures.empty()) throw ArgumentError("there are no captures; at least one was expected");
   check_names(family, options);
@@ -305,9 +330,19 @@ FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captu
   problem.loss = options.loss.kind;
   problem.averaged_frames = options.averaged_frames;
   problem.fixed = family.fixed;
+  for (const auto& [name, value] : options.known) problem.known.push_back(name);
   assign_roles(family, options, problem);
   assign_outputs(family, captures, options, problem);
   add_camera(family, options, problem);
+  return problem;
+}
+
+FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> whole, const FitOptions& options) {
+  validate(options);
+  std::vector<Capture> parts;
+  if (options.stride) parts = cut(family, whole, options);
+  const std::span<const Capture> captures = options.stride ? std::span<const Capture>(parts) : whole;
+  FitProblem problem = describe_problem(family, captures, options);
   if (problem.shared_count() + problem.own_count() == 0) {
     throw ArgumentError("every coordinate is fixed; at least one to fit was expected");
   }

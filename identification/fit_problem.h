@@ -69,7 +69,9 @@ struct Segment {
 /// A capture as the fit sees it: its segments follow one another.
 struct Motion {
   std::string id, file;
+  std::string whole;  ///< id of the capture of which it is all, or a window
   std::map<std::string, std::string> labels;
+  std::vector<std::string> notes = {};
   int cluster = 0;
   double weight = 1.0;        ///< of its part of the cost
   std::vector<double> known;  ///< values of known coordinates
@@ -142,6 +144,7 @@ PriorResidual prior_residual(const Prior& prior, double value);
 struct FitProblem {
   LossKind loss = LossKind::huber;
   std::vector<CoordinateSlot> slots;  ///< per coordinate of the family
+  std::vector<std::string> known;     ///< names of known coordinates, in the order of Motion::known
   std::vector<FitCoordinate> shared;  ///< with the box of the fit
   std::vector<FitCoordinate> own;     ///< likewise; each segment has these
   Chart shared_chart, own_chart;
@@ -178,6 +181,12 @@ struct FitProblem {
     return motions[static_cast<std::size_t>(segment.motion)];
   }
 };
+
+/// What is compared and what is unknown, without the captures' frames: fits of all captures that measure the
+/// same have it in common.
+/// @throws ArgumentError as fit()
+FitProblem describe_problem(const FamilyInfo& family, std::span<const Capture> captures,
+                            const FitOptions& options);
 
 /// @throws ArgumentError as fit()
 FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captures,

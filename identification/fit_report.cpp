@@ -60,7 +60,10 @@ Json json_of(const CaptureFit& capture) {
   }
   return {{"id", capture.id},
           {"file", capture.file},
+          {"whole", capture.whole},
           {"labels", capture.labels},
+          {"notes", capture.notes},
+          {"known", capture.known},
           {"cluster", capture.cluster},
           {"frames", capture.frames},
           {"nuisances", nuisances},
@@ -183,6 +186,13 @@ std::string fit_text(const FitResult& result) {
   if (result.join_defect) {
     fmt::format_to(out, "segments join within {:.2g} of what each alone says of its start\n",
                    *result.join_defect);
+  }
+  if (const auto noted =
+          std::ranges::count_if(result.captures, [](const auto& c) { return !c.notes.empty(); });
+      noted > 0) {
+    fmt::format_to(out,
+                   "what reading and cleaning did to {} of {} captures stands in the JSON and the report\n",
+                   noted, result.captures.size());
   }
   add_trust_text(result, text);
   fmt::format_to(out, "{} iterations, {} trajectories, {:.3g} s\n", result.iterations, result.evaluations,

@@ -63,9 +63,12 @@ struct OutputRms {
 struct CaptureFit {
   std::string id = {};
   std::string file = {};
+  std::string whole = {};  ///< id of the capture of which it is all, or a window
   std::map<std::string, std::string> labels = {};
-  int cluster = 0;  ///< number of its cluster, from 0
-  int frames = 0;   ///< in the window, with something to compare
+  std::vector<std::string> notes = {};       ///< what reading and cleaning did to it
+  std::map<std::string, double> known = {};  ///< values of FitOptions::known, SI
+  int cluster = 0;                           ///< number of its cluster, from 0
+  int frames = 0;                            ///< in the window, with something to compare
   int segments = 1;
   double start = 0.0;     ///< s, of the first segment, in the capture's times
   double interval = 0.0;  ///< s, between the frames that are means of several; 0 where frames are no means
@@ -163,7 +166,8 @@ struct FitResult {
   std::vector<Profile> profiles = {};  ///< of coefficients, by name
   std::optional<Identifiability> identifiability = {};
   std::optional<Whiteness> whiteness = {};
-  std::vector<PredictionScore> predictions = {};  ///< on captures or windows left out of the fit
+  std::vector<PredictionScore> predictions = {};          ///< on captures or windows left out of the fit
+  std::vector<PredictionScore> capture_predictions = {};  ///< the same of each capture by itself
   std::optional<GlobalSearch> global_search = {};
   std::optional<Bootstrap> bootstrap = {};
 

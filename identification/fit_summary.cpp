@@ -145,13 +145,16 @@ void add_captures(const FitProblem& problem, const std::vector<SegmentResidual>&
     }
     CaptureFit capture{.id = motion.id,
                        .file = motion.file,
+                       .whole = motion.whole,
                        .labels = motion.labels,
+                       .notes = motion.notes,
                        .cluster = motion.cluster,
                        .segments = static_cast<int>(motion.segment_count),
                        .start = problem.segments[first].start,
                        .interval = problem.segments[first].interval,
                        .nuisances = nuisances_of(problem, point.own[first], uncertainty.own[first]),
                        .residuals = squares.rms(problem)};
+    for (std::size_t k = 0; k < problem.known.size(); ++k) capture.known[problem.known[k]] = motion.known[k];
     add_frames(problem, motion, residuals, point, capture);
     result.captures.push_back(std::move(capture));
   }

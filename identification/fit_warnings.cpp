@@ -193,9 +193,7 @@ void add_capture_warnings(const FamilyInfo& family, std::span<const Capture> cap
         fmt::format("capture \"{}\": \"{}\" is no output of \"{}\", and was not compared{}", id, channel,
                     family.model, suggestion(channel, known)));
   }
-  for (const Capture& capture : captures) {
-    for (const std::string& remark : remarks(capture)) result.warnings.push_back(remark);
-  }
+  for (std::string& sentence : suspicions_of_all(captures)) result.warnings.push_back(std::move(sentence));
 }
 
 void add_speed_warnings(const TrajectoryFamily& family, std::span<const Capture> captures,

@@ -7,7 +7,6 @@
 #include "samara/base/errors.h"
 #include "samara/identification/averaged_source.h"
 #include "samara/identification/camera.h"
-#include "samara/io/text.h"
 
 namespace samara::identification {
 
@@ -18,18 +17,17 @@ const Nuisance* find_nuisance(const CaptureFit& capture, const std::string& name
   return found == capture.nuisances.end() ? nullptr : &*found;
 }
 
-double value_of(const FitOptions& options, const FitResult& fitted, const CaptureFit& capture,
-                const std::string& name) {
+double value_of(const FitResult& fitted, const CaptureFit& capture, const std::string& name) {
   if (const Nuisance* own = find_nuisance(capture, name)) return own->value;
   const auto shared = std::ranges::find(fitted.coefficients, name, &Coefficient::name);
   if (shared != fitted.coefficients.end()) return shared->value;
   if (const auto held = fitted.fixed.find(name); held != fitted.fixed.end()) return held->second;
-  const auto known = options.known.find(name);
-  if (known == options.known.end() || !capture.labels.contains(known->second)) {
+  const auto known = capture.known.find(name);
+  if (known == capture.known.end()) {
     throw ArgumentError(fmt::format(
         "the fit says nothing of \"{}\"; the family and the options of the fit were expected", name));
   }
-  return io::read_number(capture.labels.at(known->second)).value;
+  return known->second;
 }
 
 /// Outputs asked for, and the axes of the camera beside them.
@@ -92,8 +90,7 @@ std::optional<Eigen::MatrixXd> fitted_motion(const TrajectoryFamily& family, con
   }
   const CaptureFit& one = fitted.captures[capture];
   std::vector<double> q;
-  for (const FitCoordinate& c : family.info().coordinates)
-    q.push_back(value_of(options, fitted, one, c.name));
+  for (const FitCoordinate& c : family.info().coordinates) q.push_back(value_of(fitted, one, c.name));
   const bool has_camera = options.camera.scale || options.camera.rotation;
   const std::vector<std::string> axes =
       has_camera ? camera_axes(family.info(), options.camera) : std::vector<std::string>{};

@@ -120,4 +120,27 @@ BeforeImpact before_impact(const Capture& capture, const ImpactOptions& options)
   return result;
 }
 
+Capture while_inside(const Capture& capture, const std::string& quantity, double lower, double upper) {
+  const Channel& channel = capture.channel(quantity);
+  Eigen::Index count = 0;
+  while (count < channel.values.size() && !(channel.values[count] < lower) &&
+         !(channel.values[count] > upper))
+    ++count;
+  if (count == channel.values.size()) return capture;
+  if (count < 3) {
+    throw ArgumentError(fmt::format(
+        "capture \"{}\" has {} = {} {} at {} s, outside {} to {}, and {} frames before; at least 3 were "
+        "expected",
+        capture.id, quantity, channel.values[count], channel.unit, capture.times[count], lower, upper,
+        count));
+  }
+  Capture part = capture;
+  part.times.conservativeResize(count);
+  for (Channel& one : part.channels) one.values.conservativeResize(count);
+  part.notes.push_back(fmt::format("{} frames cut from {:.4g} s on, where {} leaves {:.4g} to {:.4g} {}",
+                                   capture.times.size() - count, capture.times[count], quantity, lower, upper,
+                                   channel.unit));
+  return part;
+}
+
 }  // namespace samara::identification

@@ -111,6 +111,7 @@ void add_charts(const FamilyInfo& family, const FitOptions& options, FitProblem&
 
 void add_priors(const FitOptions& options, FitProblem& problem) {
   for (const auto& [name, prior] : options.priors) {
+    if (options.known.contains(name)) continue;
     const std::optional<std::size_t> shared = position(problem.shared, name);
     const std::optional<std::size_t> own = position(problem.own, name);
     if (!shared && !own) {

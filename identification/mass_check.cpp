@@ -14,7 +14,6 @@
 #include "samara/identification/noise_levels.h"
 #include "samara/identification/reference_trajectories.h"
 #include "samara/identification/step_trajectories.h"
-#include "samara/io/text.h"
 
 namespace samara::identification {
 
@@ -89,17 +88,12 @@ class OtherMasses {
       if (const auto known = intervals->find(name_); known != intervals->end())
         known->second = {factor * known->second.lower, factor * known->second.upper};
     }
-    std::vector<Capture> captures = captures_;
-    const auto label = options.known.find(name_);
-    for (Capture& capture : captures) {
-      if (label == options.known.end()) break;
-      std::string& text = capture.labels.at(label->second);
-      text = fmt::format("{}", factor * io::read_number(text).value);
-    }
+    if (const auto known = options.known.find(name_); known != options.known.end())
+      known->second.times *= factor;
     try {
       const auto family = options.step ? step_trajectories(model_.shared_model(), fixed, box, *options.step)
                                        : reference_trajectories(model_.shared_model(), fixed, box);
-      FitResult result = fit(*family, captures, options);
+      FitResult result = fit(*family, captures_, options);
       if (result.status != FitStatus::failed) return result;
     } catch (const Error&) {
       // No body can have that mass; the fit that is in doubt stands.

@@ -13,12 +13,21 @@
 /// Baselines are polynomials in time, fitted by least squares to each component of the positions in the
 /// window: the straight line (degree 1), the parabola (2) and the cubic (3) to all of it; "constant velocity"
 /// and "constant acceleration" (degrees 1 and 2) to its last third, at least 5 frames: they follow the state
-/// at the end of the window.
+/// at the end of the window. "Measured velocity" is for sensors that say how fast a component changes: a
+/// straight line through that over the window, carried on from the place on which all frames agree best.
+/// Attitudes are predicted as rotation vectors from the last one seen.
 namespace samara::identification {
 
-enum class Baseline { straight_line, quadratic, cubic, constant_velocity, constant_acceleration };
+enum class Baseline {
+  straight_line,
+  quadratic,
+  cubic,
+  constant_velocity,
+  constant_acceleration,
+  measured_velocity
+};
 
-/// "straight line", "quadratic", "cubic", "constant velocity", "constant acceleration".
+/// "straight line", "quadratic", "cubic", "constant velocity", "constant acceleration", "measured velocity".
 std::string to_string(Baseline baseline);
 /// All of them, in that order.
 const std::vector<Baseline>& all_baselines();
@@ -27,20 +36,37 @@ const std::vector<Baseline>& all_baselines();
 struct SeenMotion {
   Eigen::VectorXd times = {};
   Eigen::MatrixXd positions = {};
+  /// How fast they change as a sensor says it, frames x components; NaN where it does not. May be empty.
+  Eigen::MatrixXd rates = {};
+};
+
+/// Attitudes that were seen: quaternions (w, x, y, z), body to world, of any length but 0; NaN where missing.
+struct SeenTurn {
+  Eigen::VectorXd times = {};
+  Eigen::MatrixX4d attitudes = {};
+  Eigen::MatrixX3d body_rates = {};  ///< w_WB_B as a sensor says it, rad/s; may be empty
 };
 
 /// The baseline's positions at other times, times x components. A component with too few frames for its
-/// degree (degree + 1) is NaN.
+/// degree (degree + 1; for the measured velocity 2 with a rate) is NaN.
 /// @throws ArgumentError for sizes that differ or times that are not finite.
 Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& window, const Eigen::VectorXd& times);
+
+/// The baseline's attitudes at other times, not before those seen: unit quaternions, or NaN.
+/// @throws ArgumentError as above, and for a quaternion of length 0.
+Eigen::MatrixX4d predict_turn(Baseline baseline, const SeenTurn& window, const Eigen::VectorXd& times);
 
 /// Distances between prediction and measurement, frame by frame; frames with a component missing in either
 /// are left out.
 /// @throws ArgumentError for shapes that differ.
 std::vector<double> prediction_distances(const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& measured);
 
+/// Angles of the turns between predicted and measured attitudes [rad], frame by frame, likewise.
+std::vector<double> turn_distances(const Eigen::MatrixX4d& predicted, const Eigen::MatrixX4d& measured);
+
 /// Distances of one predictor, from one or many captures, as statistics.
 struct PredictionScore {
+  std::string capture = {};    ///< the one whose distances these are; empty: all of them together
   std::string predictor = {};  ///< "model", "straight line", ..
   std::string quantity = {};   ///< what was compared, with the horizon: "position, 0.1 s ahead"
   std::string unit = "m";
@@ -49,6 +75,8 @@ struct PredictionScore {
   double median = 0.0;  ///< NaN if there are none
   double rms = 0.0;
   double largest = 0.0;
+  /// No other predictor of the quantity has a smaller median. If it is not the model, the model loses.
+  bool best = false;
 };
 
 /// Gathers distances over captures.

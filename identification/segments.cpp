@@ -10,19 +10,13 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/identification/known_values.h"
 #include "samara/identification/medians.h"
-#include "samara/io/text.h"
 #include "samara/io/units.h"
 
 namespace samara::identification {
 
 namespace {
-
-/// What is wrong with a capture is wrong with the file it came from, if it came from one.
-[[noreturn]] void refuse(const std::string& file, const std::string& sentence) {
-  if (file.empty()) throw ArgumentError(sentence);
-  throw InputError(file, sentence);
-}
 
 /// @throws ArgumentError or InputError unless the capture measures it, in its unit, in every frame or NaN.
 const Channel& compared_channel(const Capture& capture, const std::string& name, const std::string& unit) {
@@ -50,35 +44,6 @@ const Channel& compared_channel(const Capture& capture, const std::string& name,
                        capture.id, name));
   }
   return channel;
-}
-
-/// Values of FitOptions::known, in its order.
-std::vector<double> known_values(const FamilyInfo& family, const Capture& capture,
-                                 const FitOptions& options) {
-  std::vector<double> values;
-  for (const auto& [coordinate, label] : options.known) {
-    const auto found = capture.labels.find(label);
-    if (found == capture.labels.end()) {
-      refuse(capture.file, fmt::format("capture \"{}\" has no label \"{}\", which was to hold \"{}\"",
-                                       capture.id, label, coordinate));
-    }
-    const io::NumberPrefix value = io::read_number(found->second);
-    if (value.problem != io::NumberProblem::none || value.length != found->second.size()) {
-      refuse(capture.file,
-             fmt::format("capture \"{}\": the label \"{}\" is \"{}\"; the value of \"{}\" in SI units, a "
-                         "finite number, was expected",
-                         capture.id, label, found->second, coordinate));
-    }
-    const auto c = std::ranges::find(family.coordinates, coordinate, &FitCoordinate::name);
-    if (value.value < c->lower || value.value > c->upper) {
-      refuse(capture.file,
-             fmt::format("capture \"{}\": the label \"{}\" says that \"{}\" is {}; a value in the box of the "
-                         "{}, {} to {}, was expected",
-                         capture.id, label, coordinate, value.value, family.source, c->lower, c->upper));
-    }
-    values.push_back(value.value);
-  }
-  return values;
 }
 
 /// What a capture holds for the fit, frame by frame.
@@ -240,7 +205,9 @@ void add_motion(const FamilyInfo& family, const Capture& capture, const FitOptio
 
   Motion motion{.id = capture.id,
                 .file = capture.file,
+                .whole = capture.motion.empty() ? capture.id : capture.motion,
                 .labels = capture.labels,
+                .notes = capture.notes,
                 .known = known_values(family, capture, options),
                 .first_segment = problem.segments.size(),
                 .segment_count = std::max<std::size_t>(1, starts.size())};
@@ -323,25 +290,43 @@ void check_steps(const FitProblem& problem, double step) {
                   seconds, seconds / step, step, kMostSteps));
 }
 
-/// Numbers the clusters in the order in which they appear.
-void find_clusters(const std::vector<std::string>& cluster_by, FitProblem& problem) {
-  std::map<std::vector<std::string>, int> clusters;
-  for (Motion& motion : problem.motions) {
-    std::vector<std::string> key;
-    for (const std::string& label : cluster_by) {
-      const auto found = motion.labels.find(label);
-      if (found == motion.labels.end()) {
-        std::vector<std::string> known;
-        for (const auto& [name, value] : motion.labels) known.push_back(name);
-        throw ArgumentError(fmt::format("cluster_by: capture \"{}\" has no label \"{}\"{}", motion.id, label,
-                                        known.empty() ? "; it has none" : suggestion(label, known)));
-      }
-      key.push_back(found->second);
+/// Tells clusters apart.
+std::vector<std::string> cluster_key(const std::string& id, const std::string& file,
+                                     const std::map<std::string, std::string>& labels,
+                                     const std::vector<std::string>& cluster_by) {
+  if (cluster_by.empty()) return {file, id};
+  std::vector<std::string> key;
+  for (const std::string& label : cluster_by) {
+    const auto found = labels.find(label);
+    if (found == labels.end()) {
+      std::vector<std::string> known;
+      for (const auto& [name, value] : labels) known.push_back(name);
+      throw ArgumentError(fmt::format("cluster_by: capture \"{}\" has no label \"{}\"{}", id, label,
+                                      known.empty() ? "; it has none" : suggestion(label, known)));
     }
-    if (cluster_by.empty()) key = {motion.file, motion.id};
-    motion.cluster = clusters.try_emplace(key, static_cast<int>(clusters.size())).first->second;
+    key.push_back(found->second);
   }
-  problem.cluster_count = static_cast<int>(clusters.size());
+  return key;
+}
+
+/// In the order in which they appear.
+std::vector<int> numbered(const std::vector<std::vector<std::string>>& keys) {
+  std::map<std::vector<std::string>, int> places;
+  std::vector<int> numbers;
+  for (const auto& key : keys)
+    numbers.push_back(places.try_emplace(key, static_cast<int>(places.size())).first->second);
+  return numbers;
+}
+
+void find_clusters(const std::vector<std::string>& cluster_by, FitProblem& problem) {
+  std::vector<std::vector<std::string>> keys;
+  for (const Motion& motion : problem.motions)
+    keys.push_back(cluster_key(motion.whole, motion.file, motion.labels, cluster_by));
+  const std::vector<int> clusters = numbered(keys);
+  for (std::size_t k = 0; k < clusters.size(); ++k) {
+    problem.motions[k].cluster = clusters[k];
+    problem.cluster_count = std::max(problem.cluster_count, clusters[k] + 1);
+  }
 }
 
 }  // namespace
@@ -360,13 +345,17 @@ void add_segments(const FamilyInfo& family, std::span<const Capture> captures, c
   find_clusters(options.cluster_by, problem);
 }
 
-void check_capture(const Capture& capture, const FitOptions& options, const FitProblem& problem) {
+void check_capture(const Capture& capture, const FitProblem& problem) {
   const Frames measured(problem, capture);
-  for (const auto& [coordinate, label] : options.known) {
-    if (capture.labels.contains(label)) continue;
-    refuse(capture.file, fmt::format("capture \"{}\" has no label \"{}\", which was to hold \"{}\"",
-                                     capture.id, label, coordinate));
+}
+
+std::vector<int> clusters_of(std::span<const Capture> captures, const std::vector<std::string>& cluster_by) {
+  std::vector<std::vector<std::string>> keys;
+  for (const Capture& capture : captures) {
+    keys.push_back(cluster_key(capture.motion.empty() ? capture.id : capture.motion, capture.file,
+                               capture.labels, cluster_by));
   }
+  return numbered(keys);
 }
 
 }  // namespace samara::identification

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <vector>
 
 #include "samara/identification/fit_problem.h"
 
@@ -13,8 +15,11 @@ namespace samara::identification {
 void add_segments(const FamilyInfo& family, std::span<const Capture> captures, const FitOptions& options,
                   FitProblem& problem);
 
-/// @throws ArgumentError or InputError unless the capture measures what is compared, and has the labels of
-/// what is known.
-void check_capture(const Capture& capture, const FitOptions& options, const FitProblem& problem);
+/// @throws ArgumentError or InputError unless the capture measures what is compared.
+void check_capture(const Capture& capture, const FitProblem& problem);
+
+/// Numbers of the clusters of captures, in the order in which they appear.
+/// @throws ArgumentError if a capture lacks a label
+std::vector<int> clusters_of(std::span<const Capture> captures, const std::vector<std::string>& cluster_by);
 
 }  // namespace samara::identification

@@ -13,8 +13,8 @@
 ///     [series]
 ///     coefficients = ["C_R"]                          # these change along the captures
 ///     window = "40 ms"
-///     stride = "20 ms"                                # windows slide, unjoined; else they adjoin and are
-///     joined order = 2                                       # first or second differences are small
+///     stride = "20 ms"                                # windows slide, unjoined; else they adjoin, joined
+///     order = 2                                       # first or second differences are small
 ///     smoothness = { C_R = 0.2 }                      # their size; else the captures choose
 namespace samara::identification {
 

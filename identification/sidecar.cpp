@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -9,6 +10,8 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/io/delimited_table.h"
+#include "samara/io/text.h"
 
 namespace samara::identification {
 
@@ -47,12 +50,31 @@ std::vector<ColumnMeaning> read_columns(const TomlTable& columns) {
   return meanings;
 }
 
+bool is_comparison(const std::string& text) {
+  return text.starts_with('<') || text.starts_with('>');
+}
+
+std::optional<double> number_of(std::string_view text) {
+  const io::NumberPrefix number = io::read_number(text);
+  if (number.problem != io::NumberProblem::none || number.length != text.size()) return {};
+  return number.value;
+}
+
+/// Of "< 2".
+std::optional<double> bound_of(const std::string& text) {
+  return number_of(io::trimmed(std::string_view(text).substr(1)));
+}
+
 std::map<std::string, std::vector<std::string>> read_where(const TomlTable& where) {
   std::map<std::string, std::vector<std::string>> allowed;
   for (const std::string& column : where.keys()) {
     allowed[column] =
         where.is_string(column) ? std::vector<std::string>{where.string(column)} : where.strings(column);
     if (allowed[column].empty()) throw where.error(column, "no value is allowed; at least one was expected");
+    for (const std::string& text : allowed[column]) {
+      if (is_comparison(text) && !bound_of(text))
+        throw where.error(column, fmt::format("\"{}\" compares with no number; \"< 2\" was expected", text));
+    }
   }
   return allowed;
 }
@@ -149,18 +171,32 @@ std::map<std::string, double> read_periods(const TomlTable& table) {
   return periods;
 }
 
+std::map<std::string, std::pair<double, double>> read_intervals(const TomlTable& table) {
+  std::map<std::string, std::pair<double, double>> intervals;
+  for (const std::string& quantity : table.keys()) {
+    const std::vector<double> ends = table.quantities(quantity, "m");
+    if (ends.size() != 2 || !(ends[0] < ends[1]))
+      throw table.error(quantity, "an interval, [lower, upper] with lower < upper, was expected");
+    intervals[quantity] = {ends[0], ends[1]};
+  }
+  return intervals;
+}
+
 CleaningSteps read_cleaning(const TomlTable& clean) {
-  clean.expect_keys({"frame_grid", "before_impact", "outliers", "window", "periods"});
+  clean.expect_keys(
+      {"frame_grid", "before_impact", "inside", "outliers", "window", "periods", "longest_gap"});
   CleaningSteps steps;
   steps.frame_grid = clean.optional_boolean("frame_grid").value_or(false);
   steps.impact = clean.optional_quantity("before_impact", "m/s");
   steps.outliers = clean.optional_number("outliers");
   steps.window = clean.optional_quantity("window", "s");
+  steps.longest_gap = clean.optional_quantity("longest_gap", "s");
   for (const auto& [key, value] :
        {std::pair("before_impact", steps.impact), std::pair("outliers", steps.outliers),
-        std::pair("window", steps.window)}) {
+        std::pair("window", steps.window), std::pair("longest_gap", steps.longest_gap)}) {
     if (value && !(*value > 0.0)) throw clean.error(key, fmt::format("{}; more than 0 was expected", *value));
   }
+  if (clean.has("inside")) steps.inside = read_intervals(clean.table("inside"));
   if (clean.has("periods")) steps.periods = read_periods(clean.table("periods"));
   for (const std::string key : {"window", "periods"}) {
     if (clean.has(key) && !steps.outliers)
@@ -198,6 +234,11 @@ void read_frame_keys(const TomlTable& root, Sidecar& sidecar) {
 
 }  // namespace
 
+bool Sidecar::has_label(const std::string& column) const {
+  if (!labels || column == labels->column || !std::filesystem::is_regular_file(labels->file)) return false;
+  return io::DelimitedTable::read(labels->file).has(column);
+}
+
 InputError Sidecar::error(const std::string& section, const std::string& key,
                           const std::string& sentence) const {
   if (!document) return InputError(table.string(), sentence);
@@ -206,11 +247,21 @@ InputError Sidecar::error(const std::string& section, const std::string& key,
       .error(is_stated || section.empty() ? key : section, sentence);
 }
 
+bool is_allowed(const std::string& cell, const std::vector<std::string>& allowed) {
+  return std::ranges::any_of(allowed, [&](const std::string& text) {
+    if (!is_comparison(text)) return cell == text;
+    const std::optional<double> value = number_of(cell);
+    const double bound = *bound_of(text);
+    return value && (text[0] == '<' ? *value < bound : *value > bound);
+  });
+}
+
 Sidecar read_sidecar(const std::filesystem::path& path, const std::filesystem::path& table) {
   const TomlTable root = TomlTable::read(path);
   check_keys(root, table,
              {"file", "delimiter", "header", "columns", "attitude", "group_by", "where", "frame_rate",
-              "length_unit", "scale", "start", "from", "until", "repeated_times", "up", "clean", "labels"});
+              "least_frames", "length_unit", "scale", "start", "from", "until", "repeated_times", "up",
+              "clean", "labels"});
   Sidecar sidecar;
   sidecar.document = root;
   sidecar.table = read_table_path(root, path, table);
@@ -224,6 +275,12 @@ Sidecar read_sidecar(const std::filesystem::path& path, const std::filesystem::p
   if (root.has("columns") && sidecar.columns.empty()) throw root.error("columns", "no column is named");
   sidecar.group_by = root.optional_strings("group_by").value_or(std::vector<std::string>{});
   if (root.has("where")) sidecar.where = read_where(root.table("where"));
+  if (root.has("least_frames")) {
+    const std::int64_t least = root.integer("least_frames");
+    if (least < 3 || least > std::numeric_limits<int>::max())
+      throw root.error("least_frames", fmt::format("{} frames; at least 3 were expected", least));
+    sidecar.least_frames = static_cast<int>(least);
+  }
   if (root.has("frame_rate")) sidecar.frame_rate = read_frame_rate(root);
   if (root.has("scale")) {
     const TomlTable scales = root.table("scale");

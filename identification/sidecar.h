@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "samara/io/toml_document.h"
@@ -41,13 +42,15 @@ struct EulerColumns {
 /// Steps of capture_cleaning.h, in this order.
 struct CleaningSteps {
   bool frame_grid = false;
-  std::optional<double> impact = {};    ///< m/s
-  std::optional<double> outliers = {};  ///< standard deviations
-  std::optional<double> window = {};    ///< s, for outliers
+  std::optional<double> impact = {};                             ///< m/s
+  std::map<std::string, std::pair<double, double>> inside = {};  ///< m, lower and upper
+  std::optional<double> outliers = {};                           ///< standard deviations
+  std::optional<double> window = {};                             ///< s, for outliers
+  std::optional<double> longest_gap = {};                        ///< s, where a capture is cut into pieces
   /// Of quantities that go around a circle, SI. Angles have a turn unless another is given.
   std::map<std::string, double> periods = {};
 
-  bool any() const { return frame_grid || impact || outliers; }
+  bool any() const { return frame_grid || impact || outliers || longest_gap || !inside.empty(); }
 };
 
 /// A table with a row for each capture, whose cells become labels.
@@ -66,8 +69,9 @@ struct Sidecar {
   char delimiter = 0;                              ///< 0: found from the header
   std::vector<ColumnMeaning> columns = {};         ///< empty: the header is canonical
   std::vector<std::string> group_by = {};
-  std::map<std::string, std::vector<std::string>> where = {};
-  std::optional<double> frame_rate = {};  ///< frames per second
+  std::map<std::string, std::vector<std::string>> where = {};  ///< see is_allowed()
+  std::optional<double> frame_rate = {};                       ///< frames per second
+  int least_frames = 0;                                        ///< captures with fewer are left out
   std::map<std::string, PixelScale> scales = {};
   CaptureStart start = CaptureStart::first_visible;
   std::optional<double> from = {};   ///< s, in the times of the table
@@ -81,9 +85,15 @@ struct Sidecar {
   /// The file itself, for located errors; none for a bare table.
   std::optional<io::TomlTable> document = {};
 
+  /// Whether the table of labels has such a column.
+  bool has_label(const std::string& column) const;
+
   /// An error about a key of a section ("" for the root), for the caller to throw.
   InputError error(const std::string& section, const std::string& key, const std::string& sentence) const;
 };
+
+/// Whether a cell is among texts, of which "< 2" and "> 0.5" stand for all numbers below or above.
+bool is_allowed(const std::string& cell, const std::vector<std::string>& allowed);
 
 /// @param table the table that it describes; empty if the sidecar itself names one. May have a `*` in its
 /// name.

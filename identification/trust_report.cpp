@@ -1,7 +1,9 @@
 #include "samara/identification/trust_report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -10,6 +12,8 @@ namespace samara::identification {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr const char* kBestMark = "*";
 
 Json list(const std::vector<double>& values) {
   Json array = Json::array();
@@ -67,10 +71,17 @@ Json json_of(const Whiteness& whiteness) {
 }
 
 Json json_of(const PredictionScore& p) {
-  return {{"predictor", p.predictor}, {"quantity", p.quantity},
-          {"unit", p.unit},           {"captures", p.captures},
-          {"count", p.count},         {"median", number(p.median)},
-          {"rms", number(p.rms)},     {"largest", number(p.largest)}};
+  Json object = {{"predictor", p.predictor},
+                 {"quantity", p.quantity},
+                 {"unit", p.unit},
+                 {"captures", p.captures},
+                 {"count", p.count},
+                 {"median", number(p.median)},
+                 {"rms", number(p.rms)},
+                 {"largest", number(p.largest)},
+                 {"best", p.best}};
+  if (!p.capture.empty()) object["capture"] = p.capture;
+  return object;
 }
 
 Json json_of(const NoiseLevel& level) {
@@ -107,15 +118,67 @@ void add_bootstrap_text(const FitResult& result, std::back_insert_iterator<std::
   fmt::format_to(out, "\n");
 }
 
+/// Scores in a row that are of the same quantity, and of the same capture or of all.
+std::vector<std::span<const PredictionScore>> groups_of(const std::vector<PredictionScore>& scores) {
+  std::vector<std::span<const PredictionScore>> groups;
+  for (std::size_t first = 0; first < scores.size();) {
+    std::size_t end = first;
+    while (end < scores.size() && scores[end].quantity == scores[first].quantity &&
+           scores[end].capture == scores[first].capture)
+      ++end;
+    groups.push_back(std::span(scores).subspan(first, end - first));
+    first = end;
+  }
+  return groups;
+}
+
+std::string shown(const PredictionScore& score, double value) {
+  return score.count > 0 ? fmt::format("{:.4g}", value) : "-";
+}
+
+/// Where the model is not the best of a group, which one is.
+std::string sentence_of_loss(std::span<const PredictionScore> group) {
+  const PredictionScore& model = group.front();
+  const auto best = std::ranges::find_if(group, &PredictionScore::best);
+  if (best == group.end() || model.best || model.count == 0) return {};
+  return fmt::format("the model loses {} to the {}, {:.4g} to {:.4g}{}\n", model.quantity, best->predictor,
+                     model.median, best->median, model.unit == "1" ? "" : " " + model.unit);
+}
+
+/// A row a capture and quantity.
+void add_capture_predictions(const FitResult& result, std::back_insert_iterator<std::string> out) {
+  const auto groups = groups_of(result.capture_predictions);
+  if (groups.empty()) return;
+  fmt::format_to(out, "\n{:<20} {:<42}", "median of capture", "prediction of");
+  for (const PredictionScore& p : groups.front()) fmt::format_to(out, " {:>21}", p.predictor);
+  fmt::format_to(out, "\n");
+  for (const auto& group : groups) {
+    fmt::format_to(out, "{:<20} {:<42}", group.front().capture,
+                   with_unit(group.front().quantity, group.front().unit));
+    for (const PredictionScore& first : groups.front()) {
+      const auto p = std::ranges::find(group, first.predictor, &PredictionScore::predictor);
+      fmt::format_to(out, " {:>21}",
+                     p == group.end() ? "- " : shown(*p, p->median) + (p->best ? kBestMark : " "));
+    }
+    fmt::format_to(out, "\n");
+  }
+}
+
 void add_prediction_table(const FitResult& result, std::back_insert_iterator<std::string> out) {
   if (result.predictions.empty()) return;
-  fmt::format_to(out, "\n{:<34} {:<24} {:>12} {:>12} {:>9} {:>9}\n", "prediction of", "by", "median", "rms",
+  fmt::format_to(out, "\n{:<42} {:<22} {:>12} {:>13} {:>9} {:>9}\n", "prediction of", "by", "median", "rms",
                  "captures", "values");
-  for (const PredictionScore& p : result.predictions) {
-    const auto shown = [&](double value) { return p.count > 0 ? fmt::format("{:.4g}", value) : "-"; };
-    fmt::format_to(out, "{:<34} {:<24} {:>12} {:>12} {:>9} {:>9}\n", with_unit(p.quantity, p.unit),
-                   p.predictor, shown(p.median), shown(p.rms), p.captures, p.count);
+  std::string losses;
+  for (const auto& group : groups_of(result.predictions)) {
+    for (const PredictionScore& p : group) {
+      fmt::format_to(out, "{:<42} {:<22} {:>12}{} {:>12} {:>9} {:>9}\n", with_unit(p.quantity, p.unit),
+                     p.predictor, shown(p, p.median), p.best ? kBestMark : " ", shown(p, p.rms), p.captures,
+                     p.count);
+    }
+    losses += sentence_of_loss(group);
   }
+  fmt::format_to(out, "{} the best by its median\n{}", kBestMark, losses);
+  add_capture_predictions(result, out);
 }
 
 void add_noise_text(const FitResult& result, std::back_insert_iterator<std::string> out) {
@@ -161,6 +224,9 @@ void add_trust(const FitResult& result, Json& object) {
   object["whiteness"] = result.whiteness ? json_of(*result.whiteness) : Json(nullptr);
   object["predictions"] = Json::array();
   for (const PredictionScore& p : result.predictions) object["predictions"].push_back(json_of(p));
+  object["capture_predictions"] = Json::array();
+  for (const PredictionScore& p : result.capture_predictions)
+    object["capture_predictions"].push_back(json_of(p));
   object["bootstrap"] = result.bootstrap ? json_of(*result.bootstrap) : Json(nullptr);
   object["integration_shift"] = number(result.integration_shift);
   object["noise"] = Json::array();

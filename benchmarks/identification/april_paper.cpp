@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "real_data.h"
-#include "samara/identification/capture_cleaning.h"
 #include "samara/identification/capture_file.h"
 #include "samara/identification/fit.h"
 #include "samara/identification/step_trajectories.h"
@@ -76,10 +75,10 @@ double logarithmic_error(const Coefficient& c) {
 std::vector<Capture> april_windows(const std::filesystem::path& folder) {
   const auto sidecar = std::filesystem::path(SAMARA_EXAMPLES_DIR) / "captures" / "april_tag_paper.toml";
   std::vector<Capture> windows;
-  for (const Capture& camera : samara::identification::read_captures(folder / "vid220_fall.csv", sidecar)) {
-    const auto clean = samara::identification::without_outliers(camera, {.window = 0.1});
-    for (Capture& run : runs_of(with_pose(clean.capture))) {
+  for (const Capture& piece : samara::identification::read_captures(folder / "vid220_fall.csv", sidecar)) {
+    for (Capture& run : runs_of(with_pose(piece))) {
       run.labels["drop"] = "vid220";
+      run.motion.clear();  // each is a window by itself
       windows.push_back(std::move(run));
     }
   }

@@ -278,7 +278,8 @@ std::map<std::string, BlimpErrors> predict_blimp(const std::vector<BlimpFlight>&
     const Eigen::VectorXd at = Eigen::VectorXd::Constant(1, time);
     const Eigen::MatrixXd turned = predict(Baseline::straight_line, {seen[k].times, pitches_of(seen[k])}, at);
     add_error(carried_on_by_velocity(seen[k], time), turned(0, 0), truth[k], errors["measured velocity"]);
-    for (const Baseline baseline : {Baseline::constant_velocity, Baseline::constant_acceleration}) {
+    for (const Baseline baseline : samara::identification::all_baselines()) {
+      if (baseline == Baseline::measured_velocity) continue;  // of the body in its own axes: above
       const Eigen::MatrixXd place = predict(baseline, {seen[k].times, places}, at);
       const Eigen::MatrixXd pitch = predict(baseline, {seen[k].times, pitches_of(seen[k])}, at);
       add_error(place.row(0).transpose(), pitch(0, 0), truth[k], errors[to_string(baseline)]);

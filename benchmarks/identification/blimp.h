@@ -55,8 +55,8 @@ struct BlimpErrors {
   std::vector<double> position;  ///< m, distance
   std::vector<double> pitch;     ///< rad
 };
-/// By predictor: "model", "constant velocity", "constant acceleration", and "measured velocity" (which sees
-/// velocities and attitudes, as the model does). All see the same frames before.
+/// By predictor: "model", and every baseline; "measured velocity" sees velocities and attitudes, as the model
+/// does. All see the same frames before.
 /// @param ahead s
 std::map<std::string, BlimpErrors> predict_blimp(const std::vector<BlimpFlight>& flights,
                                                  const Coefficients& coefficients, double ahead);

@@ -1,4 +1,5 @@
 /// A miniature blimp: 21 coefficients from eight flights, and four others predicted.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -31,8 +32,10 @@ std::vector<BlimpFlight> kind_of(const std::vector<BlimpFlight>& flights, bool s
 }
 
 /// The model fitted, as its makers have it, and without physics.
-void report_predictions(const std::vector<BlimpFlight>& left_out, const Coefficients& fitted,
-                        const std::string& suffix) {
+/// @returns per horizon, the model's median error of position, the best baseline, and its median over that
+std::vector<Measurement> report_predictions(const std::vector<BlimpFlight>& left_out,
+                                            const Coefficients& fitted, const std::string& suffix) {
+  std::vector<Measurement> best;
   for (const bool spirals : {false, true}) {
     const std::vector<BlimpFlight> flights = kind_of(left_out, spirals);
     for (const double ahead : {1.0, 2.0}) {
@@ -41,11 +44,23 @@ void report_predictions(const std::vector<BlimpFlight>& left_out, const Coeffici
         report(fmt::format("{}_position{}{}", name, predictor, suffix), rms_of(errors.position), "m");
         report(fmt::format("{}_pitch{}{}", name, predictor, suffix), rms_of(errors.pitch), "rad");
       };
-      for (const auto& [predictor, errors] : predict_blimp(flights, fitted, ahead))
+      const auto predictions = predict_blimp(flights, fitted, ahead);
+      for (const auto& [predictor, errors] : predictions)
         print_errors(errors, predictor == "model" ? "" : fmt::format("_{}", with_underscores(predictor)));
+      Measurement nearest{kBench, kCase, fmt::format("best_baseline_{}{}", name, suffix),
+                          median_of(predictions.at("model").position), "m"};
+      for (const auto& [predictor, errors] : predictions) {
+        const double ratio = median_of(errors.position) / nearest.value;
+        if (predictor == "model" || ratio >= nearest.ratio.value_or(INFINITY)) continue;
+        nearest.baseline = predictor;
+        nearest.ratio = ratio;
+      }
+      print(nearest);
+      best.push_back(nearest);
       print_errors(predict_blimp(flights, makers_coefficients(), ahead).at("model"), "_makers");
     }
   }
+  return best;
 }
 
 }  // namespace
@@ -61,10 +76,15 @@ void blimp_case(const Options& options) {
   report("iterations", fitted.iterations);
   report("cost", fitted.cost);
   report("cost_from_makers", fit_blimp(split.training, AddedMass::none, makers_coefficients()).cost);
-  report_predictions(split.left_out, values_of(fitted), "");
+  std::vector<Measurement> best = report_predictions(split.left_out, values_of(fitted), "");
   // The spirals exchanged, and other straights.
   const BlimpSplit other = split_blimp(flights, {120, 124, 130, 136});
-  report_predictions(other.left_out, values_of(fit_blimp(other.training)), "_other_split");
+  for (Measurement& m :
+       report_predictions(other.left_out, values_of(fit_blimp(other.training)), "_other_split"))
+    best.push_back(std::move(m));
+  Measurement nearest = *std::ranges::min_element(best, {}, [](const Measurement& m) { return *m.ratio; });
+  nearest.metric = "best_baseline";
+  print(nearest);
   if (!options.quick) {
     const FitResult with_added_mass = fit_blimp(split.training, AddedMass::diagonal);
     report_predictions(split.left_out, values_of(with_added_mass), "_added_mass");

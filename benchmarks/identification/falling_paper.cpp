@@ -21,17 +21,8 @@ namespace {
 constexpr double kThickness = 2.5 / 36000.0;  ///< m, as the source has it
 constexpr double kPaper = 0.070;              ///< kg/m^2
 constexpr double kAir = 1.2754;               ///< kg/m^3
-constexpr double kNearFloor = 0.03;           ///< m
 constexpr double kMisfit = 6e-3;              ///< m: twice what the model misses, not the noise
-constexpr Eigen::Index kReleaseFrames = 30;   ///< 0.3 s of which every predictor knows the weight only
 constexpr double kStep = 5.2e-3;              ///< s: two a frame
-
-Capture developed(const Capture& drop) {
-  const Eigen::VectorXd& z = drop.channel("z").values;
-  Eigen::Index end = kReleaseFrames;
-  while (end < z.size() && !(z[end] < kNearFloor)) ++end;
-  return frames_of(drop, kReleaseFrames, end - kReleaseFrames);
-}
 
 }  // namespace
 
@@ -39,7 +30,6 @@ std::vector<Capture> paper_drops(const std::filesystem::path& folder) {
   const auto sidecar = std::filesystem::path(SAMARA_EXAMPLES_DIR) / "captures" / "falling_paper.toml";
   std::vector<Capture> drops = samara::identification::read_captures(folder / "circle.csv", sidecar);
   for (Capture& drop : drops) {
-    drop = developed(drop);
     const double radius = std::stod(drop.labels.at("radius_m"));
     const double mass = kPaper * std::numbers::pi * radius * radius;
     drop.labels["inertia"] = fmt::format("{}", mass * radius * radius / 4.0);

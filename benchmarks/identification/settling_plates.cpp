@@ -23,11 +23,10 @@ using samara::identification::Flutter;
 
 namespace {
 
-constexpr double kSide = 0.01;       ///< m
-constexpr double kWater = 1000.0;    ///< kg/m^3
-constexpr double kStep = 4.2e-3;     ///< s: eight a frame
-constexpr double kFrameRate = 30.0;  ///< Hz
-constexpr Eigen::Index kReleaseFrames = 30;
+constexpr double kSide = 0.01;                    ///< m
+constexpr double kWater = 1000.0;                 ///< kg/m^3
+constexpr double kStep = 4.2e-3;                  ///< s: eight a frame
+constexpr double kFrameRate = 30.0;               ///< Hz
 constexpr double kFall = 12.0, kTransient = 4.0;  ///< s
 constexpr double kSpeedWeight = 0.01, kFrequencyWeight = 0.01, kAmplitudeWeight = 0.03;
 constexpr double kTilts[] = {0.05, 0.1, 0.16, 0.22, 0.28, 0.34, 0.4, 0.46, 0.52, 0.58, 0.64, 0.7};  ///< rad
@@ -53,11 +52,6 @@ std::map<std::string, double> plate(const PlateKind& kind) {
           {"speed_floor", 2e-3},
           {"rate_floor", 0.3},
           {"wz(0)", 0.0}};
-}
-
-bool is_clean(const Capture& drop) {
-  return std::stod(drop.labels.at("max_step_cm")) < 2.0 && std::stod(drop.labels.at("max_gap_s")) < 0.1 &&
-         drop.labels.at("labels_disagree") == "0";
 }
 
 Flutter medians(const std::vector<Flutter>& all) {
@@ -147,8 +141,7 @@ std::vector<Capture> plate_drops(const std::filesystem::path& folder, const Plat
   for (const char* position : {"pos1", "pos2", "pos3"}) {
     const auto table = folder / fmt::format("{}_1x1_{}.csv", kind.material, position);
     for (Capture& drop : samara::identification::read_captures(table, sidecar)) {
-      if (!is_clean(drop)) continue;
-      clean.push_back(frames_of(drop, kReleaseFrames, drop.frame_count() - kReleaseFrames));
+      clean.push_back(std::move(drop));
     }
   }
   return clean;

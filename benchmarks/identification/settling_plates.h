@@ -25,7 +25,8 @@ struct PlateKind {
 };
 const PlateKind& plate_kind(const std::string& material);
 
-/// Drops of which the source's index finds no jump, gap or swapped label, without their first second.
+/// Drops of which the source's index finds no jump, gap or swapped label, without their first second: as
+/// examples/captures/settling_plates.toml reads them.
 std::vector<samara::identification::Capture> plate_drops(const std::filesystem::path& folder,
                                                          const PlateKind& kind);
 

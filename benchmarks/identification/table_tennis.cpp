@@ -51,7 +51,7 @@ std::unique_ptr<TrajectoryFamily> family(const std::string& model, const std::ma
 }
 
 /// Spins from labels.
-std::map<std::string, std::string> labels() {
+std::map<std::string, samara::identification::KnownValue> labels() {
   return {{"wx(0)", "x_spin"}, {"wy(0)", "y_spin"}, {"wz(0)", "z_spin"}};
 }
 

@@ -95,6 +95,16 @@ std::vector<double> baseline_errors(Baseline baseline, std::span<const Window> w
   return errors_of(baseline_next(baseline, windows), windows);
 }
 
+BestBaseline best_baseline(std::span<const Window> windows) {
+  BestBaseline best{.median = std::numeric_limits<double>::infinity()};
+  for (const Baseline baseline : samara::identification::all_baselines()) {
+    if (baseline == Baseline::measured_velocity) continue;
+    const double median = median_of(baseline_errors(baseline, windows));
+    if (median < best.median) best = {to_string(baseline), median};
+  }
+  return best;
+}
+
 std::vector<double> window_misfits(const FitResult& result) {
   std::vector<double> misfits;
   for (const auto& capture : result.captures) {

@@ -43,6 +43,13 @@ std::vector<double> errors_of(const Eigen::MatrixX3d& next, std::span<const Wind
 std::vector<double> baseline_errors(samara::identification::Baseline baseline,
                                     std::span<const Window> windows);
 
+/// The baseline with the least median distance, of those that see places alone.
+struct BestBaseline {
+  std::string name = {};
+  double median = 0.0;  ///< m
+};
+BestBaseline best_baseline(std::span<const Window> windows);
+
 /// Start states of unseen windows with the coefficients of a fit, and the errors of what follows.
 struct Prediction {
   samara::identification::FitResult fit;  ///< of the windows, coefficients held

@@ -315,13 +315,22 @@
     if (fit.starts.length > 50) add(part, "p", `and ${fit.starts.length - 50} more, in the JSON`, "soft");
   }
 
+  function notes() {
+    // Windows of one capture have its notes.
+    const noted = new Map(fit.captures.filter((c) => c.notes.length).map((c) => [c.id.replace(/ from [^ ]+ s$/, ""), c.notes]));
+    if (!noted.size) return;
+    const made = table(section("What reading and cleaning did"), ["capture", ""]);
+    for (const [id, sentences] of noted) row(made, [id, sentences.join("; ")]);
+  }
+
   function predictions() {
     if (!fit.predictions.length) return;
     const made = table(section("Predictions on what was left out"),
-                       ["of", "by", "median#", "rms#", "largest#", "captures#", "values#"]);
-    for (const p of fit.predictions) {
-      row(made, [withUnit(p.quantity, p.unit), p.predictor, {value: p.median, digits: 4}, {value: p.rms, digits: 4},
-                 {value: p.largest, digits: 4}, {value: p.captures}, {value: p.count}]);
+                       ["of", "by", "median#", "rms#", "largest#", "captures#", "values#", "capture"]);
+    for (const p of [...fit.predictions, ...fit.capture_predictions]) {
+      const by = p.best ? {text: `${p.predictor}, the best`, name: "best"} : p.predictor;
+      row(made, [withUnit(p.quantity, p.unit), by, {value: p.median, digits: 4}, {value: p.rms, digits: 4},
+                 {value: p.largest, digits: 4}, {value: p.captures}, {value: p.count}, p.capture ?? "all"]);
     }
   }
 
@@ -332,7 +341,7 @@
     for (const [name, value] of fixed) row(made, [name, {value}]);
   }
 
-  for (const part of [summary, coefficients, warnings, captures, profiles, predictions, starts, held]) part();
+  for (const part of [summary, coefficients, warnings, captures, profiles, predictions, starts, notes, held]) part();
 
   // For the test of this page: how many charts have something painted on them.
   if (location.hash === "#check") {

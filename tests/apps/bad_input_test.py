@@ -7,6 +7,7 @@ import csv
 import json
 import math
 import random
+import re
 import subprocess
 
 from samara_case import COIN_PLAN, LINE_PLAN, FOLDER, SAMARA, Case, book, main, run, write
@@ -264,6 +265,29 @@ class BadCalls(Case):
         self.check_error(run("fit", "vertical_fall", "x.csv"), 2, "--config")
         for arguments in [[], ["unknown"], ["query"], ["query", path, "--frobnicate"]]:
             self.assertEqual(run(*arguments).returncode, 2)
+
+    def test_a_value_too_many_is_refused_behind_every_option(self):
+        path, surplus = book("line", LINE_PLAN), FOLDER / "surplus.csv"
+        surplus.write_text("t[s],x[m]\n0,0\n1,1\n2,2\n")
+        plan, out = write("line_again.toml", LINE_PLAN), FOLDER / "surplus_out"
+        inputs = {"models": ["constant_rate"], "simulate": ["constant_rate"], "build": [plan], "info": [path], "query": [path],
+                  "stats": [path], "validate": [path], "fit": [path, surplus]}
+        values = {"--set": "k=2", "--until": "1", "--frames": "3", "--integrator": "rk4", "--step": "0.1", "--at": "1", "--points": "5",
+                  "--seed": "3"}
+        checked = 0
+        for command, row in inputs.items():
+            options = re.findall(r"^  (?:-\w,)?(--[\w-]+) (?:TEXT|INT|UINT)", run(command, "--help").stdout, re.M)
+            for option in options:
+                if option == "--left-out":  # takes all of them: see fits_test.py
+                    continue
+                value = values.get(option, out)
+                result = run(command, *row, option, value, surplus)
+                self.assertEqual(result.returncode, 2, f"{command} {option}: {result.stdout}{result.stderr}")
+                self.assertEqual(result.stdout, "")
+                self.assertIn("surplus.csv", result.stderr, f"{command} {option}")
+                self.assertFalse(out.exists())
+                checked += 1
+        self.assertGreater(checked, 20)
 
     def test_a_word_that_is_no_command_is_named_with_the_nearest(self):
         self.check_error(run("foo"), 2, '"foo" is not a command', "known: models, simulate, build")

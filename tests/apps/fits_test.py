@@ -69,6 +69,157 @@ class Fits(Case):
         self.assertLess(scores["model", "position, 0.1 s ahead"]["median"], 1e-6)
         self.assertGreater(scores["straight line", "position, 0.1 s ahead"]["median"], 1e-3)
 
+    def sidecar_of(self, name, *lines):
+        """Drops a and b of one table, each with its speed as a label."""
+        rows = self.capture().read_text().splitlines()
+        table = [f"{rows[0]},drop"] + [f"{row},{drop}" for drop in "abc" for row in rows[1:]]
+        write(f"{name}.csv", "\n".join(table) + "\n")
+        return write(f"{name}.toml", f'file = "{name}.csv"\ngroup_by = ["drop"]\n' + "\n".join(lines) +
+                     '\n[columns]\n"t[s]" = { quantity = "t", unit = "s" }\n"x[m]" = { quantity = "x", unit = "m" }\n')
+
+    def test_all_files_behind_left_out_are_left_out(self):
+        path, capture = book("coin", COIN_PLAN), self.capture()
+        unseen = [write(f"unseen{k}.csv", capture.read_text()) for k in range(3)]
+        times = ("--window", "0.2 s", "--ahead", "0.1 s", "--json")
+        for arguments in ((capture, "--left-out", *unseen), ("--left-out", *unseen, "--", path, capture)):
+            call = arguments if path in arguments else (path, *arguments)
+            result = run("fit", *times, *call) if path in arguments else run("fit", *call, *times)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            answer = json.loads(result.stdout)
+            self.assertEqual(answer["clusters"], 1)
+            self.assertEqual([c["id"] for c in answer["captures"]], ["fall"])
+            self.assertEqual({p["captures"] for p in answer["predictions"] if p["predictor"] == "model"}, {3})
+            self.assertEqual({p["capture"] for p in answer["capture_predictions"]}, {"unseen0", "unseen1", "unseen2"})
+        self.check_error(run("fit", path, "--left-out", *unseen, *times), 2, "CAPTURE", "--left-out", "unseen2.csv")
+
+    def test_a_value_too_many_is_no_input_of_another_kind(self):
+        path, capture = book("coin", COIN_PLAN), self.capture()
+        other = write("other.csv", capture.read_text())
+        config = write("window.toml", 'window = "0.3 s"\n')
+        for option, value in [("--config", config), ("--window", "0.3 s"), ("-o", FOLDER / "more.json"), ("--ahead", "0.1 s"),
+                              ("--report", FOLDER / "more.html"), ("--series", FOLDER / "more.h5"), ("--sidecar", config),
+                              ("--coefficients", config), ("--left-out-window", "0.1 s")]:
+            self.check_error(run("fit", path, capture, option, value, other), 2, "other.csv", option.strip("-")[:1], "one row")
+        self.assertFalse((FOLDER / "more.json").exists())
+        # Flags take no values, and other commands no second input.
+        self.assertEqual(run("fit", path, capture, "--reference", other).returncode, 0)
+        self.check_error(run("query", path, "--set", "C_D=1.2", "v(0)=0.1"), 2, "v(0)=0.1")
+
+    def test_notes_of_cleaning_are_no_warnings(self):
+        config = write("plain_fit.toml", 'cluster_by = ["drop"]\n')
+        sidecar = self.sidecar_of("noted", "least_frames = 12")
+        sidecar.write_text(sidecar.read_text() + "[clean]\nframe_grid = true\noutliers = 5\n")
+        target = FOLDER / "noted.json"
+        result = run("fit", book("coin", COIN_PLAN), sidecar, "--config", config, "-o", target)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertNotIn("multiples", result.stderr)
+        self.assertIn("what reading and cleaning did to 3 of 3 captures", result.stdout)
+        self.assertTrue(all("multiples" in c["notes"][0] for c in json.loads(target.read_text())["captures"]))
+
+    def test_what_is_suspicious_about_many_captures_is_one_sentence(self):
+        sidecar = self.sidecar_of("short", 'until = "0.1 s"')
+        result = run("fit", book("coin", COIN_PLAN), sidecar)
+        lines = [line for line in result.stderr.splitlines() if "frames" in line]
+        self.assertEqual(len(lines), 1, result.stderr)
+        self.assertIn('capture "a": it has 7 frames; the like of 2 more: "b", "c"', lines[0])
+
+    def test_the_window_of_a_prediction_is_a_setting_of_its_own(self):
+        path, capture = book("coin", COIN_PLAN), self.capture()
+        unseen = write("own_window.csv", capture.read_text())
+        def frames(*arguments):
+            result = run("fit", path, capture, "--left-out", unseen, "--json", *arguments)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            answer = json.loads(result.stdout)
+            counts = {p["quantity"]: p["count"] for p in answer["predictions"] if p["predictor"] == "model"}
+            return answer["captures"][0]["frames"], counts["position, up to 0.1 s ahead"]
+        # Frames every 1/60 s: 13 in 0.2 s; six lie in each tenth of a second.
+        self.assertEqual(frames("--window", "0.2 s", "--left-out-window", "0.1 s", "--ahead", "0.1 s"), (13, 6))
+        config = write("both.toml", '[prediction]\nwindow = "0.1 s"\nahead = "0.1 s"\n')
+        self.assertEqual(frames("--config", config), (22, 6))
+        self.assertEqual(frames("--config", config, "--window", "0.3 s"), (19, 6))
+        self.check_error(run("fit", path, capture, "--left-out-window", "0.1 s"), 2, "--left-out-window", "--left-out")
+
+    def test_coefficients_of_a_fit_go_into_a_prediction_without_one(self):
+        path, capture = book("coin", COIN_PLAN), self.capture()
+        fitted, unseen = FOLDER / "first.json", write("later.csv", capture.read_text())
+        self.assertEqual(run("fit", path, capture, "-o", fitted).returncode, 0)
+        value = json.loads(fitted.read_text())["coefficients"][0]["value"]
+        times = ("--left-out-window", "0.2 s", "--ahead", "0.1 s")
+        together = run("fit", path, capture, "--left-out", unseen, *times, "--json")
+        alone = run("fit", path, "--coefficients", fitted, "--left-out", unseen, *times, "--json")
+        self.assertEqual(alone.returncode, 0, alone.stderr)
+        answer = json.loads(alone.stdout)
+        self.assertEqual((answer["coefficients"], answer["captures"]), ([], []))
+        self.assertEqual(answer["fixed"]["C_D"], value)
+        self.assertEqual(answer["predictions"], json.loads(together.stdout)["predictions"])
+        # A model holds what its config has no box for.
+        config = write("held.toml", 'outputs = ["x"]\n[fixed]\narea = "4.7144e-4 m^2"\nthickness = "2.55 mm"\ndensity = 6338.5\n'
+                       '[box]\n"v(0)" = [0.0, 0.5]\n')
+        self.assertEqual(run("fit", "vertical_fall", "--coefficients", fitted, "--left-out", unseen, *times, "--config", config).returncode, 0)
+        self.check_error(run("fit", path, "--coefficients", fitted, "--left-out", capture, *times), 3, "fitted as well as left out")
+        self.check_error(run("fit", path, "--coefficients", fitted), 2, "CAPTURE", "--left-out")
+        self.check_error(run("fit", path, capture, "--coefficients", capture), 3, "fall.csv", "JSON of a fit")
+        wrong = write("wrong.json", fitted.read_text().replace('"C_D"', '"C_d"'))
+        self.check_error(run("fit", path, capture, "--coefficients", wrong), 3, "wrong.json", "C_d", "C_D")
+
+    def test_coefficients_of_a_fit_are_where_another_begins(self):
+        path, capture = book("coin", COIN_PLAN), self.capture()
+        fitted = FOLDER / "begin.json"
+        self.assertEqual(run("fit", path, capture, "-o", fitted).returncode, 0)
+        value = json.loads(fitted.read_text())["coefficients"][0]["value"]
+        self.assertAlmostEqual(self.fitted(path, capture, "--coefficients", fitted), value, delta=1e-6)
+        # Where nothing can begin.
+        outside = write("outside.json", re.sub(r'("value": )1\.\d+', r"\g<1>5.5", fitted.read_text(), count=1))
+        self.check_error(run("fit", path, capture, "--coefficients", outside), 3, "outside.json", "C_D", "5.5", "0.8 to 1.6")
+        # Of a model that leaves it free, and of one that holds it.
+        text = '[fixed]\narea = "4.7144e-4 m^2"\nthickness = "2.55 mm"\ndensity = 6338.5\n[box]\n"v(0)" = [0.0, 0.5]\n'
+        for box, held in (("C_D = [0.5, 2.0]\n", False), ("m_a = [0.0, 1e-3]\n", True)):
+            answer = json.loads(run("fit", "vertical_fall", capture, "--config", write("begin.toml", text + box), "--coefficients", fitted,
+                                    "--json").stdout)
+            self.assertEqual("C_D" in answer["fixed"], held)
+            self.assertEqual([c["name"] for c in answer["coefficients"]], ["m_a" if held else "C_D"])
+
+    def test_one_sidecar_serves_tables_that_lie_elsewhere(self):
+        rows = self.capture().read_text().splitlines()
+        (FOLDER / "elsewhere").mkdir(exist_ok=True)
+        for name in ("one", "two"):
+            write(f"elsewhere/{name}.csv", "\n".join(["time;depth"] + [row.replace(",", ";") for row in rows[1:]]) + "\n")
+        sidecar = write("columns.toml", '[columns]\ntime = { quantity = "t", unit = "s" }\ndepth = { quantity = "x", unit = "m" }\n')
+        result = run("fit", book("coin", COIN_PLAN), FOLDER / "elsewhere" / "*.csv", "--sidecar", sidecar, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(json.loads(result.stdout)["clusters"], 2)
+        self.check_error(run("fit", book("coin", COIN_PLAN), sidecar, "--sidecar", sidecar), 2, "--sidecar", "columns.toml", "table")
+        target = FOLDER / "elsewhere" / "one.csv"
+        self.check_error(run("fit", book("coin", COIN_PLAN), target, "--sidecar", sidecar, "-o", target), 2, "overwrite")
+
+    def test_a_config_says_which_captures_are_fitted_and_which_left_out(self):
+        path, sidecar = book("coin", COIN_PLAN), self.sidecar_of("split")
+        def answer(text):
+            config = write("split_fit.toml", '[prediction]\nwindow = "0.2 s"\nahead = "0.1 s"\n' + text)
+            result = run("fit", path, sidecar, "--config", config, "--json")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            fit = json.loads(result.stdout)
+            return [c["id"] for c in fit["captures"]], sorted({p["capture"] for p in fit["capture_predictions"]})
+        self.assertEqual(answer('left_out = { drop = "b" }\n'), (["a", "c"], ["b"]))
+        self.assertEqual(answer('left_out = { drop = ["b"] }\nfitted = { id = ["c"] }\n'), (["c"], ["b"]))
+        self.assertEqual(answer("folds = 3\n"), (["a", "b", "c"], ["a", "b", "c"]))
+        for text, words in [('left_out = { drop = "x" }', ["drop", '"x"']), ('left_out = { cam = "1" }', ["cam"]), ("folds = 1", ["folds"]),
+                            ('folds = 4', ["folds", "3"]), ('left_out = { drop = "a" }\nfitted = { drop = "a" }', ['"a"', "fitted as well"])]:
+            config = write("bad_split.toml", '[prediction]\nwindow = "0.2 s"\nahead = "0.1 s"\n' + text)
+            self.check_error(run("fit", path, sidecar, "--config", config), 3, "bad_split.toml", *words)
+
+    def test_an_axis_upside_down_is_suspected_in_words(self):
+        lines = ["t[s],x[m]"] + [f"{k / 60},{-0.4 * k / 60 - 3 * (k / 60) ** 2}" for k in range(22)]
+        config = write("down.toml", '[fixed]\narea = "4.7144e-4 m^2"\nthickness = "2.55 mm"\ndensity = 6338.5\n'
+                       '[box]\nC_D = [0.5, 2.0]\n"v(0)" = [-2.0, 2.0]\n')
+        capture = write("upside_down.csv", "\n".join(lines) + "\n")
+        for source in (("vertical_fall", capture, "--config", config), (book("coin", COIN_PLAN), capture)):
+            result = run("fit", *source)
+            self.assertIn("is an axis upside down?", result.stderr)
+        for source in (("vertical_fall", self.capture(), "--config", config), (book("coin", COIN_PLAN), self.capture())):
+            result = run("fit", *source)
+            self.assertNotIn("upside down", result.stderr)
+
     def test_a_prediction_needs_captures_a_window_and_a_time(self):
         path, capture = book("coin", COIN_PLAN), self.capture()
         self.check_error(run("fit", path, capture, "--ahead", "0.1 s"), 2, "--ahead", "--left-out")

@@ -48,6 +48,31 @@ TEST_CASE("a window that is not positive or leaves too few frames is refused") {
              Contains("2 frames of capture \"drop\"") && Contains("at least 3"));
 }
 
+TEST_CASE("windows of a capture begin a stride apart, count from their first frames, and lie within it") {
+  Capture capture = ten_frames_a_second();
+  capture.labels["drop"] = "7";
+  capture.times.array() += 2.0;
+  const std::vector<Capture> parts = windows(capture, 0.3, 0.4);
+  // From 0, 0.4; from 0.8 on there is no window of 0.3 s.
+  REQUIRE(parts.size() == 2);
+  for (const Capture& part : parts) {
+    CHECK(part.frame_count() == 4);
+    CHECK(part.times[0] == 0.0);
+    CHECK(part.motion == "drop");
+    CHECK(part.labels == capture.labels);
+  }
+  CHECK(parts[1].id == "drop from 2.4 s");
+  CHECK(parts[1].channel("x").values[0] == capture.channel("x").values[4]);
+  // A stride between frames goes to the next one, and windows may overlap.
+  CHECK(windows(capture, 0.3, 0.15).size() == 4);
+  // Most of a window must be seen.
+  capture.channels[0].values.segment(4, 3).setConstant(std::nan(""));
+  CHECK(windows(capture, 0.3, 0.4).size() == 1);
+  CHECK(windows(capture, 0.3, 0.4, {"y"}).size() == 2);
+  CHECK_THROWS_AS(windows(capture, 0.3, 0.0), samara::ArgumentError);
+  CHECK_THROWS_AS(windows(capture, std::nan(""), 0.1), samara::ArgumentError);
+}
+
 TEST_CASE("a quantity that was not measured is named with the nearest one") {
   const Capture capture = ten_frames_a_second();
   CHECK(capture.has("x"));

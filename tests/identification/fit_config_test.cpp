@@ -1,8 +1,11 @@
 #include "samara/identification/fit_config.h"
 
+#include <filesystem>
+
 #include <catch2/catch.hpp>
 
 #include "files.h"
+#include "samara/identification/prediction_config.h"
 
 using namespace samara::identification;
 using Catch::Matchers::Contains;
@@ -20,6 +23,30 @@ std::string config_error(const std::string& text) {
 }
 
 }  // namespace
+
+TEST_CASE("the configs of measured sets name what their models have") {
+  const std::filesystem::path folder = std::filesystem::path(SAMARA_EXAMPLES_DIR) / "captures";
+  for (const auto& [file, model] : {std::pair{"april_tag_fit", "immersed_body"},
+                                    {"blimp_fit", "coefficient_body"},
+                                    {"blimp_predict", "coefficient_body"},
+                                    {"falling_paper_fit", "immersed_body"},
+                                    {"falling_paper_varying", "immersed_body"},
+                                    {"settling_pom_fit", "immersed_body"},
+                                    {"settling_ptfe_fit", "immersed_body"},
+                                    {"table_tennis_fit", "sphere_flight_turned_spin"},
+                                    {"table_tennis_predict", "sphere_flight_turned_spin"}}) {
+    const auto path = folder / (std::string(file) + ".toml");
+    const FitOptions options = read_fit_config(path, config_names(samara::models::find_model(model)->info()));
+    CHECK(options.step);
+    for (const auto& [name, known] : options.known) CHECK(options.box.contains(name));
+    const PredictionConfig prediction = read_prediction_config(path);
+    CHECK(prediction.fitted.empty() == (prediction.left_out.empty() || !options.per_capture.empty()));
+  }
+  CHECK(read_fit_config(folder / "falling_paper_fit.toml",
+                        config_names(samara::models::find_model("immersed_body")->info()))
+            .known.at("I_z")
+            .power == 4.0);
+}
 
 TEST_CASE("an empty config leaves every default") {
   const FitOptions options = parse_fit_config("", "fit.toml", names());
@@ -89,7 +116,8 @@ C_D = [0.6, 2.0]
   CHECK(options.bootstrap.replicates == 50);
   CHECK(options.bootstrap.seed == 3);
   CHECK(options.initial.at("C_D") == 1.1);
-  CHECK(options.known.at("area") == "area_m2");
+  CHECK(options.known.at("area").label == "area_m2");
+  CHECK(options.known.at("area").power == 1.0);
   CHECK(options.priors.at("C_D").logarithmic);
   CHECK(options.priors.at("C_D").deviation == 0.2);
   CHECK_THAT(options.periods.at("x"), WithinRel(0.01, 1e-15));

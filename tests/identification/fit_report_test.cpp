@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "files.h"
 #include "samara/identification/fit.h"
 #include "synthetic.h"
 
@@ -24,6 +25,32 @@ FitResult example() {
 }
 
 }  // namespace
+
+TEST_CASE("coefficients are read from the JSON of a fit to the last bit") {
+  const TestFiles files;
+  FitResult result = example();
+  result.captures[0].file = "coins.csv";
+  result.noise = {{.outputs = {"x"}, .unit = "m", .value = 4e-4, .estimated = true}};
+  const FitResult read = read_fit(files.put("fit.json", fit_json(result)));
+  CHECK(read.status == FitStatus::converged);
+  CHECK(read.model == "vertical_fall");
+  REQUIRE(read.coefficients.size() == 1);
+  CHECK(read.coefficients[0].name == "C_D");
+  CHECK(read.coefficients[0].value == result.coefficients[0].value);
+  CHECK(read.coefficients[0].standard_error == result.coefficients[0].standard_error);
+  REQUIRE(read.captures.size() == 3);
+  CHECK(read.captures[0].file == "coins.csv");
+  CHECK(read.captures[2].whole == "coin 2");
+  CHECK(read.noise.at(0).value == 4e-4);
+  for (const char* text :
+       {"", "{}", "[1, 2]", "{\"schema\": \"samara-fit/1\"}", "{\"schema\": 7}", "no JSON"}) {
+    CHECK_THAT(error_of<samara::InputError>([&] { read_fit(files.put("other.json", text)); }),
+               Contains("other.json") && Contains("the JSON of a fit"));
+  }
+  CHECK_THAT(error_of<samara::InputError>(
+                 [&] { read_fit(files.put("other.json", "{\"schema\": \"samara-series/1\"}")); }),
+             Contains("its schema is \"samara-series/1\""));
+}
 
 TEST_CASE("the JSON of a fit holds its numbers to the last bit") {
   const FitResult result = example();

@@ -1,5 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
@@ -40,7 +43,7 @@ TEST_CASE("table tennis: the frame grid takes along-track noise from millimetres
   const auto folder = measured_data("table-tennis-ball-spin");
   if (folder.empty()) return;
   const std::vector<Capture> flights = read_captures(folder / "[0-9]*.csv", sidecar("table_tennis"));
-  CHECK(flights.size() == 112);
+  CHECK(flights.size() == 105);  // of 112, with 12 frames or more before they bounce
   std::vector<double> printed;
   std::vector<double> gridded;
   std::vector<double> durations;
@@ -57,11 +60,11 @@ TEST_CASE("table tennis: the frame grid takes along-track noise from millimetres
     as_printed.times = times.head(count);
     printed.push_back(along_track_noise(as_printed));
   }
-  // Found by an independent trial: 3.3 mm and 0.86 mm, and flights of 0.19 s in the median (cutting and noise
-  // estimated a little differently). Rounding to 1 mm alone makes 0.29 mm.
+  // Found by an independent trial: 3.3 mm and 0.86 mm, and flights of 0.19 s in the median, the short ones
+  // among them (cutting and noise estimated a little differently). Rounding to 1 mm alone makes 0.29 mm.
   CHECK(median_of(printed) > 2.5e-3);
   CHECK(median_of(gridded) < 0.9e-3);
-  CHECK(std::abs(median_of(durations) - 0.19) < 0.02);
+  CHECK(std::abs(median_of(durations) - 0.22) < 0.02);
 }
 
 TEST_CASE("blimp: pose and rates in SI units and the world z up agree with one another") {
@@ -104,8 +107,9 @@ TEST_CASE("falling paper and settling plates are read with what is known of each
   for (const Capture& drop : drops) {
     CHECK(drop.labels.at("shape") == "circle");
     CHECK(drop.has("silhouette_2"));
-    // Down by about 1.1 m: z points up.
-    CHECK(drop.channel("z").values[0] - drop.channel("z").values.minCoeff() > 0.5);
+    // Down by about 1.1 m, of which the first 0.3 s and the last 3 cm are left out: z points up.
+    CHECK(drop.channel("z").values[0] - drop.channel("z").values.minCoeff() > 0.35);
+    CHECK(drop.channel("z").values.minCoeff() >= 0.03);
   }
   const auto settling = read_captures(plates / "POM_1x1_pos2.csv", sidecar("settling_plates"));
   CHECK(settling.size() > 10);
@@ -119,14 +123,21 @@ TEST_CASE("falling paper and settling plates are read with what is known of each
 TEST_CASE("rough poses of a falling paper: flips are found, and a quaternion is made of Euler angles") {
   const auto folder = measured_data("paper-6dof-apriltag");
   if (folder.empty()) return;
-  const auto cameras = read_captures(folder / "vid220_fall.csv", sidecar("april_tag_paper"));
-  CHECK(cameras.size() == 3);
-  for (const Capture& camera : cameras) {
-    const Eigen::VectorXd& z = camera.channel("z").values;
-    CHECK(z[0] - z[camera.frame_count() - 1] > 0.3);
-    CHECK_FALSE(gaps(camera).empty());
-    const WithoutOutliers clean = without_outliers(camera, {.window = 0.1});
-    CHECK(clean.frames.contains("attitude"));
-    CHECK(5 * clean.frames.at("attitude").size() < 2 * static_cast<std::size_t>(camera.frame_count()));
+  const auto pieces = read_captures(folder / "vid220_fall.csv", sidecar("april_tag_paper"));
+  CHECK(pieces.size() == 9);
+  std::map<std::string, std::vector<const Capture*>> cameras;
+  for (const Capture& piece : pieces) {
+    cameras[piece.motion].push_back(&piece);
+    CHECK(piece.has("qw"));
+    CHECK(std::ranges::any_of(piece.notes, [](const std::string& note) {
+      return note.find("frames of attitude taken out: far from their neighbours") != std::string::npos;
+    }));
+    for (const Gap& gap : gaps(piece, "qw")) CHECK(gap.end - gap.begin < 0.036);
+  }
+  REQUIRE(cameras.size() == 3);
+  for (const auto& [id, parts] : cameras) {
+    const Eigen::VectorXd& first = parts.front()->channel("z").values;
+    const Eigen::VectorXd& last = parts.back()->channel("z").values;
+    CHECK(first[0] - last[last.size() - 1] > 0.3);
   }
 }

@@ -1,8 +1,10 @@
 #include "samara/identification/prediction_score.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
@@ -48,6 +50,55 @@ TEST_CASE("each baseline continues the polynomials of its degree exactly, and no
   CHECK(worst(Baseline::constant_acceleration, cubic) < worst(Baseline::quadratic, cubic));
 }
 
+TEST_CASE("a measured velocity that changes evenly is carried on exactly, from the mean of noisy places") {
+  SeenMotion window{kSeen, polynomial(kSeen, {0.1, 2.0, -4.9})};
+  CHECK(predict(Baseline::measured_velocity, window, kNext).array().isNaN().all());
+  window.rates = window.positions;
+  window.rates.col(0) = (2.0 - 9.8 * kSeen.array()).matrix();
+  window.rates.col(1) = -window.rates.col(0);
+  window.rates(2, 0) = kNaN;
+  const Eigen::MatrixXd truth = polynomial(kNext, {0.1, 2.0, -4.9});
+  CHECK((predict(Baseline::measured_velocity, window, kNext) - truth).cwiseAbs().maxCoeff() < 1e-12);
+  // Noise of a place counts by its mean, 1/16 of one frame's, and by nothing else: a cubic errs by its size.
+  window.positions(15, 1) += 0.016;
+  const Eigen::MatrixXd off = predict(Baseline::measured_velocity, window, kNext) - truth;
+  CHECK((off.col(1).array() - 0.001).abs().maxCoeff() < 1e-12);
+  CHECK((predict(Baseline::cubic, window, kNext) - truth).col(1).cwiseAbs().maxCoeff() > 0.016);
+}
+
+namespace {
+
+/// About a fixed axis by the angle a_1 t + a_2 t^2.
+Eigen::MatrixX4d turns(const Eigen::VectorXd& t, double a_1, double a_2) {
+  const Eigen::Vector3d axis = Eigen::Vector3d(1.0, -2.0, 0.5).normalized();
+  Eigen::MatrixX4d result(t.size(), 4);
+  for (Eigen::Index k = 0; k < t.size(); ++k) {
+    const Eigen::Quaterniond q(Eigen::AngleAxisd(0.7 + a_1 * t[k] + a_2 * t[k] * t[k], axis));
+    result.row(k) << q.w(), q.x(), q.y(), q.z();
+  }
+  return result;
+}
+
+double largest(const std::vector<double>& values) {
+  return *std::max_element(values.begin(), values.end());
+}
+
+}  // namespace
+
+TEST_CASE("attitudes go on turning about their axis, whatever the signs of their quaternions") {
+  SeenTurn window{kSeen, turns(kSeen, 30.0, 20.0)};
+  for (Eigen::Index k = 0; k < kSeen.size(); k += 3) window.attitudes.row(k) *= -1.0;
+  window.attitudes.row(5).setConstant(kNaN);
+  const Eigen::MatrixX4d truth = turns(kNext, 30.0, 20.0);
+  CHECK(largest(turn_distances(predict_turn(Baseline::quadratic, window, kNext), truth)) < 1e-9);
+  // The line through 0.15 s runs on at the mean rate: at the end it lacks 20 (0.25 - 0.075)^2 rad, and some.
+  CHECK(largest(turn_distances(predict_turn(Baseline::straight_line, window, kNext), truth)) > 0.5);
+  CHECK(predict_turn(Baseline::measured_velocity, window, kNext).array().isNaN().all());
+  const Eigen::Vector3d axis = Eigen::Vector3d(1.0, -2.0, 0.5).normalized();
+  window.body_rates = (30.0 + 40.0 * kSeen.array()).matrix() * axis.transpose();
+  CHECK(largest(turn_distances(predict_turn(Baseline::measured_velocity, window, kNext), truth)) < 1e-9);
+}
+
 TEST_CASE("missing values are left out of window and score") {
   SeenMotion window{kSeen, polynomial(kSeen, {0.0, 1.0})};
   window.positions(3, 0) = kNaN;
@@ -87,6 +138,6 @@ TEST_CASE("distances are those of the plane") {
 TEST_CASE("predictions refuse shapes that do not fit") {
   CHECK_THROWS_AS(predict(Baseline::cubic, {kSeen, Eigen::MatrixXd(3, 2)}, kNext), samara::ArgumentError);
   CHECK_THROWS_AS(prediction_distances(Eigen::MatrixXd(3, 2), Eigen::MatrixXd(3, 1)), samara::ArgumentError);
-  CHECK(all_baselines().size() == 5);
+  CHECK(all_baselines().size() == 6);
   CHECK(to_string(Baseline::constant_velocity) == "constant velocity");
 }

@@ -7,36 +7,17 @@
 #include <catch2/catch.hpp>
 
 #include "files.h"
+#include "predicted_motions.h"
 #include "samara/base/errors.h"
 #include "samara/identification/fit.h"
 #include "samara/identification/step_trajectories.h"
 #include "synthetic.h"
 
 using namespace samara::identification;
+using namespace predicted_motions;
 using Catch::Matchers::Contains;
 
 namespace {
-
-/// Braked motions of k = 1.4 with different speeds.
-std::vector<Capture> braked(int first, int count, double noise) {
-  std::mt19937_64 random(static_cast<std::uint64_t>(first) + 1);
-  const std::vector<double> times = even_times(31, 1.5);
-  std::vector<Capture> captures;
-  for (int c = first; c < first + count; ++c) {
-    captures.push_back(make_capture(fmt::format("{}", c), times,
-                                    BrakedFamily::depths(1.4, 0.6 + 0.1 * c, times).array() + 0.2 * c));
-    add_noise(captures.back(), noise, random);
-  }
-  return captures;
-}
-
-const PredictionScore& of(const std::vector<PredictionScore>& scores, const std::string& predictor,
-                          const std::string& quantity) {
-  const auto found = std::ranges::find_if(
-      scores, [&](const PredictionScore& s) { return s.predictor == predictor && s.quantity == quantity; });
-  REQUIRE(found != scores.end());
-  return *found;
-}
 
 /// theta = theta(0) + rate t.
 class TurningFamily final : public TrajectoryFamily {
@@ -93,21 +74,6 @@ Capture without_frames(const Capture& capture, const std::vector<Eigen::Index>& 
   return result;
 }
 
-const std::map<std::string, double>& plate() {
-  static const std::map<std::string, double> values = {{"a", 0.05},   {"b", 0.03},       {"c", 0.001},
-                                                       {"C_D0", 0.1}, {"C_T", 1.0},      {"C_R", 1.0},
-                                                       {"C_w", 1.0},  {"density", 200.0}};
-  return values;
-}
-
-std::unique_ptr<TrajectoryFamily> plate_family() {
-  std::map<std::string, Interval> box = {{"C_D90", {0.5, 2.0}}};
-  for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.0, 1.0};
-  for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-1.0, 1.0};
-  for (const char* name : {"wx(0)", "wy(0)", "wz(0)"}) box[name] = {-5.0, 5.0};
-  return step_trajectories(samara::models::find_model("immersed_body"), plate(), box, 2e-3);
-}
-
 /// A plate that begins to turn, seen with a noise of position only.
 Capture turning_plate(const std::string& id, double rate, std::mt19937_64& random) {
   std::map<std::string, double> values = plate();
@@ -126,13 +92,6 @@ Capture turning_plate(const std::string& id, double rate, std::mt19937_64& rando
     capture.channels.push_back({parts[k], "1", trajectory.states.col(static_cast<int>(k) + 3)});
   }
   return capture;
-}
-
-FitOptions plain() {
-  FitOptions options;
-  options.loss.kind = LossKind::none;
-  options.starts = 1;
-  return options;
 }
 
 }  // namespace
@@ -164,8 +123,11 @@ TEST_CASE("with noise the model is better than every baseline") {
       predict_left_out(family, fitted, braked(6, 20, 2e-3), plain(), {.window = 0.6, .ahead = 0.5});
   const double model = of(scores, "model", "position, 0.5 s ahead").median;
   CHECK(model < 0.01);
-  for (const Baseline baseline : all_baselines())
+  for (const Baseline baseline : all_baselines()) {
+    if (baseline == Baseline::measured_velocity) continue;  // nobody measures it
     CHECK(of(scores, to_string(baseline), "position, 0.5 s ahead").median > 2.0 * model);
+  }
+  for (const PredictionScore& score : scores) CHECK(score.best == (score.predictor == "model"));
 }
 
 TEST_CASE("captures without a window, or with nothing beyond it, are left out of all scores") {

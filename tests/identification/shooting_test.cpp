@@ -222,6 +222,21 @@ TEST_CASE("what is known of a capture is taken from its label") {
   for (std::size_t k = 0; k < 4; ++k)
     CHECK(known.coefficients[k].value == Approx(held.coefficients[k].value).epsilon(1e-6));
 
+  // As a power of a label, and as the first value of a channel where there is no label.
+  captures[0].labels["inertia"] = std::to_string(std::sqrt(1.4 / 2.0));
+  captures[1].labels.clear();
+  captures[1].channels.push_back(
+      {"inertia", "1", Eigen::VectorXd::Constant(captures[1].frame_count(), std::sqrt(1.4 / 2.0))});
+  FitOptions of_power = options;
+  of_power.known = {{"inertia_ratio", {"inertia", 2.0, 2.0}}};
+  of_power.outputs = {"x", "y", "theta"};
+  const FitResult powers = fit(*family, captures, of_power);
+  CHECK_THAT(powers.captures[1].known.at("inertia_ratio"), Catch::Matchers::WithinRel(1.4, 1e-12));
+  for (std::size_t k = 0; k < 4; ++k)
+    CHECK(powers.coefficients[k].value == Approx(held.coefficients[k].value).epsilon(1e-5));
+  captures[1].channels.pop_back();
+  for (Capture& capture : captures) capture.labels["inertia"] = "1.4";
+
   captures[1].labels["inertia"] = "heavy";
   CHECK_THROWS_WITH(fit(*family, captures, options), Catch::Contains("the label \"inertia\" is \"heavy\"") &&
                                                          Catch::Contains("finite number"));

@@ -116,6 +116,62 @@ TEST_CASE("a capture is read from a time until a time") {
         "a.csv:2: capture \"a\" has 0 frames with something visible; at least 3 were expected");
 }
 
+TEST_CASE("captures are chosen by labels, by their length, and end where they leave an interval") {
+  const TestFiles files;
+  std::string table = "drop,t[s],z[m]\n";
+  for (int drop = 1; drop <= 3; ++drop) {
+    for (int k = 0; k < 4 + drop; ++k) table += fmt::format("{},{},{}\n", drop, 0.1 * k, 1.0 - 0.2 * k);
+  }
+  files.put("drops.csv", table);
+  files.put("index.csv", "drop,jump,kind\n1,0.5,a\n2,1.5,b\n3,1.9,b\n");
+  const auto ids = [&](const std::string& lines) {
+    std::string found;
+    for (const Capture& capture :
+         read_captures(files.put("drops.toml", "file = \"drops.csv\"\ngroup_by = [\"drop\"]\n" + lines +
+                                                   "[labels]\nfile = \"index.csv\"\ncolumn = \"drop\"\n")))
+      found += capture.id;
+    return found;
+  };
+  CHECK(ids("") == "123");
+  CHECK(ids("where = { jump = \"< 1.5\" }\n") == "1");
+  CHECK(ids("where = { jump = \"> 1\", drop = [\"1\", \"3\"] }\n") == "3");
+  CHECK(ids("where = { kind = \"c\" }\n").empty());
+  CHECK_THROWS_WITH(ids("where = { jumps = \"< 2\" }\n"), Catch::Contains("has no column \"jumps\""));
+}
+
+TEST_CASE("pieces between long gaps belong to one motion") {
+  const TestFiles files;
+  std::string table = "t[s],z[m]\n";
+  for (int k = 0; k < 40; ++k) {
+    if (k < 12 || k > 20) table += fmt::format("{},{}\n", 0.01 * k, 1.0 - 0.02 * k);
+  }
+  files.put("card.csv", table);
+  const auto pieces = read_captures(
+      files.put("card.toml", "file = \"card.csv\"\nleast_frames = 10\n[clean]\nlongest_gap = \"35 ms\"\n"));
+  REQUIRE(pieces.size() == 2);
+  CHECK(pieces[0].frame_count() == 12);
+  CHECK(pieces[1].frame_count() == 19);
+  CHECK(pieces[0].motion == "card");
+  CHECK(pieces[1].motion == "card");
+  CHECK(read_captures(files.put("card.toml",
+                                "file = \"card.csv\"\nleast_frames = 15\n[clean]\nlongest_gap = "
+                                "\"35 ms\"\n"))
+            .size() == 1);
+  // Near the floor at 0.5 m, in frame 26: it ends before.
+  const auto above = read_captures(
+      files.put("card.toml", "file = \"card.csv\"\n[clean]\ninside = { z = [\"49 cm\", \"2 m\"] }\n"));
+  CHECK(above.front().frame_count() == 17);
+  CHECK_THAT(above.front().notes.at(0), Catch::Contains("14 frames cut from 0.26 s on, where z leaves"));
+  for (const auto& [lines, words] :
+       {std::pair{"[clean]\ninside = { z = [\"2 m\", \"1 m\"] }\n", "lower < upper"},
+        {"[clean]\ninside = { z = [\"0.99 m\", \"3 m\"] }\n", "at least 3 were expected"},
+        {"least_frames = 2\n", "at least 3"},
+        {"where = { z = \"< low\" }\n", "compares with no number"}}) {
+    CHECK_THAT(reading_error(files.put("card.toml", std::string("file = \"card.csv\"\n") + lines)),
+               Catch::Contains("card.toml") && Catch::Contains(words));
+  }
+}
+
 TEST_CASE("a sidecar can ask for cleaning") {
   const TestFiles files;
   std::string table = "t[s],x[m],y[m],z[m]\n";

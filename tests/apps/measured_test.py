@@ -1,0 +1,86 @@
+"""Usage: measured_test.py SAMARA [CLASS]
+
+The lines of docs/fits.md about measured sets run as they stand, and reach what the page says. The sets are found where
+SAMARA_DATA points; without them the test is skipped (exit code 77).
+"""
+
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+from samara_case import FOLDER, SAMARA, Case, main
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "fits.md").read_text()
+LINES = [line for line in PAGE.splitlines() if line.startswith("samara ") and "$SAMARA_DATA" in line]
+
+
+class Measured(Case):
+    def answer(self, line):
+        """One line of the page, in a shell as its readers have one, with its answer as JSON."""
+        (FOLDER / "samara").unlink(missing_ok=True)
+        (FOLDER / "samara").symlink_to(pathlib.Path(SAMARA).resolve())
+        (FOLDER / "examples").unlink(missing_ok=True)
+        (FOLDER / "examples").symlink_to(ROOT / "examples")
+        environment = {**os.environ, "PATH": f"{FOLDER}:{os.environ['PATH']}"}
+        result = subprocess.run(["bash", "-c", f"{line} --json"], cwd=FOLDER, env=environment, capture_output=True, text=True, timeout=280)
+        self.assertIn(result.returncode, (0, 4), result.stderr)
+        return json.loads(result.stdout), result.stderr
+
+    def row(self, what):
+        """Of the page's table of predictions: median and rms by predictor, mm; None where there is none."""
+        names = [cell.strip() for cell in re.search(r"^\| predicted \|(.*)\|$", PAGE, re.M).group(1).split("|")]
+        cells = [cell.strip() for cell in re.search(rf"^\| {re.escape(what)} \|(.*)\|$", PAGE, re.M).group(1).split("|")]
+        return {name: tuple(float(x) for x in re.findall(r"[\d.]+", cell)) for name, cell in zip(names, cells)}
+
+    def check(self, line, what):
+        answer, errors = self.answer(line)
+        self.check_table(answer, what)
+        return answer, errors
+
+    def check_table(self, answer, what):
+        found = {p["predictor"]: p for p in answer["predictions"] if re.fullmatch(r"position, [\d.]+ s ahead", p["quantity"])}
+        row = self.row(what)
+        self.assertEqual({name for name, cell in row.items() if cell}, set(found))
+        for name, cell in row.items():
+            if not cell:
+                continue
+            # Coefficients that are fitted elsewhere differ by a part of their errors.
+            margin = 0.05 if name == "model" else 0.01
+            self.assertAlmostEqual(1e3 * found[name]["median"] / cell[0], 1.0, delta=margin, msg=f"{what}, {name}")
+            self.assertAlmostEqual(1e3 * found[name]["rms"] / cell[1], 1.0, delta=margin, msg=f"{what}, {name}")
+        best = min((cell[0], name) for name, cell in row.items() if cell)[1]
+        self.assertEqual([name for name, p in found.items() if p["best"]], [best])
+        bold = re.search(rf"^\| {re.escape(what)} \|(.*)\|$", PAGE, re.M).group(1).split("|")
+        names = list(row)
+        self.assertEqual([names[k] for k, cell in enumerate(bold) if cell.strip().startswith("**")], [best])
+
+    def test_table_tennis(self):
+        lines = [line for line in LINES if "table-tennis" in line]
+        fit, errors = self.answer(lines[0])
+        self.assertLess(errors.count("warning"), 6, errors)
+        values = {c["name"]: c["value"] for c in fit["coefficients"]}
+        self.assertAlmostEqual(values["C_D"], 0.529, delta=0.003)
+        self.assertAlmostEqual(values["C_M"] * 0.4 / (1 + values["magnus_saturation"] * 0.4), 0.224, delta=0.003)
+        self.check(lines[1], "ball, 0.15 s")
+
+    def test_blimp(self):
+        lines = [line for line in LINES if "blimp" in line]
+        fit, _ = self.answer(lines[0])
+        self.assertEqual(fit["status"], "converged")
+        self.assertEqual(fit["clusters"], 8)
+        for line, what in zip(lines[1:], ("blimp, straights, 1 s", "blimp, spiral, 1 s", "blimp, straights, 2 s", "blimp, spiral, 2 s")):
+            answer, _ = self.check(line, what)
+            quantities = {p["quantity"].split(",")[0] for p in answer["predictions"]}
+            self.assertEqual(quantities, {"position", "velocity", "angular velocity", "attitude"})
+
+
+if __name__ == "__main__":
+    root = os.environ.get("SAMARA_DATA")
+    if not root or not (pathlib.Path(root) / "blimp-rgblimp-mocap").is_dir():
+        print("skipped: SAMARA_DATA does not lead to the measured sets")
+        sys.exit(77)
+    main()

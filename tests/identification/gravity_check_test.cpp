@@ -1,0 +1,72 @@
+#include "samara/identification/gravity_check.h"
+
+#include <catch2/catch.hpp>
+
+#include "samara/models/integrate.h"
+#include "synthetic.h"
+
+using namespace samara::identification;
+
+namespace {
+
+using samara::models::ParametricModel;
+
+/// A ball thrown up and forward, or a plate that falls and flutters, with its places measured.
+std::vector<Capture> motions(const ParametricModel& model, const std::vector<double>& times, double up) {
+  const auto trajectory = samara::models::integrate(model, {}, times);
+  Capture capture = make_capture("a", times, trajectory.states.col(0));
+  capture.channels[0].quantity = model.model().info().states[0].name;
+  for (std::size_t k = 1; k < model.model().info().states.size(); ++k) {
+    const auto& state = model.model().info().states[k];
+    if (state.unit != "m") continue;
+    const double sign = state.name == "z" || state.name == "y" ? up : 1.0;
+    capture.channels.push_back({state.name, "m", sign * trajectory.states.col(static_cast<Eigen::Index>(k))});
+  }
+  return {capture};
+}
+
+std::vector<std::string> doubts(const std::string& name, const std::map<std::string, double>& values,
+                                const std::vector<double>& times, double up) {
+  const ParametricModel model(samara::models::find_model(name), values, {});
+  std::vector<Capture> captures = motions(model, times, up);
+  std::erase_if(captures[0].channels, [](const Channel& c) { return c.unit != "m"; });
+  return gravity_doubts(model, {}, captures);
+}
+
+}  // namespace
+
+TEST_CASE("a flight upside down is suspected, and one that rises for a while is not") {
+  const std::map<std::string, double> ball = {{"C_D", 0.5}, {"vx(0)", 3.0}, {"vz(0)", 4.0}};
+  const std::vector<double> times = even_times(61, 0.8);
+  CHECK(doubts("sphere_flight", ball, times, 1.0).empty());
+  const auto found = doubts("sphere_flight", ball, times, -1.0);
+  REQUIRE(found.size() == 1);
+  CHECK_THAT(found[0],
+             Catch::StartsWith("capture \"a\": it moves against the weight of the model, which acts "
+                               "along -z") &&
+                 Catch::EndsWith("is an axis upside down?"));
+}
+
+TEST_CASE("a fall at its final speed is suspected where it goes up, whatever the axis is called") {
+  const std::map<std::string, double> coin = {
+      {"C_D", 1.2}, {"area", 4.7e-4}, {"thickness", 2.5e-3}, {"density", 6338.0}};
+  const ParametricModel model(samara::models::find_model("vertical_fall"), coin, {});
+  const std::vector<double> times = even_times(41, 1.5);
+  std::vector<Capture> captures = {
+      make_capture("down", times, 0.4 * Eigen::VectorXd::LinSpaced(41, 0.0, 1.5)),
+      make_capture("up", times, -0.4 * Eigen::VectorXd::LinSpaced(41, 0.0, 1.5))};
+  const auto found = gravity_doubts(model, {}, captures);
+  REQUIRE(found.size() == 1);
+  CHECK_THAT(found[0], Catch::Contains("\"up\"") && Catch::Contains("along +x"));
+}
+
+TEST_CASE("a plate that flutters and tumbles is not suspected, and upside down it is") {
+  const std::map<std::string, double> plate = {{"semi_chord", 0.02},
+                                               {"semi_thickness", 33.6e-6},
+                                               {"density", 1000.0},
+                                               {"fluid_density", 1.2},
+                                               {"theta(0)", 0.4}};
+  const std::vector<double> times = even_times(121, 1.2);
+  CHECK(doubts("falling_plate", plate, times, 1.0).empty());
+  CHECK(doubts("falling_plate", plate, times, -1.0).size() == 1);
+}

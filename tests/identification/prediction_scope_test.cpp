@@ -1,0 +1,138 @@
+/// What predictions are made of, of what, and of which captures.
+#include <algorithm>
+
+#include <catch2/catch.hpp>
+
+#include "predicted_motions.h"
+#include "samara/base/errors.h"
+#include "samara/identification/fit.h"
+#include "samara/models/integrate.h"
+
+using namespace samara::identification;
+using namespace predicted_motions;
+
+TEST_CASE("attitudes and rates are predicted, too, and by the rates measured") {
+  const auto family = plate_family();
+  FitOptions options = plain();
+  options.loss.length_scale = 1e-3;
+  options.attitude_scale = 1e-3;
+  for (const char* name : {"ux", "uy", "uz", "wx", "wy", "wz"}) options.loss.scales[name] = 1e-2;
+  const auto measured = [&](const std::string& id, double rate) {
+    std::map<std::string, double> values = plate();
+    values["C_D90"] = 1.2;
+    values["uz(0)"] = -0.3;
+    values["wx(0)"] = rate;
+    const samara::models::ParametricModel model(samara::models::find_model("immersed_body"), values, {});
+    const std::vector<double> times = even_times(31, 0.3);
+    const auto trajectory = samara::models::integrate(model, {}, times);
+    Capture capture = make_capture(id, times, trajectory.states.col(0));
+    for (std::size_t k = 1; k < model.model().info().states.size(); ++k) {
+      const auto& state = model.model().info().states[k];
+      capture.channels.push_back(
+          {state.name, state.unit, trajectory.states.col(static_cast<Eigen::Index>(k))});
+    }
+    return capture;
+  };
+  FitResult fitted = fit(*family, std::vector{measured("a", 2.0), measured("b", 3.0)}, options);
+  REQUIRE(fitted.status == FitStatus::converged);
+  const std::vector left_out = {measured("c", 2.5), measured("d", 1.5)};
+  add_predictions(*family, left_out, options, {.window = 0.15, .ahead = 0.1}, fitted);
+  const auto& scores = fitted.predictions;
+  for (const char* quantity : {"position", "velocity", "angular velocity", "attitude"}) {
+    const std::string ahead = fmt::format("{}, 0.1 s ahead", quantity);
+    CHECK(of(scores, "model", ahead).captures == 2);
+    CHECK(of(scores, "model", ahead).best);
+  }
+  // Without noise, what the model lacks is that of its coefficients and starts.
+  CHECK(of(scores, "model", "attitude, 0.1 s ahead").largest < 1e-3);
+  CHECK(of(scores, "straight line", "attitude, 0.1 s ahead").median > 1e-2);
+  CHECK(of(scores, "measured velocity", "attitude, 0.1 s ahead").unit == "rad");
+  CHECK(of(scores, "measured velocity", "position, 0.1 s ahead").median <
+        of(scores, "straight line", "position, 0.1 s ahead").median);
+  // Each capture by itself: a distance at the end is its median.
+  const auto own = std::ranges::find_if(fitted.capture_predictions, [](const PredictionScore& s) {
+    return s.capture == "d" && s.predictor == "cubic" && s.quantity == "position, 0.1 s ahead";
+  });
+  REQUIRE(own != fitted.capture_predictions.end());
+  CHECK(own->captures == 1);
+  CHECK(own->count == 1);
+}
+
+TEST_CASE("known values that a capture left out lacks are unknowns of its own there") {
+  const BrakedFamily family;
+  FitOptions options = plain();
+  options.known = {{"v(0)", "speed"}};
+  std::vector<Capture> captures = braked(0, 4, 0.0);
+  for (int c = 0; c < 4; ++c)
+    captures[static_cast<std::size_t>(c)].labels["speed"] = fmt::format("{}", 0.6 + 0.1 * c);
+  const FitResult fitted = fit(family, captures, options);
+  CHECK_THAT(fitted.coefficients[0].value, Catch::Matchers::WithinAbs(1.4, 1e-6));
+  const PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
+  std::vector<Capture> left_out = braked(4, 2, 0.0);
+  const std::string ahead = "position, 0.5 s ahead";
+  CHECK(of(predict_left_out(family, fitted, left_out, options, prediction), "model", ahead).largest < 1e-6);
+  // An empty cell says nothing; one that says something counts, also where it is wrong.
+  left_out[0].labels["speed"] = "";
+  left_out[1].labels["speed"] = "0.7";
+  const auto scores = predict_left_out(family, fitted, left_out, options, prediction);
+  CHECK(of(scores, "model", ahead).captures == 2);
+  CHECK(of(scores, "model", ahead).largest > 0.05);
+  // A prior is for them, not for the fit, where the value is known.
+  options.priors = {{"v(0)", {.mean = 1.0, .deviation = 1e-9}}};
+  CHECK_THAT(fit(family, captures, options).coefficients[0].value, Catch::Matchers::WithinAbs(1.4, 1e-6));
+  CHECK(of(predict_left_out(family, fitted, braked(4, 1, 0.0), options, prediction), "model", ahead).largest <
+        1e-4);
+  CHECK(of(predict_left_out(family, fitted, braked(5, 1, 0.0), options, prediction), "model", ahead).largest >
+        1e-3);
+}
+
+TEST_CASE("windows along a capture are fitted with starts of their own, and predicted") {
+  const BrakedFamily family;
+  FitOptions options = plain();
+  options.window = 0.5;
+  options.stride = 0.25;
+  FitResult fitted = fit(family, braked(5, 3, 1e-4), options);
+  // From 0, 0.25, .., 1 s of 1.5.
+  CHECK(fitted.captures.size() == 15);
+  CHECK(fitted.clusters == 3);
+  CHECK(fitted.captures[1].id == "5 from 0.25 s");
+  CHECK(fitted.captures[1].whole == "5");
+  CHECK_THAT(fitted.coefficients[0].value, Catch::Matchers::WithinAbs(1.4, 0.02));
+  const std::vector left_out = braked(8, 2, 1e-4);
+  add_predictions(family, left_out, options, {.window = 0.5, .ahead = 0.25, .stride = 0.25}, fitted);
+  CHECK(of(fitted.predictions, "model", "position, 0.25 s ahead").captures == 8);
+  CHECK(of(fitted.predictions, "model", "position, 0.25 s ahead").median < 2e-3);
+  CHECK(of(fitted.predictions, "straight line", "position, 0.25 s ahead").median > 5e-3);
+  // By capture, not by window.
+  CHECK(std::ranges::count_if(fitted.capture_predictions, [](const PredictionScore& s) {
+          return s.predictor == "model" && s.quantity == "position, 0.25 s ahead" && s.captures == 4;
+        }) == 2);
+  // Nor can windows of what was fitted be left out.
+  std::vector<Capture> same = braked(5, 1, 0.0);
+  same[0].file = "drops.csv";
+  const FitResult of_file = fit(family, same, options);
+  CHECK_THROWS_AS(
+      predict_left_out(family, of_file, same, options, {.window = 0.5, .ahead = 0.25, .stride = 0.25}),
+      samara::InputError);
+}
+
+TEST_CASE("each fold is predicted by a fit of the others") {
+  const BrakedFamily family;
+  const std::vector captures = braked(0, 6, 1e-4);
+  FitResult fitted = fit(family, captures, plain());
+  const PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
+  cross_validate(family, captures, plain(), prediction, 3, fitted);
+  CHECK(of(fitted.predictions, "model", "position, 0.5 s ahead").captures == 6);
+  CHECK(fitted.capture_predictions.size() == 6 * fitted.predictions.size());
+  // One capture, predicted by the others: with as many folds as captures, that is all there is to it.
+  cross_validate(family, captures, plain(), prediction, 6, fitted);
+  const FitResult of_others = fit(family, std::span(captures).first(5), plain());
+  const auto alone = predict_left_out(family, of_others, std::span(captures).last(1), plain(), prediction);
+  const auto last = std::ranges::find_if(fitted.capture_predictions, [](const PredictionScore& s) {
+    return s.capture == "5" && s.predictor == "model" && s.quantity == "position, 0.5 s ahead";
+  });
+  CHECK(last->median == Approx(of(alone, "model", "position, 0.5 s ahead").median));
+  for (const int folds : {1, 7})
+    CHECK_THROWS_AS(cross_validate(family, captures, plain(), prediction, folds, fitted),
+                    samara::ArgumentError);
+}
