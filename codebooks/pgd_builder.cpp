@@ -170,7 +170,7 @@ pgd::AdaptiveResult adaptive_result(const pgd::AdaptiveProblem& problem, const p
   }
 }
 
-/// Of a plan that allows any number. No plan that Newton's iteration met took a tenth of it.
+/// Of a plan that sets no limit: some hundred times what a coin to 1e-5 takes.
 constexpr long kMostNewtonEvaluations = 20'000'000;
 
 Solution solve_by_newton(const Plan& plan, const pgd::AdaptiveProblem& problem, const BuildOptions& options,
