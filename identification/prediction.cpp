@@ -54,7 +54,6 @@ FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions
     for (std::size_t o = 0; o < count; ++o) options.outputs.push_back(fitted.residuals[o].output);
     if (fitted.residuals.size() > count)
       options.outputs.insert(options.outputs.end(), family.attitude.begin(), family.attitude.end());
-    if (one->nuisances.empty()) options.segments.length.reset();
   }
   options.combinations.clear();
   hold_noise(fitted, options);
