@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -25,7 +26,8 @@ namespace id = samara::identification;
 
 /// A name that is no file, and has no dot or slash that would make it one, is the name of a model.
 bool is_model_name(const std::string& text) {
-  return !std::filesystem::exists(text) && text.find_first_of("./") == std::string::npos;
+  std::error_code ignored;
+  return !std::filesystem::exists(text, ignored) && text.find_first_of("./") == std::string::npos;
 }
 
 /// Whether nothing is fitted: coefficients come from another fit, and there are only captures to predict.

@@ -195,8 +195,10 @@ std::string fit_text(const FitResult& result) {
                    noted, result.captures.size());
   }
   add_trust_text(result, text);
-  fmt::format_to(out, "{} iterations, {} trajectories, {:.3g} s\n", result.iterations, result.evaluations,
-                 result.seconds);
+  if (result.evaluations > 0) {
+    fmt::format_to(out, "{} iterations, {} trajectories, {:.3g} s\n", result.iterations, result.evaluations,
+                   result.seconds);
+  }
   for (const std::string& warning : result.warnings) fmt::format_to(out, "warning: {}\n", warning);
   return without_trailing_blanks(text);
 }

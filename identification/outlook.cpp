@@ -175,9 +175,10 @@ Outlook outlook_of(const TrajectoryFamily& family, const Capture& capture, const
     outlook.lack = "it has no frames";
     return outlook;
   }
-  const FitOptions options = options_for(family.info(), capture, all_options);
+  FitOptions options = options_for(family.info(), capture, all_options);
   const FitProblem problem = describe_problem(family.info(), std::span(&capture, 1), options);
   const int unknowns = problem.own_count();
+  if (unknowns == 0) options.segments.length.reset();  // it starts where its values say, at 0
   const std::vector<std::string> names = names_of(predicted.outputs);
   const std::vector<Eigen::Index> before = frames_between(capture, -1.0, prediction.window);
   const Eigen::VectorXd since = capture.times.array() - capture.times[0];

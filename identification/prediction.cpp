@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
-#include <optional>
+#include <set>
+#include <string>
+#include <utility>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -16,7 +17,6 @@
 #include "samara/identification/outlook.h"
 #include "samara/identification/prediction_tally.h"
 #include "samara/identification/segments.h"
-#include "samara/identification/smoothing.h"
 #include "samara/io/units.h"
 
 namespace samara::identification {
@@ -54,7 +54,6 @@ FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions
     for (std::size_t o = 0; o < count; ++o) options.outputs.push_back(fitted.residuals[o].output);
     if (fitted.residuals.size() > count)
       options.outputs.insert(options.outputs.end(), family.attitude.begin(), family.attitude.end());
-    if (one->nuisances.empty()) options.segments.length.reset();
   }
   options.combinations.clear();
   hold_noise(fitted, options);
@@ -107,6 +106,15 @@ void refuse_fitted(const std::string& id, const std::string& file, std::span<con
     throw InputError(capture.file, fmt::format("capture \"{}\" is fitted as well as left out; captures that "
                                                "the fit does not see were expected",
                                                id));
+  }
+}
+
+/// One that is given twice would count twice.
+void refuse_twice(std::span<const Capture> left_out) {
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const Capture& capture : left_out) {
+    if (capture.file.empty() || seen.insert({capture.file, capture.id}).second) continue;
+    throw InputError(capture.file, fmt::format("capture \"{}\" is left out twice", capture.id));
   }
 }
 
@@ -176,6 +184,7 @@ Prospect look_ahead(const TrajectoryFamily& family, const FitResult& fitted,
                     std::span<const Capture> left_out, const FitOptions& options,
                     const PredictionOptions& prediction, std::vector<std::string>& sentences) {
   check(prediction);
+  refuse_twice(left_out);
   if (fitted.status == FitStatus::failed || left_out.empty()) return {};
   for (const CaptureFit& c : fitted.captures) refuse_fitted(c.whole, c.file, left_out);
   const FitOptions held = holding(family.info(), fitted, options, prediction);
@@ -197,6 +206,7 @@ void check_left_out(const TrajectoryFamily& family, std::span<const Capture> cap
                     const PredictionOptions& prediction) {
   check(prediction);
   const FitProblem problem = make_problem(family.info(), captures, options);
+  refuse_twice(left_out);
   for (const Capture& capture : left_out) check_capture(capture, problem);
   for (const Capture& capture : captures) refuse_fitted(capture.id, capture.file, left_out);
 }

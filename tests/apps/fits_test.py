@@ -90,6 +90,7 @@ class Fits(Case):
             self.assertEqual([c["id"] for c in answer["captures"]], ["fall"])
             self.assertEqual({p["captures"] for p in answer["predictions"] if p["predictor"] == "model"}, {3})
             self.assertEqual({p["capture"] for p in answer["capture_predictions"]}, {"unseen0", "unseen1", "unseen2"})
+        self.check_error(run("fit", path, capture, "--left-out", unseen[0], unseen[0], *times), 3, "unseen0", "twice")
         self.check_error(run("fit", path, "--left-out", *unseen, *times), 2, "CAPTURE", "--left-out", "unseen2.csv")
 
     def test_a_value_too_many_is_no_input_of_another_kind(self):

@@ -1,5 +1,6 @@
 /// What predictions are made of, of what, and of which captures.
 #include <algorithm>
+#include <string>
 
 #include <catch2/catch.hpp>
 
@@ -77,6 +78,18 @@ TEST_CASE("known values that a capture left out lacks are unknowns of its own th
   const auto scores = predict_left_out(family, fitted, left_out, options, prediction);
   CHECK(of(scores, "model", ahead).captures == 2);
   CHECK(of(scores, "model", ahead).largest > 0.05);
+  // Also where nothing was unknown of the captures that were fitted, and segments find where others start.
+  FitOptions no_own = options;
+  no_own.offsets = std::vector<std::string>{};
+  no_own.segments.length = 10.0;
+  for (Capture& capture : captures) capture.channels[0].values.array() -= capture.channels[0].values[0];
+  const FitResult without = fit(family, captures, no_own);
+  REQUIRE(without.captures[0].nuisances.empty());
+  std::vector<Capture> late = braked(4, 1, 0.0);
+  late[0].channels[0].values.array() -= late[0].channels[0].values[0];
+  late[0].times.array() += 3.0;
+  CHECK(of(predict_left_out(family, without, late, no_own, prediction), "model", ahead).largest < 1e-6);
+  for (Capture& capture : captures) capture.channels[0].values.array() += 0.2 * std::stod(capture.id);
   // A prior is for them, not for the fit, where the value is known.
   options.priors = {{"v(0)", {.mean = 1.0, .deviation = 1e-9}}};
   CHECK_THAT(fit(family, captures, options).coefficients[0].value, Catch::Matchers::WithinAbs(1.4, 1e-6));
