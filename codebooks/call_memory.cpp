@@ -53,7 +53,7 @@ std::size_t CallMemory::sheet_of(const std::vector<double>& times) {
   for (std::size_t s = 0; s < sheets_.size(); ++s) {
     if (sheets_[s].times == times) return s;
   }
-  sheets_.push_back({times, {}, {}});
+  sheets_.push_back({times, {}, {}, 0.0});
   places_.emplace_back();
   return sheets_.size() - 1;
 }
@@ -83,9 +83,22 @@ Eigen::MatrixXd CallMemory::operator()(const Eigen::MatrixXd& points, const std:
   return values;
 }
 
+long CallMemory::calls() const {
+  std::size_t count = 0;
+  for (const CallSheet& sheet : sheets_) count += sheet.points.size() / source_.coordinates.size();
+  return static_cast<long>(count);
+}
+
+double CallMemory::seconds_per_call() const {
+  double seconds = 0.0;
+  for (const CallSheet& sheet : sheets_) seconds += sheet.seconds;
+  return seconds / std::max(1.0, static_cast<double>(calls()));
+}
+
 std::size_t CallMemory::next_batch() const {
   constexpr double kFirst = 16.0;
-  const double expected = calls_ == 0 ? kFirst : source_.batch_seconds / last_seconds_per_call_;
+  const double expected =
+      last_seconds_per_call_ > 0.0 ? source_.batch_seconds / last_seconds_per_call_ : kFirst;
   return static_cast<std::size_t>(std::clamp(expected, 1.0, static_cast<double>(source_.batch)));
 }
 
@@ -98,8 +111,7 @@ void CallMemory::ask(const Eigen::MatrixXd& points, std::size_t sheet) {
   const Clock::time_point begin = Clock::now();
   SampledAnswers answers = source_.answers(points, sheets_[sheet].times);
   const std::chrono::duration<double> took = Clock::now() - begin;
-  asked_for_ += took;
-  calls_ += answers.values.cols();
+  sheets_[sheet].seconds += took.count();
   last_seconds_per_call_ = took.count() / static_cast<double>(points.cols());
   for (Eigen::Index j = 0; j < answers.values.cols(); ++j) {
     if (answers.values.col(j).allFinite()) continue;

@@ -37,11 +37,10 @@ class CallMemory {
   /// @throws CallFailed for the first point without an answer, or one that is not finite
   Eigen::MatrixXd operator()(const Eigen::MatrixXd& points, const std::vector<double>& times);
 
-  /// Calls that the source has answered, and what one took on average: 0 before the first.
-  long calls() const { return calls_; }
-  double seconds_per_call() const {
-    return calls_ > 0 ? asked_for_.count() / static_cast<double>(calls_) : 0.0;
-  }
+  /// Calls that the source has answered, in an earlier build, too, and what one took on average: 0 before the
+  /// first.
+  long calls() const;
+  double seconds_per_call() const;
 
   /// Stores what is not stored yet.
   void save();
@@ -62,9 +61,7 @@ class CallMemory {
   std::unordered_map<std::string, std::string> failures_;
   std::size_t next_batch() const;
 
-  std::chrono::duration<double> asked_for_{0.0};  ///< time that the source has taken
-  long calls_ = 0;                                ///< answered by it in that time
-  double last_seconds_per_call_ = 0.0;
+  double last_seconds_per_call_ = 0.0;  ///< of the batch before; 0: there was none
   Save save_;
   bool is_saved_ = true;
   Clock::time_point saved_at_ = Clock::now();

@@ -134,13 +134,15 @@ void write_state(io::Hdf5Writer& file, const pgd::SolverState& state) {
 struct CallTable {
   Eigen::VectorXd times;
   Eigen::MatrixXd points, values;
+  double seconds = 0.0;
 };
 
 CallSheet sheet_of(const CallTable& table) {
   const Eigen::MatrixXd points = table.points.transpose(), values = table.values.transpose();
   return {{table.times.begin(), table.times.end()},
           {points.data(), points.data() + points.size()},
-          {values.data(), values.data() + values.size()}};
+          {values.data(), values.data() + values.size()},
+          table.seconds};
 }
 
 CallTable table_of(const CallSheet& sheet, std::size_t coordinates) {
@@ -150,7 +152,7 @@ CallTable table_of(const CallSheet& sheet, std::size_t coordinates) {
   using Columns = Eigen::Map<const Eigen::MatrixXd>;
   return {Eigen::Map<const Eigen::VectorXd>(sheet.times.data(), times),
           Columns(sheet.points.data(), static_cast<Eigen::Index>(coordinates), calls).transpose(),
-          Columns(sheet.values.data(), rows, calls).transpose()};
+          Columns(sheet.values.data(), rows, calls).transpose(), sheet.seconds};
 }
 
 std::vector<CallTable> read_calls(const io::Hdf5Reader& file) {
@@ -162,6 +164,7 @@ std::vector<CallTable> read_calls(const io::Hdf5Reader& file) {
     CallTable table;
     if (file.has(path + "/times")) table.times = file.vector(path + "/times");
     table.points = file.matrix(path + "/points");
+    if (file.has_attribute(path, "seconds")) table.seconds = file.number_attribute(path, "seconds");
     table.values = file.matrix(path + "/values", {.rows = table.points.rows()});
     tables.push_back(std::move(table));
   }
@@ -225,6 +228,7 @@ void write_checkpoint(const std::filesystem::path& path, const std::string& plan
     if (table.times.size() > 0) file.write_vector(group + "/times", table.times);
     file.write_matrix(group + "/points", table.points);
     file.write_matrix(group + "/values", table.values);
+    file.write_number_attribute(group, "seconds", table.seconds);
   }
   file.commit();
 }

@@ -24,6 +24,7 @@ struct CallSheet {
   std::vector<double> times;   ///< empty: there is no time
   std::vector<double> points;  ///< the coordinates of the first, of the second, ..
   std::vector<double> values;  ///< the answers in the same order, outputs fastest, then times
+  double seconds = 0.0;        ///< that these calls have taken
 };
 
 /// Writes the engine's state; calls that are in the file stay.

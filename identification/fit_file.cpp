@@ -7,7 +7,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/identification/fit_report.h"
-#include "samara/io/text.h"
+#include "samara/io/text_file.h"
 
 namespace samara::identification {
 

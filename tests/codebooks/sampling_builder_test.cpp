@@ -293,8 +293,8 @@ TEST_CASE("a checkpoint that is none, or holds calls of another box, is refused"
 TEST_CASE("calls and the engine's state keep each other in one checkpoint") {
   const TemporaryDirectory directory;
   const auto file = directory / "c";
-  const std::vector<CallSheet> calls = {{{}, {1.0, 2.0, 3.0, 4.0}, {5.0, 6.0}},
-                                        {{0.0, 0.5}, {7.0, 8.0}, {9.0, 10.0}}};
+  const std::vector<CallSheet> calls = {{{}, {1.0, 2.0, 3.0, 4.0}, {5.0, 6.0}, 0.25},
+                                        {{0.0, 0.5}, {7.0, 8.0}, {9.0, 10.0}, 61.0}};
   save_calls(file, "plan", calls, 2);
   CHECK(load_checkpoint(file, "plan").round == 0);
   samara::pgd::SolverState state;
@@ -308,6 +308,7 @@ TEST_CASE("calls and the engine's state keep each other in one checkpoint") {
     CHECK(loaded[s].times == calls[s].times);
     CHECK(loaded[s].points == calls[s].points);
     CHECK(loaded[s].values == calls[s].values);
+    CHECK(loaded[s].seconds == calls[s].seconds);
   }
   save_calls(file, "another", calls, 2);  // whose state this is not
   CHECK(load_checkpoint(file, "another").iterations == 0);
