@@ -323,6 +323,15 @@ void check_steps(const FitProblem& problem, double step) {
                   seconds, seconds / step, step, kMostSteps));
 }
 
+/// "flight 98", or the capture that is a cluster of its own.
+std::string cluster_name(const std::vector<std::string>& cluster_by, const Motion& motion) {
+  if (cluster_by.empty()) return motion.id;
+  std::vector<std::string> parts;
+  for (const std::string& label : cluster_by)
+    parts.push_back(fmt::format("{} {}", label, motion.labels.at(label)));
+  return join(parts);
+}
+
 /// Numbers the clusters in the order in which they appear.
 void find_clusters(const std::vector<std::string>& cluster_by, FitProblem& problem) {
   std::map<std::vector<std::string>, int> clusters;
@@ -339,7 +348,9 @@ void find_clusters(const std::vector<std::string>& cluster_by, FitProblem& probl
       key.push_back(found->second);
     }
     if (cluster_by.empty()) key = {motion.file, motion.id};
-    motion.cluster = clusters.try_emplace(key, static_cast<int>(clusters.size())).first->second;
+    const auto [place, is_new] = clusters.try_emplace(key, static_cast<int>(clusters.size()));
+    motion.cluster = place->second;
+    if (is_new) problem.cluster_names.push_back(cluster_name(cluster_by, motion));
   }
   problem.cluster_count = static_cast<int>(clusters.size());
 }
