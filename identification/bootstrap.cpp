@@ -12,10 +12,6 @@ namespace samara::identification {
 
 namespace {
 
-/// Of the cost. A standard error changes it by one half or more among thousands of residuals: steps that
-/// change it by less than this are small beside errors that are themselves known to ten per cent.
-constexpr double kTolerance = 1e-7;
-
 /// One of each cluster; their mean is 1.
 Eigen::ArrayXd random_weights(int clusters, pgd::Random& random) {
   Eigen::ArrayXd weights(clusters);
@@ -74,7 +70,8 @@ void add_bootstrap(const FitProblem& problem, std::vector<SegmentResidual>& resi
     const Eigen::ArrayXd weights = random_weights(problem.cluster_count, random);
     for (Motion& motion : weighted.motions) motion.weight = weights[motion.cluster];
     draw_priors(problem, random, weighted);
-    const MinimizeResult run = minimize(weighted, residuals, point, options.max_iterations, kTolerance);
+    // Their scatter is known to ten per cent at best.
+    const MinimizeResult run = minimize(weighted, residuals, point, options.max_iterations, Precision::rough);
     if (run.status == FitStatus::failed) continue;
     bootstrap.converged += run.status == FitStatus::converged ? 1 : 0;
     bootstrap.coefficients.row(bootstrap.replicates++) = run.point.shared.transpose();

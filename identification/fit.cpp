@@ -15,6 +15,7 @@
 #include "samara/identification/join_weights.h"
 #include "samara/identification/minimize.h"
 #include "samara/identification/noise_levels.h"
+#include "samara/identification/other_optima.h"
 #include "samara/identification/segment_residual.h"
 #include "samara/identification/start_states.h"
 #include "samara/identification/starts.h"
@@ -28,6 +29,11 @@ std::vector<SegmentResidual> make_residuals(const TrajectoryFamily& family, cons
   std::vector<SegmentResidual> residuals;
   for (const Segment& segment : problem.segments) residuals.emplace_back(family, problem, segment);
   return residuals;
+}
+
+/// Costs that differ by less are equal: a millionth, and what rounding leaves of an exact fit.
+double cost_margin(const FitProblem& problem, double best) {
+  return 1e-6 * best + 1e-9 * problem.observation_count();
 }
 
 /// The descents of a fit, one per start.
@@ -116,8 +122,11 @@ class Descents {
       find_start_states(*equations, problem_, residuals_, again, true);
       MinimizeResult next = minimize(problem_, residuals_, std::move(again), options_.max_iterations);
       const int spent = best.iterations + next.iterations;
-      if (next.status != FitStatus::failed && next.cost < best.cost) best = std::move(next);
+      const bool is_better =
+          next.status != FitStatus::failed && next.cost < best.cost - cost_margin(problem_, best.cost);
+      if (is_better) best = std::move(next);
       best.iterations = spent;
+      if (!is_better) break;
     }
     return best;
   }
@@ -140,11 +149,6 @@ class Descents {
   std::optional<Eigen::VectorXd> deviations_;
   std::optional<FitPoint> searched_;
 };
-
-/// Costs that differ by less are equal: a millionth, and what rounding leaves of an exact fit.
-double cost_margin(const FitProblem& problem, double best) {
-  return 1e-6 * best + 1e-9 * problem.observation_count();
-}
 
 /// Index of the lowest cost among the starts that did not fail.
 std::optional<std::size_t> best_of(const std::vector<MinimizeResult>& runs) {
@@ -264,6 +268,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
       add_profile_warnings(result);
     }
     add_bootstrap(problem, residuals, point, options, result);
+    add_other_optima(problem, residuals, runs, *best, result);
   } else {
     result.message =
         fmt::format("none of {} starts led anywhere; the first: {}", runs.size(), runs.front().message);

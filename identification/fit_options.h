@@ -169,8 +169,9 @@ struct FitOptions {
   std::optional<double> step = {};
   SegmentOptions segments = {};
   GlobalOptions global = {};
-  /// So often start states are found (with the coefficients of the last time, the last start states among the
-  /// candidates) and all is fitted, where `segments.length` is given and segments are not joined.
+  /// So often at most, until it lowers the cost no more, start states are found (with the coefficients of the
+  /// last time, the last start states among the candidates) and all is fitted, where `segments.length` is
+  /// given and segments are not joined.
   int rounds = 1;
   /// The body moves alike after any turn about its z axis: start attitudes do not turn that way. Not with
   /// joined segments.
@@ -182,7 +183,7 @@ struct FitOptions {
   int starts = 3;
   /// Where the first start has shared coordinates (SI), in place of the centre of their boxes.
   std::map<std::string, double> initial = {};
-  /// Of each start.
+  /// Of each start and round: steps of the shared unknowns, where those of each capture settle between them.
   int max_iterations = 500;
   /// Told before each start; where it asks for an end, starts that remain are left out (the first never is).
   ProgressCallback progress = {};

@@ -165,6 +165,7 @@ struct FitProblem {
   std::vector<Motion> motions;
   std::vector<Segment> segments;
   int cluster_count = 0;
+  std::vector<std::string> cluster_names;  ///< what their captures have in common
   std::map<std::string, double> fixed;
 
   int shared_count() const { return static_cast<int>(shared.size()); }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "samara/base/names.h"
 #include "samara/identification/trust_report.h"
 
 namespace samara::identification {
@@ -32,6 +33,8 @@ Json json_of(const FitResult& result, const Coefficient& c) {
           {"upper", c.upper},
           {"at_bound", c.at_bound},
           {"determined", c.determined},
+          {"cluster_shares", c.cluster_shares},
+          {"effective_clusters", number(c.effective_clusters)},
           {"integration_shift", number(c.integration_shift)},
           {"verdict", verdict(result, c)}};
 }
@@ -83,6 +86,19 @@ Json json_of(const StartRecord& start) {
           {"reached_best", start.reached_best}};
 }
 
+Json json_of(const OtherOptimum& optimum) {
+  const auto list = [](const std::vector<double>& values) {
+    Json array = Json::array();
+    for (const double value : values) array.push_back(number(value));
+    return array;
+  };
+  return {{"coefficients", list(optimum.coefficients)},
+          {"standard_errors", list(optimum.standard_errors)},
+          {"cost", number(optimum.cost)},
+          {"excess", number(optimum.excess)},
+          {"excess_error", number(optimum.excess_error)}};
+}
+
 std::string unit_text(const std::string& unit) {
   return unit == "1" ? "" : fmt::format(" {}", unit);
 }
@@ -113,6 +129,17 @@ void add_coefficient_table(const FitResult& result, std::back_insert_iterator<st
   fmt::format_to(out,
                  "standard errors from the scatter of {} cluster{}; naive: frames taken as independent\n",
                  result.clusters, result.clusters == 1 ? "" : "s");
+  for (const Coefficient& c : result.coefficients) {
+    std::vector<std::string> parts;
+    for (const int cluster : carriers(result, c)) {
+      const auto at = static_cast<std::size_t>(cluster);
+      parts.push_back(
+          fmt::format("{:.0f} % of it from {}", 100.0 * c.cluster_shares[at], result.cluster_names[at]));
+    }
+    if (parts.empty()) continue;
+    fmt::format_to(out, "what is known of {} is {}: its error is at least what all clusters scatter in all\n",
+                   c.name, join(parts));
+  }
 }
 
 void add_capture_table(const FitResult& result, std::back_insert_iterator<std::string> out) {
@@ -144,6 +171,8 @@ std::string fit_json(const FitResult& result) {
   for (const CaptureFit& capture : result.captures) captures.push_back(json_of(capture));
   Json starts = Json::array();
   for (const StartRecord& start : result.starts) starts.push_back(json_of(start));
+  Json optima = Json::array();
+  for (const OtherOptimum& optimum : result.other_optima) optima.push_back(json_of(optimum));
   Json object = {{"schema", "samara-fit/1"},
                  {"status", to_string(result.status)},
                  {"message", result.message},
@@ -156,6 +185,7 @@ std::string fit_json(const FitResult& result) {
                  {"covariance", matrix(result.covariance)},
                  {"correlation", matrix(result.correlation)},
                  {"clusters", result.clusters},
+                 {"cluster_names", result.cluster_names},
                  {"residuals", json_of(result.residuals)},
                  {"residual_count", result.residual_count},
                  {"cost", number(result.cost)},
@@ -163,6 +193,7 @@ std::string fit_json(const FitResult& result) {
                  {"captures", captures},
                  {"starts", starts},
                  {"starts_at_best", result.starts_at_best},
+                 {"other_optima", optima},
                  {"iterations", result.iterations},
                  {"evaluations", result.evaluations},
                  {"seconds", result.seconds}};

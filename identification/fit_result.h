@@ -39,6 +39,13 @@ struct Coefficient {
   std::optional<double> naive_standard_error = {};
   bool at_bound = false;
   bool determined = true;
+  /// Of what is known of it, the part that each cluster of captures gives; they sum to 1, less what priors
+  /// give. Empty for fewer than two clusters, and where there is no error.
+  std::vector<double> cluster_shares = {};
+  /// So many clusters that say equally much would give as rough an error (cluster_errors.h): where it is
+  /// below 2.5 one or two carry the coefficient, and its standard error is at least what the scatter of all
+  /// clusters in all coefficients gives.
+  std::optional<double> effective_clusters = {};
   /// By how much it would move, to first order, if the steps of the trajectories were half as long. Empty
   /// where trajectories are not made of steps of one length, at a bound, and where not determined.
   std::optional<double> integration_shift = {};
@@ -91,6 +98,15 @@ struct StartRecord {
   bool reached_best = false;
 };
 
+/// Where another start ended that the captures cannot tell from the answer: see other_optima.h.
+struct OtherOptimum {
+  std::vector<double> coefficients = {};     ///< in the order of FitResult::coefficients
+  std::vector<double> standard_errors = {};  ///< there; NaN where there is none
+  double cost = 0.0;
+  double excess = 0.0;        ///< of its cost over that of the answer
+  double excess_error = 0.0;  ///< standard error of that, from clusters; NaN for fewer than two
+};
+
 /// What the fit found of the noise of one output, or of several that share a level.
 struct NoiseLevel {
   std::vector<std::string> outputs = {};  ///< "attitude" for the turns of attitudes, about each axis
@@ -141,6 +157,7 @@ struct FitResult {
   /// Second derivative of the cost by the coefficients, priors included, own unknowns eliminated.
   Eigen::MatrixXd information = {};
   int clusters = 0;
+  std::vector<std::string> cluster_names = {};  ///< what their captures have in common: "flight 98"
 
   std::vector<CaptureFit> captures = {};
   std::vector<OutputRms> residuals = {};  ///< over all captures
@@ -158,8 +175,9 @@ struct FitResult {
   int noise_rounds = 0;                ///< so often the levels were estimated, and all fitted again
   std::vector<StartRecord> starts = {};
   int starts_at_best = 0;  ///< starts that ended at the best cost
-  int iterations = 0;      ///< over all starts
-  long evaluations = 0;    ///< trajectories of single captures
+  std::vector<OtherOptimum> other_optima = {};
+  int iterations = 0;    ///< over all starts
+  long evaluations = 0;  ///< trajectories of single captures
   double seconds = 0.0;
 
   // What may be claimed; empty where it was not asked for or could not be computed.
@@ -178,9 +196,20 @@ struct FitResult {
   bool is_usable() const { return status == FitStatus::converged; }
 };
 
+/// The error of which two to either side hold 95 %: the standard error, or that of the bootstrap where there
+/// is one and it is larger, times t/1.96 with the quantile t of Student's distribution for the clusters on
+/// which it rests; the naive error where there is no other. Empty where there is none.
+/// @param coefficient one of the result's
+std::optional<double> widened_error(const FitResult& result, const Coefficient& coefficient);
+
+/// The one or two clusters that carry a coefficient, by number; empty where more do.
+std::vector<int> carriers(const FitResult& result, const Coefficient& coefficient);
+
 /// What may be said of a coefficient, in words, from its profile if it is determined at all and has one, else
-/// from its error: "1.17 +- 0.098", "1.05 to 1.31 (95 %)", "at least 0.83 (95 %)", "not determined", "at a
-/// bound of its box".
+/// from its widened error: "1.17 +- 0.098", "1.05 to 1.31 (95 %)", "at least 0.83 (95 %)", "not determined",
+/// "at a bound of its box"; "not converged, stopped at 1.17", "1.68 +- 0.11 or 0.87 +- 0.08" where another
+/// optimum is as good, "1.17 +- 0.098, by flight 98 almost alone" where one or two clusters carry it.
+/// @param coefficient one of the result's
 std::string verdict(const FitResult& result, const Coefficient& coefficient);
 
 }  // namespace samara::identification

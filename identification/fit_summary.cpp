@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/identification/camera.h"
+#include "samara/identification/cluster_errors.h"
 
 namespace samara::identification {
 
@@ -127,8 +128,14 @@ void add_coefficients(const FitProblem& problem, const FitPoint& point, const Un
                                    .naive_standard_error = standard_error(uncertainty.naive, at),
                                    .at_bound = uncertainty.at_bound[k] != 0,
                                    .determined = uncertainty.determined[k] != 0});
+    Coefficient& added = result.coefficients.back();
+    if (!added.standard_error) continue;
+    const Eigen::VectorXd shares = uncertainty.cluster_shares.row(at).transpose();
+    added.cluster_shares = {shares.begin(), shares.end()};
+    added.effective_clusters = effective_clusters(shares);
   }
   result.clusters = problem.cluster_count;
+  result.cluster_names = problem.cluster_names;
   result.covariance = problem.cluster_count >= 2 ? uncertainty.clustered : uncertainty.naive;
   result.correlation = correlation_of(result.covariance);
 }

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
+#include "samara/identification/cluster_errors.h"
 #include "samara/identification/determined_inverse.h"
 #include "samara/identification/loss.h"
 #include "samara/identification/minimize.h"
@@ -50,7 +51,8 @@ double dispersion_of(const Coefficient& c, double curvature, double naive) {
 
 /// Of the dispersion: from clusters where the error is, else from what is left over of the frames.
 double degrees_of_freedom(const FitProblem& problem, const Uncertainty& uncertainty, const Coefficient& c) {
-  return std::max(1, c.standard_error ? problem.cluster_count - 1 : uncertainty.residual_freedom);
+  if (!c.standard_error) return std::max(1, uncertainty.residual_freedom);
+  return error_degrees(c.effective_clusters.value_or(problem.cluster_count), problem.cluster_count);
 }
 
 /// Shared unknowns, then each capture's own, in one vector; and back.

@@ -8,6 +8,7 @@
 
 #include "samara/identification/box_bounds.h"
 #include "samara/identification/ceres_terms.h"
+#include "samara/identification/separable_descent.h"
 
 namespace samara::identification {
 
@@ -26,8 +27,7 @@ ceres::Problem::Options ownership(Evaluation& evaluation) {
   return options;
 }
 
-ceres::Solver::Options solver_options(const FitProblem& problem, Unknowns& unknowns, int max_iterations,
-                                      double tolerance) {
+ceres::Solver::Options solver_options(const FitProblem& problem, int max_iterations, double tolerance) {
   ceres::Solver::Options options;
   options.max_num_iterations = max_iterations;
   options.num_threads = 1;
@@ -36,19 +36,8 @@ ceres::Solver::Options solver_options(const FitProblem& problem, Unknowns& unkno
   options.function_tolerance = tolerance;
   options.gradient_tolerance = 1e-12;
   options.parameter_tolerance = 1e-11;
-  const bool has_shared = problem.shared_chart.directions() > 0;
-  const bool has_own = problem.own_count() > 0;
-  if (!has_own) {
-    options.linear_solver_type = ceres::DENSE_QR;
-  } else if (!has_shared || problem.is_joined()) {
-    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;  // small blocks, chained or not
-  } else {
-    options.linear_solver_type = ceres::DENSE_SCHUR;
-    auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-    for (std::size_t c = 0; c < problem.segments.size(); ++c) ordering->AddElementToGroup(unknowns.own(c), 0);
-    ordering->AddElementToGroup(unknowns.shared(), 1);
-    options.linear_solver_ordering = ordering;
-  }
+  // Shared unknowns alone, or small blocks in a chain.
+  options.linear_solver_type = problem.own_count() == 0 ? ceres::DENSE_QR : ceres::SPARSE_NORMAL_CHOLESKY;
   return options;
 }
 
@@ -225,7 +214,14 @@ class Descent {
 }  // namespace
 
 MinimizeResult minimize(const FitProblem& problem, std::vector<SegmentResidual>& residuals, FitPoint start,
-                        int max_iterations, double tolerance) {
+                        int max_iterations, Precision precision) {
+  if (problem.own_count() > 0 && !problem.is_joined()) {
+    constexpr double kShare = 0.01, kRoughShare = 0.1;
+    return minimize_separably(problem, residuals, std::move(start), max_iterations,
+                              precision == Precision::full ? kShare : kRoughShare);
+  }
+  constexpr double kChange = 1e-11, kRoughChange = 1e-7;
+  const double tolerance = precision == Precision::full ? kChange : kRoughChange;
   Unknowns unknowns(start, problem.shared_count(), problem.own_count());
   Evaluation evaluation(residuals, unknowns);
   // Ceres would complain about a start without trajectories on stderr.
@@ -233,7 +229,7 @@ MinimizeResult minimize(const FitProblem& problem, std::vector<SegmentResidual>&
     return {.point = std::move(start), .message = "there is no trajectory at this start"};
   }
   Descent descent(problem, residuals, unknowns, evaluation);
-  MinimizeResult result = descent.run(solver_options(problem, unknowns, max_iterations, tolerance));
+  MinimizeResult result = descent.run(solver_options(problem, max_iterations, tolerance));
   result.point = std::move(start);
   unknowns.store(result.point);
   return result;

@@ -7,7 +7,7 @@
 #include "samara/identification/fit_result.h"
 #include "samara/identification/segment_residual.h"
 
-/// Internal to identification/; the only place that knows Ceres.
+/// Internal to identification/; with ceres_terms.h the only place that knows Ceres.
 namespace samara::identification {
 
 struct MinimizeResult {
@@ -18,15 +18,17 @@ struct MinimizeResult {
   int iterations = 0;
 };
 
-/// Where many residuals are outliers the steps converge linearly only. At a relative change of the cost of
-/// 1e-11 the coefficients stand still within a thousandth of their standard errors.
-inline constexpr double kStandstill = 1e-11;
+/// How near to the minimum a descent ends. Where motions are not joined and have unknowns of their own, where
+/// no step would move an unknown by more than a hundredth (rough: a tenth) of its naive standard error
+/// (separable_descent.h); else where the cost changes by less than 1e-11 (rough: 1e-7) of itself. Where many
+/// residuals are outliers those steps converge linearly only: at 1e-11 the coefficients stand still within a
+/// thousandth of their standard errors.
+enum class Precision { full, rough };
 
 /// From one start to a minimum of 1/2 sum rho within the box.
 /// @param residuals one per segment of the problem
-/// @param tolerance relative change of the cost below which it ends
 /// @throws what a trajectory source throws
 MinimizeResult minimize(const FitProblem& problem, std::vector<SegmentResidual>& residuals, FitPoint start,
-                        int max_iterations, double tolerance = kStandstill);
+                        int max_iterations, Precision precision = Precision::full);
 
 }  // namespace samara::identification

@@ -28,6 +28,24 @@ std::vector<int> free_directions(const FitProblem& problem, const Motion& motion
   return free;
 }
 
+BoundedDirections bounded_directions(const FitProblem& problem, const Motion& motion, const FitPoint& point) {
+  const int directions = problem.own_chart.directions();
+  BoundedDirections result;
+  for (int k = 0; k < directions * static_cast<int>(motion.segment_count); ++k) result.all.push_back(k);
+  result.information.setZero(static_cast<Eigen::Index>(result.all.size()));
+  for (std::size_t k = 0; k < motion.segment_count; ++k) {
+    const std::vector<char> held = own_at_bounds(problem, point.own[motion.first_segment + k]);
+    for (std::size_t u = 0; u < held.size(); ++u) {
+      const int direction = problem.own_chart.direction_of(static_cast<int>(u));
+      if (!held[u] || direction < 0) continue;
+      const double width = problem.own[u].upper - problem.own[u].lower;
+      result.information[directions * static_cast<Eigen::Index>(k) + direction] = 12.0 / (width * width);
+      result.any = true;
+    }
+  }
+  return result;
+}
+
 std::vector<int> free_indices(const std::vector<char>& at_bound) {
   std::vector<int> indices;
   for (std::size_t k = 0; k < at_bound.size(); ++k) {
@@ -84,6 +102,7 @@ MotionEquations motion_equations(const FitProblem& problem, const Motion& motion
   MotionEquations result;
   result.by_shared.resize(rows, problem.shared_count());
   result.by_own.setZero(rows, directions * static_cast<Eigen::Index>(motion.segment_count));
+  result.residual.resize(rows);
   result.psi.resize(rows);
   result.dpsi.setOnes(rows);
   result.is_data.setZero(rows);
@@ -103,6 +122,7 @@ MotionEquations motion_equations(const FitProblem& problem, const Motion& motion
     const auto priors = result.by_own.middleRows(first + residual.data_size(), residual.prior_size());
     result.own_priors += priors.transpose() * priors;
     for (Eigen::Index row = 0; row < residual.size(); ++row) {
+      result.residual[first + row] = residual.residual()[row];
       result.psi[first + row] = residual.residual()[row];
       if (row >= residual.data_size()) continue;
       const LossValue value = loss_value(problem.loss, residual.residual()[row]);
@@ -129,16 +149,23 @@ Eigen::VectorXd own_floor(const FitProblem& problem, const Motion& motion, const
 
 }  // namespace
 
-Eigen::MatrixXd prior_information(const FitProblem& problem, const FitPoint& point) {
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(problem.shared_count(), problem.shared_count());
+PriorTerms prior_terms(const FitProblem& problem, const FitPoint& point) {
+  const Eigen::Index count = problem.shared_count();
+  PriorTerms sum{.gradient = Eigen::VectorXd::Zero(count),
+                 .information = Eigen::MatrixXd::Zero(count, count)};
   for (const SharedPrior& prior : problem.priors) {
-    const double derivative = prior_residual(prior.prior, point.shared[prior.shared]).derivative;
-    sum(prior.shared, prior.shared) += derivative * derivative;
+    const PriorResidual residual = prior_residual(prior.prior, point.shared[prior.shared]);
+    sum.cost += 0.5 * residual.value * residual.value;
+    sum.gradient[prior.shared] += residual.value * residual.derivative;
+    sum.information(prior.shared, prior.shared) += residual.derivative * residual.derivative;
   }
   for (const SharedCombination& combination : problem.combinations) {
+    const double residual = combination.residual(point.shared.data());
+    sum.cost += 0.5 * residual * residual;
     for (const auto& [row, a] : combination.terms) {
+      sum.gradient[row] += residual * a / combination.deviation;
       for (const auto& [column, b] : combination.terms) {
-        sum(row, column) += a * b / (combination.deviation * combination.deviation);
+        sum.information(row, column) += a * b / (combination.deviation * combination.deviation);
       }
     }
   }
@@ -147,7 +174,7 @@ Eigen::MatrixXd prior_information(const FitProblem& problem, const FitPoint& poi
 
 MotionTerms motion_terms(const FitProblem& problem, const Motion& motion,
                          const std::vector<SegmentResidual>& residuals, const FitPoint& point,
-                         const std::vector<int>& own) {
+                         const std::vector<int>& own, const Eigen::VectorXd& own_information) {
   const MotionEquations equations = motion_equations(problem, motion, residuals, point);
   MotionTerms terms;
   terms.own_free = own;
@@ -158,16 +185,18 @@ MotionTerms motion_terms(const FitProblem& problem, const Motion& motion,
   terms.dpsi_sum = equations.dpsi_sum;
 
   terms.own_priors = equations.own_priors(own, own);
-  terms.own_inverse = invert_determined(J_o.transpose() * J_o, own_floor(problem, motion, own));
+  Eigen::MatrixXd beside = Eigen::MatrixXd::Zero(J_o.cols(), J_o.cols());
+  if (own_information.size() > 0) beside.diagonal() = own_information;
+  terms.own_inverse = invert_determined(J_o.transpose() * J_o + beside, own_floor(problem, motion, own));
   terms.projection = terms.own_inverse.inverse * (J_o.transpose() * J_s);
   const Eigen::MatrixXd rest = J_s - J_o * terms.projection;
   terms.shared_diagonal_before = J_s.colwise().squaredNorm().transpose();
-  terms.normal = rest.transpose() * rest;
+  terms.normal = rest.transpose() * rest + terms.projection.transpose() * beside * terms.projection;
   terms.prior_part = terms.projection.transpose() * terms.own_priors * terms.projection;
   const Eigen::VectorXd leverage = (J_o * terms.own_inverse.inverse).cwiseProduct(J_o).rowwise().sum();
   terms.own_unknowns = leverage.dot(equations.is_data);
 
-  const Eigen::MatrixXd H_oo = J_o.transpose() * dpsi.asDiagonal() * J_o;
+  const Eigen::MatrixXd H_oo = J_o.transpose() * dpsi.asDiagonal() * J_o + beside;
   const Eigen::MatrixXd H_os = J_o.transpose() * dpsi.asDiagonal() * J_s;
   terms.hessian = J_s.transpose() * dpsi.asDiagonal() * J_s;
   terms.score = J_s.transpose() * equations.psi;

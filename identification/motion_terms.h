@@ -21,6 +21,15 @@ std::vector<char> own_at_bounds(const FitProblem& problem, const Eigen::VectorXd
 /// Directions of all segments of a motion whose unknowns are not at bounds.
 std::vector<int> free_directions(const FitProblem& problem, const Motion& motion, const FitPoint& point);
 
+/// Directions of all segments of a motion, and the information that their boxes give of those at a bound: as
+/// if they were free, with the deviation of a uniform distribution over the box.
+struct BoundedDirections {
+  std::vector<int> all;
+  Eigen::VectorXd information;
+  bool any = false;  ///< at a bound
+};
+BoundedDirections bounded_directions(const FitProblem& problem, const Motion& motion, const FitPoint& point);
+
 /// Indices of what is not at a bound.
 std::vector<int> free_indices(const std::vector<char>& at_bound);
 
@@ -40,6 +49,7 @@ bool evaluate_all(std::vector<SegmentResidual>& residuals, const FitPoint& point
 /// they can move, segment after segment.
 struct MotionEquations {
   Eigen::MatrixXd by_shared, by_own;
+  Eigen::VectorXd residual;
   Eigen::VectorXd psi, dpsi;   ///< of priors and joins: the residual, and one
   Eigen::MatrixXd own_priors;  ///< J^T J of the priors' rows
   Eigen::VectorXd is_data;     ///< one for data, zero for priors and joins
@@ -71,13 +81,20 @@ struct MotionTerms {
 /// Of the mean of psi': below it all residuals are outliers, and there are no errors.
 inline constexpr double kLeastSlope = 1e-12;
 
-/// What priors of shared unknowns, single ones and combinations, add to the Hessian of the cost.
-Eigen::MatrixXd prior_information(const FitProblem& problem, const FitPoint& point);
+/// What priors of shared unknowns, single ones and combinations, add to the cost, its gradient and its
+/// Hessian.
+struct PriorTerms {
+  double cost = 0.0;
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd information;
+};
+PriorTerms prior_terms(const FitProblem& problem, const FitPoint& point);
 
 /// @param residuals evaluated at `point`, with derivatives
 /// @param own free directions
+/// @param own_information what else is known of them, on the diagonal of their information
 MotionTerms motion_terms(const FitProblem& problem, const Motion& motion,
                          const std::vector<SegmentResidual>& residuals, const FitPoint& point,
-                         const std::vector<int>& own);
+                         const std::vector<int>& own, const Eigen::VectorXd& own_information = {});
 
 }  // namespace samara::identification

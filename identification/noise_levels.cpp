@@ -203,7 +203,7 @@ std::vector<NoiseLevels::Column> NoiseLevels::columns(const FitProblem& problem,
   }
   double slope = 0.0;  // mean(psi'): the weight of frames beside priors
   for (const MotionTerms& one : terms) slope += one.dpsi_sum / problem.observation_count();
-  normal += prior_information(problem, point) / std::max(slope, kLeastSlope);
+  normal += prior_terms(problem, point).information / std::max(slope, kLeastSlope);
   const std::vector<int> free = free_indices(at_bounds(problem.shared, problem.shared_chart, point.shared));
   const Eigen::MatrixXd inverse =
       invert_determined(normal(free, free), Eigen::VectorXd::Zero(static_cast<Eigen::Index>(free.size())))

@@ -290,6 +290,15 @@ void check_steps(const FitProblem& problem, double step) {
                   seconds, seconds / step, step, kMostSteps));
 }
 
+/// "flight 98", or the capture that is a cluster of its own.
+std::string cluster_name(const std::vector<std::string>& cluster_by, const Motion& motion) {
+  if (cluster_by.empty()) return motion.whole;
+  std::vector<std::string> parts;
+  for (const std::string& label : cluster_by)
+    parts.push_back(fmt::format("{} {}", label, motion.labels.at(label)));
+  return join(parts);
+}
+
 /// Tells clusters apart.
 std::vector<std::string> cluster_key(const std::string& id, const std::string& file,
                                      const std::map<std::string, std::string>& labels,
@@ -325,7 +334,9 @@ void find_clusters(const std::vector<std::string>& cluster_by, FitProblem& probl
   const std::vector<int> clusters = numbered(keys);
   for (std::size_t k = 0; k < clusters.size(); ++k) {
     problem.motions[k].cluster = clusters[k];
-    problem.cluster_count = std::max(problem.cluster_count, clusters[k] + 1);
+    if (clusters[k] < problem.cluster_count) continue;
+    problem.cluster_count = clusters[k] + 1;
+    problem.cluster_names.push_back(cluster_name(cluster_by, problem.motions[k]));
   }
 }
 

@@ -34,6 +34,8 @@ constexpr std::array kGuesses = {StartSmoothing{3, 9, AttitudeGuess{true}},
                                  StartSmoothing{4, 15, AttitudeGuess{false, 0.0, kTilt}},
                                  StartSmoothing{4, 15, AttitudeGuess{false, 0.0, -kTilt}}};
 constexpr int kTrialIterations = 4;
+/// Of candidates beside states that were fitted: with the same patience these would always win.
+constexpr int kRivalIterations = 12;
 constexpr int kIterations = 15;
 /// A segment whose cost is so many times the median has not found its motion.
 constexpr double kFarAbove = 4.0;
@@ -127,12 +129,12 @@ class OwnProblem {
 /// The best of the candidates for one segment.
 double choose(const FitProblem& problem, SegmentResidual& residual, const Eigen::VectorXd& shared,
               const std::vector<std::vector<Eigen::VectorXd>>& candidates, std::size_t segment,
-              Eigen::VectorXd& best) {
+              int trial_iterations, Eigen::VectorXd& best) {
   const auto frames = static_cast<int>(residual.segment().times.size());
   double lowest = kInfinity;
   for (const auto& candidate : candidates) {
     Eigen::VectorXd own = candidate[segment];
-    const double cost = minimize_own(problem, residual, shared, own, frames, kTrialIterations);
+    const double cost = minimize_own(problem, residual, shared, own, frames, trial_iterations);
     if (cost < lowest || best.size() == 0) best = own;
     lowest = std::min(lowest, cost);
   }
@@ -211,7 +213,8 @@ void find_start_states(const models::ParametricModel& equations, const FitProble
   std::vector<double> costs(residuals.size());
   std::vector<Eigen::VectorXd> chosen(residuals.size());
   tbb::parallel_for(std::size_t{0}, residuals.size(), [&](std::size_t k) {
-    costs[k] = choose(problem, residuals[k], point.shared, candidates, k, chosen[k]);
+    const int trials = also_point ? kRivalIterations : kTrialIterations;
+    costs[k] = choose(problem, residuals[k], point.shared, candidates, k, trials, chosen[k]);
   });
   const double limit = far_above(costs);
   tbb::parallel_for(std::size_t{0}, residuals.size(), [&](std::size_t k) {

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "samara/identification/box_bounds.h"
+#include "samara/identification/cluster_errors.h"
 #include "samara/identification/determined_inverse.h"
 #include "samara/identification/motion_terms.h"
 
@@ -21,7 +22,8 @@ struct Totals {
   Eigen::MatrixXd own_priors;       ///< of the normal matrix, what priors of own unknowns add
   Eigen::MatrixXd priors;           ///< what those of shared ones add to the Hessian
   Eigen::VectorXd diagonal_before;
-  Eigen::MatrixXd cluster_scores;  ///< shared x clusters
+  Eigen::MatrixXd cluster_scores;                                  ///< shared x clusters
+  std::vector<Eigen::MatrixXd> cluster_normals, cluster_hessians;  ///< parts of the sums
   bool hessian_usable = true;
   double psi_squares = 0.0, dpsi_sum = 0.0, spread = 0.0;
   double mean_dpsi = 0.0;
@@ -40,19 +42,24 @@ Totals add_up(const FitProblem& problem, const std::vector<MotionTerms>& terms, 
   sum.hessian = sum.normal;
   sum.diagonal_before.setZero(shared_count);
   sum.cluster_scores.setZero(shared_count, problem.cluster_count);
+  sum.cluster_normals.assign(static_cast<std::size_t>(problem.cluster_count), sum.normal);
+  sum.cluster_hessians = sum.cluster_normals;
   for (std::size_t c = 0; c < terms.size(); ++c) {
     sum.normal += terms[c].normal;
     sum.own_priors += terms[c].prior_part;
     sum.hessian += terms[c].hessian;
     sum.diagonal_before += terms[c].shared_diagonal_before;
     sum.cluster_scores.col(problem.motions[c].cluster) += terms[c].score;
+    const auto cluster = static_cast<std::size_t>(problem.motions[c].cluster);
+    sum.cluster_normals[cluster] += terms[c].normal;
+    sum.cluster_hessians[cluster] += terms[c].hessian;
     sum.hessian_usable = sum.hessian_usable && terms[c].hessian_usable;
     sum.psi_squares += terms[c].psi_squares;
     sum.dpsi_sum += terms[c].dpsi_sum;
     sum.spread += spread(problem, problem.motions[c]);
     sum.own_unknowns += terms[c].own_unknowns;
   }
-  sum.priors = prior_information(problem, point);
+  sum.priors = prior_terms(problem, point).information;
   sum.mean_dpsi = sum.dpsi_sum / problem.observation_count();
   return sum;
 }
@@ -75,14 +82,6 @@ Eigen::MatrixXd naive_covariance(const Totals& sum, const std::vector<int>& free
   const double m = std::max(sum.mean_dpsi, kLeastSlope);
   return variance * K + (1.0 / m - variance) / m * (K * sum.priors(free, free) * K) +
          (1.0 - variance) * (K * sum.own_priors(free, free) * K);
-}
-
-/// H^-1 (C/(C - 1) sum_c g_c g_c^T + P) H^-1.
-Eigen::MatrixXd sandwich(const Eigen::MatrixXd& inverse_hessian, const Eigen::MatrixXd& scores,
-                         const Eigen::MatrixXd& priors) {
-  const auto clusters = static_cast<double>(scores.cols());
-  const Eigen::MatrixXd moved = inverse_hessian * scores;
-  return clusters / (clusters - 1.0) * moved * moved.transpose() + inverse_hessian * priors * inverse_hessian;
 }
 
 /// Of the free directions of a motion: with the shared unknowns known, and what their errors bring along.
@@ -132,22 +131,30 @@ Eigen::MatrixXd scattered(const Eigen::MatrixXd& part, const std::vector<int>& i
   return whole;
 }
 
-/// The clustered covariance of the free unknowns. Where the Hessian of the loss does not serve, mean(psi')
-/// J^T J stands in, and `replaced` says so.
-Eigen::MatrixXd clustered_covariance(const FitProblem& problem, const Totals& sum,
-                                     const std::vector<int>& free, const DeterminedInverse& inverse,
-                                     bool& replaced) {
+/// The clustered errors of the free unknowns. Where the Hessian of the loss does not serve, mean(psi') J^T J
+/// stands in, and `replaced` says so.
+ClusterErrors clustered_errors(const FitProblem& problem, const Totals& sum, const std::vector<int>& free,
+                               bool all_determined, bool& replaced) {
   const auto count = static_cast<Eigen::Index>(free.size());
-  if (problem.cluster_count < 2 || count == 0) return Eigen::MatrixXd::Constant(count, count, kNaN);
-  const Eigen::MatrixXd scores = sum.cluster_scores(free, Eigen::all);
-  const Eigen::MatrixXd priors = sum.priors(free, free);
+  ClusterErrors none{.covariance = Eigen::MatrixXd::Constant(count, count, kNaN),
+                     .shares = Eigen::MatrixXd::Zero(count, problem.cluster_count)};
+  if (problem.cluster_count < 2 || count == 0) return none;
   const Eigen::LLT<Eigen::MatrixXd> hessian(sum.full_hessian()(free, free));
   replaced = !sum.hessian_usable || hessian.info() != Eigen::Success;
-  if (!replaced && inverse.all_determined()) {
-    return sandwich(hessian.solve(Eigen::MatrixXd::Identity(count, count)), scores, priors);
+  const bool with_normal = replaced || !all_determined;
+  if (with_normal && sum.mean_dpsi <= kLeastSlope) return none;
+  std::vector<ClusterTerms> clusters;
+  for (std::size_t c = 0; c < sum.cluster_hessians.size(); ++c) {
+    const Eigen::MatrixXd terms =
+        with_normal ? Eigen::MatrixXd(sum.mean_dpsi * sum.cluster_normals[c]) : sum.cluster_hessians[c];
+    clusters.push_back({terms(free, free), sum.cluster_scores.col(static_cast<Eigen::Index>(c))(free)});
   }
-  if (sum.mean_dpsi <= kLeastSlope) return Eigen::MatrixXd::Constant(count, count, kNaN);
-  return sandwich(inverse.inverse / sum.mean_dpsi, scores, priors);
+  Eigen::MatrixXd priors = sum.priors(free, free);
+  // What is not determined has no error; here it must only not be in the way of the rest.
+  constexpr double kRidge = 1e-10;
+  if (!all_determined)
+    priors.diagonal() += kRidge * (sum.mean_dpsi * sum.diagonal_before(free) + priors.diagonal());
+  return cluster_errors(clusters, priors);
 }
 
 /// The Hessian of the cost where it is one of a minimum, else what stands in for it.
@@ -199,12 +206,25 @@ Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentR
   const Eigen::MatrixXd measured = (sum.normal - sum.own_priors)(free, free);
   const double unknowns = (inverse.inverse * measured).trace() + sum.own_unknowns;
   const double variance = naive_variance(problem, sum, unknowns);
-  result.naive = scattered(naive_covariance(sum, free, inverse.inverse, variance), free, all);
   result.information = information_of(sum);
   result.dispersion = variance * sum.mean_dpsi;
   result.residual_freedom = problem.observation_count() - static_cast<int>(std::lround(unknowns));
-  result.clustered =
-      scattered(clustered_covariance(problem, sum, free, inverse, result.hessian_replaced), free, all);
+  // Errors count that own unknowns at bounds may be elsewhere.
+  std::vector<MotionTerms> released;
+  for (std::size_t c = 0; c < terms.size(); ++c) {
+    const BoundedDirections own = bounded_directions(problem, problem.motions[c], point);
+    released.push_back(
+        own.any ? motion_terms(problem, problem.motions[c], residuals, point, own.all, own.information)
+                : terms[c]);
+  }
+  const Totals loose = add_up(problem, released, point);
+  const DeterminedInverse loose_inverse = invert_determined(loose.full_normal()(free, free), floor(free));
+  result.naive = scattered(naive_covariance(loose, free, loose_inverse.inverse, variance), free, all);
+  const ClusterErrors clustered =
+      clustered_errors(problem, loose, free, loose_inverse.all_determined(), result.hessian_replaced);
+  result.clustered = scattered(clustered.covariance, free, all);
+  result.cluster_shares = Eigen::MatrixXd::Zero(all, problem.cluster_count);
+  result.cluster_shares(free, Eigen::all) = clustered.shares;
   for (std::size_t c = 0; c < terms.size(); ++c) {
     const Eigen::MatrixXd covariance = own_covariance(terms[c], result.naive, variance);
     for (std::size_t k = 0; k < problem.motions[c].segment_count; ++k) {

@@ -22,6 +22,7 @@ struct OwnUncertainty {
 struct Uncertainty {
   Eigen::MatrixXd clustered;  ///< all NaN for fewer than two clusters
   Eigen::MatrixXd naive;
+  Eigen::MatrixXd cluster_shares;  ///< as ClusterErrors::shares; zero at a bound
   std::vector<char> at_bound;
   std::vector<char> determined;
   std::vector<std::vector<int>> undetermined_sets;  ///< as in DeterminedInverse

@@ -1,12 +1,14 @@
 /// A miniature blimp: 21 coefficients from eight flights, and four others predicted.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "blimp.h"
 #include "cases.h"
 #include "real_data.h"
+#include "samara/pgd/random.h"
 
 namespace samara::benchmarks::identification {
 
@@ -63,6 +65,27 @@ std::vector<Measurement> report_predictions(const std::vector<BlimpFlight>& left
   return best;
 }
 
+/// Halves with a spiral each, drawn at random.
+Claims claims_of_halves(const std::vector<BlimpFlight>& flights, int splits) {
+  std::vector<int> spirals, straights;
+  for (const BlimpFlight& flight : flights) (flight.is_spiral ? spirals : straights).push_back(flight.number);
+  pgd::Random random(1);
+  Claims claims;
+  for (int split = 0; split < splits; ++split) {
+    std::vector<int> half;
+    for (std::vector<int>* kind : {&spirals, &straights}) {
+      for (std::size_t k = kind->size() - 1; k > 0; --k) {
+        std::swap((*kind)[k],
+                  (*kind)[static_cast<std::size_t>(random.uniform() * static_cast<double>(k + 1))]);
+      }
+      half.insert(half.end(), kind->begin(), kind->begin() + std::ssize(*kind) / 2);
+    }
+    const BlimpSplit halves = split_blimp(flights, half);
+    claims.add_halves(fit_blimp(halves.training), fit_blimp(halves.left_out));
+  }
+  return claims;
+}
+
 }  // namespace
 
 void blimp_case(const Options& options) {
@@ -95,6 +118,11 @@ void blimp_case(const Options& options) {
       report(fmt::format("{}_stderr", name), error_of(with_added_mass, name));
     }
   }
+  constexpr int kSplits = 20;
+  Claims claims = claims_of_halves(flights, options.quick ? 2 : kSplits);
+  claims.add(fitted);
+  report("converged_fraction", claims.converged_fraction());
+  report("halves_beyond_two_errors", claims.halves_beyond_two_errors());
   Coefficients errors;
   if (!options.quick) errors = jackknife_errors(split.training);
   for (const std::string& name : blimp_coefficients()) {

@@ -27,6 +27,7 @@ constexpr const char* kCase = "falling_paper";
 constexpr std::size_t kDrops = 20;
 constexpr int kSplits = 3;
 constexpr int kReplicates = 20;  ///< of the bootstrap: they tell an error to 16 %
+constexpr int kStarts = 3;  ///< of the fits whose verdicts are held to each other
 constexpr int kFrames = 20;
 constexpr double kSilhouetteSize = 7e5;     ///< px^2/m^2, a start
 constexpr double kSilhouetteScale = 150.0;  ///< px^2
@@ -147,13 +148,16 @@ void try_mixture(const PaperSplit& windows, const FitOptions& options, const Pre
 }
 
 void one_split(const std::vector<samara::identification::Capture>& drops, std::uint64_t seed,
-               bool with_trials, Worst& worst, std::optional<Nearest>& nearest) {
+               bool with_trials, Worst& worst, std::optional<Nearest>& nearest, Claims& claims) {
   const PaperSplit windows = split(drops, kDrops, kFrames, seed);
   const auto body = paper_family();
   const FitOptions options = paper_options();
   FitOptions with_errors = options;
-  if (with_trials && seed == 1) with_errors.bootstrap.replicates = kReplicates;
+  with_errors.bootstrap.replicates = kReplicates;
+  with_errors.starts = kStarts;
   const FitResult fitted = samara::identification::fit(*body, captures_of(windows.fitted), with_errors);
+  const FitResult of_unseen = samara::identification::fit(*body, captures_of(windows.unseen), with_errors);
+  claims.add_halves(fitted, of_unseen);
   const Prediction unseen = predict_unseen(*body, options, values_of(fitted), windows.unseen);
   note(worst, "fit_median", median_of(window_misfits(fitted)));
   note(worst, "next_median", median_of(unseen.errors));
@@ -189,6 +193,8 @@ void one_split(const std::vector<samara::identification::Capture>& drops, std::u
       unseen.fit.seconds, 1e3 * median_of(window_misfits(fitted)), 1e3 * median_of(unseen.errors),
       1e3 * rms_of(unseen.errors), 1e3 * median_of(line), 1e3 * rms_of(line));
   say_coefficients(fitted);
+  fmt::print(stderr, "  the other drops: {}\n", of_unseen.message);
+  say_coefficients(of_unseen);
 }
 
 }  // namespace
@@ -199,10 +205,13 @@ void falling_paper_case(const Options& options) {
   const auto drops = paper_drops(*folder);
   Worst worst;
   std::optional<Nearest> nearest;
+  Claims claims;
   for (int seed = 1; seed <= (options.quick ? 1 : kSplits); ++seed) {
-    one_split(drops, static_cast<std::uint64_t>(seed), !options.quick, worst, nearest);
+    one_split(drops, static_cast<std::uint64_t>(seed), !options.quick, worst, nearest, claims);
   }
   print({kBench, kCase, "best_baseline", nearest->model, "m", nearest->baseline.name, nearest->ratio()});
+  print({kBench, kCase, "converged_fraction", claims.converged_fraction()});
+  print({kBench, kCase, "halves_beyond_two_errors", claims.halves_beyond_two_errors()});
   for (const auto& [metric, value] : worst) {
     print({kBench, kCase, metric, value, metric.ends_with("_over_line") ? "1" : "m"});
   }

@@ -63,6 +63,59 @@ double error_of(const FitResult& result, const std::string& name) {
   return coefficient_of(result, name).standard_error.value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
+namespace {
+
+struct Claim {
+  double value, error;
+};
+
+/// Of the answer, and of optima that are as good.
+std::vector<Claim> claims_of(const FitResult& result, std::size_t coefficient) {
+  const Coefficient& c = result.coefficients[coefficient];
+  const auto error = samara::identification::widened_error(result, c);
+  if (!error || c.at_bound || !c.determined) return {};
+  const double widening = c.standard_error ? *error / *c.standard_error : 1.0;
+  std::vector<Claim> claims = {{c.value, *error}};
+  for (const auto& optimum : result.other_optima) {
+    const double there = optimum.standard_errors[coefficient];
+    if (!std::isfinite(there)) continue;
+    claims.push_back({optimum.coefficients[coefficient], widening * there});
+  }
+  return claims;
+}
+
+}  // namespace
+
+void Claims::add(const FitResult& result) {
+  ++fits_;
+  converged_ += result.status == samara::identification::FitStatus::converged ? 1 : 0;
+}
+
+void Claims::add_halves(const FitResult& one, const FitResult& other) {
+  add(one);
+  add(other);
+  for (std::size_t k = 0; k < one.coefficients.size(); ++k) {
+    const std::vector<Claim> here = claims_of(one, k);
+    const std::vector<Claim> there = claims_of(other, k);
+    if (here.empty() || there.empty()) continue;
+    bool agree = false;
+    for (const Claim& a : here) {
+      for (const Claim& b : there)
+        agree = agree || std::abs(a.value - b.value) <= 2.0 * std::hypot(a.error, b.error);
+    }
+    ++compared_;
+    beyond_ += agree ? 0 : 1;
+  }
+}
+
+double Claims::converged_fraction() const {
+  return static_cast<double>(converged_) / fits_;
+}
+
+double Claims::halves_beyond_two_errors() const {
+  return static_cast<double>(beyond_) / compared_;
+}
+
 double median_of(std::vector<double> values) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::ranges::sort(values);

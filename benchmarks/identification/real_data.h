@@ -39,6 +39,25 @@ Coefficients values_of(const samara::identification::FitResult& result);
 double value_of(const samara::identification::FitResult& result, const std::string& name);
 double error_of(const samara::identification::FitResult& result, const std::string& name);
 
+/// What fits of a case claim, held to each other: whether they converge, and whether disjoint halves of the
+/// data agree within what is said.
+class Claims {
+ public:
+  void add(const samara::identification::FitResult& result);
+  /// Two fits of disjoint captures, not added yet. A coefficient counts where both give it an error, and as
+  /// one that disagrees where no value of the one (another optimum counts) is within two errors of one of the
+  /// other.
+  void add_halves(const samara::identification::FitResult& one,
+                  const samara::identification::FitResult& other);
+
+  double converged_fraction() const;
+  double halves_beyond_two_errors() const;
+
+ private:
+  int fits_ = 0, converged_ = 0;
+  int compared_ = 0, beyond_ = 0;
+};
+
 double median_of(std::vector<double> values);
 double rms_of(const std::vector<double>& values);
 

@@ -66,20 +66,30 @@ Flutter medians(const std::vector<Flutter>& all) {
   return {median_of(speed), median_of(frequency), median_of(amplitude)};
 }
 
+/// Covariance of the logarithms of the coefficients over the fits of a bootstrap, which go where the cost
+/// bends.
+Eigen::MatrixXd scatter_of_logs(const samara::identification::Bootstrap& bootstrap) {
+  Eigen::MatrixXd logs = bootstrap.coefficients.array().log();
+  logs.rowwise() -= logs.colwise().mean().eval();
+  return logs.transpose() * logs / static_cast<double>(logs.rows() - 1);
+}
+
 /// The joint cost around the optimum of the windows.
 class Joint {
  public:
   Joint(const PlateKind& kind, const FitResult& windows, const Flutter& measured)
       : kind_(kind), measured_(measured), centre_(static_cast<Eigen::Index>(windows.coefficients.size())) {
     const auto n = centre_.size();
-    Eigen::MatrixXd covariance(n, n);
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto& a = windows.coefficients[static_cast<std::size_t>(i)];
       names_.push_back(a.name);
       centre_[i] = std::log(a.value);
+    }
+    Eigen::MatrixXd covariance = windows.bootstrap ? scatter_of_logs(*windows.bootstrap) : Eigen::MatrixXd();
+    for (Eigen::Index i = 0; i < n && !windows.bootstrap; ++i) {
+      covariance.conservativeResize(n, n);
       for (Eigen::Index k = 0; k < n; ++k) {
-        const double value =
-            windows.covariance(i, k) / a.value / windows.coefficients[static_cast<std::size_t>(k)].value;
+        const double value = windows.covariance(i, k) / std::exp(centre_[i] + centre_[k]);
         // What the windows do not determine is known within a factor of e.
         covariance(i, k) = std::isfinite(value) ? value : (i == k ? 1.0 : 0.0);
       }

@@ -45,8 +45,8 @@ std::optional<samara::identification::Flutter> simulated_flutter(const PlateKind
 ///
 ///   1/2 d . C^-1 d + 1/2 sum_k (log(simulated_k/measured_k)/weight_k)^2
 ///
-/// d from the optimum of the windows, C its covariance between drops; weights 1 % of the fall speed, 1 % of
-/// the frequency, 3 % of the amplitude.
+/// d from the optimum of the windows, C its covariance between drops, by the bootstrap where there is one;
+/// weights 1 % of the fall speed, 1 % of the frequency, 3 % of the amplitude.
 struct JointCost {
   double windows = 0.0, statistics = 0.0;
 };

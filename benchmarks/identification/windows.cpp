@@ -119,7 +119,7 @@ void say_coefficients(const FitResult& result) {
     const auto& c = result.coefficients[k];
     fmt::print(stderr, "  {} {:.3g} +- {:.2g}", c.name, c.value, error_of(result, c.name));
     if (result.bootstrap) fmt::print(stderr, ", bootstrap {:.2g}", result.bootstrap->standard_errors[k]);
-    fmt::print(stderr, "\n");
+    fmt::print(stderr, ": {}\n", verdict(result, c));
   }
   if (result.bootstrap) {
     fmt::print(stderr, "  {} of {} fits of the bootstrap converged\n", result.bootstrap->converged,

@@ -61,7 +61,9 @@ TEST_CASE("a prior counts in standard errors with its own deviation, frames with
   }
   const double dispersion = squares / (27 - N / (N + P));
   CHECK_THAT(v.naive_standard_error.value(), WithinRel(std::sqrt(dispersion * N + P) / (N + P), 1e-6));
-  CHECK_THAT(v.standard_error.value(), WithinRel(std::sqrt(1.5 * scores + P) / (N + P), 1e-6));
+  // Of each score the answer has taken the cluster's share of the information.
+  const double left = 1.0 - N / 3.0 / (N + P);
+  CHECK_THAT(v.standard_error.value(), WithinRel(std::sqrt(scores / left + P) / (N + P), 1e-6));
 }
 
 TEST_CASE("a prior of a capture's own coordinate counts in its error with its own deviation") {
