@@ -134,10 +134,10 @@ void add_coefficient_table(const FitResult& result, std::back_insert_iterator<st
     for (const int cluster : carriers(result, c)) {
       const auto at = static_cast<std::size_t>(cluster);
       parts.push_back(
-          fmt::format("{:.0f} % of it from {}", 100.0 * c.cluster_shares[at], result.cluster_names[at]));
+          fmt::format("{:.0f} % from {}", 100.0 * c.cluster_shares[at], result.cluster_names[at]));
     }
     if (parts.empty()) continue;
-    fmt::format_to(out, "what is known of {} is {}: its error is at least what all clusters scatter in all\n",
+    fmt::format_to(out, "what is known of {} comes to {}: its error is at least what all clusters scatter\n",
                    c.name, join(parts));
   }
 }

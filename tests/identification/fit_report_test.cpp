@@ -82,6 +82,19 @@ TEST_CASE("reports hold the errors from random weights") {
   CHECK_THAT(fit_text(result), Contains("weighted at random: C_D -\n"));
 }
 
+TEST_CASE("the text names the clusters that carry a coefficient almost alone") {
+  FitResult result = example();
+  Coefficient& c = result.coefficients[0];
+  result.clusters = 3;
+  result.cluster_names = {"flight 98", "flight 7", "flight 8"};
+  c.standard_error = 0.1;
+  c.cluster_shares = {0.9, 0.06, 0.04};
+  c.effective_clusters = 1.2;
+  CHECK_THAT(fit_text(result),
+             Contains(fmt::format("what is known of {} comes to 90 % from flight 98:", c.name)));
+  CHECK_THAT(verdict(result, c), Contains("by flight 98 almost alone"));
+}
+
 TEST_CASE("reports of joined segments say how nearly they join") {
   FitResult result = example();
   CHECK(nlohmann::json::parse(fit_json(result))["join_defect"].is_null());
