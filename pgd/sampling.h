@@ -18,7 +18,8 @@
 /// is interpolated on crosses of that grid, one matrix of pivots between every two neighbouring coordinates,
 /// outputs first, so that a call gives all outputs. In every round
 ///
-///  1. pivots are added where the cross errs, found in a random column and the row of its largest error, until
+///  1. pivots are added where the cross errs, found in a random column and the row of its largest error,
+///  until
 ///     none errs by more than the tolerance asks for;
 ///  2. a few random points of the box, which the builder did not choose and which lie on no grid, are called:
 ///     the worst of them become pivots too, since a search among neighbours of known pivots cannot see what
