@@ -105,6 +105,7 @@ Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {
                  {"wrong_points", nullptr},
                  {"share_above", nullptr},
                  {"climbed_points", c.climbed_points},
+                 {"refuted_before", c.refuted_before},
                  {"seed", c.seed},
                  {"integrator", c.integrator},
                  {"integrator_tolerance", c.integrator_tolerance},
@@ -117,7 +118,7 @@ Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {
                  {"outputs", Json::array()}};
   if (c.wrong_points) {
     object["wrong_points"] = *c.wrong_points;
-    object["share_above"] = codebooks::share_above(*c.wrong_points, c.points);
+    object["share_above"] = codebooks::share_above(*c.wrong_points, c.points, c.refuted_before);
   }
   if (c.norm_defect) object["norm_defect"] = {{"max", c.norm_defect->max}, {"rms", c.norm_defect->rms}};
   for (const codebooks::OutputError& o : c.outputs) {
@@ -158,7 +159,7 @@ std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook&
   if (c.wrong_points) {
     text +=
         fmt::format("  with 95 % confidence at most {:.2g} % of the box errs by more: {} of {} points do\n",
-                    100.0 * codebooks::share_above(*c.wrong_points, c.points),
+                    100.0 * codebooks::share_above(*c.wrong_points, c.points, c.refuted_before),
                     *c.wrong_points == 0 ? "none" : std::to_string(*c.wrong_points), c.points);
   }
   if (c.climbed_points > 0)

@@ -84,6 +84,8 @@ std::string sentence(const BuildRecord& record, const Certificate& certificate, 
                        certificate.points, of_command ? "points have no answer" : "integrations failed",
                        certificate.failure.empty() ? "" : ", the first with: ", certificate.failure);
   }
+  if (!certificate.failure.empty())
+    return fmt::format("the certificate is incomplete, a climb failed with: {}", certificate.failure);
   const std::string error = fmt::format("largest error {:.3g} at {} points, tolerance {:.3g}",
                                         certificate.max_error, certificate.points, certificate.tolerance);
   if (record.status != "converged")
@@ -148,6 +150,8 @@ class Certifier {
 
   Measured operator()(const Codebook& book, Extent extent) {
     Measured measured = measure_(book, options_, extent);
+    measured.certificate.refuted_before = refuted_;
+    refuted_ += measured.wrong.cols() > 0 ? 1 : 0;
     ++options_.seed;
     return measured;
   }
@@ -155,6 +159,7 @@ class Certifier {
  private:
   CertifyOptions options_;
   Measure measure_;
+  int refuted_ = 0;
 };
 
 /// A plan on its way to a codebook.
@@ -174,8 +179,10 @@ struct Build {
   }
 
   Solution solve_by_sampling(CallMemory& calls, long max_calls) {
-    const CertifyClaim certify_claim = [this](const pgd::TrainField& field) {
-      return certifier(book_of({{Piece{{field}}}, {}, {}, 0.0}), Extent::until_wrong);
+    const CertifyClaim certify_claim = [this](const pgd::TrainField& field, double calls_made) {
+      BuildRecord record;
+      record.evaluations = calls_made;
+      return certifier(book_of({{Piece{{field}}}, std::move(record), {}, 0.0}), Extent::until_wrong);
     };
     return codebooks::solve_by_sampling(plan, calls, max_calls, progress, certify_claim);
   }
@@ -201,7 +208,8 @@ struct Build {
     const bool met = certificate.met;
     const bool of_command = book.is_of_command();
     std::string message = sentence(record, certificate, of_command, cancelled);
-    const bool has_failed = of_command && (record.status == "failed" || certificate.failed_points > 0);
+    const bool has_failed = of_command && (record.status == "failed" || certificate.failed_points > 0 ||
+                                           !certificate.failure.empty());
     return {book.with_certificate(std::move(certificate)), met, std::move(message), cancelled || has_failed};
   }
 };
@@ -299,7 +307,7 @@ BuildResult build_of_command(const Plan& plan, const pgd::PointsFunction& functi
                [&](const Codebook& book, CertifyOptions certify_by, Extent extent) {
                  if (!options.certificate_points)
                    certify_by.points =
-                       plan.certificate_points(calls.seconds_per_call(), static_cast<double>(calls.calls()));
+                       plan.certificate_points(calls.seconds_per_call(), book.build().evaluations);
                  return measure(book, calls, certify_by, extent);
                }}};
   Solution solved = build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls));

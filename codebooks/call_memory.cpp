@@ -83,16 +83,14 @@ Eigen::MatrixXd CallMemory::operator()(const Eigen::MatrixXd& points, const std:
   return values;
 }
 
-long CallMemory::calls() const {
-  std::size_t count = 0;
-  for (const CallSheet& sheet : sheets_) count += sheet.points.size() / source_.coordinates.size();
-  return static_cast<long>(count);
-}
-
 double CallMemory::seconds_per_call() const {
   double seconds = 0.0;
-  for (const CallSheet& sheet : sheets_) seconds += sheet.seconds;
-  return seconds / std::max(1.0, static_cast<double>(calls()));
+  std::size_t calls = 0;
+  for (const CallSheet& sheet : sheets_) {
+    seconds += sheet.seconds;
+    calls += sheet.points.size() / source_.coordinates.size();
+  }
+  return seconds / static_cast<double>(std::max<std::size_t>(1, calls));
 }
 
 std::size_t CallMemory::next_batch() const {

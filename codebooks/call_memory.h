@@ -37,9 +37,7 @@ class CallMemory {
   /// @throws CallFailed for the first point without an answer, or one that is not finite
   Eigen::MatrixXd operator()(const Eigen::MatrixXd& points, const std::vector<double>& times);
 
-  /// Calls that the source has answered, in an earlier build, too, and what one took on average: 0 before the
-  /// first.
-  long calls() const;
+  /// What a call took on average, in an earlier build, too; 0 before the first.
   double seconds_per_call() const;
 
   /// Stores what is not stored yet.

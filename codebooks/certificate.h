@@ -57,6 +57,7 @@ struct Certificate {
   /// not compared with a tolerance, and in files of earlier programs.
   std::optional<int> wrong_points;
   int climbed_points = 0;  ///< ends of climbs, beside `points`
+  int refuted_before = 0;  ///< certificates that found earlier fields of the same build wrong
   std::string failure;     ///< what the integrator said where it failed first; not stored in files
   std::uint64_t seed = 0;
   std::string integrator;
@@ -68,9 +69,10 @@ struct Certificate {
 };
 
 /// The share of the box that may err by more than the tolerance, with 95 % confidence: Clopper and Pearson's
-/// limit for `wrong` of `points` random points; about 3/points for none. @throws ArgumentError unless
-/// 0 <= wrong <= points and points > 0
-double share_above(int wrong, int points);
+/// limit for `wrong` of `points` random points; about 3/points for none. Who looks again and again until
+/// nothing is found must look more closely: every earlier refutation halves the chance of error.
+/// @throws ArgumentError unless 0 <= wrong <= points, points > 0 and refuted_before >= 0
+double share_above(int wrong, int points, int refuted_before = 0);
 
 /// "met"; "met at 300 points", where these are fewer than kCertificatePoints; or "missed".
 std::string verdict(const Certificate& certificate);

@@ -95,8 +95,10 @@ std::vector<PointErrors> compared(const Eigen::MatrixXd& q, const Codebook& book
     constexpr std::size_t kHopeless = 20;
     const Eigen::VectorXd scales = error_scales(errors, book, options);
     if (scales.size() == 0 && errors.size() >= kHopeless) break;
-    if (extent == Extent::all_points || scales.size() == 0) continue;
-    if (largest_errors(errors, scales).maxCoeff() > options.tolerance) break;
+    // The range of a few points is none to judge errors by.
+    constexpr std::size_t kEnoughForRange = 200;
+    if (extent == Extent::all_points || errors.size() < kEnoughForRange) continue;
+    if (scales.size() > 0 && largest_errors(errors, scales).maxCoeff() > options.tolerance) break;
   }
   return errors;
 }
@@ -114,14 +116,18 @@ ComparedPoints climbed(const ComparedPoints& points, const Codebook& book, const
   if (!(largest.maxCoeff() > kNegligible * options.tolerance) || !pgd::has_outliers(largest, kFarAbove))
     return ends;
   const auto [lower, upper] = certificate_box(book);
+  bool cancelled = false;
+  // Without answers all errors are zero, and the climbs end.
   const pgd::ErrorsAt errors_at = [&](const Eigen::MatrixXd& q) {
-    std::vector<PointErrors> errors = comparison(q);
+    std::vector<PointErrors> errors;
+    cancelled = cancelled || (options.progress && !options.progress({"certificate", 1.0}));
+    if (!cancelled) errors = comparison(q);
     errors.resize(static_cast<std::size_t>(q.cols()));
     return largest_errors(errors, scales);
   };
   const Eigen::MatrixXd asked = points.q.leftCols(largest.size());
   ends.q = pgd::climb_from_worst(lower, upper, errors_at, asked, largest, kClimbs).points;
-  ends.errors = comparison(ends.q);
+  if (!cancelled) ends.errors = comparison(ends.q);
   return ends;
 }
 
@@ -148,7 +154,12 @@ Measured measured(const Codebook& book, const CertifyOptions& options, const std
                   const Comparison& comparison, Eigen::Index slice, Extent extent) {
   ComparedPoints points{certificate_points(book, options.points, options.seed), {}};
   points.errors = compared(points.q, book, options, comparison, slice, extent);
-  const ComparedPoints climbs = climbed(points, book, options, comparison);
+  const bool is_whole = static_cast<Eigen::Index>(points.errors.size()) == points.q.cols();
+  const Eigen::MatrixXd wrong = wrong_among(points, {}, book, options);
+  // What was cancelled or has failed is not asked again.
+  const bool may_climb = is_whole || (extent == Extent::until_wrong && wrong.cols() > 0);
+  const ComparedPoints climbs =
+      may_climb ? climbed(points, book, options, comparison) : ComparedPoints{points.q.leftCols(0), {}};
   return {certificate_of(points, climbs, book, options, times), wrong_among(points, climbs, book, options)};
 }
 

@@ -92,9 +92,7 @@ void check_time(const Codebook& book, const Plan& plan) {
 
 void check_points(const Plan& plan, int points) {
   if (points < 1) throw ArgumentError(fmt::format("certificate points are {}, expected at least 1", points));
-  const long allowed = plan.builder.max_calls > 0
-                           ? std::max<long>(plan.builder.max_calls, plan.certificate_points())
-                           : kMostSampledCalls;
+  const long allowed = plan.builder.max_calls > 0 ? plan.builder.max_calls : kMostSampledCalls;
   if (points <= allowed) return;
   throw ArgumentError(
       fmt::format("certificate points are {}, more than the {} calls that the plan allows", points, allowed));

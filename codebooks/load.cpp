@@ -98,6 +98,8 @@ Certificate read_certificate(const Hdf5Reader& file) {
   }
   if (file.has_attribute(path, "climbed_points"))
     c.climbed_points = count_attribute(file, path, "climbed_points");
+  if (file.has_attribute(path, "refuted_before"))
+    c.refuted_before = count_attribute(file, path, "refuted_before");
   const CertificateNumbers number{file, c.met, c.failed_points < c.points};
   c.max_error = number(path, "max_error");
   if (c.met && !(c.max_error <= c.tolerance)) {

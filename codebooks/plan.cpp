@@ -246,14 +246,15 @@ void check_builder_fits(const TomlTable& root, const Plan& plan) {
 
 /// A command may be called no oftener for the certificate than for the build.
 void check_assurance_is_allowed(const TomlTable& root, const Plan& plan) {
-  if (!plan.command || !plan.assurance || plan.builder.max_calls == 0) return;
+  if (!plan.command || !plan.assurance) return;
   const int points = plan.certificate_points();
-  if (points <= plan.builder.max_calls) return;
+  const long allowed = plan.builder.max_calls > 0 ? plan.builder.max_calls : kMostSampledCalls;
+  if (points <= allowed) return;
   throw root.table("tolerance")
       .error("assurance",
              fmt::format("is {}, which takes {} points, more than the {} calls that max_calls of "
                          "[builder] allows",
-                         *plan.assurance, points, plan.builder.max_calls));
+                         *plan.assurance, points, allowed));
 }
 
 /// What is given for a coordinate, fixed or free.

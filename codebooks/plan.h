@@ -15,6 +15,9 @@ namespace samara::codebooks {
 /// The least relative tolerance a plan may ask for: the integrator at its tightest is not surely better.
 inline constexpr double kLeastTolerance = 1e-10;
 
+/// Calls that a build by sampling may make where the plan sets no limit.
+inline constexpr long kMostSampledCalls = 100'000;
+
 /// One free coordinate of a plan: a parameter, an initial value "s(0)", or an input of a command.
 struct BoxEntry {
   std::string name;
@@ -79,8 +82,8 @@ struct Plan {
   /// fewer of a command, if the plan allows fewer calls, or if a call takes longer than a minute: then as
   /// many as the builder has called.
   int certificate_points(double seconds_per_call = 0.0, double calls = 0.0) const;
-  /// Of the scrambling: depends on what the plan asks for and by which builder, its seed included, so that
-  /// no two plans have points in common. Titles and threads change nothing.
+  /// Of the scrambling: another box, tolerance, builder or seed gives other points. Titles and threads change
+  /// nothing.
   std::uint64_t certificate_seed() const;
 
   /// Whether it prescribes any axis.

@@ -1,6 +1,7 @@
 #include "samara/codebooks/sampling_builder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -181,14 +182,16 @@ Eigen::MatrixXd with_times(const Eigen::MatrixXd& points, const std::optional<Ti
   return result;
 }
 
+/// @param refuted how often a certificate has found such a field wrong: each time half as much is left out
 pgd::RoundedField rounded_field(const pgd::SamplingResult& result, const Plan& plan,
-                                const SampledSource& source, const std::optional<TimeMesh>& mesh) {
+                                const SampledSource& source, const std::optional<TimeMesh>& mesh,
+                                int refuted) {
   const pgd::TrainField field = mesh ? with_time(*result.field, mesh->axis, source.outputs) : *result.field;
   const double of_cross = mesh ? kSamplingShare : kSamplingShareWithoutTime;
   const double share =
       kRoundingShare * plan.relative + std::max(0.0, of_cross * plan.relative - result.error);
-  return pgd::rounded(field, scale_of(result, plan, source, mesh), share, plan.builder.seed,
-                      with_times(result.pivots, mesh, plan.builder.seed));
+  return pgd::rounded(field, scale_of(result, plan, source, mesh), std::ldexp(share, -refuted),
+                      plan.builder.seed, with_times(result.pivots, mesh, plan.builder.seed));
 }
 
 /// The stand-in of the source, for all times and points: where there is nothing better.
@@ -244,10 +247,12 @@ Solution solve(const Plan& plan, CallMemory& calls, long max_calls, const Progre
   }
   std::optional<pgd::RoundedField> claimed;
   std::optional<Certificate> certificate;
+  int refuted = 0;
   const SamplingChallenge challenge = [&](const pgd::SamplingResult& claim) {
-    claimed = rounded_field(claim, plan, calls.source(), mesh);
-    Measured measured = certify_claim(claimed->field);
+    claimed = rounded_field(claim, plan, calls.source(), mesh, refuted);
+    Measured measured = certify_claim(claimed->field, static_cast<double>(pilots + claim.calls));
     certificate = std::move(measured.certificate);
+    ++refuted;
     return measured.wrong;
   };
   // What is not resolved in time is missed, however well the cross follows it.
@@ -262,7 +267,7 @@ Solution solve(const Plan& plan, CallMemory& calls, long max_calls, const Progre
   if (!result.field) return without_field(plan, calls.source(), std::move(record));
   const bool is_certified = result.tolerance_met() && claimed;
   pgd::RoundedField field =
-      is_certified ? std::move(*claimed) : rounded_field(result, plan, calls.source(), mesh);
+      is_certified ? std::move(*claimed) : rounded_field(result, plan, calls.source(), mesh, refuted);
   record.message +=
       fmt::format("; rounded from {} numbers to {}", result.field->entries(), field.field.entries());
   const ErrorBudget spent{.discretisation = mesh ? mesh->error : 0.0,

@@ -10,11 +10,8 @@
 
 namespace samara::codebooks {
 
-/// Calls that a build by sampling may make where the plan sets no limit.
-inline constexpr long kMostSampledCalls = 100'000;
-
-/// Measures a rounded field, until it finds it wrong.
-using CertifyClaim = std::function<Measured(const pgd::TrainField& field)>;
+/// Measures a rounded field that took so many calls, until it finds it wrong.
+using CertifyClaim = std::function<Measured(const pgd::TrainField& field, double calls)>;
 
 /// Solves a plan by sampling (pgd/sampling.h) the trajectories of a model, or a command.
 ///

@@ -30,9 +30,11 @@ void write_certificate(Hdf5Writer& file, const Certificate& c) {
   file.write_integer_attribute(path, "failed_points", c.failed_points);
   if (c.wrong_points) {
     file.write_integer_attribute(path, "wrong_points", *c.wrong_points);
-    file.write_number_attribute(path, "share_above", share_above(*c.wrong_points, c.points));
+    file.write_number_attribute(path, "share_above",
+                                share_above(*c.wrong_points, c.points, c.refuted_before));
   }
   file.write_integer_attribute(path, "climbed_points", c.climbed_points);
+  file.write_integer_attribute(path, "refuted_before", c.refuted_before);
   // Seeds use all 64 bits, integers of the file are signed: as text.
   file.write_text_attribute(path, "seed", std::to_string(c.seed));
   file.write_text_attribute(path, "integrator", c.integrator);

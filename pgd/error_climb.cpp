@@ -21,7 +21,7 @@ struct Climb {
   Eigen::VectorXd x;
   double error = 0.0;
   double step = kFirstStep;
-  bool is_done() const { return step < kLeastStep; }
+  bool is_done() const { return step < kLeastStep || !std::isfinite(error); }
 };
 
 /// Where climbs may go. Lengths are shares of the widths.

@@ -27,7 +27,8 @@ constexpr std::size_t kGuardPivots = 2;
 constexpr std::size_t kRefutedPivots = 8;  // of a claim that fresh points refute
 constexpr int kCheckPoints = 100;          // of the first claim, beside its exploration
 constexpr int kLaterCheckPoints = 50;      // of later ones, and as many uniform points
-constexpr int kMostChallenges = 50;
+constexpr int kMostChallenges = 20;
+constexpr int kMostElsewhere = 3;  // challenges that find wrong what the cross has right
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class Sampling {
@@ -158,13 +159,21 @@ class Sampling {
     constexpr int kPerCoordinate = 30;
     constexpr long kShareOfCalls = 200;
     if (options_.exploration_points > 0) return options_.exploration_points;
-    return static_cast<int>(kPerCoordinate * function_.coordinates() + options_.max_calls / kShareOfCalls);
+    constexpr long kMost = 100'000;
+    const long of_calls = std::min(options_.max_calls / kShareOfCalls, kMost);
+    return kPerCoordinate * function_.coordinates() + static_cast<int>(of_calls);
   }
 
   bool holds_where_called(const TrainField& field) {
     const PointErrors errors = check_.errors(field, check_.count());
-    keep(field, errors);
-    return errors.worst() <= margin() * options_.tolerance;
+    const PointErrors of_kept = check_.errors(*result_.field, check_.count());
+    const bool holds = errors.worst() <= margin() * options_.tolerance;
+    if (holds || errors.worst() < of_kept.worst()) {
+      keep(field, errors);
+    } else {
+      measure(of_kept);
+    }
+    return holds;
   }
 
   double margin() const { return least_tolerance_ > 0.0 ? kMarginAboveNoise : kMargin; }
@@ -189,17 +198,23 @@ class Sampling {
 
   bool holds_against_challenge() {
     if (!options_.challenge) return true;
+    result_.calls = function_.calls();
     result_.range = function_.range();
     result_.pivots = cross_->pivots();
     const Eigen::MatrixXd wrong = options_.challenge(result_);
     if (wrong.cols() == 0) return true;
     ++refutations_;
     check_.call(wrong);
-    holds_where_called(*latest_);
+    if (holds_where_called(*latest_)) ++refuted_elsewhere_;
     return false;
   }
 
   bool is_refuted() {
+    if (refuted_elsewhere_ >= kMostElsewhere) {
+      return stop(SamplingStatus::refuted,
+                  fmt::format("fresh points found the field wrong {} times where the sample has it right",
+                              refuted_elsewhere_));
+    }
     if (refutations_ < kMostChallenges) return false;
     return stop(SamplingStatus::refuted,
                 fmt::format("fresh points found the field wrong {} times in a row", refutations_));
@@ -344,7 +359,8 @@ class Sampling {
       result_.message += fmt::format(
           "; the best after {} calls errs by {:.3g} at {} points, {} {:.3g}{}", result_.calls, result_.error,
           result_.points_checked, small ? "within" : "more than", options_.tolerance,
-          small ? " but unchecked at fresh ones" : ", most at " + function_.described(worst));
+          small ? (refutations_ > 0 ? " but refuted at fresh ones" : " but unchecked at fresh ones")
+                : ", most at " + function_.described(worst));
     }
   }
 
@@ -371,7 +387,8 @@ class Sampling {
   std::optional<GrowingCross> cross_;
   std::optional<TrainField> latest_;
   bool has_explored_ = false;
-  int refutations_ = 0;
+  int refutations_ = 0;        ///< by the challenge
+  int refuted_elsewhere_ = 0;  ///< of these, where the sample itself has no error
   std::vector<double> tails_;  ///< per coordinate, see rough_coordinates()
   long calls_of_best_ = 0;
   SamplingResult result_;

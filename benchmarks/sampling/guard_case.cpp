@@ -125,7 +125,7 @@ void tell(const std::vector<Task>& tasks, const std::vector<Verdict>& verdicts) 
   }
 }
 
-/// The commit, so that nobody chooses; without it, zero.
+/// The commit, so that nobody chooses.
 std::uint64_t seed_of_commit() {
   const char* commit = std::getenv("SAMARA_COMMIT");
   std::uint64_t hash = 0xCBF29CE484222325u;

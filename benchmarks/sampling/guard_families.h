@@ -18,7 +18,8 @@ struct GuardedFunction {
   int dimensions = 0;
   std::function<double(std::span<const double>)> value;
   bool has_feature = false;
-  /// Of the box, where the feature alone exceeds the tolerance: log-uniform in 1e-4 .. 1e-1 (noise: 1).
+  /// Of the box, where the feature alone exceeds the tolerance: log-uniform in 1e-4 .. 1e-1 (of noise, where
+  /// its amplitude does).
   double share = 0.0;
   /// Points at which the feature is at its largest.
   std::vector<std::vector<double>> places;

@@ -141,16 +141,61 @@ TEST_CASE("a narrow peak is not called met by a build that has not seen it") {
     return 0.5 * x.sum() + 1.7 * std::exp(-0.5 * (x - centre).squaredNorm() / (0.05 * 0.05));
   };
   const Eigen::Vector4d centre(0.31, 0.62, 0.47, 0.73);
+  int met = 0;
   for (int seed = 1; seed <= 6; ++seed) {
     const BuildResult result = build(
         plan_of("[builder]\nmax_calls = 30000\nseed = " + std::to_string(seed) + "\n", 4), function_of(peak));
     INFO(result.message << "; " << result.book.build().message);
+    met += result.met ? 1 : 0;
     if (!result.met) continue;
     Query query(result.book);
     Eigen::VectorXd value(1);
     query.values({centre.data(), 4}, value);
     CHECK(value[0] == Approx(peak(centre)).margin(1e-2 * result.book.certificate()->outputs[0].range));
   }
+  CHECK(met > 0);
+}
+
+TEST_CASE("a command that takes one point at a time gets the same certificate") {
+  // Of one point an output has no range, and errors of 1e5 Pa look large.
+  const auto loads = function_of([](const Eigen::VectorXd& x) { return 1e5 * smooth(x); });
+  std::string text = plan_of("").text;
+  text.insert(text.find("[box]"), "batch = 1\n");
+  const BuildResult one = build(parse_plan(text, "p.toml"), loads);
+  const BuildResult many = build(plan_of(""), loads);
+  INFO(one.message << "; " << one.book.build().message);
+  REQUIRE(one.met);
+  REQUIRE(many.met);
+  CHECK(one.book.certificate()->max_error == many.book.certificate()->max_error);
+  CHECK(one.book.certificate()->refuted_before == many.book.certificate()->refuted_before);
+}
+
+TEST_CASE("a certificate that comes after refutations states more") {
+  CHECK_THAT(share_above(0, 2000, 2), WithinRel(1.0 - std::pow(0.0125, 1.0 / 2000), 1e-9));
+  CHECK_THROWS_AS(share_above(0, 10, -1), samara::ArgumentError);
+}
+
+TEST_CASE("cancelled in its certificate, a build calls nothing more") {
+  long calls = 0;
+  bool stop = false;
+  const auto counted = function_of([&](const Eigen::VectorXd& x) {
+    ++calls;
+    return smooth(x);
+  });
+  long calls_when_stopped = 0;
+  BuildOptions options;
+  options.progress = [&](const samara::Progress& progress) {
+    if (!stop && progress.stage == "certificate" && progress.fraction > 0.3) {
+      stop = true;
+      calls_when_stopped = calls;
+    }
+    return !stop;
+  };
+  const BuildResult result = build(plan_of(""), counted, options);
+  CHECK(stop);
+  CHECK_FALSE(result.met);
+  CHECK(result.resumable);
+  CHECK(calls == calls_when_stopped);
 }
 
 TEST_CASE("a function may answer instead of the plan's command, and its failures are reported as of one") {
