@@ -315,6 +315,13 @@ BuildResult build_of_command(const Plan& plan, const pgd::PointsFunction& functi
     build.certifier.options().progress = [](const Progress&) { return false; };
   BuildResult result = build.certified(std::move(solved));
   calls.save();
+  try {
+    calls.finish();
+  } catch (const NoResultError&) {
+    std::error_code ignored;
+    std::filesystem::remove(options.checkpoint, ignored);
+    throw;
+  }
   return result;
 }
 

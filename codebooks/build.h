@@ -49,7 +49,7 @@ struct BuildResult {
 
 /// @throws ArgumentError as Plan::parametric_model(); InputError for a checkpoint that is broken or of
 /// another plan; NoResultError if a command fails, or may not be called often enough, before there is any
-/// result.
+/// result, or printed more than it was asked for.
 BuildResult build(const Plan& plan, const BuildOptions& options = {});
 
 /// The same of a plan with a command, where a function answers instead of the program: in its columns stand

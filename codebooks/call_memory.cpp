@@ -135,6 +135,14 @@ void CallMemory::remember(const Eigen::MatrixXd& points, const Eigen::MatrixXd& 
   }
 }
 
+void CallMemory::finish() const {
+  try {
+    source_.finish();
+  } catch (const Error& error) {
+    throw NoResultError(error.what());
+  }
+}
+
 /// Storing takes at most a twentieth of the time.
 void CallMemory::save_if_cheap() {
   if (Clock::now() - saved_at_ >= 20 * save_took_) save();

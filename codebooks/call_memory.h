@@ -40,6 +40,9 @@ class CallMemory {
   /// What a call took on average, in an earlier build, too; 0 before the first.
   double seconds_per_call() const;
 
+  /// Ends the source. @throws NoResultError if its answers cannot be relied on after all
+  void finish() const;
+
   /// Stores what is not stored yet.
   void save();
 

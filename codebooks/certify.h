@@ -34,8 +34,9 @@ Certificate certify(const Codebook& book, const models::ParametricModel& model,
 /// batches and timeout. What the codebook says of its command is never executed. The first point without an
 /// answer ends the calls; the points behind count as failed, too. Of `options`, threads and integrator do not
 /// matter.
-/// @throws ArgumentError if points < 1 or more than the plan allows, the codebook is one of a model or the
-/// plan is, or their inputs, box, fixed values, outputs or times differ.
+/// @throws NoResultError if the program printed more than it was asked for; ArgumentError if points < 1 or
+/// more than the plan allows, the codebook is one of a model or the plan is, or their inputs, box, fixed
+/// values, outputs or times differ.
 Certificate certify(const Codebook& book, const Plan& plan, const CertifyOptions& options);
 
 /// The model a codebook is a solution of, with the codebook's coordinates free.

@@ -114,6 +114,7 @@ Certificate certify(const Codebook& book, const Plan& plan, const CertifyOptions
   check_time(book, plan);
   CallMemory calls(command_source(plan), {}, {});
   Certificate certificate = measure(book, calls, options, Extent::all_points).certificate;
+  calls.finish();
   certificate.integrator = fmt::format("the command of the plan: {}", fmt::join(plan.command->run, " "));
   return certificate;
 }

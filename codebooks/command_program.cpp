@@ -75,6 +75,29 @@ Eigen::MatrixXd CommandProgram::answers(const Eigen::MatrixXd& points, Eigen::In
   return values;
 }
 
+void CommandProgram::finish() {
+  constexpr double kToEnd = 2.0;  // s
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!kept_) return;
+  const ChildResult result = kept_->finish("", {.seconds = kToEnd});
+  kept_.reset();
+  // Words of farewell are no answers.
+  const auto is_answer = [&](std::string_view line) {
+    try {
+      return !numbers_of(line, result).empty();
+    } catch (const Error&) {
+      return false;
+    }
+  };
+  const std::vector<std::string_view> lines = lines_of(result.output);
+  const auto answer = std::ranges::find_if(lines, is_answer);
+  if (answer == lines.end()) return;
+  throw failure(fmt::format("printed {} after its last answer, more than it was asked for: what it answered "
+                            "before may belong to other points",
+                            in_quotes(*answer)),
+                result);
+}
+
 /// Nothing of a program that failed is used again.
 Eigen::MatrixXd CommandProgram::batch(const Eigen::MatrixXd& points, Eigen::Index outputs) {
   constexpr std::size_t kBytesOfNumber = 64, kBytesBeside = 4096;
@@ -139,7 +162,8 @@ Eigen::MatrixXd CommandProgram::values_of(const ChildResult& result, Eigen::Inde
                                           Eigen::Index outputs) const {
   const std::vector<std::string_view> lines = lines_of(result.output);
   if (static_cast<Eigen::Index>(lines.size()) != points) {
-    throw failure(fmt::format("printed {} lines for {} points", lines.size(), points), result);
+    const std::string first = lines.empty() ? "" : fmt::format(", the first {}", in_quotes(lines.front()));
+    throw failure(fmt::format("printed {} lines for {} points{}", lines.size(), points, first), result);
   }
   Eigen::MatrixXd values(outputs, points);
   for (std::size_t j = 0; j < lines.size(); ++j) {

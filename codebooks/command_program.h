@@ -26,6 +26,10 @@ class CommandProgram {
   /// other. @throws Error as command_function() says
   Eigen::MatrixXd answers(const Eigen::MatrixXd& points, Eigen::Index outputs);
 
+  /// Ends a program that is kept. @throws Error if it printed more numbers than it was asked for: earlier
+  /// answers may then belong to other points. A line that came late looks like the next answer.
+  void finish();
+
   /// Its name in quotes, for messages.
   std::string name() const;
 

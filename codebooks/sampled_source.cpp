@@ -79,6 +79,8 @@ class PlannedFunction {
     }
   }
 
+  void finish() const { program_->finish(); }
+
   /// Asks for all points at once; where that fails, one by one, to find the point.
   SampledAnswers operator()(const Eigen::MatrixXd& points, const std::vector<double>& times) const {
     const Eigen::MatrixXd rows = inputs(points, times);
@@ -176,7 +178,9 @@ SampledSource command_source(const Plan& plan, const pgd::PointsFunction& functi
   for (const CommandQuantity& output : plan.command->outputs)
     source.outputs.push_back({output.name, output.unit});
   source.answers_name = "answer";
-  source.answers = PlannedFunction(plan, function);
+  const PlannedFunction planned(plan, function);
+  source.answers = planned;
+  source.finish = [planned] { planned.finish(); };
   source.batch = plan.command->batch;
   // A program is killed after its timeout, however many points it was given.
   source.batch_seconds = std::min(source.batch_seconds, 0.25 * plan.command->timeout);

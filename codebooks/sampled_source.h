@@ -30,6 +30,8 @@ struct SampledSource {
   std::string answers_name;  ///< what it gives, for messages: "trajectory"
   /// At points (coordinates x points) and times, which are empty where there is no time.
   std::function<SampledAnswers(const Eigen::MatrixXd& points, const std::vector<double>& times)> answers;
+  /// Ends what answers. @throws Error if its answers cannot be relied on after all
+  std::function<void()> finish = [] {};
   int batch = 1;  ///< most points that are asked for at a time
   /// How long an answer to so many may take: no more points are asked for than the last ones let expect.
   double batch_seconds = 10.0;

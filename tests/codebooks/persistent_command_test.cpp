@@ -11,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/build.h"
 #include "samara/codebooks/command_function.h"
+#include "samara/codebooks/command_program.h"
 
 // Programs that are kept between batches, good ones and nasty ones.
 
@@ -235,6 +236,25 @@ for head in sys.stdin:
   for (const int process : numbers_in(directory / "s")) CHECK(is_gone(process));
 }
 
+TEST_CASE("numbers that a program prints after its last answer make all its answers doubtful") {
+  const auto ended_with = [](const std::string& word) {
+    CommandProgram program(kept({"/bin/sh", "-c", "while read n; do read row; echo 1; done; echo " + word}));
+    CHECK(program.answers(Eigen::MatrixXd::Zero(1, 1), 1)(0, 0) == 1.0);
+    return error_text<samara::Error>([&] { program.finish(); });
+  };
+  CHECK(ended_with("bye") == "no exception");
+  CHECK(ended_with("") == "no exception");
+  CHECK_THAT(ended_with("7.5"), Contains("printed \"7.5\" after its last answer"));
+  // A build that such a program has answered has no result.
+  const Plan plan = parse_plan(
+      "[command]\nrun = ['python3', '-c', \"\"\"import sys\nfor head in sys.stdin:\n  for _ in "
+      "range(int(head)): "
+      "print(sys.stdin.readline().strip())\n  sys.stdout.flush()\nprint(3)\"\"\"]\ninputs = { a = '1' }\n"
+      "outputs = { p = '1' }\npersistent = true\n[box]\na = [1, 2]\n[tolerance]\nassurance = 0.9\n",
+      "p.toml");
+  CHECK_THAT(error_text<samara::NoResultError>([&] { build(plan); }), Contains("after its last answer"));
+}
+
 TEST_CASE("a build keeps one program from its pilots to its certificate, and ends it when it is cancelled") {
   const std::string program = R"(
 import math, os, sys
@@ -307,7 +327,7 @@ def stubborn():
     for s in (signal.SIGPIPE, signal.SIGTERM, signal.SIGINT): signal.signal(s, signal.SIG_IGN)
     while True: time.sleep(600)
 def short(): print(*answers[:-1], sep='\n', flush=True)
-def long(): print(*answers, 3, sep='\n', flush=True)
+def long(): os.write(1, ('\n'.join(answers) + '\n3\n').encode()); hang()
 def rubbish(): print(*answers[:-1], 'no', sep='\n', flush=True)
 def binary(): os.write(1, os.urandom(200))
 def flood(): os.write(1, b'\n' * 10**6); hang()
