@@ -5,8 +5,8 @@
 
 #include "commands.h"
 #include "output.h"
-#include "samara/codebooks/build.h"
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/file/store.h"
 #include "samara/io/atomic_file.h"
 #include "terminal.h"
 

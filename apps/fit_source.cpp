@@ -8,14 +8,15 @@
 #include <fmt/format.h>
 
 #include "samara/base/names.h"
-#include "samara/codebooks/store.h"
-#include "samara/identification/codebook_trajectories.h"
-#include "samara/identification/fit_config.h"
-#include "samara/identification/fit_report.h"
-#include "samara/identification/reference_trajectories.h"
-#include "samara/identification/series_config.h"
-#include "samara/identification/step_trajectories.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/identification/problem/fit_config.h"
+#include "samara/identification/report/fit_report.h"
+#include "samara/identification/series/series_config.h"
+#include "samara/identification/trajectories/codebook_trajectories.h"
+#include "samara/identification/trajectories/reference_trajectories.h"
+#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/io/units.h"
+#include "samara/models/laws/registry.h"
 #include "terminal.h"
 
 namespace samara::apps {

@@ -6,13 +6,13 @@
 
 #include "arguments.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/codebook.h"
-#include "samara/identification/coefficient_series.h"
-#include "samara/identification/fit_options.h"
-#include "samara/identification/fit_result.h"
-#include "samara/identification/prediction_config.h"
-#include "samara/identification/trajectory_source.h"
-#include "samara/models/model.h"
+#include "samara/codebooks/book/codebook.h"
+#include "samara/identification/fit/prediction_config.h"
+#include "samara/identification/problem/fit_options.h"
+#include "samara/identification/problem/fit_result.h"
+#include "samara/identification/series/coefficient_series.h"
+#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/interface/model.h"
 
 /// What `samara fit` fits: a codebook or a model, and how.
 namespace samara::apps {

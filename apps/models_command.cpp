@@ -5,7 +5,8 @@
 
 #include "commands.h"
 #include "output.h"
-#include "samara/models/model.h"
+#include "samara/models/interface/model.h"
+#include "samara/models/laws/registry.h"
 #include "terminal.h"
 
 namespace samara::apps {

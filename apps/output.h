@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "samara/codebooks/certificate.h"
-#include "samara/codebooks/codebook.h"
+#include "samara/codebooks/book/certificate.h"
+#include "samara/codebooks/book/codebook.h"
 
 /// Answers on stdout, shared by several commands.
 namespace samara::apps {

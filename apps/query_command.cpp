@@ -6,8 +6,8 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/query.h"
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/query/query.h"
 #include "samara/io/csv.h"
 #include "terminal.h"
 

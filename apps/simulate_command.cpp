@@ -8,10 +8,11 @@
 #include "output.h"
 #include "samara/base/errors.h"
 #include "samara/io/csv.h"
-#include "samara/models/integrate.h"
 #include "samara/models/integrators/adaptive.h"
+#include "samara/models/integrators/integrate.h"
 #include "samara/models/integrators/rk4.h"
 #include "samara/models/integrators/rkmk.h"
+#include "samara/models/laws/registry.h"
 #include "steered_model.h"
 #include "terminal.h"
 

@@ -6,11 +6,11 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/file/store.h"
 #include "samara/io/csv.h"
-#include "samara/pgd/field_algebra.h"
-#include "samara/pgd/statistics.h"
-#include "samara/pgd/train_algebra.h"
+#include "samara/pgd/fields/field_algebra.h"
+#include "samara/pgd/fields/statistics.h"
+#include "samara/pgd/tensors/train_algebra.h"
 #include "terminal.h"
 
 namespace samara::apps {

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/store.h"
-#include "samara/identification/coefficient_series.h"
-#include "samara/models/following_model.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/identification/series/coefficient_series.h"
+#include "samara/models/interface/following_model.h"
 
 namespace samara::apps {
 

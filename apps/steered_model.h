@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "samara/codebooks/codebook.h"
-#include "samara/models/model.h"
+#include "samara/codebooks/book/codebook.h"
+#include "samara/models/interface/model.h"
 
 namespace samara::apps {
 

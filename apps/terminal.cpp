@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "samara/base/names.h"
-#include "samara/models/parameter_warnings.h"
+#include "samara/models/checks/parameter_warnings.h"
 
 namespace samara::apps {
 

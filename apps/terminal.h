@@ -4,7 +4,7 @@
 #include <string>
 
 #include "samara/base/progress.h"
-#include "samara/models/model.h"
+#include "samara/models/interface/model.h"
 
 /// Exit codes, and everything that goes to stderr. What stderr does not take is lost, and nothing else with
 /// it.

@@ -3,8 +3,8 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/certify.h"
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/file/store.h"
 #include "terminal.h"
 
 namespace samara::apps {

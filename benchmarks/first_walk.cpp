@@ -14,17 +14,17 @@
 
 #include "report.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/build.h"
-#include "samara/codebooks/certify.h"
-#include "samara/codebooks/query.h"
-#include "samara/codebooks/store.h"
-#include "samara/identification/capture_file.h"
-#include "samara/identification/codebook_trajectories.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/fit_config.h"
-#include "samara/identification/reference_trajectories.h"
-#include "samara/models/integrate.h"
-#include "samara/pgd/random.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/identification/captures/capture_file.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/problem/fit_config.h"
+#include "samara/identification/trajectories/codebook_trajectories.h"
+#include "samara/identification/trajectories/reference_trajectories.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/pgd/tensors/random.h"
 
 namespace {
 

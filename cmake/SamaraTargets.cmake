@@ -1,23 +1,29 @@
-# samara_room(<name> HEADERS ... [INTERNAL_HEADERS ...] [SOURCES ...] [PUBLIC ...] [PRIVATE ...])
+# samara_room(<name> [SUB_ROOMS ...] HEADERS ... [EXCEPT ...] [PUBLIC ...] [PRIVATE ...])
 #
-# One library per folder: target samara_<name>, exported as samara::<name>. HEADERS are installed under
-# include/samara/<name>; in the build tree the same include paths work through links.
+# One library per folder: target samara_<name>, exported as samara::<name>, of all sources in its sub-rooms (or in the
+# folder itself, where there are none) but those in EXCEPT. HEADERS are installed under include/samara/<name>, the
+# others are internal; in the build tree the same include paths work through links.
 function(samara_room name)
-  cmake_parse_arguments(ROOM "" "" "HEADERS;INTERNAL_HEADERS;SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ROOM "" "" "SUB_ROOMS;HEADERS;EXCEPT;PUBLIC;PRIVATE" ${ARGN})
   set(target samara_${name})
-  if(ROOM_SOURCES)
-    add_library(${target} ${ROOM_SOURCES} ${ROOM_HEADERS} ${ROOM_INTERNAL_HEADERS})
-    set(scope PUBLIC)
-    samara_library(${target} PUBLIC ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
-  else()
-    add_library(${target} INTERFACE)
-    set(scope INTERFACE)
-    target_link_libraries(${target} INTERFACE ${ROOM_PUBLIC})
+  if(NOT ROOM_SUB_ROOMS)
+    set(ROOM_SUB_ROOMS .)
   endif()
+  add_library(${target})
+  foreach(sub_room ${ROOM_SUB_ROOMS})
+    file(GLOB sources RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS
+      ${CMAKE_CURRENT_SOURCE_DIR}/${sub_room}/*.cpp)
+    if(ROOM_EXCEPT)
+      list(REMOVE_ITEM sources ${ROOM_EXCEPT})
+    endif()
+    target_sources(${target} PRIVATE ${sources})
+    samara_compile_together(${target} ${sources})
+  endforeach()
+  samara_library(${target} PUBLIC ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
   add_library(samara::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
-  target_compile_features(${target} ${scope} cxx_std_20)
-  target_include_directories(${target} ${scope}
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${samara_BINARY_DIR}/include>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   file(MAKE_DIRECTORY ${samara_BINARY_DIR}/include/samara)
@@ -29,6 +35,28 @@ function(samara_room name)
       install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/samara/${name}/${folder})
     endforeach()
   endif()
+endfunction()
+
+# samara_compile_together(<target> <source> ...)
+#
+# With SAMARA_UNITY_BUILD these sources of the target, and no others, share compilations, a few files each: most of
+# the time of a small file is that of its headers. Names in anonymous namespaces are unique among them.
+function(samara_compile_together target)
+  if(NOT SAMARA_UNITY_BUILD)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  # A type of an anonymous namespace in a class of its own source looks to GCC as if a header had it.
+  target_compile_options(${target} PRIVATE "$<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>")
+  set(files_together 6)
+  set(count 0)
+  foreach(source ${ARGN})
+    math(EXPR batch "${count} / ${files_together}")
+    cmake_path(GET source PARENT_PATH folder)
+    string(MAKE_C_IDENTIFIER "${folder}_${batch}" group)
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP "${group}")
+    math(EXPR count "${count} + 1")
+  endforeach()
 endfunction()
 
 # samara_room_part(<name> SOURCES ... [PUBLIC ...] [PRIVATE ...])

@@ -6,9 +6,10 @@
 #include <fmt/format.h>
 
 #include "real_data.h"
-#include "samara/identification/capture_file.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/step_trajectories.h"
+#include "samara/identification/captures/capture_file.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/laws/registry.h"
 
 namespace samara::benchmarks::identification {
 

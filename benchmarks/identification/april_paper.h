@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "samara/identification/capture.h"
-#include "samara/identification/fit_options.h"
-#include "samara/identification/fit_result.h"
-#include "samara/identification/trajectory_source.h"
+#include "samara/identification/captures/capture.h"
+#include "samara/identification/problem/fit_options.h"
+#include "samara/identification/problem/fit_result.h"
+#include "samara/identification/trajectories/trajectory_source.h"
 
 /// One drop of a paper card with a tag on each side, as three cameras saw it: poses that flip, gaps, a body
 /// of unknown shape and size. What a fit of a body in space may still claim.

@@ -6,7 +6,7 @@
 #include "april_paper.h"
 #include "cases.h"
 #include "real_data.h"
-#include "samara/identification/fit.h"
+#include "samara/identification/fit/fit.h"
 
 namespace samara::benchmarks::identification {
 

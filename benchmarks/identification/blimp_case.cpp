@@ -8,7 +8,7 @@
 #include "blimp.h"
 #include "cases.h"
 #include "real_data.h"
-#include "samara/pgd/random.h"
+#include "samara/pgd/tensors/random.h"
 
 namespace samara::benchmarks::identification {
 

@@ -6,11 +6,12 @@
 
 #include "cases.h"
 #include "real_data.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/step_trajectories.h"
-#include "samara/models/integrate.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/integrators/integrate.h"
 #include "samara/models/integrators/rotations.h"
-#include "samara/pgd/random.h"
+#include "samara/models/laws/registry.h"
+#include "samara/pgd/tensors/random.h"
 
 namespace samara::benchmarks::identification {
 

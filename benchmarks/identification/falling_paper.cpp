@@ -6,9 +6,10 @@
 #include <fmt/format.h>
 
 #include "discs.h"
-#include "samara/identification/capture_file.h"
-#include "samara/identification/step_trajectories.h"
-#include "samara/pgd/random.h"
+#include "samara/identification/captures/capture_file.h"
+#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/laws/registry.h"
+#include "samara/pgd/tensors/random.h"
 
 namespace samara::benchmarks::identification {
 

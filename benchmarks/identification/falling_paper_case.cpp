@@ -12,7 +12,7 @@
 #include "cases.h"
 #include "falling_paper.h"
 #include "real_data.h"
-#include "samara/identification/fit.h"
+#include "samara/identification/fit/fit.h"
 #include "silhouettes.h"
 
 namespace samara::benchmarks::identification {

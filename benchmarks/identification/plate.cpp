@@ -2,7 +2,8 @@
 
 #include <numbers>
 
-#include "samara/models/integrate.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
 
 namespace samara::benchmarks::identification {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "samara/identification/capture.h"
-#include "samara/identification/fit_options.h"
-#include "samara/pgd/random.h"
+#include "samara/identification/captures/capture.h"
+#include "samara/identification/problem/fit_options.h"
+#include "samara/pgd/tensors/random.h"
 
 /// The reference plate before a camera: 60 frames over six characteristic times, with a noise of 1 % of the
 /// chord and 2 degrees.

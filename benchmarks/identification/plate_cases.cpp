@@ -5,8 +5,9 @@
 #include "cases.h"
 #include "plate.h"
 #include "real_data.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/step_trajectories.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/laws/registry.h"
 
 namespace samara::benchmarks::identification {
 

@@ -9,11 +9,11 @@
 #include <Eigen/Core>
 
 #include "report.h"
-#include "samara/identification/capture.h"
-#include "samara/identification/fit_options.h"
-#include "samara/identification/fit_result.h"
-#include "samara/identification/interval.h"
-#include "samara/identification/trajectory_source.h"
+#include "samara/identification/captures/capture.h"
+#include "samara/identification/problem/fit_options.h"
+#include "samara/identification/problem/fit_result.h"
+#include "samara/identification/trajectories/interval.h"
+#include "samara/identification/trajectories/trajectory_source.h"
 
 /// What cases with measured captures share.
 namespace samara::benchmarks::identification {

@@ -7,12 +7,13 @@
 
 #include "cases.h"
 #include "plate.h"
-#include "samara/codebooks/build.h"
-#include "samara/codebooks/plan.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/mixed_trajectories.h"
-#include "samara/identification/reference_trajectories.h"
-#include "samara/identification/step_trajectories.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/plan/plan.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/trajectories/mixed_trajectories.h"
+#include "samara/identification/trajectories/reference_trajectories.h"
+#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/laws/registry.h"
 
 namespace samara::benchmarks::identification {
 

@@ -10,9 +10,10 @@
 
 #include "real_data.h"
 #include "samara/base/errors.h"
-#include "samara/identification/capture_file.h"
-#include "samara/identification/step_trajectories.h"
+#include "samara/identification/captures/capture_file.h"
+#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/batch/batch.h"
+#include "samara/models/laws/registry.h"
 
 namespace samara::benchmarks::identification {
 

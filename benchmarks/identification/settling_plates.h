@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "discs.h"
-#include "samara/identification/flutter.h"
+#include "samara/identification/smoothing/flutter.h"
 #include "windows.h"
 
 /// Plastic plates of 10 x 10 mm that settle in water (J. Lofty, Cardiff), seen as positions alone: discs of

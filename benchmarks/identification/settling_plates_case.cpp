@@ -6,7 +6,7 @@
 
 #include "cases.h"
 #include "real_data.h"
-#include "samara/identification/fit.h"
+#include "samara/identification/fit/fit.h"
 #include "settling_plates.h"
 
 namespace samara::benchmarks::identification {

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "samara/identification/trajectory_source.h"
+#include "samara/identification/trajectories/trajectory_source.h"
 
 namespace samara::benchmarks::identification {
 

@@ -6,12 +6,13 @@
 #include <Eigen/Geometry>
 
 #include "real_data.h"
-#include "samara/identification/capture_file.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/fitted_motion.h"
-#include "samara/identification/prediction_score.h"
-#include "samara/identification/step_trajectories.h"
-#include "samara/models/model.h"
+#include "samara/identification/captures/capture_file.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/fitted_motion.h"
+#include "samara/identification/statistics/prediction_score.h"
+#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/interface/model.h"
+#include "samara/models/laws/registry.h"
 
 namespace samara::benchmarks::identification {
 

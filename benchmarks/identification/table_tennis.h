@@ -8,8 +8,8 @@
 
 #include <Eigen/Core>
 
-#include "samara/identification/capture.h"
-#include "samara/identification/fit_result.h"
+#include "samara/identification/captures/capture.h"
+#include "samara/identification/problem/fit_result.h"
 
 /// Flights of a table tennis ball whose spin another camera saw (Gossard et al., SpinDOE, arXiv:2303.03879).
 ///

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "samara/identification/fit.h"
-#include "samara/identification/fitted_motion.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/fitted_motion.h"
 
 namespace samara::benchmarks::identification {
 

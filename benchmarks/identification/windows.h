@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "real_data.h"
-#include "samara/identification/capture.h"
-#include "samara/identification/fit_options.h"
-#include "samara/identification/fit_result.h"
-#include "samara/identification/prediction_score.h"
-#include "samara/identification/trajectory_source.h"
+#include "samara/identification/captures/capture.h"
+#include "samara/identification/problem/fit_options.h"
+#include "samara/identification/problem/fit_result.h"
+#include "samara/identification/statistics/prediction_score.h"
+#include "samara/identification/trajectories/trajectory_source.h"
 
 /// Short windows of measured motions, each with what came after it: coefficients are fitted to the windows of
 /// some motions, and what follows the windows of others is predicted.

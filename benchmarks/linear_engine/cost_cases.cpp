@@ -13,7 +13,7 @@
 #include "examples/linear_engine/disc.h"
 #include "examples/linear_engine/poisson.h"
 #include "samara/base/errors.h"
-#include "samara/pgd/enrichment.h"
+#include "samara/pgd/linear/enrichment.h"
 
 namespace samara::benchmarks {
 

@@ -6,7 +6,7 @@
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
 
-#include "samara/models/sundials_handles.h"
+#include "samara/models/integrators/sundials_handles.h"
 
 namespace samara::benchmarks {
 

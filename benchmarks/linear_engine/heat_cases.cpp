@@ -9,9 +9,9 @@
 #include "cvode_reference.h"
 #include "examples/linear_engine/disc.h"
 #include "examples/linear_engine/heat.h"
-#include "samara/pgd/enrichment.h"
-#include "samara/pgd/random.h"
-#include "samara/pgd/separated_field.h"
+#include "samara/pgd/fields/separated_field.h"
+#include "samara/pgd/linear/enrichment.h"
+#include "samara/pgd/tensors/random.h"
 
 namespace samara::benchmarks {
 

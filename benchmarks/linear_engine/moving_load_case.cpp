@@ -6,7 +6,7 @@
 
 #include "cases.h"
 #include "examples/linear_engine/moving_load.h"
-#include "samara/pgd/enrichment.h"
+#include "samara/pgd/linear/enrichment.h"
 
 namespace samara::benchmarks {
 

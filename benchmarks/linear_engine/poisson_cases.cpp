@@ -10,8 +10,8 @@
 
 #include "cases.h"
 #include "examples/linear_engine/poisson.h"
-#include "samara/pgd/enrichment.h"
-#include "samara/pgd/tensor_train.h"
+#include "samara/pgd/linear/enrichment.h"
+#include "samara/pgd/tensors/tensor_train.h"
 
 namespace samara::benchmarks {
 

@@ -5,10 +5,10 @@
 
 #include "cases.h"
 #include "cvode_reference.h"
-#include "samara/pgd/axis_forms.h"
-#include "samara/pgd/enrichment.h"
-#include "samara/pgd/parametric_problem.h"
-#include "samara/pgd/separate_function.h"
+#include "samara/pgd/axes/axis_forms.h"
+#include "samara/pgd/cross/separate_function.h"
+#include "samara/pgd/linear/enrichment.h"
+#include "samara/pgd/linear/parametric_problem.h"
 
 namespace samara::benchmarks {
 

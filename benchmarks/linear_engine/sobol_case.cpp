@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include "cases.h"
-#include "samara/pgd/separate_function.h"
-#include "samara/pgd/separated_field.h"
-#include "samara/pgd/statistics.h"
+#include "samara/pgd/cross/separate_function.h"
+#include "samara/pgd/fields/separated_field.h"
+#include "samara/pgd/fields/statistics.h"
 
 namespace samara::benchmarks {
 

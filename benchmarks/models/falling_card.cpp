@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "samara/models/laws/registry.h"
+
 namespace samara::benchmarks {
 
 models::ParametricModel oblique_card(double axis) {

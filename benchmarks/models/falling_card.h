@@ -1,6 +1,6 @@
 #pragma once
 
-#include "samara/models/parametric_model.h"
+#include "samara/models/interface/parametric_model.h"
 
 namespace samara::benchmarks {
 

@@ -7,6 +7,7 @@
 #include "cases.h"
 #include "samara/models/integrators/adaptive.h"
 #include "samara/models/integrators/lie_group.h"
+#include "samara/models/laws/registry.h"
 
 namespace samara::benchmarks {
 

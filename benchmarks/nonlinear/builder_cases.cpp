@@ -9,7 +9,7 @@
 #include "cases.h"
 #include "problems.h"
 #include "samara/models/batch/batch.h"
-#include "samara/pgd/random.h"
+#include "samara/pgd/tensors/random.h"
 
 namespace samara::benchmarks {
 

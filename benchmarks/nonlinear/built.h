@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "samara/codebooks/build.h"
-#include "samara/codebooks/plan.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/plan/plan.h"
 
 namespace samara::benchmarks {
 

@@ -3,7 +3,7 @@
 
 #include "cases.h"
 #include "problems.h"
-#include "samara/pgd/slab_evolution.h"
+#include "samara/pgd/evolution/slab_evolution.h"
 
 namespace samara::benchmarks {
 

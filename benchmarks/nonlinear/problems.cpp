@@ -10,8 +10,9 @@
 
 #include <fmt/format.h>
 
-#include "samara/models/integrate.h"
-#include "samara/pgd/random.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
+#include "samara/pgd/tensors/random.h"
 
 namespace samara::benchmarks {
 

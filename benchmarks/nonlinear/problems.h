@@ -8,11 +8,11 @@
 
 #include <Eigen/Core>
 
-#include "samara/codebooks/model_system.h"
-#include "samara/codebooks/plan.h"
-#include "samara/models/parametric_model.h"
-#include "samara/pgd/evolution.h"
-#include "samara/pgd/strategies/polynomial_system.h"
+#include "samara/codebooks/plan/plan.h"
+#include "samara/codebooks/source/model_system.h"
+#include "samara/models/interface/parametric_model.h"
+#include "samara/pgd/evolution/evolution.h"
+#include "samara/pgd/evolution/polynomial_system.h"
 
 /// The problems of this benchmark, and how errors are measured.
 namespace samara::benchmarks {

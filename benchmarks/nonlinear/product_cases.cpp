@@ -11,8 +11,8 @@
 #include "cases.h"
 #include "problems.h"
 #include "samara/models/batch/batch.h"
-#include "samara/pgd/slab_evolution.h"
-#include "samara/pgd/strategies/decoupling.h"
+#include "samara/pgd/evolution/slab_evolution.h"
+#include "samara/pgd/nonlinear/decoupling.h"
 
 namespace samara::benchmarks {
 

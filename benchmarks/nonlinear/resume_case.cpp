@@ -16,8 +16,8 @@
 #include <unistd.h>
 
 #include "cases.h"
-#include "samara/codebooks/store.h"
-#include "samara/pgd/random.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/pgd/tensors/random.h"
 
 namespace samara::benchmarks {
 

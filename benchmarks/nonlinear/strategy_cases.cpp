@@ -11,7 +11,7 @@
 
 #include "cases.h"
 #include "problems.h"
-#include "samara/pgd/strategies/strategy_march.h"
+#include "samara/pgd/nonlinear/strategy_march.h"
 
 namespace samara::benchmarks {
 

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "cases.h"
-#include "samara/codebooks/query.h"
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/query/query.h"
 #include "tests/codebooks/file_fuzz.h"
 #include "tests/io/temporary_directory.h"
 

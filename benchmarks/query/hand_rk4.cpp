@@ -7,9 +7,9 @@
 
 #include <experimental/simd>
 
-#include "samara/codebooks/kernels/kernels.h"
+#include "samara/codebooks/query/kernels/kernels.h"
 #include "samara/models/batch/dual.h"
-#include "samara/models/batch/step_kernel.h"
+#include "samara/models/integrators/step_kernel.h"
 #include "samara/models/laws/immersed_body.h"
 #include "samara/models/laws/planar_plate.h"
 

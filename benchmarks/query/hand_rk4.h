@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "samara/models/parametric_model.h"
+#include "samara/models/interface/parametric_model.h"
 
 /// The classical Runge-Kutta method as one writes it by hand for one law, compiled for the machine, with
 /// frames between the steps by cubic Hermite polynomials: the baselines of queries.

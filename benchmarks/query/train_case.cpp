@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "cases.h"
-#include "samara/codebooks/query.h"
+#include "samara/codebooks/query/query.h"
 
 namespace samara::benchmarks {
 

@@ -11,10 +11,10 @@
 
 #include "cases.h"
 #include "hand_rk4.h"
-#include "samara/codebooks/build.h"
-#include "samara/codebooks/certify.h"
-#include "samara/codebooks/query.h"
-#include "samara/models/integrate.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/models/integrators/integrate.h"
 
 namespace samara::benchmarks {
 

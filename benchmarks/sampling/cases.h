@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "report.h"
-#include "samara/pgd/sampling.h"
+#include "samara/pgd/sampling/sampling.h"
 
 /// The cases of the benchmark sampling, by subject; each prints its measurements.
 namespace samara::benchmarks {

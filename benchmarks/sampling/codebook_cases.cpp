@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "cases.h"
-#include "samara/codebooks/build.h"
-#include "samara/codebooks/plan.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/plan/plan.h"
 
 // Codebooks built by sampling trajectories, and beside them by the PGD engine.
 

@@ -10,9 +10,9 @@
 
 #include "cases.h"
 #include "guard_families.h"
-#include "samara/codebooks/build.h"
-#include "samara/codebooks/query.h"
-#include "samara/pgd/random.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/pgd/tensors/random.h"
 
 // Functions made to deceive: what counts is that no certificate states what independent points refute.
 

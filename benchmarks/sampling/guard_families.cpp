@@ -7,7 +7,7 @@
 
 #include <Eigen/Dense>
 
-#include "samara/pgd/random.h"
+#include "samara/pgd/tensors/random.h"
 
 namespace samara::benchmarks {
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "cases.h"
-#include "samara/pgd/random.h"
+#include "samara/pgd/tensors/random.h"
 
 // Chaos: the Lorenz equations over initial values and all three parameters. A window is the flow map over
 // 0.05 units of time, sampled once over a box around the attractor and composed; beside it one map over one

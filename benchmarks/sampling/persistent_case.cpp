@@ -11,8 +11,8 @@
 #include <unistd.h>
 
 #include "cases.h"
-#include "samara/codebooks/command_function.h"
-#include "samara/pgd/random.h"
+#include "samara/codebooks/source/command_function.h"
+#include "samara/pgd/tensors/random.h"
 
 // 20,000 calls of examples/command/suspension.py in batches as sampling makes them: kept between batches,
 // started for every batch, and by a thin client, which writes the same batches to a pipe and reads the

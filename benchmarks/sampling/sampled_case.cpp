@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "cases.h"
-#include "samara/pgd/random.h"
+#include "samara/pgd/tensors/random.h"
 
 namespace samara::benchmarks {
 

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/query.h"
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/query/query.h"
 
 struct samara_book {
   samara::codebooks::Codebook book;

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "mesh.h"
-#include "samara/pgd/parametric_problem.h"
+#include "samara/pgd/linear/parametric_problem.h"
 
 /// -div(k grad u) = s f(x) on the unit square, u = 0 on its border; k is 1 outside a disc and a parameter
 /// inside, the source has strength s and a width that is fixed. The mesh is one axis.

@@ -4,8 +4,8 @@
 
 #include <cstdio>
 
-#include "samara/pgd/enrichment.h"
-#include "samara/pgd/separated_field.h"
+#include "samara/pgd/fields/separated_field.h"
+#include "samara/pgd/linear/enrichment.h"
 
 int main() {
   using namespace samara::pgd;

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "samara/pgd/axis_forms.h"
-#include "samara/pgd/parametric_problem.h"
+#include "samara/pgd/axes/axis_forms.h"
+#include "samara/pgd/linear/parametric_problem.h"
 
 /// du/dt = k d2u/dx2 on (0,1), u(t,0) = g, u(t,1) = 0, u(0,x) = g (1 - x)^2 + a sin(pi x), over conductivity
 /// k, boundary value g and initial amplitude a at once.

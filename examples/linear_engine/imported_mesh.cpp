@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "disc.h"
-#include "samara/pgd/enrichment.h"
+#include "samara/pgd/linear/enrichment.h"
 
 int main() {
   using namespace samara::pgd;

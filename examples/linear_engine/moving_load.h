@@ -2,8 +2,8 @@
 
 #include <Eigen/LU>
 
-#include "samara/pgd/axis_forms.h"
-#include "samara/pgd/parametric_problem.h"
+#include "samara/pgd/axes/axis_forms.h"
+#include "samara/pgd/linear/parametric_problem.h"
 
 /// u_t - u_xx / 20 = delta(x - 0.1 - 0.8 t) on (0,1), t in [0,1], u = 0 on the border and at t = 0: a unit
 /// point load that crosses the domain. Linear elements in x, implicit Euler in t (one Radau point an

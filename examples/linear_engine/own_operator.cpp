@@ -7,8 +7,8 @@
 
 #include <Eigen/LU>
 
-#include "samara/pgd/enrichment.h"
-#include "samara/pgd/parametric_problem.h"
+#include "samara/pgd/linear/enrichment.h"
+#include "samara/pgd/linear/parametric_problem.h"
 
 int main() {
   using namespace samara::pgd;

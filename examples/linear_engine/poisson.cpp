@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "samara/pgd/enrichment.h"
+#include "samara/pgd/linear/enrichment.h"
 
 int main() {
   using namespace samara::pgd;

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "samara/pgd/linear_problem.h"
+#include "samara/pgd/linear/linear_problem.h"
 
 /// -Laplace u = 1 on (0,1)^d, u = 0 on the border, by second-order differences on `nodes` inner nodes a side.
 inline samara::pgd::LinearProblem poisson(int dimensions, int nodes) {

@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <vector>
 
-#include "samara/pgd/strategies/decoupling.h"
-#include "samara/pgd/strategies/polynomial_system.h"
-#include "samara/pgd/strategies/strategy_march.h"
+#include "samara/pgd/evolution/polynomial_system.h"
+#include "samara/pgd/nonlinear/decoupling.h"
+#include "samara/pgd/nonlinear/strategy_march.h"
 
 using namespace samara::pgd;
 

@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <numbers>
 
-#include "samara/models/check_model.h"
-#include "samara/models/integrate.h"
+#include "samara/models/checks/check_model.h"
+#include "samara/models/integrators/integrate.h"
 
 using namespace samara::models;
 

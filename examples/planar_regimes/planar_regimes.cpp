@@ -18,7 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "samara/models/parametric_model.h"
+#include "samara/models/interface/parametric_model.h"
+#include "samara/models/laws/registry.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // The profile of a coefficient, with a fit of your own: a cup cools as T(t) = T0 exp(-k t), in 30 readings
 // with a noise of 0.5 degrees. Watched for a second, k may be anything; for six, it has an upper limit; for a
 // minute, it is known.
-#include "samara/identification/profile.h"
+#include "samara/identification/statistics/profile.h"
 
 #include <cmath>
 #include <cstdio>

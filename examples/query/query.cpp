@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <vector>
 
-#include <samara/codebooks/query.h>
-#include <samara/codebooks/store.h>
+#include <samara/codebooks/file/store.h>
+#include <samara/codebooks/query/query.h>
 
 using namespace samara::codebooks;
 

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/positive.h"
 #include "samara/models/added_mass/ellipsoid_integrals.h"
-#include "samara/models/positive.h"
 
 namespace samara::models {
 

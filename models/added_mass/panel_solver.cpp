@@ -9,11 +9,11 @@
 #include <tbb/task_arena.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/positive.h"
+#include "samara/base/shared_progress.h"
 #include "samara/models/added_mass/panel_gmres.h"
 #include "samara/models/added_mass/panel_system.h"
 #include "samara/models/added_mass/reference_point.h"
-#include "samara/models/positive.h"
-#include "samara/models/shared_progress.h"
 
 namespace samara::models {
 

@@ -4,9 +4,9 @@
 
 #include <Eigen/Core>
 
+#include "samara/base/shared_progress.h"
 #include "samara/models/added_mass/panel_integrals.h"
 #include "samara/models/bodies/triangle_mesh.h"
-#include "samara/models/shared_progress.h"
 
 namespace samara::models::added_mass {
 

@@ -1,7 +1,7 @@
 #include "samara/models/added_mass/planar.h"
 
+#include "samara/base/positive.h"
 #include "samara/models/added_mass/planar_sections.h"
-#include "samara/models/positive.h"
 
 namespace samara::models {
 

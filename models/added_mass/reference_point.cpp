@@ -1,6 +1,6 @@
 #include "samara/models/added_mass/reference_point.h"
 
-#include "samara/models/cross_matrix.h"
+#include "samara/models/bodies/cross_matrix.h"
 
 namespace samara::models {
 

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "samara/base/progress.h"
-#include "samara/models/parametric_model.h"
+#include "samara/models/interface/parametric_model.h"
 
 /// Thousands of trajectories of one model: the classical Runge-Kutta method with fixed steps
 /// (integrators/rk4.h), trajectories side by side in the lanes of SIMD registers, packs of them shared

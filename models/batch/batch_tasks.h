@@ -9,9 +9,9 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "samara/models/batch/model_kernel.h"
-#include "samara/models/parametric_model.h"
-#include "samara/models/shared_progress.h"
+#include "samara/base/shared_progress.h"
+#include "samara/models/integrators/model_kernel.h"
+#include "samara/models/interface/parametric_model.h"
 
 /// What batches that keep their trajectories and batches that are watched have in common: points, kernels,
 /// and tasks shared between threads.

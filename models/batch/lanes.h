@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "samara/models/batch/step_kernel.h"
-#include "samara/models/parametric_model.h"
+#include "samara/models/integrators/step_kernel.h"
+#include "samara/models/interface/parametric_model.h"
 
 namespace samara::models {
 

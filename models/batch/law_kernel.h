@@ -7,7 +7,7 @@
 #include <experimental/simd>
 
 #include "samara/models/batch/dual.h"
-#include "samara/models/batch/step_kernel.h"
+#include "samara/models/integrators/step_kernel.h"
 
 /// Marks a function to be compiled with all that it calls in one piece; not with sanitizers, whose checks
 /// would make minutes of it.

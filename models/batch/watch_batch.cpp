@@ -1,9 +1,9 @@
 #include "samara/base/errors.h"
+#include "samara/base/positive.h"
 #include "samara/models/batch/batch.h"
 #include "samara/models/batch/batch_tasks.h"
 #include "samara/models/batch/lanes.h"
 #include "samara/models/integrators/trajectory_tools.h"
-#include "samara/models/positive.h"
 
 namespace samara::models {
 

@@ -9,8 +9,9 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/models/parameter_warnings.h"
-#include "samara/models/positive.h"
+#include "samara/base/positive.h"
+#include "samara/models/bodies/size_check.h"
+#include "samara/models/checks/parameter_warnings.h"
 
 namespace samara::models {
 
@@ -20,10 +21,6 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using std::numbers::pi;
-
-void require_sizes(const Vector3d& sizes, const char* what, const char* where) {
-  for (int k = 0; k < 3; ++k) require_positive(sizes[k], fmt::format("{} {} [m]", what, "xyz"[k]), where);
-}
 
 void require_density(double density, const char* where) {
   require_positive(density, "density of the solid [kg/m^3]", where);

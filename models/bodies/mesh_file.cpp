@@ -15,8 +15,8 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/positive.h"
 #include "samara/models/bodies/ply_check.h"
-#include "samara/models/positive.h"
 
 namespace samara::models {
 

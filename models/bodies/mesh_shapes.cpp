@@ -9,7 +9,8 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/models/positive.h"
+#include "samara/base/positive.h"
+#include "samara/models/bodies/size_check.h"
 
 namespace samara::models {
 
@@ -47,10 +48,6 @@ struct MeshBuilder {
 void require_at_least(int value, int least, const char* what, const char* where) {
   if (value < least)
     throw ArgumentError(fmt::format("{}: {} is {}; at least {} expected", where, what, value, least));
-}
-
-void require_sizes(const Vector3d& sizes, const char* what, const char* where) {
-  for (int k = 0; k < 3; ++k) require_positive(sizes[k], fmt::format("{} {} [m]", what, "xyz"[k]), where);
 }
 
 TriangleMesh stretched(TriangleMesh sphere, const Vector3d& semi_axes, Placement placement) {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "samara/models/positive.h"
+#include "samara/base/positive.h"
 
 namespace samara::models {
 

@@ -9,8 +9,8 @@
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 
 #include "samara/base/errors.h"
+#include "samara/base/number_text.h"
 #include "samara/models/integrators/trajectory_tools.h"
-#include "samara/models/number_text.h"
 
 namespace samara::models {
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <span>
 
-#include "samara/models/integrate.h"
+#include "samara/models/integrators/integrate.h"
 
 /// Adaptive explicit steps of high order for tight tolerances: the pair of orders 7 and 8 of E. Fehlberg
 /// (NASA TR R-287, 1968) as Boost.Odeint keeps it. On smooth, non-stiff motion it is cheaper than the

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/number_text.h"
 #include "samara/models/integrators/rotations.h"
 #include "samara/models/integrators/trajectory_tools.h"
-#include "samara/models/number_text.h"
 
 namespace samara::models {
 

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "samara/models/integrate.h"
+#include "samara/models/integrators/integrate.h"
 
 /// Motion of a rigid body on the group of rigid motions SE(3), for a body with any constant 6x6 inertia I
 /// (its own and that of the fluid it moves), Kirchhoff's equations:

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "samara/models/batch/model_kernel.h"
+#include "samara/models/integrators/model_kernel.h"
 #include "samara/models/integrators/trajectory_tools.h"
 
 namespace samara::models {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <span>
 
-#include "samara/models/integrate.h"
+#include "samara/models/integrators/integrate.h"
 
 /// The classical Runge-Kutta method of order four with fixed steps (W. Kutta, Z. Math. Phys. 46, 1901,
 /// 435-453): the cheapest way to a trajectory whose accuracy is known to suffice, and the one that batches

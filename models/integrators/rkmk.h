@@ -3,7 +3,7 @@
 #include <memory>
 #include <span>
 
-#include "samara/models/integrate.h"
+#include "samara/models/integrators/integrate.h"
 
 /// The method of Runge, Kutta and Munthe-Kaas of order four with fixed steps, for any model with an attitude
 /// (a quaternion among ModelInfo::groups): the attitude turns by exponentials of rotation vectors, so its

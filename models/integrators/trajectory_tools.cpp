@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "samara/base/errors.h"
-#include "samara/models/number_text.h"
-#include "samara/models/positive.h"
+#include "samara/base/number_text.h"
+#include "samara/base/positive.h"
 
 namespace samara::models {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "samara/models/integrate.h"
+#include "samara/models/integrators/integrate.h"
 
 /// What all integrators do before and after their steps.
 namespace samara::models {

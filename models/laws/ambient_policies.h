@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "samara/models/interface/model.h"
 #include "samara/models/laws/vector3.h"
-#include "samara/models/model.h"
 
 /// Ambient flows that laws are built on: what the undisturbed fluid does where the body is.
 ///

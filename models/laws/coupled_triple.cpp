@@ -1,4 +1,4 @@
-#include "samara/models/law_model.h"
+#include "samara/models/laws/law_model.h"
 
 namespace samara::models::laws {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "samara/models/model.h"
+#include "samara/models/interface/model.h"
 
 namespace samara::models::laws {
 

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/number_text.h"
 #include "samara/models/added_mass/planar_sections.h"
 #include "samara/models/laws/planar_plate.h"
-#include "samara/models/number_text.h"
 
 namespace samara::models::laws {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "samara/models/model.h"
+#include "samara/models/interface/model.h"
 
 /// Parameters of laws in one line each.
 namespace samara::models::laws {

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "samara/models/law_model.h"
+#include "samara/models/laws/law_model.h"
 #include "samara/models/laws/reynolds.h"
 
 /// What the plates moving in a vertical plane have in common: their states, and the quasi-steady forces of

@@ -1,7 +1,7 @@
 #include <numbers>
 
-#include "samara/models/law_model.h"
 #include "samara/models/laws/drag_scales.h"
+#include "samara/models/laws/law_model.h"
 #include "samara/models/laws/reynolds.h"
 
 namespace samara::models::laws {

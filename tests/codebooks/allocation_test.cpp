@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "../allocation_counter.h"
-#include "samara/codebooks/query.h"
+#include "samara/codebooks/query/query.h"
 #include "sample_books.h"
 
 using namespace samara::codebooks;

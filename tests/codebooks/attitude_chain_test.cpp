@@ -6,11 +6,12 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/build.h"
-#include "samara/codebooks/chain.h"
-#include "samara/codebooks/plan.h"
-#include "samara/codebooks/reduced_attitude.h"
-#include "samara/models/integrate.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/composition/chain.h"
+#include "samara/codebooks/composition/reduced_attitude.h"
+#include "samara/codebooks/plan/plan.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::codebooks;
 using Catch::Matchers::Contains;

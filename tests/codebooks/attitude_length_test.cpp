@@ -1,4 +1,4 @@
-#include "samara/codebooks/attitude_length.h"
+#include "samara/codebooks/book/attitude_length.h"
 
 #include <cmath>
 #include <random>
@@ -6,7 +6,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "samara/codebooks/query.h"
+#include "samara/codebooks/query/query.h"
 
 using namespace samara::codebooks;
 using samara::pgd::Axis;

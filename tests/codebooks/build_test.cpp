@@ -1,4 +1,4 @@
-#include "samara/codebooks/build.h"
+#include "samara/codebooks/build/build.h"
 
 #include <cmath>
 
@@ -6,11 +6,11 @@
 
 #include "../io/error_text.h"
 #include "../io/temporary_directory.h"
-#include "samara/codebooks/certify.h"
-#include "samara/codebooks/query.h"
-#include "samara/codebooks/store.h"
-#include "samara/models/integrate.h"
-#include "samara/pgd/adaptive_evolution.h"
+#include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/pgd/evolution/adaptive_evolution.h"
 #include "same_codebook.h"
 #include "sample_books.h"
 

@@ -9,8 +9,8 @@
 
 #include "../io/temporary_directory.h"
 #include "samara/codebooks/capi/samara.h"
-#include "samara/codebooks/query.h"
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/query/query.h"
 #include "sample_books.h"
 
 using Catch::Matchers::Contains;

@@ -1,4 +1,4 @@
-#include "samara/codebooks/certificate.h"
+#include "samara/codebooks/book/certificate.h"
 
 #include <cmath>
 #include <set>
@@ -7,11 +7,11 @@
 
 #include "../io/error_text.h"
 #include "../io/temporary_directory.h"
-#include "samara/codebooks/build.h"
-#include "samara/codebooks/certify.h"
-#include "samara/codebooks/query.h"
-#include "samara/codebooks/store.h"
-#include "samara/pgd/random.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/pgd/tensors/random.h"
 
 // What a certificate states: of how much of the box, at how many points, and where errors stand out.
 

@@ -1,4 +1,4 @@
-#include "samara/codebooks/certify.h"
+#include "samara/codebooks/certify/certify.h"
 
 #include <cmath>
 #include <limits>
@@ -7,7 +7,8 @@
 
 #include "../io/error_text.h"
 #include "../models/scalar_model.h"
-#include "samara/codebooks/query.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/models/laws/registry.h"
 #include "same_codebook.h"
 #include "sample_books.h"
 

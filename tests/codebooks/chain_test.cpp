@@ -1,4 +1,4 @@
-#include "samara/codebooks/chain.h"
+#include "samara/codebooks/composition/chain.h"
 
 #include <cmath>
 #include <random>
@@ -6,9 +6,10 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/certify.h"
-#include "samara/codebooks/query.h"
-#include "samara/models/integrate.h"
+#include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
 #include "sample_books.h"
 
 using namespace samara::codebooks;

@@ -1,4 +1,4 @@
-#include "samara/codebooks/checkpoint.h"
+#include "samara/codebooks/source/checkpoint.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -7,7 +7,7 @@
 
 #include "../io/error_text.h"
 #include "../io/temporary_directory.h"
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/file/store.h"
 #include "same_codebook.h"
 #include "sample_books.h"
 

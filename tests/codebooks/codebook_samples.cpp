@@ -10,8 +10,8 @@
 #include <filesystem>
 #include <string>
 
-#include "samara/codebooks/query.h"
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/query/query.h"
 #include "samara/io/csv.h"
 #include "sample_books.h"
 

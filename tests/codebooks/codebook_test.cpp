@@ -1,4 +1,4 @@
-#include "samara/codebooks/codebook.h"
+#include "samara/codebooks/book/codebook.h"
 
 #include <catch2/catch.hpp>
 

@@ -4,11 +4,11 @@
 
 #include "../io/error_text.h"
 #include "../io/temporary_directory.h"
-#include "samara/codebooks/build.h"
-#include "samara/codebooks/certify.h"
-#include "samara/codebooks/chain.h"
-#include "samara/codebooks/query.h"
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/composition/chain.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/query/query.h"
 #include "same_codebook.h"
 #include "sample_books.h"
 

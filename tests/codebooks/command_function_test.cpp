@@ -1,4 +1,4 @@
-#include "samara/codebooks/command_function.h"
+#include "samara/codebooks/source/command_function.h"
 
 #include <chrono>
 #include <cmath>

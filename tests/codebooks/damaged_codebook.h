@@ -11,7 +11,7 @@
 #include "../io/error_text.h"
 #include "../io/temporary_directory.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/file/store.h"
 #include "same_codebook.h"
 #include "sample_books.h"
 

@@ -18,8 +18,8 @@
 
 #include "../io/temporary_directory.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/query.h"
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/query/query.h"
 
 // The library's own checksums.
 extern "C" std::uint32_t H5_checksum_fletcher32(const void* data, std::size_t size);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "samara/codebooks/codebook.h"
+#include "samara/codebooks/book/codebook.h"
 
 /// Mutated codebook files, read in child processes.
 namespace file_fuzz {

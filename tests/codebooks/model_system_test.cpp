@@ -1,10 +1,12 @@
-#include "samara/codebooks/model_system.h"
+#include "samara/codebooks/source/model_system.h"
 
 #include <map>
 #include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
+
+#include "samara/models/laws/registry.h"
 
 using samara::codebooks::ModelSystem;
 using samara::models::ParametricModel;

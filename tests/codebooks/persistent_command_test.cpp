@@ -9,9 +9,9 @@
 #include "../io/error_text.h"
 #include "../io/temporary_directory.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/build.h"
-#include "samara/codebooks/command_function.h"
-#include "samara/codebooks/command_program.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/source/command_function.h"
+#include "samara/codebooks/source/command_program.h"
 
 // Programs that are kept between batches, good ones and nasty ones.
 

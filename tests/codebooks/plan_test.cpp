@@ -1,4 +1,4 @@
-#include "samara/codebooks/plan.h"
+#include "samara/codebooks/plan/plan.h"
 
 #include <catch2/catch.hpp>
 

@@ -11,8 +11,8 @@
 #include "../io/error_text.h"
 #include "../io/temporary_directory.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/query.h"
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/query/query.h"
 #include "sample_books.h"
 
 using namespace samara::codebooks;

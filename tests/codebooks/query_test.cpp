@@ -1,4 +1,4 @@
-#include "samara/codebooks/query.h"
+#include "samara/codebooks/query/query.h"
 
 #include <array>
 #include <limits>

@@ -4,7 +4,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "samara/codebooks/codebook.h"
+#include "samara/codebooks/book/codebook.h"
 
 /// Checks that two codebooks are the same to the last bit and letter.
 

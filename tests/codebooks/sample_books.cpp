@@ -5,7 +5,7 @@
 #include <random>
 #include <utility>
 
-#include "samara/pgd/tensor_train.h"
+#include "samara/pgd/tensors/tensor_train.h"
 
 namespace {
 

@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "samara/codebooks/build.h"
-#include "samara/codebooks/codebook.h"
+#include "samara/codebooks/book/codebook.h"
+#include "samara/codebooks/build/build.h"
 
 /// Codebooks for the tests.
 

@@ -5,12 +5,12 @@
 
 #include "../io/error_text.h"
 #include "../io/temporary_directory.h"
-#include "samara/codebooks/certify.h"
-#include "samara/codebooks/checkpoint.h"
-#include "samara/codebooks/query.h"
-#include "samara/codebooks/store.h"
-#include "samara/models/integrate.h"
-#include "samara/pgd/random.h"
+#include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/codebooks/source/checkpoint.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/pgd/tensors/random.h"
 #include "same_codebook.h"
 #include "sample_books.h"
 

@@ -1,4 +1,4 @@
-#include "samara/codebooks/sobol_points.h"
+#include "samara/codebooks/book/sobol_points.h"
 
 #include <algorithm>
 #include <cmath>

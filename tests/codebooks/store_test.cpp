@@ -1,4 +1,4 @@
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/file/store.h"
 
 #include <limits>
 
@@ -6,7 +6,7 @@
 
 #include "../io/error_text.h"
 #include "../io/temporary_directory.h"
-#include "samara/codebooks/query.h"
+#include "samara/codebooks/query/query.h"
 #include "same_codebook.h"
 #include "sample_books.h"
 

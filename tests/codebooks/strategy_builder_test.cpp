@@ -1,4 +1,4 @@
-#include "samara/codebooks/strategy_builder.h"
+#include "samara/codebooks/build/strategy_builder.h"
 
 #include <string>
 #include <vector>
@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/build.h"
+#include "samara/codebooks/build/build.h"
 
 using namespace samara::codebooks;
 using Catch::Matchers::Contains;

@@ -7,10 +7,11 @@
 
 #include <catch2/catch.hpp>
 
-#include "samara/codebooks/model_system.h"
-#include "samara/models/integrate.h"
-#include "samara/pgd/random.h"
-#include "samara/pgd/strategies/strategy_march.h"
+#include "samara/codebooks/source/model_system.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
+#include "samara/pgd/nonlinear/strategy_march.h"
+#include "samara/pgd/tensors/random.h"
 
 using namespace samara::pgd;
 using samara::codebooks::ModelSystem;

@@ -1,4 +1,4 @@
-#include "samara/codebooks/time_mesh.h"
+#include "samara/codebooks/build/time_mesh.h"
 
 #include <cmath>
 #include <limits>
@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/store.h"
+#include "samara/codebooks/file/store.h"
 
 using namespace samara::codebooks;
 

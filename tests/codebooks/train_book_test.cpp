@@ -1,7 +1,7 @@
 #include <limits>
 
 #include "damaged_codebook.h"
-#include "samara/codebooks/query.h"
+#include "samara/codebooks/query/query.h"
 
 // Codebooks whose groups are trains: the same answers, kept to the last bit, and damage that is named.
 

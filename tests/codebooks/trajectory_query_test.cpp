@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "../io/error_text.h"
-#include "samara/codebooks/query.h"
+#include "samara/codebooks/query/query.h"
 #include "sample_books.h"
 
 using namespace samara::codebooks;

@@ -2,9 +2,10 @@
 
 #include "../allocation_counter.h"
 #include "plate_captures.h"
-#include "samara/identification/fit_problem.h"
-#include "samara/identification/segment_residual.h"
-#include "samara/identification/step_trajectories.h"
+#include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/problem/segment_residual.h"
+#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::identification;
 

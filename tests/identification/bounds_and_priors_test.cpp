@@ -2,8 +2,9 @@
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 
-#include "samara/identification/fit.h"
-#include "samara/identification/step_trajectories.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/laws/registry.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

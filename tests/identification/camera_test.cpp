@@ -1,5 +1,5 @@
 /// Captures whose camera has another scale and other axes than the model.
-#include "samara/identification/camera.h"
+#include "samara/identification/problem/camera.h"
 
 #include <algorithm>
 #include <array>
@@ -10,13 +10,14 @@
 #include "plate_captures.h"
 #include "residual_derivatives.h"
 #include "samara/base/errors.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/fit_config.h"
-#include "samara/identification/fitted_motion.h"
-#include "samara/identification/segment_residual.h"
-#include "samara/identification/step_trajectories.h"
-#include "samara/models/integrate.h"
-#include "samara/pgd/random.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/fitted_motion.h"
+#include "samara/identification/problem/fit_config.h"
+#include "samara/identification/problem/segment_residual.h"
+#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
+#include "samara/pgd/tensors/random.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

@@ -1,4 +1,4 @@
-#include "samara/identification/capture_cleaning.h"
+#include "samara/identification/captures/capture_cleaning.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "samara/identification/capture_suspicions.h"
+#include "samara/identification/captures/capture_suspicions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "samara/identification/capture_cleaning.h"
-#include "samara/identification/capture_file.h"
+#include "samara/identification/captures/capture_cleaning.h"
+#include "samara/identification/captures/capture_file.h"
 
 using namespace samara::identification;
 using Eigen::Index;

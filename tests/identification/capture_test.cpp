@@ -1,4 +1,4 @@
-#include "samara/identification/capture.h"
+#include "samara/identification/captures/capture.h"
 
 #include <cmath>
 

@@ -1,8 +1,8 @@
-#include "samara/identification/chart.h"
+#include "samara/identification/problem/chart.h"
 
 #include <catch2/catch.hpp>
 
-#include "samara/pgd/random.h"
+#include "samara/pgd/tensors/random.h"
 
 using samara::identification::Chart;
 using samara::identification::Turn;

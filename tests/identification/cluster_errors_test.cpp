@@ -1,12 +1,12 @@
 /// Errors from the scatter between clusters: by formulas where clusters are alike, by trials where they are
 /// not.
-#include "samara/identification/cluster_errors.h"
+#include "samara/identification/statistics/cluster_errors.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 
-#include "samara/identification/fit.h"
+#include "samara/identification/fit/fit.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

@@ -2,10 +2,10 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/codebook.h"
-#include "samara/identification/codebook_trajectories.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/fit_config.h"
+#include "samara/codebooks/book/codebook.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/problem/fit_config.h"
+#include "samara/identification/trajectories/codebook_trajectories.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

@@ -1,5 +1,5 @@
 /// Coefficients that change along a motion.
-#include "samara/identification/coefficient_series.h"
+#include "samara/identification/series/coefficient_series.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,10 @@
 
 #include "plate_captures.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/query.h"
-#include "samara/identification/series_knots.h"
-#include "samara/models/integrate.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/identification/series/series_knots.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::identification;
 using Catch::Matchers::Contains;
@@ -76,7 +77,7 @@ CoefficientSeries series_of(const Capture& capture, const SeriesOptions& series)
   return fit_series(find_model("falling_plate_nd"), std::vector{capture}, plate_options(), series);
 }
 
-std::string error_of(const FitOptions& options, const SeriesOptions& series) {
+std::string series_error(const FitOptions& options, const SeriesOptions& series) {
   try {
     fit_series(find_model("falling_plate_nd"), std::vector{fluttering(0.0, 1)}, options, series);
   } catch (const samara::ArgumentError& error) {
@@ -275,7 +276,7 @@ TEST_CASE("what is asked of constant coefficients or joined segments is refused 
   const auto with = [&](const SeriesOptions& series, auto change) {
     FitOptions options = plate_options();
     change(options);
-    return error_of(options, series);
+    return series_error(options, series);
   };
   CHECK_THAT(with(joined, [](FitOptions& o) { o.profiles = true; }), Contains("profiles or a series"));
   CHECK_THAT(with(joined, [](FitOptions& o) { o.bootstrap.replicates = 20; }),
@@ -291,7 +292,7 @@ TEST_CASE("what belongs to the start of a capture is not applied to each window 
   const auto with = [&](auto change) {
     FitOptions options = plate_options();
     change(options);
-    return error_of(options, sliding);
+    return series_error(options, sliding);
   };
   const auto not_free = Contains("\"theta(0)\" is not free in each");
   CHECK_THAT(with([](FitOptions& o) {
@@ -318,7 +319,7 @@ TEST_CASE("what a series cannot be is one sentence") {
   const auto with = [&](auto change) {
     SeriesOptions series = good;
     change(series);
-    return error_of(plate_options(), series);
+    return series_error(plate_options(), series);
   };
   CHECK_THAT(with([](SeriesOptions& s) { s.window = 9.0; }),
              Contains("series.window is 9 s, but capture \"plate\" lasts 8 s"));

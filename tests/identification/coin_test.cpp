@@ -1,10 +1,11 @@
 #include <catch2/catch.hpp>
 
-#include "samara/codebooks/plan.h"
-#include "samara/identification/capture_file.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/fit_config.h"
-#include "samara/identification/reference_trajectories.h"
+#include "samara/codebooks/plan/plan.h"
+#include "samara/identification/captures/capture_file.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/problem/fit_config.h"
+#include "samara/identification/trajectories/reference_trajectories.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::identification;
 

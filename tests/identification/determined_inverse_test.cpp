@@ -1,4 +1,4 @@
-#include "samara/identification/determined_inverse.h"
+#include "samara/identification/statistics/determined_inverse.h"
 
 #include <Eigen/LU>
 #include <catch2/catch.hpp>

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "samara/base/errors.h"
-#include "samara/identification/capture_file.h"
+#include "samara/identification/captures/capture_file.h"
 
 /// A new directory for the files of one test, removed with them at the end of its scope.
 class TestFiles {

@@ -3,8 +3,9 @@
 #include <catch2/catch.hpp>
 
 #include "files.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/fit_problem.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/problem/fit_problem.h"
+#include "samara/models/laws/registry.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

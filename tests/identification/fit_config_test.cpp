@@ -1,11 +1,12 @@
-#include "samara/identification/fit_config.h"
+#include "samara/identification/problem/fit_config.h"
 
 #include <filesystem>
 
 #include <catch2/catch.hpp>
 
 #include "files.h"
-#include "samara/identification/prediction_config.h"
+#include "samara/identification/fit/prediction_config.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::identification;
 using Catch::Matchers::Contains;

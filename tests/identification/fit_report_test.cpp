@@ -1,10 +1,10 @@
-#include "samara/identification/fit_report.h"
+#include "samara/identification/report/fit_report.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "files.h"
-#include "samara/identification/fit.h"
+#include "samara/identification/fit/fit.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

@@ -4,7 +4,7 @@
 #include <Eigen/QR>
 #include <catch2/catch.hpp>
 
-#include "samara/identification/fit.h"
+#include "samara/identification/fit/fit.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

@@ -3,7 +3,8 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/identification/fit.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/models/laws/registry.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

@@ -1,8 +1,9 @@
-#include "samara/identification/gravity_check.h"
+#include "samara/identification/captures/gravity_check.h"
 
 #include <catch2/catch.hpp>
 
-#include "samara/models/integrate.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

@@ -1,4 +1,4 @@
-#include "samara/identification/identifiability.h"
+#include "samara/identification/statistics/identifiability.h"
 
 #include <cmath>
 #include <limits>

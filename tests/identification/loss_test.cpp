@@ -1,4 +1,4 @@
-#include "samara/identification/loss.h"
+#include "samara/identification/statistics/loss.h"
 
 #include <cmath>
 

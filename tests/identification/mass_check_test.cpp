@@ -1,9 +1,10 @@
 /// Fits of bodies whose mass was given wrongly.
-#include "samara/identification/mass_check.h"
+#include "samara/identification/fit/mass_check.h"
 
 #include <catch2/catch.hpp>
 
-#include "samara/identification/fit.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/models/laws/registry.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

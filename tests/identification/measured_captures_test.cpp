@@ -8,9 +8,9 @@
 #include <catch2/catch.hpp>
 
 #include "measured_data.h"
-#include "samara/identification/capture_cleaning.h"
-#include "samara/identification/capture_file.h"
-#include "samara/identification/capture_suspicions.h"
+#include "samara/identification/captures/capture_cleaning.h"
+#include "samara/identification/captures/capture_file.h"
+#include "samara/identification/captures/capture_suspicions.h"
 #include "samara/io/delimited_table.h"
 
 using namespace samara::identification;
@@ -32,7 +32,7 @@ double along_track_noise(const Capture& flight) {
       .noise[0];
 }
 
-double median_of(std::vector<double> values) {
+double median_of_durations(std::vector<double> values) {
   std::ranges::sort(values);
   return values[values.size() / 2];
 }
@@ -62,9 +62,9 @@ TEST_CASE("table tennis: the frame grid takes along-track noise from millimetres
   }
   // Found by an independent trial: 3.3 mm and 0.86 mm, and flights of 0.19 s in the median, the short ones
   // among them (cutting and noise estimated a little differently). Rounding to 1 mm alone makes 0.29 mm.
-  CHECK(median_of(printed) > 2.5e-3);
-  CHECK(median_of(gridded) < 0.9e-3);
-  CHECK(std::abs(median_of(durations) - 0.22) < 0.02);
+  CHECK(median_of_durations(printed) > 2.5e-3);
+  CHECK(median_of_durations(gridded) < 0.9e-3);
+  CHECK(std::abs(median_of_durations(durations) - 0.22) < 0.02);
 }
 
 TEST_CASE("blimp: pose and rates in SI units and the world z up agree with one another") {

@@ -10,7 +10,7 @@
 #include "identification/real_data.h"
 #include "identification/settling_plates.h"
 #include "measured_data.h"
-#include "samara/identification/fit.h"
+#include "samara/identification/fit/fit.h"
 
 using namespace samara::benchmarks::identification;
 using samara::identification::Baseline;

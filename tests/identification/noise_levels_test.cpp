@@ -4,9 +4,10 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/fit_config.h"
-#include "samara/identification/prediction.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/prediction.h"
+#include "samara/identification/problem/fit_config.h"
+#include "samara/models/laws/registry.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/fitted_motion.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/fitted_motion.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

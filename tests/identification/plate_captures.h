@@ -5,9 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "samara/identification/capture.h"
-#include "samara/models/integrate.h"
-#include "samara/pgd/random.h"
+#include "samara/identification/captures/capture.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
+#include "samara/pgd/tensors/random.h"
 
 /// Angle and place of a plate as a camera sees them, with normal noise.
 /// @param states of falling_plate_nd, a row for each time

@@ -3,14 +3,15 @@
 
 #include <catch2/catch.hpp>
 
-#include "samara/identification/attitude_guess.h"
-#include "samara/identification/chart.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/fitted_motion.h"
-#include "samara/identification/flutter.h"
-#include "samara/identification/segment_residual.h"
-#include "samara/identification/step_trajectories.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/fitted_motion.h"
+#include "samara/identification/problem/chart.h"
+#include "samara/identification/problem/segment_residual.h"
+#include "samara/identification/smoothing/flutter.h"
+#include "samara/identification/solve/starts/attitude_guess.h"
+#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/integrators/rotations.h"
+#include "samara/models/laws/registry.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

@@ -8,8 +8,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "samara/identification/prediction.h"
-#include "samara/identification/step_trajectories.h"
+#include "samara/identification/fit/prediction.h"
+#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/laws/registry.h"
 #include "synthetic.h"
 
 /// Motions whose continuation is known, for tests of predictions.

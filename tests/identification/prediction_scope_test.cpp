@@ -6,8 +6,9 @@
 
 #include "predicted_motions.h"
 #include "samara/base/errors.h"
-#include "samara/identification/fit.h"
-#include "samara/models/integrate.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::identification;
 using namespace predicted_motions;

@@ -1,4 +1,4 @@
-#include "samara/identification/prediction.h"
+#include "samara/identification/fit/prediction.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,9 @@
 #include "files.h"
 #include "predicted_motions.h"
 #include "samara/base/errors.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/step_trajectories.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/laws/registry.h"
 #include "synthetic.h"
 
 using namespace samara::identification;
@@ -52,15 +53,16 @@ class TurningFamily final : public TrajectoryFamily {
   FamilyInfo info_;
 };
 
-constexpr double kInterval = 0.01;
+constexpr double kFrameInterval = 0.01;
 
 /// Depths of a braked motion from t = -20 ms on, each the mean of five frames.
 Capture braked_means(const std::string& id, double v0, int frames) {
   std::vector<double> times;
   Eigen::VectorXd means = Eigen::VectorXd::Zero(frames);
   for (int k = 0; k < frames; ++k) {
-    times.push_back(kInterval * k);
-    for (int j = 0; j <= 4; ++j) means[k] += BrakedFamily::depth(1.4, v0, times.back() + j * kInterval) / 5.0;
+    times.push_back(kFrameInterval * k);
+    for (int j = 0; j <= 4; ++j)
+      means[k] += BrakedFamily::depth(1.4, v0, times.back() + j * kFrameInterval) / 5.0;
   }
   return make_capture(id, times, means);
 }
@@ -206,7 +208,7 @@ TEST_CASE("means of frames are predicted over the interval of the fit, also wher
   options.averaged_frames = 5;
   const std::vector captures = {braked_means("a", 0.8, 60), braked_means("b", 1.1, 60)};
   const FitResult fitted = fit(family, captures, options);
-  CHECK(fitted.captures[0].interval == Approx(kInterval));
+  CHECK(fitted.captures[0].interval == Approx(kFrameInterval));
   std::vector<Eigen::Index> kept;
   for (Eigen::Index k = 0; k < 60; ++k) {
     if (k % 5 != 3) kept.push_back(k);

@@ -1,4 +1,4 @@
-#include "samara/identification/profile.h"
+#include "samara/identification/statistics/profile.h"
 
 #include <cmath>
 

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "samara/identification/segment_residual.h"
+#include "samara/identification/problem/segment_residual.h"
 
 /// Holds the derivatives of a joined segment's residuals to differences, at random unknowns.
 inline void check_derivatives(samara::identification::SegmentResidual& residual, Eigen::VectorXd shared,

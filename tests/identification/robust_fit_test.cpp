@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "samara/identification/fit.h"
+#include "samara/identification/fit/fit.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

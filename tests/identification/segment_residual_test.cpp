@@ -1,4 +1,4 @@
-#include "samara/identification/segment_residual.h"
+#include "samara/identification/problem/segment_residual.h"
 
 #include <catch2/catch.hpp>
 

@@ -2,8 +2,8 @@
 #include <Eigen/QR>
 #include <catch2/catch.hpp>
 
-#include "samara/identification/fit.h"
-#include "samara/identification/secant_model.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/solve/secant_model.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

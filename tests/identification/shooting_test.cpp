@@ -4,14 +4,15 @@
 #include "plate_captures.h"
 #include "residual_derivatives.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/build.h"
-#include "samara/codebooks/plan.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/fit_problem.h"
-#include "samara/identification/mixed_trajectories.h"
-#include "samara/identification/segment_residual.h"
-#include "samara/identification/step_trajectories.h"
-#include "samara/pgd/random.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/plan/plan.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/problem/segment_residual.h"
+#include "samara/identification/trajectories/mixed_trajectories.h"
+#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/laws/registry.h"
+#include "samara/pgd/tensors/random.h"
 
 using namespace samara::identification;
 using samara::models::find_model;

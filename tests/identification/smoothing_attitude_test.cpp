@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "files.h"
-#include "samara/identification/smoothing.h"
+#include "samara/identification/smoothing/smoothing.h"
 
 using namespace samara::identification;
 using Eigen::Index;
@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnseenPart = std::numeric_limits<double>::quiet_NaN();
 
 Quaterniond rotated(const Vector3d& phi) {
   const double angle = phi.norm();
@@ -76,7 +76,7 @@ TEST_CASE("a steady spin is reproduced exactly, whatever the signs and lengths o
     const double factor = (random() % 2 == 0 ? 1.0 : -1.0) * (1.0 + 0.1 * static_cast<double>(random() % 5));
     seen.quaternions.row(k) = factor * Eigen::RowVector4d(q.w(), q.x(), q.y(), q.z());
   }
-  seen.quaternions.middleRows(20, 5).setConstant(kUnseen);
+  seen.quaternions.middleRows(20, 5).setConstant(kUnseenPart);
   Eigen::Vector4d at(0.0, 0.222, 0.4005, 0.79);
   const SmoothedAttitude s = smooth_attitude(seen.times, seen.quaternions, at, {.window = 0.12});
   for (Index k = 0; k < at.size(); ++k) {

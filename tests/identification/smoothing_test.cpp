@@ -1,4 +1,4 @@
-#include "samara/identification/smoothing.h"
+#include "samara/identification/smoothing/smoothing.h"
 
 #include <cmath>
 #include <limits>
@@ -29,7 +29,7 @@ Eigen::VectorXd values_of(const Function& f, const Eigen::VectorXd& times) {
   return times.unaryExpr([&](double t) { return f(t); });
 }
 
-void add_noise(Eigen::VectorXd& values, double sigma, std::mt19937_64& random) {
+void add_noise_to(Eigen::VectorXd& values, double sigma, std::mt19937_64& random) {
   std::normal_distribution<double> normal(0.0, sigma);
   for (double& value : values) value += normal(random);
 }
@@ -115,7 +115,7 @@ TEST_CASE("standard errors cover the truth as often as they say") {
     std::mt19937_64 random(static_cast<unsigned>(record) + 10);
     const Eigen::VectorXd times = jittered_times(55, 0.01, static_cast<unsigned>(record));
     Eigen::VectorXd values = values_of(quartic, times);
-    add_noise(values, 0.02, random);
+    add_noise_to(values, 0.02, random);
     values.segment(30, 8).setConstant(kUnseen);
     const Eigen::Vector3d at(times[0], 0.15, 0.29);
     const Smoothed s = smooth(times, values, at, {.window = 0.15});
@@ -146,7 +146,7 @@ TEST_CASE("standard errors hold where the source has averaged neighbouring frame
   for (int record = 0; record < records; ++record) {
     std::mt19937_64 random(static_cast<unsigned>(record));
     Eigen::VectorXd white = Eigen::VectorXd::Zero(94);
-    add_noise(white, 0.02, random);
+    add_noise_to(white, 0.02, random);
     const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(90, 0.0, 0.89);
     Eigen::VectorXd values = values_of(quartic, times);
     for (Index k = 0; k < 90; ++k) values[k] += white.segment(k, 5).mean();
@@ -179,7 +179,7 @@ TEST_CASE("one frame in twenty that is grossly wrong changes nothing, and is nam
   for (unsigned record = 0; record < 20; ++record) {
     const Eigen::VectorXd times = jittered_times(120, 0.01, record);
     Eigen::VectorXd values = values_of(swing, times);
-    add_noise(values, 0.003, random);
+    add_noise_to(values, 0.003, random);
     Eigen::Array<bool, Eigen::Dynamic, 1> wrong(120);
     for (Index k = 0; k < 120; ++k) {
       wrong[k] = std::uniform_real_distribution<double>()(random) < 0.05;
@@ -211,7 +211,7 @@ TEST_CASE("where all frames are farther off than the stated noise, enough of the
   std::mt19937_64 random(3);
   const Eigen::VectorXd times = jittered_times(31, 1.0 / 60.0, 4);
   Eigen::VectorXd values = values_of(swing, times);
-  add_noise(values, 0.3, random);
+  add_noise_to(values, 0.3, random);
   const Smoothed s = smooth(times, values, times, {.window = 0.2, .noise = 3e-4});
   CHECK(s.value.allFinite());
   CHECK(s.rate.allFinite());
@@ -279,7 +279,7 @@ TEST_CASE("frames that scatter far more than the noise that is given are not out
   std::mt19937_64 random(11);
   const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(73, 0.0, 0.3);
   Eigen::VectorXd values = values_of(swing, times);
-  add_noise(values, 0.5, random);
+  add_noise_to(values, 0.5, random);
   for (const double noise : {1e-12, 1e-3, 0.05}) {
     const Smoothed smoothed = smooth(times, values, times, {.degree = 2, .window = 0.02, .noise = noise});
     // Of so few neighbours a normal frame is seldom 5 of their deviations away.

@@ -4,8 +4,9 @@
 #include <catch2/catch.hpp>
 
 #include "plate_captures.h"
-#include "samara/identification/fit.h"
-#include "samara/identification/step_trajectories.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/laws/registry.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

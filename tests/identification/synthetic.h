@@ -8,10 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "samara/identification/capture.h"
-#include "samara/identification/reference_trajectories.h"
-#include "samara/identification/trajectory_source.h"
-#include "samara/models/integrate.h"
+#include "samara/identification/captures/capture.h"
+#include "samara/identification/trajectories/reference_trajectories.h"
+#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
 
 /// `count` times from 0 to `end`.
 inline std::vector<double> even_times(int count, double end) {

@@ -3,8 +3,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "samara/identification/fit.h"
-#include "samara/identification/fit_report.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/report/fit_report.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

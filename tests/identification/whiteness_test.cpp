@@ -1,4 +1,4 @@
-#include "samara/identification/whiteness.h"
+#include "samara/identification/statistics/whiteness.h"
 
 #include <cmath>
 #include <limits>

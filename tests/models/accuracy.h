@@ -1,6 +1,6 @@
 #pragma once
 
-#include "samara/models/integrate.h"
+#include "samara/models/integrators/integrate.h"
 
 /// What the integrator promises at the end: each of its N steps errs by at most relative * (|x_i| + scale_i)
 /// in a norm over n components (so sqrt(n) times that in one of them), |x_i| stays below a few scales in

@@ -10,6 +10,7 @@
 #include "kirchhoff_ellipsoid.h"
 #include "samara/base/errors.h"
 #include "samara/models/integrators/lie_group.h"
+#include "samara/models/laws/registry.h"
 #include "scalar_model.h"
 
 using namespace samara::models;

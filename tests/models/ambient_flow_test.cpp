@@ -1,4 +1,4 @@
-#include "samara/models/ambient_flow.h"
+#include "samara/models/laws/ambient_flow.h"
 
 #include <limits>
 
@@ -6,7 +6,8 @@
 
 #include "bodies_in_flow.h"
 #include "samara/base/errors.h"
-#include "samara/models/check_model.h"
+#include "samara/models/checks/check_model.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 using Catch::Matchers::WithinAbs;

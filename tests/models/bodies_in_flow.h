@@ -9,8 +9,8 @@
 
 #include <Eigen/Dense>
 
-#include "samara/models/cross_matrix.h"
-#include "samara/models/integrate.h"
+#include "samara/models/bodies/cross_matrix.h"
+#include "samara/models/integrators/integrate.h"
 
 /// What the tests of bodies with a full pose share: states 0-2 position, 3-6 quaternion, 7-9 velocity and
 /// 10-12 angular velocity in body axes.

@@ -6,6 +6,7 @@
 
 #include "card_patterns.h"
 #include "samara/models/integrators/rk4.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 

@@ -1,4 +1,4 @@
-#include "samara/models/check_model.h"
+#include "samara/models/checks/check_model.h"
 
 #include <algorithm>
 

@@ -4,14 +4,14 @@
 #include <catch2/catch.hpp>
 
 #include "function_model.h"
-#include "samara/models/check_model.h"
-#include "samara/models/unit_dimension.h"
+#include "samara/models/checks/check_model.h"
+#include "samara/models/checks/unit_dimension.h"
 
 using namespace samara::models;
 
 namespace {
 
-using Values = FunctionModel::Values;
+using FunctionValues = FunctionModel::Values;
 
 std::string findings(const Model& model) {
   std::string text;
@@ -32,23 +32,23 @@ FunctionModel falling(FunctionModel::Rates rates) {
   model.info_.symmetries = {"translation of x"};
   model.info_.affine_in = {"k", "weight"};
   model.info_.force_terms = {{.name = "drag"}, {.name = "weight"}};
-  model.forces_ = [](const Values& x, const Values& p) {
+  model.forces_ = [](const FunctionValues& x, const FunctionValues& p) {
     std::vector<Wrench> terms(2);
     terms[0].force.z() = -p[1] * x[1];
     terms[1].force.z() = -p[2];
     for (Wrench& term : terms) term.power = term.force.z() * x[1];
     return terms;
   };
-  model.energy_ = [](const Values& x, const Values& p) { return 0.5 * p[0] * x[1] * x[1]; };
+  model.energy_ = [](const FunctionValues& x, const FunctionValues& p) { return 0.5 * p[0] * x[1] * x[1]; };
   return model;
 }
 
-Values falling_rates(const Values& x, const Values& p) {
+FunctionValues falling_rates(const FunctionValues& x, const FunctionValues& p) {
   return {x[1], (-p[2] - p[1] * x[1]) / p[0]};
 }
 
 /// A point that goes ahead along the body's first axis while the body turns: quaternion and position.
-Values gliding_rates(const Values& x, const Values& p) {
+FunctionValues gliding_rates(const FunctionValues& x, const FunctionValues& p) {
   const double w = x[0], i = x[1], j = x[2], k = x[3];
   const std::array<double, 3> spin = {0.3, -0.7, p[0]};  // body axes
   return {0.5 * (-i * spin[0] - j * spin[1] - k * spin[2]),
@@ -89,8 +89,8 @@ TEST_CASE("a weight against linear drag passes every check") {
 }
 
 TEST_CASE("a constant that hides a unit is found with the unit it hides") {
-  const std::string text = findings(falling([](const Values& x, const Values& p) {
-    return Values{x[1], -9.81 - p[1] * x[1] / p[0]};
+  const std::string text = findings(falling([](const FunctionValues& x, const FunctionValues& p) {
+    return FunctionValues{x[1], -9.81 - p[1] * x[1] / p[0]};
   }));
   CHECK_THAT(text,
              Contains("the rate of \"v\" does not follow its unit, \"m/s\" per s, when the unit of length"));
@@ -100,8 +100,8 @@ TEST_CASE("a constant that hides a unit is found with the unit it hides") {
 }
 
 TEST_CASE("a model with numbers of its own may be checked for all but its units") {
-  const FunctionModel model = falling([](const Values& x, const Values& p) {
-    return Values{x[1], (-p[2] - p[1] * x[1]) / p[0] + std::sin(x[0])};
+  const FunctionModel model = falling([](const FunctionValues& x, const FunctionValues& p) {
+    return FunctionValues{x[1], (-p[2] - p[1] * x[1]) / p[0] + std::sin(x[0])};
   });
   CHECK_THAT(findings(model), Contains("does not follow its unit"));
   FunctionModel without_forces = model;
@@ -121,7 +121,7 @@ TEST_CASE("a parameter with a wrong unit is found by the dimension that is wrong
 TEST_CASE("a derived default that does not follow its unit is found") {
   FunctionModel model = falling(falling_rates);
   model.info_.parameters[2].derived = "mass";
-  model.complete_ = [](const std::vector<char>& given, Values& p) {
+  model.complete_ = [](const std::vector<char>& given, FunctionValues& p) {
     if (!given[2]) p[2] = p[0];
   };
   CHECK_THAT(findings(model), Contains("the derived default of \"weight\" does not follow its unit, \"N\""));
@@ -152,14 +152,19 @@ TEST_CASE("coefficients that do not enter linearly, all together, are found") {
     return model;
   };
   const std::string words = "the rate of \"x\" is not affine in the parameters of affine_in";
-  CHECK(findings(with([](const Values& x, const Values& p) {
-          return Values{p[0] * x[0] - p[1] + 2.0};
+  CHECK(findings(with([](const FunctionValues& x, const FunctionValues& p) {
+          return FunctionValues{p[0] * x[0] - p[1] + 2.0};
         })).empty());
-  CHECK_THAT(findings(with([](const Values& x, const Values& p) { return Values{p[0] * p[0] * x[0]}; })),
+  CHECK_THAT(findings(with([](const FunctionValues& x, const FunctionValues& p) {
+               return FunctionValues{p[0] * p[0] * x[0]};
+             })),
              Contains(words));
-  CHECK_THAT(findings(with([](const Values& x, const Values& p) { return Values{p[0] * p[1] * x[0]}; })),
+  CHECK_THAT(findings(with([](const FunctionValues& x, const FunctionValues& p) {
+               return FunctionValues{p[0] * p[1] * x[0]};
+             })),
              Contains(words));
-  FunctionModel model = with([](const Values& x, const Values& p) { return Values{p[0] * x[0]}; });
+  FunctionModel model =
+      with([](const FunctionValues& x, const FunctionValues& p) { return FunctionValues{p[0] * x[0]}; });
   model.info_.affine_in = {"a", "c"};
   CHECK_THAT(findings(model), Contains("affine in \"c\", which is no parameter"));
 }
@@ -168,14 +173,16 @@ TEST_CASE("forces that do not add up to the rate of the energy are found") {
   const std::string words = "the powers of the force terms do not sum to the rate of the kinetic energy";
   FunctionModel forgotten = falling(falling_rates);
   const FunctionModel::Forces forces = forgotten.forces_;
-  forgotten.forces_ = [forces](const Values& x, const Values& p) {
+  forgotten.forces_ = [forces](const FunctionValues& x, const FunctionValues& p) {
     std::vector<Wrench> terms = forces(x, p);
     terms[1].power = 0.0;
     return terms;
   };
   CHECK_THAT(findings(forgotten), Contains(words));
   FunctionModel heavier = falling(falling_rates);
-  heavier.energy_ = [](const Values& x, const Values& p) { return 0.5001 * p[0] * x[1] * x[1]; };
+  heavier.energy_ = [](const FunctionValues& x, const FunctionValues& p) {
+    return 0.5001 * p[0] * x[1] * x[1];
+  };
   CHECK_THAT(findings(heavier), Contains(words));
   heavier.energy_ = nullptr;  // without an energy there is no balance to check
   CHECK(findings(heavier).empty());
@@ -184,9 +191,9 @@ TEST_CASE("forces that do not add up to the rate of the energy are found") {
 TEST_CASE("a force or an energy that is not a number is found") {
   FunctionModel model = falling(falling_rates);
   const FunctionModel::Forces forces = model.forces_;
-  model.energy_ = [](const Values&, const Values&) { return std::nan(""); };
+  model.energy_ = [](const FunctionValues&, const FunctionValues&) { return std::nan(""); };
   CHECK_THAT(findings(model), Contains("the kinetic energy is nan"));
-  model.forces_ = [forces](const Values& x, const Values& p) {
+  model.forces_ = [forces](const FunctionValues& x, const FunctionValues& p) {
     std::vector<Wrench> terms = forces(x, p);
     terms[0].torque.x() = std::nan("");
     return terms;
@@ -202,8 +209,8 @@ TEST_CASE("a body that knows no direction but the vertical turns with the world"
 }
 
 TEST_CASE("a drift to the east is no symmetry about the vertical") {
-  const FunctionModel model = gliding([](const Values& x, const Values& p) {
-    Values rates = gliding_rates(x, p);
+  const FunctionModel model = gliding([](const FunctionValues& x, const FunctionValues& p) {
+    FunctionValues rates = gliding_rates(x, p);
     rates[4] += 0.1;
     return rates;
   });
@@ -214,9 +221,9 @@ TEST_CASE("a drift to the east is no symmetry about the vertical") {
 }
 
 TEST_CASE("a quaternion from world to body is found: it turns the other way") {
-  const FunctionModel model = gliding([](const Values& x, const Values& p) {
-    const Values inverse = {x[0], -x[1], -x[2], -x[3], x[4], x[5], x[6]};
-    Values rates = gliding_rates(inverse, p);
+  const FunctionModel model = gliding([](const FunctionValues& x, const FunctionValues& p) {
+    const FunctionValues inverse = {x[0], -x[1], -x[2], -x[3], x[4], x[5], x[6]};
+    FunctionValues rates = gliding_rates(inverse, p);
     for (std::size_t i = 1; i < 4; ++i) rates[i] = -rates[i];
     return rates;
   });
@@ -225,8 +232,8 @@ TEST_CASE("a quaternion from world to body is found: it turns the other way") {
 
 TEST_CASE("attitudes are tried at norm one, and a rate that changes the norm there is found") {
   const auto with_growth = [](auto growth) {
-    return gliding([growth](const Values& x, const Values& p) {
-      Values rates = gliding_rates(x, p);
+    return gliding([growth](const FunctionValues& x, const FunctionValues& p) {
+      FunctionValues rates = gliding_rates(x, p);
       const double norm2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + x[3] * x[3];
       for (std::size_t i = 0; i < 4; ++i) rates[i] += growth(norm2) * x[i];
       return rates;

@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "samara/models/parametric_model.h"
+#include "samara/models/interface/parametric_model.h"
+#include "samara/models/laws/registry.h"
 
 /// A card in air (7 cm x 4 cm x 0.2 mm), released obliquely with some spin; smoothed at 2 cm/s and 1 rad/s,
 /// the defaults. Over 0.3 s neighbouring trajectories stay together: the motion is not yet a chaotic one.

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "card_patterns.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 

@@ -1,14 +1,15 @@
 /// Models whose parameters change in time.
-#include "samara/models/following_model.h"
+#include "samara/models/interface/following_model.h"
 
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/models/check_model.h"
-#include "samara/models/integrate.h"
-#include "samara/models/integrators/rk4_frames.h"
+#include "samara/models/batch/rk4_frames.h"
+#include "samara/models/checks/check_model.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 using Catch::Matchers::WithinAbs;

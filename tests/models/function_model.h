@@ -3,7 +3,7 @@
 #include <cmath>
 #include <functional>
 
-#include "samara/models/model.h"
+#include "samara/models/interface/model.h"
 
 /// A model put together in a test from functions, to spoil it one promise at a time. Derivatives come from
 /// central differences.

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "card_patterns.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 using Catch::Matchers::WithinAbs;
@@ -27,7 +28,7 @@ Values card_in_air() {
 
 enum Term { kInertia, kDrag, kFirstLift, kSecondLift, kGravity };
 
-std::vector<Wrench> forces(const Model& model, const BodyState& state, const ParameterValues& p) {
+std::vector<Wrench> printed_forces(const Model& model, const BodyState& state, const ParameterValues& p) {
   std::vector<Wrench> terms(model.info().force_terms.size());
   model.forces(0.0, state.vector(), p, terms);
   return terms;
@@ -82,7 +83,7 @@ TEST_CASE("the printed forces are (5.15) to (5.17) with unit vectors") {
     const Eigen::Vector3d e3 = state.w.cross(state.u).cross(state.u).normalized();
     const double alpha = std::atan2(std::abs(state.u.z()), std::hypot(state.u.x(), state.u.y()));
     const double force = 0.5 * 1.2 * std::numbers::pi * 0.035 * 0.02 * state.u.squaredNorm();
-    const auto terms = forces(*model, state, p);
+    const auto terms = printed_forces(*model, state, p);
     // The floors of 1 mm/s and 1e-3 rad/s change directions by their square over the square of size.
     const double accuracy = 1e-3 * force;
     CHECK((terms[kDrag].force + force * 0.61 * std::pow(std::sin(alpha), 2) * e1).norm() < accuracy);
@@ -114,7 +115,7 @@ TEST_CASE("as printed the fluid does work on the body") {
     BodyState state;
     state.u = random_vector(random, 0.5);
     state.w = random_vector(random, 10.0);
-    const auto terms = forces(*model, state, p);
+    const auto terms = printed_forces(*model, state, p);
     greatest = std::max(greatest, terms[kDrag].power + terms[kFirstLift].power + terms[kSecondLift].power);
   }
   CHECK(greatest > 0.05);
@@ -127,7 +128,7 @@ TEST_CASE("as printed the fluid does work on the body") {
   const Eigen::MatrixXd states = motion(model, card_in_water(), start, times, 1e-7);
   double work = 0.0;
   for (Eigen::Index k = 0; k < states.rows(); ++k) {
-    const auto terms = forces(*model, BodyState(states.row(k)), p);
+    const auto terms = printed_forces(*model, BodyState(states.row(k)), p);
     for (const Term term : {kDrag, kFirstLift, kSecondLift}) {
       work += 1e-3 * std::max(0.0, terms[static_cast<std::size_t>(term)].power);
     }
@@ -142,12 +143,12 @@ TEST_CASE("as printed the second lift jumps when the rotation passes through zer
   BodyState state;
   state.u = {1.0, 0.0, -0.2};
   state.w = {0.0, 0.01, 0.0};
-  const Eigen::Vector3d above = forces(*model, state, p)[kSecondLift].force;
+  const Eigen::Vector3d above = printed_forces(*model, state, p)[kSecondLift].force;
   state.w = -state.w;
-  const Eigen::Vector3d below = forces(*model, state, p)[kSecondLift].force;
+  const Eigen::Vector3d below = printed_forces(*model, state, p)[kSecondLift].force;
   CHECK((above - below).norm() > 1.9 * above.norm());
   state.w.setZero();
-  CHECK(forces(*model, state, p)[kSecondLift].force.norm() == 0.0);
+  CHECK(printed_forces(*model, state, p)[kSecondLift].force.norm() == 0.0);
 }
 
 TEST_CASE("as printed a bottom-heavy body turns over") {

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "immersed_card.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 using Catch::Matchers::WithinAbs;

@@ -5,6 +5,7 @@
 
 #include "bodies_in_flow.h"
 #include "planar_references.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 using std::numbers::pi;

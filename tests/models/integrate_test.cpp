@@ -1,4 +1,4 @@
-#include "samara/models/integrate.h"
+#include "samara/models/integrators/integrate.h"
 
 #include <array>
 #include <cmath>
@@ -8,6 +8,7 @@
 
 #include "accuracy.h"
 #include "samara/base/errors.h"
+#include "samara/models/laws/registry.h"
 #include "scalar_model.h"
 
 using namespace samara::models;

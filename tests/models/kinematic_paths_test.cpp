@@ -1,5 +1,5 @@
 // Model sheet, section 6: the paths of (3.6)-(3.10).
-#include "samara/models/kinematic_paths.h"
+#include "samara/models/bodies/kinematic_paths.h"
 
 #include <cmath>
 #include <limits>

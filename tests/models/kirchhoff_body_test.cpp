@@ -3,7 +3,8 @@
 #include "bodies_in_flow.h"
 #include "samara/base/errors.h"
 #include "samara/models/added_mass/reference_point.h"
-#include "samara/models/kirchhoff_parameters.h"
+#include "samara/models/bodies/kirchhoff_parameters.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 using Catch::Matchers::WithinAbs;

@@ -17,7 +17,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 namespace {
 
-BodyMotion all_ones() {
+BodyMotion moving_ones() {
   BodyMotion motion;
   motion.v_WB_B.setOnes();
   motion.w_WB_B.setOnes();
@@ -55,7 +55,7 @@ double observed_order(const Matrix6& inertia, int order, const BodyWrench& wrenc
   std::vector<BodyMotion> end;
   for (const double step : {h, h / 2.0, h / 4.0}) {
     const LieGroupIntegrator integrator(inertia, {.step = step, .order = order}, wrench);
-    end.push_back(integrator(all_ones(), std::array{1.0}).motions.at(0));
+    end.push_back(integrator(moving_ones(), std::array{1.0}).motions.at(0));
   }
   const auto distance = [](const BodyMotion& a, const BodyMotion& b) {
     return velocity_difference(a, b) + angle_between(a, b) + (a.p_WoBo_W - b.p_WoBo_W).norm();
@@ -77,7 +77,7 @@ TEST_CASE("the Lie-group integrator has the order asked for, with and without fo
 
 TEST_CASE("the Lie-group integrator reaches the states of the Kirchhoff check problem") {
   const LieGroupIntegrator integrator(ellipsoid_421_inertia(), {.step = 2.5e-3, .order = 4});
-  const BodyTrajectory trajectory = integrator(all_ones(), std::array{1.0, 10.0});
+  const BodyTrajectory trajectory = integrator(moving_ones(), std::array{1.0, 10.0});
   REQUIRE(trajectory.is_usable());
   const auto check = [](const BodyMotion& motion, const Eigen::Vector3d& u, const Eigen::Vector3d& w) {
     CHECK((motion.v_WB_B - u).lpNorm<Eigen::Infinity>() < 1e-7);
@@ -94,7 +94,7 @@ TEST_CASE(
   std::vector<double> times;
   for (long k = 0; k <= kSteps; k += 100) times.push_back(kStep * static_cast<double>(k));
   const LieGroupIntegrator integrator(ellipsoid_421_inertia(), {.step = kStep});
-  const BodyTrajectory trajectory = integrator(all_ones(), times);
+  const BodyTrajectory trajectory = integrator(moving_ones(), times);
   REQUIRE(trajectory.is_usable());
   CHECK(trajectory.steps == kSteps);
 
@@ -130,7 +130,7 @@ TEST_CASE("energy and momentum are kept whatever the step, the order and the ine
   for (const int order : {2, 4}) {
     for (const double step : {0.3, 0.1}) {
       const LieGroupIntegrator integrator(coupled_inertia(), {.step = step, .order = order});
-      const BodyTrajectory trajectory = integrator(all_ones(), std::array{0.0, 30.0});
+      const BodyTrajectory trajectory = integrator(moving_ones(), std::array{0.0, 30.0});
       REQUIRE(trajectory.is_usable());
       const BodyMotion& start = trajectory.motions[0];
       const BodyMotion& end = trajectory.motions[1];
@@ -149,7 +149,7 @@ TEST_CASE("a constant force in the world changes the impulse by itself times tim
     return Wrench{.force = motion.R_WB().transpose() * weight};
   };
   const LieGroupIntegrator integrator(ellipsoid_421_inertia(), {.step = 0.02}, gravity);
-  const BodyTrajectory trajectory = integrator(all_ones(), std::array{0.0, 5.0});
+  const BodyTrajectory trajectory = integrator(moving_ones(), std::array{0.0, 5.0});
   REQUIRE(trajectory.is_usable());
   const BodyMotion& start = trajectory.motions[0];
   const BodyMotion& end = trajectory.motions[1];
@@ -175,7 +175,7 @@ TEST_CASE("a screw motion about a principal axis is exact at any step") {
 
 TEST_CASE("steps too long for the iteration end with a status, and so does an infinite wrench") {
   const LieGroupIntegrator far(ellipsoid_421_inertia(), {.step = 100.0});
-  const BodyTrajectory lost = far(all_ones(), std::array{100.0});
+  const BodyTrajectory lost = far(moving_ones(), std::array{100.0});
   CHECK(lost.status == IntegrateStatus::failed);
   CHECK(lost.motions.empty());
   CHECK_THAT(lost.message, Catch::StartsWith("stopped at t = 0 in 0 steps: the velocity half-way"));
@@ -185,7 +185,7 @@ TEST_CASE("steps too long for the iteration end with a status, and so does an in
     wrench.force.x() = t < 0.5 ? 1.0 : std::nan("");
     return wrench;
   });
-  const BodyTrajectory trajectory = burst(all_ones(), std::array{0.4, 1.0});
+  const BodyTrajectory trajectory = burst(moving_ones(), std::array{0.4, 1.0});
   CHECK(trajectory.status == IntegrateStatus::not_finite);
   CHECK(trajectory.reached == 0.4);
   CHECK(trajectory.motions.size() == 1);
@@ -204,16 +204,16 @@ TEST_CASE("the Lie-group integrator refuses inertias, starts and options without
   CHECK_THROWS_WITH(LieGroupIntegrator(inertia, {.order = 3}), "order is 3; 2 or 4 was expected");
   CHECK_THROWS_AS(LieGroupIntegrator(inertia, {.step = 0.0}), samara::ArgumentError);
   CHECK_THROWS_AS(LieGroupIntegrator(inertia, {.max_iterations = 0}), samara::ArgumentError);
-  BodyMotion nowhere = all_ones();
+  BodyMotion nowhere = moving_ones();
   nowhere.q_WB = {0.0, 0.0, 0.0, 0.0};
   CHECK_THROWS_AS(LieGroupIntegrator(inertia)(nowhere, std::array{1.0}), samara::ArgumentError);
-  CHECK_THROWS_AS(LieGroupIntegrator(inertia)(all_ones(), std::array{-1.0}), samara::ArgumentError);
+  CHECK_THROWS_AS(LieGroupIntegrator(inertia)(moving_ones(), std::array{-1.0}), samara::ArgumentError);
 }
 
 TEST_CASE("steps beyond count stop the integrator on the group before the first") {
   for (const double step : {1e-20, 1e-300}) {
     const LieGroupIntegrator integrator(ellipsoid_421_inertia(), {.step = step});
-    const BodyTrajectory trajectory = integrator(all_ones(), std::array{1.0});
+    const BodyTrajectory trajectory = integrator(moving_ones(), std::array{1.0});
     CHECK(trajectory.status == IntegrateStatus::too_many_steps);
     CHECK(trajectory.motions.empty());
     CHECK(trajectory.steps == 0);

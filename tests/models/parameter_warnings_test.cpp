@@ -1,6 +1,8 @@
-#include "samara/models/parameter_warnings.h"
+#include "samara/models/checks/parameter_warnings.h"
 
 #include <catch2/catch.hpp>
+
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 using Catch::Matchers::Contains;

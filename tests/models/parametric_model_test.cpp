@@ -1,4 +1,4 @@
-#include "samara/models/parametric_model.h"
+#include "samara/models/interface/parametric_model.h"
 
 #include <array>
 #include <cmath>
@@ -9,6 +9,7 @@
 
 #include "falling_card.h"
 #include "samara/base/errors.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 

@@ -6,7 +6,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "samara/models/integrate.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 using Catch::Matchers::WithinAbs;

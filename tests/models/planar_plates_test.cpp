@@ -8,7 +8,8 @@
 
 #include "planar_references.h"
 #include "samara/base/errors.h"
-#include "samara/models/integrate.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 using Catch::Matchers::Contains;

@@ -5,7 +5,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "samara/models/parametric_model.h"
+#include "samara/models/interface/parametric_model.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 using Catch::Matchers::WithinAbs;

@@ -4,7 +4,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "samara/models/model.h"
+#include "samara/models/interface/model.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 using printed::Equations;

@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/models/check_model.h"
-#include "samara/models/model.h"
+#include "samara/models/checks/check_model.h"
+#include "samara/models/interface/model.h"
 
 using namespace samara::models;
 

@@ -1,10 +1,11 @@
-#include "samara/models/integrators/rk4_frames.h"
+#include "samara/models/batch/rk4_frames.h"
 
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
 #include "samara/models/batch/batch.h"
-#include "samara/models/integrate.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 

@@ -7,6 +7,7 @@
 
 #include "falling_card.h"
 #include "samara/base/errors.h"
+#include "samara/models/laws/registry.h"
 #include "scalar_model.h"
 
 using namespace samara::models;

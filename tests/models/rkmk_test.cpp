@@ -9,6 +9,7 @@
 #include "kirchhoff_ellipsoid.h"
 #include "samara/base/errors.h"
 #include "samara/models/integrators/adaptive.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 using Catch::Matchers::WithinAbs;

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "samara/models/model.h"
+#include "samara/models/interface/model.h"
 
 /// x' = f(t, x, p) with one state x and one parameter p (default 1), for tests that need an equation of their
 /// own.

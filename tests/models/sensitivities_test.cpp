@@ -4,7 +4,8 @@
 #include <catch2/catch.hpp>
 
 #include "accuracy.h"
-#include "samara/models/integrate.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
 #include "scalar_model.h"
 
 using namespace samara::models;

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "bodies_in_flow.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 using Catch::Matchers::WithinAbs;

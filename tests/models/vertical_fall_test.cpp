@@ -5,7 +5,8 @@
 #include <catch2/catch.hpp>
 
 #include "accuracy.h"
-#include "samara/models/integrate.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::models;
 using Catch::Matchers::WithinAbs;

@@ -1,4 +1,4 @@
-#include "samara/pgd/adaptive_evolution.h"
+#include "samara/pgd/evolution/adaptive_evolution.h"
 
 #include <cmath>
 #include <numbers>

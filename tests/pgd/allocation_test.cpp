@@ -5,8 +5,8 @@
 
 #include "../allocation_counter.h"
 #include "random_tensor.h"
-#include "samara/pgd/fixed_point.h"
-#include "samara/pgd/separated_field.h"
+#include "samara/pgd/fields/separated_field.h"
+#include "samara/pgd/linear/fixed_point.h"
 
 using namespace samara::pgd;
 

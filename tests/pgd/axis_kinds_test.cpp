@@ -9,10 +9,11 @@
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 
+#include "axis_values.h"
 #include "samara/base/errors.h"
-#include "samara/pgd/axis.h"
-#include "samara/pgd/quadrature.h"
-#include "samara/pgd/random.h"
+#include "samara/pgd/axes/axis.h"
+#include "samara/pgd/axes/quadrature.h"
+#include "samara/pgd/tensors/random.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;
@@ -24,14 +25,6 @@ using Function = std::function<double(double)>;
 
 Eigen::VectorXd at_nodes(const Axis& axis, const Function& f) {
   return axis.nodes().unaryExpr(f);
-}
-
-/// Value or derivative of the nodal values `u` at x.
-double evaluate(const Axis& axis, const Eigen::VectorXd& u, double x, bool derivative = false) {
-  InterpolationStencil stencil = axis.make_stencil();
-  axis.interpolate(x, stencil, true);
-  const Eigen::VectorXd& weights = derivative ? stencil.derivative : stencil.value;
-  return weights.dot(u.segment(stencil.first, axis.stencil_size()));
 }
 
 /// Largest difference between the nodal values `u` and a function over random points of the axis.
@@ -56,14 +49,14 @@ Eigen::VectorXd solve_boundary_value_problem(const Axis& axis, const Function& f
 }
 
 /// The manufactured solution sin(pi x) e^x and its -u''.
-double solution(double x) {
+double manufactured(double x) {
   return std::sin(pi * x) * std::exp(x);
 }
 double load(double x) {
   return std::exp(x) * ((pi * pi - 1.0) * std::sin(pi * x) - 2.0 * pi * std::cos(pi * x));
 }
 double boundary_value_error(const Axis& axis) {
-  return largest_error(axis, solve_boundary_value_problem(axis, load), solution);
+  return largest_error(axis, solve_boundary_value_problem(axis, load), manufactured);
 }
 
 Eigen::VectorXd equal(int elements, double lower = 0.0, double upper = 1.0) {

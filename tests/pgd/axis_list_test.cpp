@@ -6,9 +6,9 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/pgd/axis.h"
-#include "samara/pgd/resolution.h"
-#include "samara/pgd/separated_field.h"
+#include "samara/pgd/axes/axis.h"
+#include "samara/pgd/fields/resolution.h"
+#include "samara/pgd/fields/separated_field.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;

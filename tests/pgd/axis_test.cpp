@@ -1,4 +1,4 @@
-#include "samara/pgd/axis.h"
+#include "samara/pgd/axes/axis.h"
 
 #include <cmath>
 #include <limits>
@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/pgd/random.h"
+#include "samara/pgd/tensors/random.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;

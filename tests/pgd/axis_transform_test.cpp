@@ -6,9 +6,10 @@
 
 #include <catch2/catch.hpp>
 
+#include "axis_values.h"
 #include "samara/base/errors.h"
-#include "samara/pgd/axis.h"
-#include "samara/pgd/random.h"
+#include "samara/pgd/axes/axis.h"
+#include "samara/pgd/tensors/random.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;
@@ -21,8 +22,8 @@ Axis::Label label(Transform transform) {
   return {"x", "m", AxisRole::parameter, transform};
 }
 
-const std::vector<Transform> kAll = {Transform::none, Transform::logarithm, Transform::reciprocal,
-                                     Transform::square_root};
+const std::vector<Transform> kAllTransforms = {Transform::none, Transform::logarithm, Transform::reciprocal,
+                                               Transform::square_root};
 
 /// All kinds with elements over [lower, upper].
 std::vector<Axis> kinds(Transform transform, double lower, double upper) {
@@ -80,13 +81,6 @@ double integral_of_slope2(Transform transform, double a, double b) {
   throw samara::Error("no such transform");
 }
 
-double evaluate(const Axis& axis, const Eigen::VectorXd& u, double x, bool derivative = false) {
-  InterpolationStencil stencil = axis.make_stencil();
-  axis.interpolate(x, stencil, true);
-  const Eigen::VectorXd& weights = derivative ? stencil.derivative : stencil.value;
-  return weights.dot(u.segment(stencil.first, axis.stencil_size()));
-}
-
 /// Largest relative error of interpolating f at points spread evenly in log x.
 double relative_error(const Axis& axis, const Function& f) {
   const Eigen::VectorXd u = axis.nodes().unaryExpr(f);
@@ -101,7 +95,7 @@ double relative_error(const Axis& axis, const Function& f) {
 }  // namespace
 
 TEST_CASE("mass, gradient, stiffness and weights under every transform are integrals over dx") {
-  for (const Transform transform : kAll) {
+  for (const Transform transform : kAllTransforms) {
     for (const auto& [a, b] : {std::pair(0.5, 3.0), {1e-3, 2.0}, {1e6, 1e6 + 1.0}}) {
       for (const Axis& axis : kinds(transform, a, b)) {
         CAPTURE(to_string(transform), to_string(axis.basis()), a, b);
@@ -141,7 +135,7 @@ TEST_CASE("the square root from 0 integrates, interpolates, and has no stiffness
 
 TEST_CASE("under every transform a polynomial in s is represented exactly, with its derivative by x") {
   Random random(1);
-  for (const Transform transform : kAll) {
+  for (const Transform transform : kAllTransforms) {
     for (const Axis& axis : kinds(transform, 0.2, 5.0)) {
       CAPTURE(to_string(transform), to_string(axis.basis()));
       const int p = axis.degree();
@@ -164,7 +158,7 @@ TEST_CASE("under every transform a polynomial in s is represented exactly, with 
 
 TEST_CASE("under every transform the stencil's derivative is that of its values") {
   Random random(2);
-  for (const Transform transform : kAll) {
+  for (const Transform transform : kAllTransforms) {
     for (const Axis& axis : kinds(transform, 0.5, 3.0)) {
       CAPTURE(to_string(transform), to_string(axis.basis()));
       const Eigen::VectorXd u = Eigen::VectorXd::NullaryExpr(axis.size(), [&] { return random.normal(); });
@@ -181,7 +175,7 @@ TEST_CASE("under every transform the stencil's derivative is that of its values"
 }
 
 TEST_CASE("under every transform nodes ascend between the ends and are hit exactly") {
-  for (const Transform transform : kAll) {
+  for (const Transform transform : kAllTransforms) {
     for (const auto& [a, b] : {std::pair(0.5, 3.0), {1e-9, 1e9}, {1e6, 1e6 + 1.0}}) {
       for (const Axis& axis : kinds(transform, a, b)) {
         CAPTURE(to_string(transform), to_string(axis.basis()), a, b);
@@ -204,7 +198,7 @@ TEST_CASE("under every transform nodes ascend between the ends and are hit exact
 }
 
 TEST_CASE("the gradient integrates by parts under every transform") {
-  for (const Transform transform : kAll) {
+  for (const Transform transform : kAllTransforms) {
     for (const Axis& axis : kinds(transform, 0.1, 3.0)) {
       CAPTURE(to_string(transform), to_string(axis.basis()));
       const Eigen::MatrixXd gradient = axis.gradient();
@@ -258,7 +252,8 @@ TEST_CASE("an interval that leaves the domain of its transform is refused by nam
 }
 
 TEST_CASE("names of transforms survive the way to text and back") {
-  for (const Transform transform : kAll) CHECK(transform_from_string(to_string(transform)) == transform);
+  for (const Transform transform : kAllTransforms)
+    CHECK(transform_from_string(to_string(transform)) == transform);
   CHECK(to_string(Transform::logarithm) == "log");
   CHECK_THROWS_WITH(transform_from_string("squareroot"), Contains("did you mean \"square_root\"?"));
 }

@@ -1,4 +1,4 @@
-#include "samara/pgd/compression.h"
+#include "samara/pgd/tensors/compression.h"
 
 #include <cmath>
 
@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "random_tensor.h"
-#include "samara/pgd/tensor_train.h"
+#include "samara/pgd/tensors/tensor_train.h"
 
 using namespace samara::pgd;
 

@@ -1,4 +1,4 @@
-#include "samara/pgd/cross_interpolation.h"
+#include "samara/pgd/cross/cross_interpolation.h"
 
 #include <cmath>
 #include <functional>

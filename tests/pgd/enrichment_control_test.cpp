@@ -6,9 +6,9 @@
 #include "examples/linear_engine/poisson.h"
 #include "random_tensor.h"
 #include "samara/base/errors.h"
-#include "samara/pgd/enrichment.h"
-#include "samara/pgd/parametric_problem.h"
-#include "samara/pgd/residual.h"
+#include "samara/pgd/linear/enrichment.h"
+#include "samara/pgd/linear/parametric_problem.h"
+#include "samara/pgd/linear/residual.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;

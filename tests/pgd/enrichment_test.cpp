@@ -1,4 +1,4 @@
-#include "samara/pgd/enrichment.h"
+#include "samara/pgd/linear/enrichment.h"
 
 #include <cmath>
 #include <limits>
@@ -6,9 +6,9 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/pgd/axis.h"
-#include "samara/pgd/residual.h"
-#include "samara/pgd/tensor_train.h"
+#include "samara/pgd/axes/axis.h"
+#include "samara/pgd/linear/residual.h"
+#include "samara/pgd/tensors/tensor_train.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;

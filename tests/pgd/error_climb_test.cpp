@@ -1,11 +1,11 @@
-#include "samara/pgd/error_climb.h"
+#include "samara/pgd/sampling/error_climb.h"
 
 #include <cmath>
 
 #include <Eigen/QR>
 #include <catch2/catch.hpp>
 
-#include "samara/pgd/random.h"
+#include "samara/pgd/tensors/random.h"
 
 using namespace samara::pgd;
 

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "samara/base/errors.h"
-#include "samara/pgd/evolution.h"
-#include "samara/pgd/random.h"
+#include "samara/pgd/evolution/evolution.h"
+#include "samara/pgd/tensors/random.h"
 
 /// Systems with known solutions, to evolve.
 namespace evolution_systems {

@@ -1,4 +1,4 @@
-#include "samara/pgd/field_algebra.h"
+#include "samara/pgd/fields/field_algebra.h"
 
 #include <cmath>
 #include <limits>
@@ -7,8 +7,8 @@
 
 #include "field_fixture.h"
 #include "samara/base/errors.h"
-#include "samara/pgd/quadrature.h"
-#include "samara/pgd/unit_algebra.h"
+#include "samara/pgd/axes/quadrature.h"
+#include "samara/pgd/fields/unit_algebra.h"
 
 using namespace samara::pgd;
 using Catch::Contains;

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "random_tensor.h"
-#include "samara/pgd/axis.h"
-#include "samara/pgd/field_algebra.h"
-#include "samara/pgd/separated_field.h"
+#include "samara/pgd/axes/axis.h"
+#include "samara/pgd/fields/field_algebra.h"
+#include "samara/pgd/fields/separated_field.h"
 
 /// Axes of three kinds and units, and random fields on them.
 inline std::vector<samara::pgd::Axis> mixed_axes() {

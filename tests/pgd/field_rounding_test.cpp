@@ -1,12 +1,12 @@
-#include "samara/pgd/field_rounding.h"
+#include "samara/pgd/fields/field_rounding.h"
 
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/pgd/random.h"
-#include "samara/pgd/sampling.h"
+#include "samara/pgd/sampling/sampling.h"
+#include "samara/pgd/tensors/random.h"
 
 using namespace samara::pgd;
 

@@ -1,4 +1,4 @@
-#include "samara/pgd/leja.h"
+#include "samara/pgd/sampling/leja.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/pgd/lagrange.h"
+#include "samara/pgd/axes/lagrange.h"
 
 using namespace samara::pgd;
 using Catch::Contains;

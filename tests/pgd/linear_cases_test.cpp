@@ -9,9 +9,9 @@
 #include "examples/linear_engine/heat.h"
 #include "examples/linear_engine/moving_load.h"
 #include "examples/linear_engine/poisson.h"
-#include "samara/pgd/enrichment.h"
-#include "samara/pgd/residual.h"
-#include "samara/pgd/thin_svd.h"
+#include "samara/pgd/linear/enrichment.h"
+#include "samara/pgd/linear/residual.h"
+#include "samara/pgd/tensors/thin_svd.h"
 
 using namespace samara::pgd;
 

@@ -1,4 +1,4 @@
-#include "samara/pgd/operator_chain.h"
+#include "samara/pgd/linear/operator_chain.h"
 
 #include <catch2/catch.hpp>
 

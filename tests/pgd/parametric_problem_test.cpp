@@ -1,15 +1,15 @@
-#include "samara/pgd/parametric_problem.h"
+#include "samara/pgd/linear/parametric_problem.h"
 
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/pgd/axis_forms.h"
-#include "samara/pgd/enrichment.h"
-#include "samara/pgd/random.h"
-#include "samara/pgd/separate_function.h"
-#include "samara/pgd/separated_field.h"
+#include "samara/pgd/axes/axis_forms.h"
+#include "samara/pgd/cross/separate_function.h"
+#include "samara/pgd/fields/separated_field.h"
+#include "samara/pgd/linear/enrichment.h"
+#include "samara/pgd/tensors/random.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;

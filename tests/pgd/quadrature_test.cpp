@@ -1,4 +1,4 @@
-#include "samara/pgd/quadrature.h"
+#include "samara/pgd/axes/quadrature.h"
 
 #include <cmath>
 

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "samara/pgd/random.h"
-#include "samara/pgd/separated_tensor.h"
+#include "samara/pgd/tensors/random.h"
+#include "samara/pgd/tensors/separated_tensor.h"
 
 /// A sum of `rank` products with standard normal entries and weights.
 inline samara::pgd::SeparatedTensor random_tensor(const std::vector<int>& sizes, int rank,

@@ -1,4 +1,4 @@
-#include "samara/pgd/residual.h"
+#include "samara/pgd/linear/residual.h"
 
 #include <limits>
 
@@ -7,7 +7,7 @@
 
 #include "random_tensor.h"
 #include "samara/base/errors.h"
-#include "samara/pgd/enrichment.h"
+#include "samara/pgd/linear/enrichment.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "samara/pgd/random.h"
-#include "samara/pgd/sampling.h"
+#include "samara/pgd/sampling/sampling.h"
+#include "samara/pgd/tensors/random.h"
 
 /// Functions of one output for tests of sampling, and how far a result is from them.
 namespace samara::pgd {

@@ -3,8 +3,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "samara/pgd/random.h"
-#include "samara/pgd/sampling.h"
+#include "samara/pgd/sampling/sampling.h"
+#include "samara/pgd/tensors/random.h"
 #include "sampled_functions.h"
 
 // What a build by sampling may call met.

@@ -1,4 +1,4 @@
-#include "samara/pgd/sampling.h"
+#include "samara/pgd/sampling/sampling.h"
 
 #include <cmath>
 #include <set>
@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/pgd/random.h"
+#include "samara/pgd/tensors/random.h"
 #include "sampled_functions.h"
 
 using namespace samara::pgd;

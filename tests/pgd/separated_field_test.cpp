@@ -1,4 +1,4 @@
-#include "samara/pgd/separated_field.h"
+#include "samara/pgd/fields/separated_field.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 
 #include "random_tensor.h"
 #include "samara/base/errors.h"
-#include "samara/pgd/quadrature.h"
+#include "samara/pgd/axes/quadrature.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;

@@ -1,4 +1,4 @@
-#include "samara/pgd/separation.h"
+#include "samara/pgd/tensors/separation.h"
 
 #include <cmath>
 #include <limits>
@@ -7,10 +7,10 @@
 
 #include "random_tensor.h"
 #include "samara/base/errors.h"
-#include "samara/pgd/compression.h"
-#include "samara/pgd/cross_interpolation.h"
-#include "samara/pgd/tensor_algebra.h"
-#include "samara/pgd/train_algebra.h"
+#include "samara/pgd/cross/cross_interpolation.h"
+#include "samara/pgd/tensors/compression.h"
+#include "samara/pgd/tensors/tensor_algebra.h"
+#include "samara/pgd/tensors/train_algebra.h"
 
 using namespace samara::pgd;
 using Catch::Contains;

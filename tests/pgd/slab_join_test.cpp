@@ -1,12 +1,12 @@
-#include "samara/pgd/slab_join.h"
+#include "samara/pgd/evolution/slab_join.h"
 
 #include <cmath>
 
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/pgd/random.h"
-#include "samara/pgd/tensor_train.h"
+#include "samara/pgd/tensors/random.h"
+#include "samara/pgd/tensors/tensor_train.h"
 
 using namespace samara::pgd;
 

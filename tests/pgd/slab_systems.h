@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "samara/pgd/adaptive_problem.h"
-#include "samara/pgd/random.h"
-#include "samara/pgd/slab_evolution.h"
+#include "samara/pgd/evolution/adaptive_problem.h"
+#include "samara/pgd/evolution/slab_evolution.h"
+#include "samara/pgd/tensors/random.h"
 
 /// Nonlinear systems and their reference solutions, for marches in slabs.
 namespace slab_systems {
@@ -167,6 +167,17 @@ inline double largest_error(const SlabResult& result, const AdaptiveProblem& pro
     }
   }
   return largest;
+}
+
+/// A damped pendulum over damping and length: as smooth as a plate that swings, and not polynomial.
+inline System pendulum() {
+  return {2,
+          [](const Eigen::VectorXd& x, const Eigen::VectorXd& q) {
+            return Eigen::VectorXd(Eigen::Vector2d(x[1], -q[1] * std::sin(x[0]) - q[0] * x[1]));
+          },
+          [](const Eigen::VectorXd& x, const Eigen::VectorXd& q) {
+            return (Eigen::MatrixXd(2, 2) << 0.0, 1.0, -q[1] * std::cos(x[0]), -q[0]).finished();
+          }};
 }
 
 }  // namespace slab_systems

@@ -1,10 +1,10 @@
-#include "samara/pgd/sparse_solver.h"
+#include "samara/pgd/linear/sparse_solver.h"
 
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/pgd/axis.h"
-#include "samara/pgd/random.h"
+#include "samara/pgd/axes/axis.h"
+#include "samara/pgd/tensors/random.h"
 
 using namespace samara::pgd;
 

@@ -1,4 +1,4 @@
-#include "samara/pgd/statistics.h"
+#include "samara/pgd/fields/statistics.h"
 
 #include <cmath>
 #include <numbers>
@@ -7,8 +7,8 @@
 
 #include "random_tensor.h"
 #include "samara/base/errors.h"
-#include "samara/pgd/cross_interpolation.h"
-#include "samara/pgd/field_algebra.h"
+#include "samara/pgd/cross/cross_interpolation.h"
+#include "samara/pgd/fields/field_algebra.h"
 
 using namespace samara::pgd;
 using Catch::Contains;

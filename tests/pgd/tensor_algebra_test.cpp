@@ -1,4 +1,4 @@
-#include "samara/pgd/tensor_algebra.h"
+#include "samara/pgd/tensors/tensor_algebra.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "samara/pgd/tensor_train.h"
+#include "samara/pgd/tensors/tensor_train.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "samara/pgd/train_algebra.h"
+#include "samara/pgd/tensors/train_algebra.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,14 +7,14 @@
 
 #include "random_tensor.h"
 #include "samara/base/errors.h"
-#include "samara/pgd/tensor_algebra.h"
+#include "samara/pgd/tensors/tensor_algebra.h"
 
 using namespace samara::pgd;
 using Catch::Contains;
 
 namespace {
 
-const std::vector<int> kSizes = {4, 3, 5, 2};
+const std::vector<int> kTrainSizes = {4, 3, 5, 2};
 
 /// Largest difference of entries between a train and a sum.
 double difference(const TensorTrain& train, const SeparatedTensor& tensor) {
@@ -33,8 +33,8 @@ Eigen::MatrixXd random_matrix(int rows, int cols, std::uint64_t seed) {
 }  // namespace
 
 TEST_CASE("sum, multiple, product and inner product of trains are those of the sums they stand for") {
-  const SeparatedTensor a = random_tensor(kSizes, 4, 1);
-  const SeparatedTensor b = random_tensor(kSizes, 3, 2);
+  const SeparatedTensor a = random_tensor(kTrainSizes, 4, 1);
+  const SeparatedTensor b = random_tensor(kTrainSizes, 3, 2);
   const TensorTrain ta = to_train(a);
   const TensorTrain tb = to_train(b);
   // Entries reach 1e2 and products 1e4: a few eps of that.
@@ -61,10 +61,10 @@ TEST_CASE("the rounded product differs from the product by its tolerance at most
 }
 
 TEST_CASE("contraction, restriction and a matrix act on any one mode of a train") {
-  const SeparatedTensor a = random_tensor(kSizes, 4, 5);
+  const SeparatedTensor a = random_tensor(kTrainSizes, 4, 5);
   const TensorTrain train = to_train(a);
   for (int mode = 0; mode < 4; ++mode) {
-    const int n = kSizes[static_cast<std::size_t>(mode)];
+    const int n = kTrainSizes[static_cast<std::size_t>(mode)];
     const Eigen::VectorXd weights = random_matrix(n, 1, 6).col(0);
     const Eigen::MatrixXd matrix = random_matrix(6, n, 7);
     CAPTURE(mode);
@@ -77,9 +77,9 @@ TEST_CASE("contraction, restriction and a matrix act on any one mode of a train"
 }
 
 TEST_CASE("the inner product of trains is symmetric, linear and bounded by the norms") {
-  const TensorTrain a = to_train(random_tensor(kSizes, 3, 8));
-  const TensorTrain b = to_train(random_tensor(kSizes, 4, 9));
-  const TensorTrain c = to_train(random_tensor(kSizes, 2, 10));
+  const TensorTrain a = to_train(random_tensor(kTrainSizes, 3, 8));
+  const TensorTrain b = to_train(random_tensor(kTrainSizes, 4, 9));
+  const TensorTrain c = to_train(random_tensor(kTrainSizes, 2, 10));
   CHECK(inner(a, b) == Approx(inner(b, a)));
   CHECK(inner(a, sum(b, c, 2.0)) == Approx(inner(a, b) + 2.0 * inner(a, c)));
   CHECK(std::abs(inner(a, b)) <= norm(a) * norm(b));
@@ -87,7 +87,7 @@ TEST_CASE("the inner product of trains is symmetric, linear and bounded by the n
 }
 
 TEST_CASE("trains that do not fit are refused with both sides named") {
-  const TensorTrain a = to_train(random_tensor(kSizes, 2, 11));
+  const TensorTrain a = to_train(random_tensor(kTrainSizes, 2, 11));
   const TensorTrain b = to_train(random_tensor({4, 3, 5}, 2, 12));
   CHECK_THROWS_AS(sum(a, b), samara::ArgumentError);
   CHECK_THROWS_WITH(sum(a, b), Contains("4 x 3 x 5 x 2") && Contains("4 x 3 x 5 nodes"));

@@ -1,4 +1,4 @@
-#include "samara/pgd/train_field.h"
+#include "samara/pgd/fields/train_field.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-"""Fails if a room includes a header of a room it may not know (docs/architecture.md)."""
+"""Fails if a room or a sub-room includes a header of one it may not know (docs/architecture.md)."""
 
 import pathlib
 import re
@@ -13,19 +13,50 @@ MAY_INCLUDE = {
     "identification": {"base", "pgd", "models", "io", "codebooks"},
 }
 
+# The sub-rooms of a room, from the lowest upwards: each may include those that stand before it.
+SUB_ROOMS = {
+    "base": [""],
+    "io": [""],
+    "pgd": ["axes", "tensors", "fields", "cross", "linear", "sampling", "evolution", "nonlinear"],
+    "models": ["interface", "checks", "bodies", "added_mass", "integrators", "batch", "laws"],
+    "codebooks": [
+        "book", "file", "plan", "source", "query/kernels", "query", "certify", "build", "composition", "capi",
+    ],
+    "identification": [
+        "smoothing", "captures/exports", "captures", "statistics", "trajectories", "problem", "report",
+        "solve/starts", "solve", "fit", "series",
+    ],
+}
+MOST_FILES = 40
+SUFFIXES = {".h", ".cpp"}
+
 root = pathlib.Path(sys.argv[1])
 wrong = []
 seen = 0
 for room, allowed in MAY_INCLUDE.items():
+    order = SUB_ROOMS[room]
     for file in sorted((root / room).rglob("*")):
-        if file.suffix not in {".h", ".cpp"}:
+        if file.suffix not in SUFFIXES:
+            continue
+        sub_room = str(file.parent.relative_to(root / room)).replace(".", "")
+        if sub_room not in order:
+            wrong.append(f"{file.relative_to(root)}: stands in no sub-room of {room}/")
             continue
         for number, line in enumerate(file.read_text().splitlines(), 1):
-            match = re.match(r'\s*#include "samara/([a-z_]+)/', line)
+            match = re.match(r'\s*#include "samara/([a-z_]+)/(?:([a-z_/]+)/)?[a-z0-9_]+\.h"', line)
             if not match:
                 continue
             seen += 1
-            if match.group(1) != room and match.group(1) not in allowed:
-                wrong.append(f"{file.relative_to(root)}:{number}: {room}/ may not include {match.group(1)}/")
+            here = f"{file.relative_to(root)}:{number}: {room}/{sub_room}"
+            other_room, other_sub_room = match.group(1), match.group(2) or ""
+            if other_room != room:
+                if other_room not in allowed:
+                    wrong.append(f"{here} may not include {other_room}/")
+            elif other_sub_room not in order or order.index(other_sub_room) > order.index(sub_room):
+                wrong.append(f"{here} may not include {match.group(0).split()[1]}")
+    for sub_room in order:
+        count = sum(f.suffix in SUFFIXES for f in (root / room / sub_room).iterdir())
+        if count > MOST_FILES:
+            wrong.append(f"{room}/{sub_room} has {count} files, {MOST_FILES} at most")
 print("\n".join(wrong) or f"{seen} includes, all along the arrows")
 sys.exit(1 if wrong or seen == 0 else 0)

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include <samara/codebooks/build.h>
-#include <samara/codebooks/query.h>
-#include <samara/codebooks/store.h>
-#include <samara/identification/fit.h>
+#include <samara/codebooks/build/build.h>
+#include <samara/codebooks/file/store.h>
+#include <samara/codebooks/query/query.h>
+#include <samara/identification/fit/fit.h>
 
 int main(int argc, char** argv) {
   const auto plan = samara::codebooks::parse_plan(

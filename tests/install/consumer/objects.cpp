@@ -11,8 +11,9 @@
 #include <Eigen/Dense>
 
 #include <samara/models/bodies/mesh_file.h>
-#include <samara/models/integrate.h>
-#include <samara/pgd/separated_field.h>
+#include <samara/models/integrators/integrate.h>
+#include <samara/models/laws/registry.h>
+#include <samara/pgd/fields/separated_field.h>
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "samara/pgd/strategies/decoupling.h"
+#include "samara/pgd/nonlinear/decoupling.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "../slab_systems.h"
 #include "samara/base/errors.h"
-#include "samara/pgd/strategies/polynomial_system.h"
+#include "samara/pgd/evolution/polynomial_system.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;

@@ -1,4 +1,4 @@
-#include "samara/pgd/strategies/strategy_march.h"
+#include "samara/pgd/nonlinear/strategy_march.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include "../slab_systems.h"
-#include "samara/pgd/strategies/polynomial_system.h"
+#include "samara/pgd/evolution/polynomial_system.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;
@@ -43,17 +43,6 @@ double drag_error(const StrategyResult& result, double end) {
     largest = std::max(largest, std::abs(result.value_at(x)[0] - exact) / 2.5);
   }
   return largest;
-}
-
-/// A damped pendulum over damping and length: as smooth as a plate that swings, and not polynomial.
-slab_systems::System pendulum() {
-  return {2,
-          [](const Eigen::VectorXd& x, const Eigen::VectorXd& q) {
-            return Eigen::VectorXd(Eigen::Vector2d(x[1], -q[1] * std::sin(x[0]) - q[0] * x[1]));
-          },
-          [](const Eigen::VectorXd& x, const Eigen::VectorXd& q) {
-            return (Eigen::MatrixXd(2, 2) << 0.0, 1.0, -q[1] * std::cos(x[0]), -q[0]).finished();
-          }};
 }
 
 EvolutionProblem pendulum_problem(const EvolutionSystem& system, double amplitude, double end, int slabs) {
@@ -127,7 +116,7 @@ TEST_CASE("incremental linearisation loses contraction on a slab that is too lon
 }
 
 TEST_CASE("polynomial linearisation about rest errs by the power of the amplitude above its order") {
-  const slab_systems::System system = pendulum();
+  const slab_systems::System system = slab_systems::pendulum();
   // About rest sin(x) has no quadratic term: both orders err by the cube of the amplitude.
   for (const int order : {1, 2}) {
     std::vector<double> errors;
@@ -146,7 +135,7 @@ TEST_CASE("polynomial linearisation about rest errs by the power of the amplitud
 }
 
 TEST_CASE("empirical interpolation and Newton with crosses meet 1e-6 on a large swing") {
-  const slab_systems::System system = pendulum();
+  const slab_systems::System system = slab_systems::pendulum();
   const auto newton = cross_strategy();
   const auto empirical = empirical_strategy();
   for (Strategy* strategy : {newton.get(), empirical.get()}) {
@@ -160,7 +149,7 @@ TEST_CASE("empirical interpolation and Newton with crosses meet 1e-6 on a large 
 }
 
 TEST_CASE("piecewise-linear approximation errs by about a per cent, less with more points") {
-  const slab_systems::System system = pendulum();
+  const slab_systems::System system = slab_systems::pendulum();
   std::vector<double> errors;
   for (const int points : {10, 60}) {
     const auto strategy = piecewise_linear_strategy({.points = points});

@@ -7,8 +7,8 @@
 
 #include "../slab_systems.h"
 #include "samara/base/errors.h"
-#include "samara/pgd/strategies/polynomial_system.h"
-#include "samara/pgd/strategies/strategy_march.h"
+#include "samara/pgd/evolution/polynomial_system.h"
+#include "samara/pgd/nonlinear/strategy_march.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;
@@ -43,17 +43,7 @@ double logistic_error(const StrategyResult& result, double end) {
   return largest;
 }
 
-slab_systems::System pendulum() {
-  return {2,
-          [](const Vector& x, const Vector& q) {
-            return Vector(Eigen::Vector2d(x[1], -q[1] * std::sin(x[0]) - q[0] * x[1]));
-          },
-          [](const Vector& x, const Vector& q) {
-            return (Matrix(2, 2) << 0.0, 1.0, -q[1] * std::cos(x[0]), -q[0]).finished();
-          }};
-}
-
-EvolutionProblem pendulum_problem(const EvolutionSystem& system) {
+EvolutionProblem swing_problem(const EvolutionSystem& system) {
   return {&system,
           Axis::radau({"t"}, 0.0, 2.0, 2, 8),
           {Axis::chebyshev({"c"}, 0.1, 0.4, 9), Axis::chebyshev({"k"}, 0.8, 1.2, 9)},
@@ -103,8 +93,8 @@ TEST_CASE("terms of the asymptotic series fall geometrically, faster on shorter 
 }
 
 TEST_CASE("piecewise linear values as a first iterate save Newton iterations, and the end is the same") {
-  const slab_systems::System system = pendulum();
-  const EvolutionProblem problem = pendulum_problem(system);
+  const slab_systems::System system = slab_systems::pendulum();
+  const EvolutionProblem problem = swing_problem(system);
   const auto newton = cross_strategy();
   const auto first = piecewise_linear_strategy({.points = 60, .weight_tolerance = 1e-3});
   const StrategyResult alone = solve_by_strategy(problem, *newton, {.tolerance = 1e-6});
@@ -138,16 +128,16 @@ TEST_CASE("a march ends with the status of what stopped it, and names the place"
   CHECK_THAT(beyond.message, Contains("f is not finite") && Contains("q = "));
   REQUIRE(beyond.where.size() == 1);
 
-  const slab_systems::System swing = pendulum();
+  const slab_systems::System swing = slab_systems::pendulum();
   const auto newton = cross_strategy();
   const StrategyResult few =
-      solve_by_strategy(pendulum_problem(swing), *newton, {.tolerance = 1e-8, .max_rank = 2});
+      solve_by_strategy(swing_problem(swing), *newton, {.tolerance = 1e-8, .max_rank = 2});
   CAPTURE(few.message);
   CHECK(few.status == StrategyStatus::rank_limit);
   CHECK_THAT(few.message, Contains("ranks up to 2"));
 
   const StrategyResult bounded =
-      solve_by_strategy(pendulum_problem(swing), *newton, {.tolerance = 1e-6, .max_evaluations = 500});
+      solve_by_strategy(swing_problem(swing), *newton, {.tolerance = 1e-6, .max_evaluations = 500});
   CHECK(bounded.status == StrategyStatus::max_evaluations);
   CHECK_THAT(bounded.message, Contains("500 evaluations"));
 
@@ -157,7 +147,7 @@ TEST_CASE("a march ends with the status of what stopped it, and names the place"
     CHECK(report.stage.starts_with("slab "));
     return ++reports < 3;
   };
-  CHECK(solve_by_strategy(pendulum_problem(swing), *newton, stopping).status == StrategyStatus::cancelled);
+  CHECK(solve_by_strategy(swing_problem(swing), *newton, stopping).status == StrategyStatus::cancelled);
   CHECK(reports == 3);
 }
 

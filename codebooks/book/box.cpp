@@ -1,0 +1,52 @@
+#include "samara/codebooks/book/box.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+
+namespace samara::codebooks {
+
+void require_inside(std::span<const Coordinate> coordinates, std::span<const double> x) {
+  if (x.size() != coordinates.size()) {
+    throw ArgumentError(
+        fmt::format("the point has {} coordinates, expected {}", x.size(), coordinates.size()));
+  }
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const Coordinate& c = coordinates[k];
+    if (!std::isfinite(x[k])) {
+      throw ArgumentError(fmt::format("{} is {}, expected a finite number", c.name, x[k]));
+    }
+    if (x[k] < c.lower || x[k] > c.upper) {
+      throw OutsideBoxError(fmt::format("{} = {}{} is outside the codebook's box [{}, {}]", c.name, x[k],
+                                        c.unit == "1" ? "" : " " + c.unit, c.lower, c.upper));
+    }
+  }
+}
+
+void require_size(const char* what, Size found, Size expected) {
+  if (found == expected) return;
+  throw ArgumentError(
+      fmt::format("the {} given for the answer have {} rows and {} columns, expected {} and {}", what,
+                  found.rows, found.columns, expected.rows, expected.columns));
+}
+
+bool contains(std::span<const pgd::Axis> axes, std::span<const double> x) {
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    if (!axes[k].contains(x[k])) return false;
+  }
+  return true;
+}
+
+std::vector<double> clamped(std::span<const Coordinate> coordinates, std::span<const double> x) {
+  std::vector<double> point(x.begin(), x.end());
+  for (std::size_t k = 0; k < point.size() && k < coordinates.size(); ++k) {
+    point[k] =
+        std::isfinite(point[k]) ? std::clamp(point[k], coordinates[k].lower, coordinates[k].upper) : point[k];
+  }
+  return point;
+}
+
+}  // namespace samara::codebooks

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/codebooks/book/codebook.h"
+
+/// Where a codebook is compared with what it stands for.
+namespace samara::codebooks {
+
+/// Times between the builder's nodes and at its borders: twice as many in every time element as it has nodes;
+/// none where the codebook has no time.
+std::vector<double> certificate_times(const Codebook& book);
+
+/// Scrambled Sobol' points of the box: parameters x count. Of lists, each value as often as the others.
+Eigen::MatrixXd certificate_points(const Codebook& book, int count, std::uint64_t seed);
+
+/// Lower and upper corner of the box of the parameters, for climbs: those whose values are a list have no
+/// width.
+std::pair<Eigen::VectorXd, Eigen::VectorXd> certificate_box(const Codebook& book);
+
+}  // namespace samara::codebooks

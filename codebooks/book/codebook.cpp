@@ -1,0 +1,221 @@
+#include "samara/codebooks/book/codebook.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+
+namespace samara::codebooks {
+
+namespace {
+
+const std::vector<pgd::Axis>& axes_of(const Piece& piece) {
+  if (piece.groups().empty()) throw ArgumentError("a piece of the codebook has no field group");
+  return piece.groups().front().axes();
+}
+
+bool same_axis(const pgd::Axis& a, const pgd::Axis& b) {
+  return a.name() == b.name() && a.unit() == b.unit() && a.role() == b.role() && a.basis() == b.basis() &&
+         a.transform() == b.transform() && a.lower() == b.lower() && a.upper() == b.upper() &&
+         a.size() == b.size() && a.nodes() == b.nodes() && a.weights() == b.weights();
+}
+
+void check_groups(const Piece& piece) {
+  const std::vector<pgd::Axis>& axes = axes_of(piece);
+  for (const FieldGroup& group : piece.groups()) {
+    const bool same =
+        std::equal(axes.begin(), axes.end(), group.axes().begin(), group.axes().end(), same_axis);
+    if (!same) throw ArgumentError("the groups of a piece of the codebook must have the same axes");
+  }
+}
+
+std::vector<Coordinate> coordinates_of(const PieceOutline& piece, bool needs_time) {
+  std::vector<Coordinate> coordinates;
+  for (const pgd::Axis& axis : piece.axes) {
+    coordinates.push_back({axis.name(), axis.unit(), axis.role(), axis.lower(), axis.upper()});
+  }
+  const bool has_time = coordinates.front().role == pgd::AxisRole::time;
+  if (needs_time && !has_time) {
+    throw ArgumentError(fmt::format("the first axis of a codebook is \"{}\" with role {}, expected time",
+                                    coordinates.front().name, to_string(coordinates.front().role)));
+  }
+  const auto is_time = [](const Coordinate& c) { return c.role == pgd::AxisRole::time; };
+  if (std::any_of(coordinates.begin() + 1, coordinates.end(), is_time))
+    throw ArgumentError("an axis of a codebook behind the first one is time, expected time first");
+  return coordinates;
+}
+
+/// Pieces in the order of their lower corners, so that the first of those that share a border is the lower
+/// one.
+void sort_pieces(std::vector<Piece>& pieces) {
+  std::stable_sort(pieces.begin(), pieces.end(),
+                   [](const Piece& a, const Piece& b) { return a.lower() < b.lower(); });
+}
+
+std::vector<pgd::OutputLabel> outputs_of(const PieceOutline& piece) {
+  std::vector<pgd::OutputLabel> outputs;
+  for (const GroupOutline& group : piece.groups) {
+    outputs.insert(outputs.end(), group.outputs.begin(), group.outputs.end());
+  }
+  return outputs;
+}
+
+void check_distinct(const std::vector<pgd::OutputLabel>& outputs) {
+  std::set<std::string> names;
+  for (const pgd::OutputLabel& output : outputs) {
+    if (!names.insert(output.name).second)
+      throw ArgumentError(fmt::format("the codebook has two outputs \"{}\"", output.name));
+  }
+}
+
+template <class Items>
+int index_of(const Items& items, const std::string& name, const char* what) {
+  std::vector<std::string> names;
+  for (const auto& item : items) names.push_back(item.name);
+  const auto it = std::find(names.begin(), names.end(), name);
+  if (it == names.end()) {
+    throw ArgumentError(fmt::format("the codebook has no {} \"{}\"{}", what, name, suggestion(name, names)));
+  }
+  return static_cast<int>(it - names.begin());
+}
+
+}  // namespace
+
+struct Piece::Content {
+  std::once_flag once;
+  std::atomic<bool> is_read = false;
+  Groups groups;
+  std::vector<double> lower, upper;
+  std::mutex busy;  ///< the two functions are on their way out
+  std::function<Groups()> read;
+  std::function<PieceOutline()> outline;
+};
+
+Piece::Piece(Groups groups) : content_(std::make_shared<Content>()) {
+  if (!groups.empty()) {
+    for (const pgd::Axis& axis : groups.front().axes()) {
+      content_->lower.push_back(axis.lower());
+      content_->upper.push_back(axis.upper());
+    }
+  }
+  content_->groups = std::move(groups);
+  content_->is_read = true;
+}
+
+Piece::Piece(std::vector<double> lower, std::vector<double> upper, std::function<Groups()> read,
+             std::function<PieceOutline()> outline)
+    : content_(std::make_shared<Content>()) {
+  content_->lower = std::move(lower);
+  content_->upper = std::move(upper);
+  content_->read = std::move(read);
+  content_->outline = std::move(outline);
+}
+
+const Piece::Groups& Piece::groups() const {
+  if (!content_->is_read) {
+    std::call_once(content_->once, [&] {
+      content_->groups = content_->read();
+      const std::lock_guard lock(content_->busy);
+      content_->read = {};
+      content_->outline = {};
+      content_->is_read = true;
+    });
+  }
+  return content_->groups;
+}
+
+PieceOutline Piece::outline() const {
+  std::function<PieceOutline()> of_file;
+  {
+    const std::lock_guard lock(content_->busy);
+    of_file = content_->outline;
+  }
+  if (of_file) return of_file();
+  PieceOutline result{axes_of(*this), {}};
+  for (const FieldGroup& group : groups()) result.groups.push_back(group.outline());
+  return result;
+}
+
+bool Piece::is_read() const {
+  return content_->is_read;
+}
+const std::vector<double>& Piece::lower() const {
+  return content_->lower;
+}
+const std::vector<double>& Piece::upper() const {
+  return content_->upper;
+}
+
+Codebook::Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecord build,
+                   Provenance provenance, std::optional<Certificate> certificate, std::string title)
+    : model_(std::move(model)),
+      pieces_(std::move(pieces)),
+      build_(std::move(build)),
+      provenance_(std::move(provenance)),
+      certificate_(std::move(certificate)),
+      title_(std::move(title)) {
+  if (pieces_.empty()) throw ArgumentError("a codebook needs at least one piece");
+  for (const Piece& piece : pieces_)
+    if (piece.is_read()) check_groups(piece);
+  sort_pieces(pieces_);
+  const PieceOutline first = pieces_.front().outline();
+  coordinates_ = coordinates_of(first, !is_of_command());
+  outputs_ = outputs_of(first);
+  check_distinct(outputs_);
+  for (const Piece& piece : pieces_) {
+    if (piece.is_read()) check_piece(piece);
+    if (piece.lower().size() != coordinates_.size())
+      throw ArgumentError("pieces of a codebook must have the same coordinates in the same order");
+    for (std::size_t k = 0; k < coordinates_.size(); ++k) {
+      coordinates_[k].lower = std::min(coordinates_[k].lower, piece.lower()[k]);
+      coordinates_[k].upper = std::max(coordinates_[k].upper, piece.upper()[k]);
+    }
+  }
+}
+
+void Codebook::check_piece(const Piece& piece) const {
+  check_groups(piece);
+  const std::vector<pgd::Axis>& axes = axes_of(piece);
+  if (has_time() && !axes.front().has_elements()) {
+    throw ArgumentError(fmt::format("the time axis of a codebook is {}, expected one made of elements",
+                                    to_string(axes.front().basis())));
+  }
+  const bool same_coordinates =
+      std::equal(coordinates_.begin(), coordinates_.end(), axes.begin(), axes.end(),
+                 [](const Coordinate& c, const pgd::Axis& a) {
+                   return c.name == a.name() && c.unit == a.unit() && c.role == a.role();
+                 });
+  if (!same_coordinates)
+    throw ArgumentError("pieces of a codebook must have the same coordinates in the same order");
+  const auto labels = outputs_of(piece.outline());
+  const bool same_outputs =
+      std::equal(labels.begin(), labels.end(), outputs_.begin(), outputs_.end(),
+                 [](const auto& a, const auto& b) { return a.name == b.name && a.unit == b.unit; });
+  if (!same_outputs) throw ArgumentError("pieces of a codebook must have the same outputs in the same order");
+}
+
+int Codebook::coordinate_index(const std::string& name) const {
+  return index_of(coordinates_, name, "coordinate");
+}
+int Codebook::output_index(const std::string& name) const {
+  return index_of(outputs_, name, "output");
+}
+
+const Coordinate& Codebook::time(const char* what) const {
+  if (has_time()) return coordinates_.front();
+  throw ArgumentError(fmt::format("{} needs time, which this codebook does not have", what));
+}
+
+Codebook Codebook::with_certificate(Certificate certificate) const {
+  Codebook copy = *this;
+  copy.certificate_ = std::move(certificate);
+  return copy;
+}
+
+}  // namespace samara::codebooks

@@ -1,0 +1,160 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "samara/codebooks/book/certificate.h"
+#include "samara/codebooks/book/field_group.h"
+
+/// A codebook is the separated solution of a parametric model over time and a box of parameters and initial
+/// values, or the separated form of what a program answers over a box of its inputs (and time, if it knows
+/// one), with a certificate of its error. Coordinates and outputs are in SI units.
+///
+/// Usage:
+///   const Codebook book = load("coin.h5");
+///   Query query(book);
+///   Eigen::VectorXd values(book.output_count());
+///   query.values({{0.3, 1.15, 0.0}}, values);        // t, C_D, v(0)
+namespace samara::codebooks {
+
+/// Stands for the name of a model where a program was sampled.
+inline constexpr const char* kCommandModel = "command";
+
+/// What the codebook is a solution of, enough to integrate it again; of a program, its call as "equations".
+struct ModelDescription {
+  std::string name;
+  std::string title;
+  std::string equations;  ///< as text
+  std::string frames;     ///< in words
+  std::string source;
+  std::map<std::string, double> fixed;             ///< parameters and initial values the plan fixed, SI
+  std::map<std::string, std::string> fixed_units;  ///< their units
+};
+
+/// How it was made; the only place for times and hosts.
+struct Provenance {
+  std::string generator;  ///< "samara 0.1.0"
+  std::string plan;       ///< text of the plan
+  std::string created;    ///< UTC, ISO 8601
+  std::string host;
+  double build_seconds = 0.0;
+};
+
+/// How the builder went; the same on every machine and after every resume.
+struct BuildRecord {
+  std::string builder;     ///< "pgd", "sampling", or "fit": of a series of coefficients
+  std::string strategy;    ///< "slabs", "newton", another name of the plan's strategies, or "cross"
+  std::string status;      ///< "converged", or why not
+  std::string message;     ///< in one sentence
+  double evaluations = 0;  ///< of the right-hand side and its Jacobian; of sampling: trajectories, or calls
+  /// Nodes of time x parameters of the last round; of slabs and their like: what evaluations at all nodes of
+  /// their grids would have been.
+  double grid_size = 0;
+  int iterations = 0;  ///< of Newton, all rounds; of sampling: none
+  int rounds = 0;      ///< of refinement; of slabs: marches
+};
+
+/// What a piece is, without the numbers of its groups.
+struct PieceOutline {
+  std::vector<pgd::Axis> axes;
+  std::vector<GroupOutline> groups;
+};
+
+/// One time slab of one parameter cell: its own axes and field groups, all groups over the same axes. It may
+/// stand for what a file holds, and be read when it is first asked for. Cheap to copy, safe to share between
+/// threads.
+class Piece {
+ public:
+  using Groups = std::vector<FieldGroup>;
+
+  Piece() : Piece(Groups()) {}
+  Piece(Groups groups);  // NOLINT(google-explicit-constructor): groups are a piece
+  /// @param lower,upper of the box, coordinate by coordinate
+  /// @param read called once, by whoever first asks for the groups; what it throws they get, and the next one
+  ///   asks again
+  /// @param outline called as long as the groups are not read
+  Piece(std::vector<double> lower, std::vector<double> upper, std::function<Groups()> read,
+        std::function<PieceOutline()> outline);
+
+  const Groups& groups() const;
+  /// Reads no more than it has to.
+  PieceOutline outline() const;
+  /// Whether the groups are there without reading.
+  bool is_read() const;
+  /// Ends of the box, in the order of the axes.
+  const std::vector<double>& lower() const;
+  const std::vector<double>& upper() const;
+
+ private:
+  struct Content;
+  std::shared_ptr<Content> content_;
+};
+
+/// One coordinate of the whole codebook: time first, if it has time, then parameters and initial values.
+struct Coordinate {
+  std::string name;
+  std::string unit;
+  pgd::AxisRole role = pgd::AxisRole::parameter;
+  double lower = 0.0;
+  double upper = 0.0;
+};
+
+class Codebook {
+ public:
+  /// Keeps the pieces in the order of their lower corners.
+  /// @throws ArgumentError if there is no piece, pieces differ in their coordinates or outputs, groups of a
+  /// piece in their axes, two outputs have one name, or time is not first or not made of elements, or missing
+  /// where the codebook is one of a model. Of pieces that are not read yet the first is looked at in outline,
+  /// others are not: see check_piece().
+  Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecord build = {},
+           Provenance provenance = {}, std::optional<Certificate> certificate = {}, std::string title = {});
+
+  const std::vector<Coordinate>& coordinates() const { return coordinates_; }
+  const std::vector<pgd::OutputLabel>& outputs() const { return outputs_; }
+  int coordinate_count() const { return static_cast<int>(coordinates_.size()); }
+  int output_count() const { return static_cast<int>(outputs_.size()); }
+  /// Whether the first coordinate is time; if not, there is none.
+  bool has_time() const { return coordinates_.front().role == pgd::AxisRole::time; }
+  /// Time. @throws ArgumentError if there is none, saying that `what` needs it.
+  const Coordinate& time(const char* what) const;
+  /// The coordinates that are not time.
+  std::span<const Coordinate> parameters() const {
+    return std::span(coordinates_).subspan(has_time() ? 1 : 0);
+  }
+  /// Whether a program was sampled, not a model solved.
+  bool is_of_command() const { return model_.name == kCommandModel; }
+  const std::vector<Piece>& pieces() const { return pieces_; }
+  const ModelDescription& model() const { return model_; }
+  const BuildRecord& build() const { return build_; }
+  const Provenance& provenance() const { return provenance_; }
+  const std::optional<Certificate>& certificate() const { return certificate_; }
+  const std::string& title() const { return title_; }
+
+  /// @throws ArgumentError with the nearest known name.
+  int coordinate_index(const std::string& name) const;
+  int output_index(const std::string& name) const;
+
+  /// Whether a piece has coordinates and outputs like this codebook.
+  /// @throws ArgumentError as the constructor
+  void check_piece(const Piece& piece) const;
+
+  /// The same codebook with another certificate.
+  Codebook with_certificate(Certificate certificate) const;
+
+ private:
+  ModelDescription model_;
+  std::vector<Piece> pieces_;
+  BuildRecord build_;
+  Provenance provenance_;
+  std::optional<Certificate> certificate_;
+  std::string title_;
+  std::vector<Coordinate> coordinates_;
+  std::vector<pgd::OutputLabel> outputs_;
+};
+
+}  // namespace samara::codebooks

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "samara/codebooks/book/codebook.h"
+
+namespace samara::codebooks {
+
+/// Finds the piece that answers for a point: the first one that holds it. O(log pieces) where pieces are
+/// slabs of the first coordinate; does not allocate.
+class PieceFinder {
+ public:
+  struct Interval {
+    double lower = 0.0;
+    double upper = 0.0;
+  };
+  struct Box {
+    std::vector<Interval> intervals;
+    /// Axes that are lists of values, where being inside is not enough; else empty places.
+    std::vector<std::optional<pgd::Axis>> lists;
+  };
+  /// Boxes of the pieces, in their order, over the same coordinates.
+  explicit PieceFinder(const std::vector<Box>& pieces);
+
+  /// The place of the piece, or -1 in a gap. @param x finite
+  int find(const double* x) const;
+  bool contains(int piece, const double* x) const;
+
+ private:
+  std::size_t dimensions_ = 0;
+  std::vector<Interval> boxes_;  ///< pieces x coordinates
+  struct List {
+    int piece = 0;
+    std::size_t coordinate = 0;
+    pgd::Axis axis;
+  };
+  std::vector<List> lists_;
+  std::vector<double> borders_;  ///< of all pieces on the first coordinate, ascending
+  /// Pieces that meet (border i - 1, border i], in their order.
+  std::vector<std::vector<int>> candidates_;
+};
+
+}  // namespace samara::codebooks

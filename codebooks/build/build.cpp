@@ -1,0 +1,359 @@
+#include "samara/codebooks/build/build.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <ctime>
+#include <functional>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/version.h"
+#include "samara/codebooks/build/compaction.h"
+#include "samara/codebooks/build/pgd_builder.h"
+#include "samara/codebooks/build/sampling_builder.h"
+#include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/certify/measure.h"
+#include "samara/codebooks/source/call_memory.h"
+#include "samara/codebooks/source/checkpoint.h"
+#include "samara/models/checks/parameter_warnings.h"
+
+namespace samara::codebooks {
+
+namespace {
+
+// What the trials of a plan of kind "auto" may use: both take about as long.
+constexpr long kTrialTrajectories = 20'000;
+constexpr long kTrialEvaluations = 50'000;
+
+using Clock = std::chrono::steady_clock;
+
+ModelDescription describe(const models::ParametricModel& model) {
+  const models::ModelInfo& info = model.model().info();
+  ModelDescription description{info.name,     info.title, info.equations, info.frames, info.source,
+                               model.fixed(), {}};
+  std::map<std::string, std::string>& units = description.fixed_units;
+  for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;
+  for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
+  std::erase_if(units, [&](const auto& item) { return !model.fixed().contains(item.first); });
+  return description;
+}
+
+/// Of a command: its call stands for the equations.
+ModelDescription describe(const Plan& plan) {
+  ModelDescription description;
+  description.name = kCommandModel;
+  description.title = "what a program answers";
+  description.equations = fmt::format("{}", fmt::join(plan.command->run, " "));
+  description.frames = "those of the program";
+  description.source = "the plan";
+  description.fixed = plan.fixed;
+  for (const CommandQuantity& input : plan.command->inputs) {
+    if (plan.fixed.contains(input.name)) description.fixed_units[input.name] = input.unit;
+  }
+  return description;
+}
+
+Provenance provenance_of(const Plan& plan, double seconds) {
+  std::array<char, 256> host{};
+  gethostname(host.data(), host.size() - 1);
+  return {fmt::format("samara {}", version()), plan.text,
+          fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))), host.data(), seconds};
+}
+
+std::string sentence(const BuildRecord& record, const Certificate& certificate, bool of_command,
+                     bool cancelled) {
+  if (cancelled) {
+    return fmt::format("the build was cancelled; its certificate covers {} of {} points",
+                       certificate.points - certificate.failed_points, certificate.points);
+  }
+  if (certificate.met) {
+    return fmt::format("certified: {}largest error {:.3g} <= {:.3g} at {} points",
+                       certificate.points < kCertificatePoints ? verdict(certificate) + ", " : "",
+                       certificate.max_error, certificate.tolerance, certificate.points);
+  }
+  if (certificate.failed_points > 0) {
+    return fmt::format("the certificate is incomplete: {} of {} {}{}{}", certificate.failed_points,
+                       certificate.points, of_command ? "points have no answer" : "integrations failed",
+                       certificate.failure.empty() ? "" : ", the first with: ", certificate.failure);
+  }
+  if (!certificate.failure.empty())
+    return fmt::format("the certificate is incomplete, a climb failed with: {}", certificate.failure);
+  const std::string error = fmt::format("largest error {:.3g} at {} points, tolerance {:.3g}",
+                                        certificate.max_error, certificate.points, certificate.tolerance);
+  if (record.status != "converged")
+    return fmt::format("the build missed its tolerance: {}; {}", record.message, error);
+  return fmt::format("the build missed its tolerance: {}", error);
+}
+
+/// `limit` or the plan's own, whichever is less.
+long at_most(const Plan& plan, long limit) {
+  return plan.builder.max_calls > 0 ? std::min(plan.builder.max_calls, limit) : limit;
+}
+
+Solution chosen(Solution solution, const std::string& reason) {
+  solution.record.message += fmt::format("; chosen because {}", reason);
+  return solution;
+}
+
+/// The calls of a build by sampling, with those of its checkpoint if it is resumed. A disk that is full must
+/// not end a build that needs no disk: it is told once.
+CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& options) {
+  std::vector<CallSheet> known;
+  if (options.resume && is_checkpoint(options.checkpoint)) known = load_calls(options.checkpoint, plan.text);
+  CallMemory::Save save;
+  if (!options.checkpoint.empty()) {
+    save = [&plan, &options, warned = false](const std::vector<CallSheet>& calls) mutable {
+      try {
+        save_calls(options.checkpoint, plan.text, calls, plan.box.size());
+      } catch (const ArgumentError& error) {
+        if (!warned && options.warning) options.warning(fmt::format("no checkpoint: {}", error.what()));
+        warned = true;
+      }
+    };
+  }
+  try {
+    return CallMemory(std::move(source), std::move(known), std::move(save));
+  } catch (const ArgumentError& error) {
+    throw bad_checkpoint(options.checkpoint, error.what());
+  }
+}
+
+CertifyOptions certify_options(const Plan& plan, const BuildOptions& options,
+                               const ProgressCallback& progress) {
+  CertifyOptions result;
+  result.points = options.certificate_points.value_or(plan.certificate_points());
+  result.seed = options.certificate_seed.value_or(plan.certificate_seed());
+  result.tolerance = plan.relative;
+  result.absolute = plan.absolute;
+  result.threads = plan.builder.threads;
+  result.progress = progress;
+  return result;
+}
+
+/// Certifies what a build comes up with, each time on points that it has not seen.
+class Certifier {
+ public:
+  using Measure = std::function<Measured(const Codebook&, const CertifyOptions&, Extent)>;
+
+  Certifier(CertifyOptions options, Measure measure)
+      : options_(std::move(options)), measure_(std::move(measure)) {}
+
+  CertifyOptions& options() { return options_; }
+
+  Measured operator()(const Codebook& book, Extent extent) {
+    Measured measured = measure_(book, options_, extent);
+    measured.certificate.refuted_before = refuted_;
+    refuted_ += measured.wrong.cols() > 0 ? 1 : 0;
+    ++options_.seed;
+    return measured;
+  }
+
+ private:
+  CertifyOptions options_;
+  Measure measure_;
+  int refuted_ = 0;
+};
+
+/// A plan on its way to a codebook.
+struct Build {
+  const Plan& plan;
+  const BuildOptions& options;
+  const ProgressCallback& progress;
+  const bool& cancelled;
+  ModelDescription model;
+  Certifier certifier;
+  Clock::time_point begin = Clock::now();
+
+  Codebook book_of(Solution solution) const {
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    return Codebook(model, std::move(solution.pieces), std::move(solution.record),
+                    provenance_of(plan, seconds), {}, plan.title);
+  }
+
+  Solution solve_by_sampling(CallMemory& calls, long max_calls) {
+    const CertifyClaim certify_claim = [this](const pgd::TrainField& field, double calls_made) {
+      BuildRecord record;
+      record.evaluations = calls_made;
+      return certifier(book_of({{Piece{{field}}}, std::move(record), {}, 0.0}), Extent::until_wrong);
+    };
+    return codebooks::solve_by_sampling(plan, calls, max_calls, progress, certify_claim);
+  }
+
+  /// The codebook with its certificate, a fresh one unless the solution brings its own.
+  BuildResult certified(Solution solution) {
+    std::optional<Certificate> certificate = std::move(solution.certificate);
+    const double residual = solution.residual;
+    const ErrorBudget spent = solution.spent;
+    const Codebook book = book_of(std::move(solution));
+    if (!certificate) certificate = certifier(book, Extent::all_points).certificate;
+    return finished(book, residual, spent, std::move(*certificate));
+  }
+
+ private:
+  BuildResult finished(const Codebook& book, double residual, const ErrorBudget& spent,
+                       Certificate certificate) const {
+    const BuildRecord& record = book.build();
+    certificate.met = certificate.met && record.status == "converged";
+    certificate.residual = residual;
+    certificate.spent = spent;
+    if (record.status == "failed") certificate.failure = record.message;
+    const bool met = certificate.met;
+    const bool of_command = book.is_of_command();
+    std::string message = sentence(record, certificate, of_command, cancelled);
+    const bool has_failed = of_command && (record.status == "failed" || certificate.failed_points > 0 ||
+                                           !certificate.failure.empty());
+    return {book.with_certificate(std::move(certificate)), met, std::move(message), cancelled || has_failed};
+  }
+};
+
+/// Nothing where the engine has no result or refuses the plan: what sampling found must not be lost for it.
+std::optional<Solution> engine_trial(const Build& build, const models::ParametricModel& model) {
+  try {
+    return solve_by_pgd(build.plan, model, build.options, at_most(build.plan, kTrialEvaluations),
+                        build.progress);
+  } catch (const NoResultError&) {
+    return std::nullopt;
+  } catch (const ArgumentError&) {
+    return std::nullopt;
+  }
+}
+
+/// Kind "auto": sampling, whose cost is known before it is spent, has the first trial, the PGD engine the
+/// second. Both are counted, not timed, so that the choice is the same everywhere.
+Solution solve_by_trial(Build& build, const models::ParametricModel& model) {
+  const Plan& plan = build.plan;
+  if (plan.prescribes_axes()) {
+    return chosen(solve_by_pgd(plan, model, build.options, plan.builder.max_calls, build.progress),
+                  "the plan prescribes an axis, and sampling chooses its own");
+  }
+  CallMemory calls = calls_of(plan, model_source(plan, model), build.options);
+  Solution first = build.solve_by_sampling(calls, at_most(plan, kTrialTrajectories));
+  const std::string& status = first.record.status;
+  if (status == "converged")
+    return chosen(std::move(first),
+                  fmt::format("it needed no more than the {} trajectories of its trial", kTrialTrajectories));
+  // Where there is no trajectory, no builder finds a solution.
+  if (build.cancelled || status == "failed" || status == "not_finite") return first;
+  std::optional<Solution> second = engine_trial(build, model);
+  const std::string failed = fmt::format("sampling did not converge ({})", status);
+  if (second && second->record.status == "converged") return chosen(std::move(*second), failed);
+  const std::string neither = "neither builder converged in its trial, and the calls of sampling are bounded";
+  if (build.cancelled || status != "max_calls") return chosen(std::move(first), neither);
+  return chosen(build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls)), neither);
+}
+
+Solution solve(Build& build, const models::ParametricModel& model) {
+  const Plan& plan = build.plan;
+  if (plan.builder.kind == "pgd")
+    return solve_by_pgd(plan, model, build.options, plan.builder.max_calls, build.progress);
+  if (plan.builder.kind == "auto") return solve_by_trial(build, model);
+  CallMemory calls = calls_of(plan, model_source(plan, model), build.options);
+  return build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls));
+}
+
+/// What is fixed, and the centre of the box.
+void warn_of_parameters(const Plan& plan, const models::Model& model, const BuildOptions& options) {
+  if (!options.warning) return;
+  std::map<std::string, double> values = plan.fixed;
+  for (const BoxEntry& entry : plan.box) values.emplace(entry.name, 0.5 * (entry.lower + entry.upper));
+  for (const std::string& sentence : models::parameter_warnings(model, values)) options.warning(sentence);
+}
+
+BuildResult build_of_model(const Plan& plan, const BuildOptions& options, const ProgressCallback& progress,
+                           const bool& cancelled) {
+  const models::ParametricModel model = plan.parametric_model();
+  warn_of_parameters(plan, model.model(), options);
+  Build build{plan,
+              options,
+              progress,
+              cancelled,
+              describe(model),
+              {certify_options(plan, options, progress),
+               [&](const Codebook& book, const CertifyOptions& certify_by, Extent extent) {
+                 return measure(book, model, certify_by, extent);
+               }}};
+  Solution solved = solve(build, model);
+  // Fewer numbers must not cost the certificate.
+  for (const double share : {0.9, 0.4}) {
+    std::optional<Solution> compact = compacted(
+        solved,
+        {.tolerance = plan.relative, .share = share, .absolute = plan.absolute, .seed = plan.builder.seed});
+    if (!compact) break;
+    BuildResult result = build.certified(std::move(*compact));
+    if (result.met || cancelled) return result;
+  }
+  return build.certified(std::move(solved));
+}
+
+/// A command that has failed is not called again for the certificate.
+BuildResult build_of_command(const Plan& plan, const pgd::PointsFunction& function,
+                             const BuildOptions& options, const ProgressCallback& progress,
+                             const bool& cancelled) {
+  CallMemory calls = calls_of(plan, command_source(plan, function), options);
+  Build build{plan,
+              options,
+              progress,
+              cancelled,
+              describe(plan),
+              {certify_options(plan, options, progress),
+               [&](const Codebook& book, CertifyOptions certify_by, Extent extent) {
+                 if (!options.certificate_points)
+                   certify_by.points =
+                       plan.certificate_points(calls.seconds_per_call(), book.build().evaluations);
+                 return measure(book, calls, certify_by, extent);
+               }}};
+  Solution solved = build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls));
+  if (solved.record.status == "failed")
+    build.certifier.options().progress = [](const Progress&) { return false; };
+  BuildResult result = build.certified(std::move(solved));
+  calls.save();
+  try {
+    calls.finish();
+  } catch (const NoResultError&) {
+    std::error_code ignored;
+    std::filesystem::remove(options.checkpoint, ignored);
+    throw;
+  }
+  return result;
+}
+
+/// @param function instead of the command of the plan; empty: none
+BuildResult built(const Plan& plan, const pgd::PointsFunction& function, const BuildOptions& options) {
+  // Once cancelled, always cancelled: neither solver nor certificate ask again.
+  bool cancelled = false;
+  ProgressCallback progress;
+  if (options.progress) {
+    progress = [&](const Progress& report) { return !(cancelled = cancelled || !options.progress(report)); };
+  }
+  BuildResult result = plan.command ? build_of_command(plan, function, options, progress, cancelled)
+                                    : build_of_model(plan, options, progress, cancelled);
+  if (!options.checkpoint.empty() && !options.keep_checkpoint && !result.resumable) {
+    std::error_code ignored;
+    std::filesystem::remove(options.checkpoint, ignored);
+  }
+  return result;
+}
+
+}  // namespace
+
+BuildResult build(const Plan& plan, const BuildOptions& options) {
+  return built(plan, {}, options);
+}
+
+BuildResult build(const Plan& plan, const pgd::PointsFunction& function, const BuildOptions& options) {
+  if (!plan.command)
+    throw ArgumentError(
+        fmt::format("the plan {} has no command for which a function could answer", plan.source));
+  if (!function) throw ArgumentError("a build from no function: an empty one was given");
+  return built(plan, function, options);
+}
+
+}  // namespace samara::codebooks

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/codebooks/book/codebook.h"
+
+/// Long motions from a codebook of a short time: windows, chained.
+///
+/// A codebook whose initial state is free is the flow map of its model over a window of time. Applied again
+/// and again, the end of one window being the start of the next, it answers at any time, with derivatives by
+/// the chain rule, as exact as the codebook's own. Short windows make this far more accurate than one
+/// codebook of a long time: errors of chaotic motion grow only as the motion itself lets them.
+///
+/// Needed: a model that is autonomous, and for every state s either an axis "s(0)" beside the output s, or
+/// the symmetry "translation of s": its displacement over a window does not depend on where it starts. Angles
+/// (of which the model notices turns, but no full ones) are wrapped where their axis is a full turn wide.
+///
+/// Of an attitude two numbers are enough where the model has the symmetry "rotation about z": "qx(0)" and
+/// "qy(0)" are axes, qw(0) = 1 and qz(0) = 0 are fixed. A window starts at the tilt alone
+/// (reduced_attitude.h); the yaw, and what is displaced, are turned and carried along. A tilt by the angle
+/// alpha is tan(alpha/2) long: [-1, 1] holds all up to a right angle. Without that symmetry qz(0) is an axis
+/// too.
+///
+///   Chain chain(book);
+///   const ChainResult fall = chain.run(start, parameters, times);
+///   if (fall.status != ChainStatus::done) report(fall.message);
+namespace samara::codebooks {
+
+enum class ChainStatus {
+  done,
+  left_box,  ///< a state left the box of the codebook at the start of a window: nothing is known beyond
+};
+
+struct ChainResult {
+  ChainStatus status = ChainStatus::done;
+  std::string message;     ///< one sentence
+  std::string left;        ///< the state that left the box, if one did
+  double reached = 0.0;    ///< time up to which rows are valid [s]; later rows are NaN
+  Eigen::MatrixXd states;  ///< times x states, SI; angles unwrapped
+  /// Per time d(states)/d(start, parameters): states x (states + parameters). Empty unless asked for.
+  std::vector<Eigen::MatrixXd> derivatives;
+};
+
+class Chain {
+ public:
+  /// The codebook must outlive the chain. One per thread.
+  /// @throws ArgumentError if the model is not known or not autonomous, or a state is neither output nor
+  ///   axis nor free of translation.
+  explicit Chain(const Codebook& book);
+  ~Chain();
+  Chain(Chain&&) noexcept;
+  Chain& operator=(Chain&&) noexcept;
+
+  /// Of the model, in its order.
+  const std::vector<std::string>& states() const;
+  /// Coordinates of the codebook that are neither time nor initial values.
+  const std::vector<Coordinate>& parameters() const;
+  /// Length of a window: the codebook's time [s].
+  double window() const;
+
+  /// @param start of all states, at t = 0  @param parameters as parameters()  @param times not decreasing,
+  ///   from 0 on, without bound
+  /// @throws ArgumentError for wrong sizes, values that are not finite, times that decrease;
+  ///   OutsideBoxError for a parameter outside the box.
+  ChainResult run(std::span<const double> start, std::span<const double> parameters,
+                  std::span<const double> times, bool with_derivatives = false);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace samara::codebooks

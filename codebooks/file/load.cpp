@@ -1,0 +1,317 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/store_format.h"
+#include "samara/codebooks/file/store_piece.h"
+#include "samara/io/hdf5_reader.h"
+#include "samara/models/interface/model.h"
+#include "samara/models/laws/registry.h"
+
+namespace samara::codebooks {
+
+namespace {
+
+using io::Hdf5Reader;
+
+void check_version(const Hdf5Reader& file) {
+  if (!file.has_attribute("/", "format") || file.text_attribute("/", "format") != format::kFormat) {
+    throw file.error("/",
+                     fmt::format("attribute format is not \"{}\": this is not a codebook", format::kFormat));
+  }
+  const std::string version = file.text_attribute("/", "format_version");
+  int major = -1;
+  int minor = -1;
+  const char* end = version.data() + version.size();
+  const auto first = std::from_chars(version.data(), end, major);
+  if (first.ec == std::errc() && first.ptr != end && *first.ptr == '.') {
+    const auto second = std::from_chars(first.ptr + 1, end, minor);
+    if (second.ptr != end) minor = -1;
+  }
+  if (major != format::kMajor || minor < 0 || minor > format::kMinor) {
+    throw file.error("/", fmt::format("format_version is \"{}\", this program reads {}.0 to {}.{}", version,
+                                      format::kMajor, format::kMajor, format::kMinor));
+  }
+}
+
+/// Numbers of a certificate. Those of one that is met are finite; else, errors may be infinite, and NaN where
+/// nothing was measured.
+struct CertificateNumbers {
+  const Hdf5Reader& file;
+  bool met = false;
+  bool measured = true;
+
+  double operator()(const std::string& path, const std::string& name) const {
+    const double value = file.number_attribute(path, name);
+    if (met && !std::isfinite(value))
+      throw file.error(path, fmt::format("{} is {}, expected a finite number where met is 1", name, value));
+    if (measured && std::isnan(value))
+      throw file.error(path, fmt::format("{} is nan, expected a number where integrations succeeded", name));
+    return value;
+  }
+};
+
+double finite_attribute(const Hdf5Reader& file, const std::string& path, const std::string& name) {
+  const double value = file.number_attribute(path, name);
+  if (!std::isfinite(value))
+    throw file.error(path, fmt::format("{} is {}, expected a finite number", name, value));
+  return value;
+}
+
+int count_attribute(const Hdf5Reader& file, const std::string& path, const std::string& name) {
+  const std::int64_t value = file.integer_attribute(path, name);
+  if (value < 0 || value > std::numeric_limits<int>::max())
+    throw file.error(path, fmt::format("{} is {}, expected a count", name, value));
+  return static_cast<int>(value);
+}
+
+bool read_met(const Hdf5Reader& file, const std::string& path) {
+  const std::int64_t met = file.integer_attribute(path, "met");
+  if (met != 0 && met != 1) throw file.error(path, fmt::format("met is {}, expected 0 or 1", met));
+  return met == 1;
+}
+
+Certificate read_certificate(const Hdf5Reader& file) {
+  const std::string path = "/certificate";
+  Certificate c;
+  c.tolerance = finite_attribute(file, path, "tolerance");
+  c.met = read_met(file, path);
+  c.points = count_attribute(file, path, "points");
+  c.times = count_attribute(file, path, "times");
+  c.failed_points = count_attribute(file, path, "failed_points");
+  if (file.has_attribute(path, "wrong_points")) {
+    c.wrong_points = count_attribute(file, path, "wrong_points");
+    if (*c.wrong_points > c.points || (c.met && *c.wrong_points > 0)) {
+      throw file.error(path,
+                       fmt::format("wrong_points is {}, expected {}", *c.wrong_points,
+                                   c.met ? "0 where met is 1" : fmt::format("at most points, {}", c.points)));
+    }
+  }
+  if (file.has_attribute(path, "climbed_points"))
+    c.climbed_points = count_attribute(file, path, "climbed_points");
+  if (file.has_attribute(path, "refuted_before"))
+    c.refuted_before = count_attribute(file, path, "refuted_before");
+  const CertificateNumbers number{file, c.met, c.failed_points < c.points};
+  c.max_error = number(path, "max_error");
+  if (c.met && !(c.max_error <= c.tolerance)) {
+    throw file.error(path, fmt::format("met is 1, but max_error {} is more than the tolerance {}",
+                                       c.max_error, c.tolerance));
+  }
+  const std::string seed = file.text_attribute(path, "seed");
+  const auto [rest, problem] = std::from_chars(seed.data(), seed.data() + seed.size(), c.seed);
+  if (problem != std::errc() || rest != seed.data() + seed.size())
+    throw file.error(path, fmt::format("seed is \"{}\", expected a whole number", seed));
+  c.integrator = file.text_attribute(path, "integrator");
+  c.integrator_tolerance = finite_attribute(file, path, "integrator_tolerance");
+  c.residual = number(path, "residual");
+  c.spent.discretisation = number(path, "spent_discretisation");
+  c.spent.compression = number(path, "spent_compression");
+  c.spent.nonlinearity = number(path, "spent_nonlinearity");
+  const CertificateNumbers square{file, false, number.measured};  // squares may overflow
+  if (file.has_attribute(path, "norm_defect_max") || file.has_attribute(path, "norm_defect_rms"))
+    c.norm_defect = {number(path, "norm_defect_max"), square(path, "norm_defect_rms")};
+  for (const std::string& name : file.children(path)) {
+    const std::string output = path + "/" + name;
+    OutputError o;
+    o.name = name;
+    o.unit = file.text_attribute(output, "units");
+    o.range = number(output, "range");
+    o.max = number(output, "max");
+    o.p95 = number(output, "p95");
+    o.mean = number(output, "mean");
+    o.rms = square(output, "rms");
+    o.max_si = number(output, "max_si");
+    o.worst = file.numbers_attribute(output, "worst");
+    c.outputs.push_back(std::move(o));
+  }
+  return c;
+}
+
+/// Outputs of the certificate in the order of the codebook; the file sorts them by name.
+void order_outputs(Certificate& certificate, const Codebook& book) {
+  const auto place = [&](const OutputError& o) {
+    const auto& outputs = book.outputs();
+    return std::find_if(outputs.begin(), outputs.end(),
+                        [&](const auto& label) { return label.name == o.name; }) -
+           outputs.begin();
+  };
+  std::stable_sort(certificate.outputs.begin(), certificate.outputs.end(),
+                   [&](const OutputError& a, const OutputError& b) { return place(a) < place(b); });
+}
+
+ModelDescription read_model(const Hdf5Reader& file) {
+  const std::string path = "/model";
+  ModelDescription model;
+  model.name = file.text_attribute(path, "name");
+  model.title = file.text_attribute(path, "title");
+  model.equations = file.text_attribute(path, "equations");
+  model.frames = file.text_attribute(path, "frames");
+  model.source = file.text_attribute(path, "source");
+  for (const std::string& name : file.children(path + "/fixed")) {
+    model.fixed[name] = file.vector(path + "/fixed/" + name, {.rows = 1})[0];
+    model.fixed_units[name] = file.text_attribute(path + "/fixed/" + name, "units");
+  }
+  return model;
+}
+
+BuildRecord read_build(const Hdf5Reader& file) {
+  const std::string path = "/build";
+  BuildRecord build;
+  build.builder = file.text_attribute(path, "builder");
+  build.strategy = file.text_attribute(path, "strategy");
+  build.status = file.text_attribute(path, "status");
+  build.message = file.text_attribute(path, "message");
+  build.evaluations = file.number_attribute(path, "evaluations");
+  build.grid_size = file.number_attribute(path, "grid_size");
+  build.iterations = static_cast<int>(file.integer_attribute(path, "iterations"));
+  build.rounds = static_cast<int>(file.integer_attribute(path, "rounds"));
+  return build;
+}
+
+Provenance read_provenance(const Hdf5Reader& file) {
+  const std::string path = "/provenance";
+  return {file.text_attribute(path, "generator"), file.text_attribute(path, "plan"),
+          file.text_attribute(path, "created"), file.text_attribute(path, "host"),
+          file.number_attribute(path, "build_seconds")};
+}
+
+/// A unit in the file against that of the model.
+void check_unit(const Hdf5Reader& file, const std::string& object, const std::string& unit,
+                const std::string& expected) {
+  if (unit == expected) return;
+  throw file.error(object, fmt::format("units are \"{}\", those of the model \"{}\"", unit, expected));
+}
+
+/// Units of axes, outputs and fixed values, where this library knows the model.
+void check_units(const Hdf5Reader& file, const Codebook& book) {
+  const std::vector<std::string> known = models::model_names();
+  if (std::find(known.begin(), known.end(), book.model().name) == known.end()) return;
+  const auto model = models::find_model(book.model().name);
+  const models::ModelInfo& info = model->info();
+  std::map<std::string, std::string> units = {{book.coordinates().front().name, models::time_unit(info)}};
+  std::map<std::string, std::string> output_units;
+  for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;
+  for (const auto& state : info.states) {
+    units[state.name + "(0)"] = state.unit;
+    output_units[state.name] = state.unit;
+  }
+  for (const Coordinate& c : book.coordinates()) {
+    if (units.contains(c.name)) check_unit(file, "/pieces/0/axes/" + c.name, c.unit, units.at(c.name));
+  }
+  for (const pgd::OutputLabel& output : book.outputs()) {
+    if (output_units.contains(output.name))
+      check_unit(file, "/pieces/0/groups: " + output.name, output.unit, output_units.at(output.name));
+  }
+  for (const auto& [name, unit] : book.model().fixed_units) {
+    if (units.contains(name)) check_unit(file, "/model/fixed/" + name, unit, units.at(name));
+  }
+}
+
+/// Files up to this size are read at once, so that damage is found at the door, and so are those of one
+/// piece; pieces of others when they are asked for.
+constexpr std::uintmax_t kReadAtOnce = 1 << 20;
+
+/// A piece that has nothing but its outline.
+Piece outlined_piece(const PieceOutline& outline) {
+  std::vector<double> lower, upper;
+  for (const pgd::Axis& axis : outline.axes) {
+    lower.push_back(axis.lower());
+    upper.push_back(axis.upper());
+  }
+  return Piece(std::move(lower), std::move(upper), {}, [outline] { return outline; });
+}
+
+/// A piece that is read when it is asked for.
+/// @param like a codebook of the outline of the first piece: others must be like it
+/// @param known its outline, where it has been read
+Piece deferred_piece(const std::shared_ptr<const Hdf5Reader>& file, const std::string& path,
+                     const std::shared_ptr<const Codebook>& like,
+                     const std::shared_ptr<const PieceOutline>& known) {
+  std::vector<double> lower = file->numbers_attribute(path, "lower");
+  std::vector<double> upper = file->numbers_attribute(path, "upper");
+  bool is_box = lower.size() == upper.size() && lower.size() == like->coordinates().size();
+  for (std::size_t k = 0; is_box && k < lower.size(); ++k)
+    is_box = std::isfinite(lower[k]) && std::isfinite(upper[k]) && lower[k] <= upper[k];
+  if (!is_box) throw file->error(path, "lower and upper are not the ends of a box of the coordinates");
+  const auto read = [file, path, like] {
+    Piece piece = read_piece(*file, path);
+    try {
+      like->check_piece(piece);
+    } catch (const ArgumentError& error) {
+      throw file->error(path, error.what());
+    }
+    return piece.groups();
+  };
+  const auto outline = [file, path, like, known] {
+    if (known) return *known;
+    PieceOutline piece = read_outline(*file, path);
+    if (piece.axes.size() == like->coordinates().size()) return piece;
+    throw file->error(
+        path, fmt::format("has {} axes, the first piece {}", piece.axes.size(), like->coordinates().size()));
+  };
+  return Piece(std::move(lower), std::move(upper), read, outline);
+}
+
+std::vector<Piece> read_pieces(const std::shared_ptr<const Hdf5Reader>& file, const ModelDescription& model,
+                               bool at_once) {
+  std::vector<Piece> pieces;
+  const int count = numbered_children(*file, "/pieces");
+  std::shared_ptr<const PieceOutline> outline;
+  std::shared_ptr<const Codebook> first;
+  if (!at_once && count > 1) {
+    outline = std::make_shared<const PieceOutline>(read_outline(*file, "/pieces/0"));
+    first = std::make_shared<const Codebook>(model, std::vector{outlined_piece(*outline)});
+  }
+  for (int k = 0; k < count; ++k) {
+    const std::string path = fmt::format("/pieces/{}", k);
+    pieces.push_back(first ? deferred_piece(file, path, first, k == 0 ? outline : nullptr)
+                           : read_piece(*file, path));
+    for (int other = 0; other < k; ++other) {
+      const Piece& before = pieces[static_cast<std::size_t>(other)];
+      if (before.lower() == pieces.back().lower() && before.upper() == pieces.back().upper())
+        throw file->error(path, fmt::format("has the same box as /pieces/{}", other));
+    }
+  }
+  return pieces;
+}
+
+ModelDescription read_checked_model(const Hdf5Reader& file) {
+  ModelDescription model = read_model(file);
+  const std::string name = file.text_attribute("/", "model");
+  if (name == model.name) return model;
+  throw file.error("/", fmt::format("model is \"{}\", but /model has the name \"{}\"", name, model.name));
+}
+
+}  // namespace
+
+Codebook load(const std::filesystem::path& path) {
+  const auto shared = std::make_shared<const Hdf5Reader>(path);
+  const Hdf5Reader& file = *shared;
+  check_version(file);
+  try {
+    const ModelDescription model = read_checked_model(file);
+    std::error_code unknown;
+    const bool at_once = std::filesystem::file_size(path, unknown) <= kReadAtOnce;
+    Codebook book(model, read_pieces(shared, model, at_once), read_build(file), read_provenance(file), {},
+                  file.text_attribute("/", "title"));
+    check_units(file, book);
+    if (!file.has("/certificate")) return book;
+    Certificate certificate = read_certificate(file);
+    order_outputs(certificate, book);
+    return book.with_certificate(std::move(certificate));
+  } catch (const ArgumentError& error) {
+    throw file.error("/", error.what());
+  }
+}
+
+}  // namespace samara::codebooks

@@ -1,0 +1,380 @@
+#include "samara/codebooks/plan/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/limits.h"
+#include "samara/base/names.h"
+#include "samara/codebooks/book/certificate.h"
+#include "samara/codebooks/plan/plan_command.h"
+#include "samara/io/text_file.h"
+#include "samara/io/toml_document.h"
+#include "samara/models/laws/registry.h"
+#include "samara/pgd/tensors/random.h"
+
+namespace samara::codebooks {
+
+namespace {
+
+using io::TomlTable;
+
+/// What a plan is about, a model or a command: the names it may use, with their units.
+struct Subject {
+  std::string name;  ///< for messages
+  std::shared_ptr<const models::Model> model;
+  std::string what_settable, what_output;       ///< what it calls them, for messages
+  std::map<std::string, std::string> settable;  ///< what may be fixed or free
+  std::map<std::string, std::string> outputs;
+  std::string time_unit = "s";
+};
+
+/// Parameters, and initial values "s(0)".
+Subject subject_of(std::shared_ptr<const models::Model> model) {
+  const models::ModelInfo& info = model->info();
+  Subject subject{fmt::format("the model \"{}\"", info.name),
+                  model,
+                  "parameter or initial value",
+                  "state",
+                  {},
+                  {},
+                  models::time_unit(info)};
+  for (const auto& parameter : info.parameters) subject.settable[parameter.name] = parameter.unit;
+  for (const auto& state : info.states) {
+    subject.settable[state.name + "(0)"] = state.unit;
+    subject.outputs[state.name] = state.unit;
+  }
+  return subject;
+}
+
+Subject subject_of(const PlannedCommand& command) {
+  Subject subject{"the command", nullptr, "input", "output", {}, {}};
+  for (const CommandQuantity& input : command.inputs) subject.settable[input.name] = input.unit;
+  for (const CommandQuantity& output : command.outputs) subject.outputs[output.name] = output.unit;
+  return subject;
+}
+
+/// @param what the subject calls such things, for the message
+const std::string& unit_of(const TomlTable& table, const std::string& key,
+                           const std::map<std::string, std::string>& units, const Subject& subject,
+                           const std::string& what) {
+  const auto it = units.find(key);
+  if (it != units.end()) return it->second;
+  std::vector<std::string> known;
+  for (const auto& [name, unit] : units) known.push_back(name);
+  throw table.error(key,
+                    fmt::format("{} has no {} of this name{}", subject.name, what, suggestion(key, known)));
+}
+
+/// Whether the value respects the bound of the parameter's meaning; initial values have none.
+void check_meaning(const TomlTable& table, const std::string& key, const Subject& subject, double value) {
+  if (!subject.model) return;
+  for (const models::ParameterInfo& parameter : subject.model->info().parameters) {
+    if (parameter.name != key || models::in_meaning(parameter, value)) continue;
+    if (value > parameter.upper) {
+      throw table.error(key, fmt::format("is {}, expected at most {}", value, parameter.upper));
+    }
+    throw table.error(
+        key, fmt::format("is {}, expected {} {}", value, parameter.lower_inclusive ? "at least" : "more than",
+                         parameter.lower));
+  }
+}
+
+std::shared_ptr<const models::Model> read_model(const TomlTable& root) {
+  const std::string name = root.string("model");
+  try {
+    return models::find_model(name);
+  } catch (const ArgumentError& error) {
+    throw root.error("model", error.what());
+  }
+}
+
+/// A title is shown on terminals and stored in files, one line.
+std::string read_title(const TomlTable& root) {
+  std::string title = root.optional_string("title").value_or("");
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; };
+  const auto bad = std::find_if(title.begin(), title.end(), is_control);
+  if (bad == title.end()) return title;
+  throw root.error("title",
+                   fmt::format("has the control character \\x{:02x} in it, expected one line of text",
+                               static_cast<unsigned char>(*bad)));
+}
+
+std::string one_of(const TomlTable& table, const std::string& key, const std::vector<std::string>& known) {
+  const std::string value = table.optional_string(key).value_or(known.front());
+  if (std::find(known.begin(), known.end(), value) != known.end()) return value;
+  throw table.error(key, fmt::format("is \"{}\"{}", value, suggestion(value, known)));
+}
+
+/// Basis and transform of a free coordinate.
+void read_axis_kind(const TomlTable& table, BoxEntry& entry) {
+  entry.basis =
+      pgd::basis_from_string(one_of(table, "basis", {"chebyshev", "legendre", "fourier", "p1", "p2"}));
+  entry.transform =
+      pgd::transform_from_string(one_of(table, "transform", {"none", "log", "reciprocal", "square_root"}));
+  const bool finite_elements = entry.basis == pgd::Basis::p1 || entry.basis == pgd::Basis::p2;
+  if (finite_elements && !entry.nodes)
+    throw table.error("basis", fmt::format("is \"{}\", whose nodes the builder cannot choose: expected a key "
+                                           "nodes beside it",
+                                           to_string(entry.basis)));
+  const bool odd = entry.basis == pgd::Basis::p2 || entry.basis == pgd::Basis::fourier;
+  if (odd && entry.nodes && *entry.nodes % 2 == 0) {
+    throw table.error("nodes", fmt::format("is {}, expected an odd number of nodes on a {} axis",
+                                           *entry.nodes, to_string(entry.basis)));
+  }
+  if (entry.basis == pgd::Basis::fourier && entry.name.ends_with("(0)"))
+    throw table.error("basis", "is \"fourier\", but a solution is not periodic in an initial value");
+  if (entry.basis == pgd::Basis::fourier && entry.transform != pgd::Transform::none)
+    throw table.error("transform", "is not \"none\", which a fourier axis cannot have");
+  if (!in_domain(entry.transform, entry.lower)) {
+    throw table.error("transform", fmt::format("is \"{}\", which is not defined at the lower end {}",
+                                               to_string(entry.transform), entry.lower));
+  }
+}
+
+void check_size(const TomlTable& table, const std::string& key, double value) {
+  if (std::abs(value) <= kLargestInput) return;
+  throw table.error(key, fmt::format("has the number {}, expected at most {} in size", value, kLargestInput));
+}
+
+BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::string& unit) {
+  BoxEntry entry;
+  entry.name = key;
+  std::vector<double> range;
+  if (box.is_table(key)) {
+    const TomlTable table = box.table(key);
+    table.expect_keys({"range", "nodes", "basis", "transform"});
+    range = table.quantities("range", unit);
+    if (const auto nodes = table.optional_integer("nodes")) {
+      if (*nodes < 2 || *nodes > 2000)
+        throw table.error("nodes", fmt::format("is {}, expected 2 to 2000", *nodes));
+      entry.nodes = static_cast<int>(*nodes);
+    }
+  } else {
+    range = box.quantities(key, unit);
+  }
+  if (range.size() != 2)
+    throw box.error(key, fmt::format("has {} numbers, expected an interval [lower, upper]", range.size()));
+  for (const double end : range) check_size(box, key, end);
+  if (!(range[0] < range[1])) {
+    throw box.error(key, fmt::format("is the interval [{}, {}], expected lower < upper", range[0], range[1]));
+  }
+  constexpr double kLeastWidth = 1e-9;  // of the ends; narrower ones have no nodes that differ
+  if (range[1] - range[0] < kLeastWidth * std::max(std::abs(range[0]), std::abs(range[1]))) {
+    throw box.error(key, fmt::format("is the interval [{}, {}], expected a width of at least {} of its ends",
+                                     range[0], range[1], kLeastWidth));
+  }
+  entry.lower = range[0];
+  entry.upper = range[1];
+  if (box.is_table(key)) read_axis_kind(box.table(key), entry);
+  return entry;
+}
+
+void read_tolerance(const TomlTable& root, const Subject& subject, Plan& plan) {
+  const auto table = root.optional_table("tolerance");
+  if (!table) return;
+  table->expect_keys({"relative", "absolute", "assurance"});
+  plan.relative = table->optional_number("relative").value_or(plan.relative);
+  if (!(plan.relative > 0.0 && plan.relative < 1.0)) {
+    throw table->error("relative", fmt::format("is {}, expected more than 0 and less than 1", plan.relative));
+  }
+  if (plan.relative < kLeastTolerance) {
+    throw table->error("relative",
+                       fmt::format("is {}, expected at least {}, which is what the integrator can "
+                                   "certify",
+                                   plan.relative, kLeastTolerance));
+  }
+  plan.assurance = table->optional_number("assurance");
+  constexpr double kLeastAssurance = 0.7, kMostAssurance = 0.999997;  // 10 and a million points
+  if (plan.assurance && !(*plan.assurance >= kLeastAssurance && *plan.assurance <= kMostAssurance)) {
+    throw table->error("assurance", fmt::format("is {}, expected {} to {}: a share of the box",
+                                                *plan.assurance, kLeastAssurance, kMostAssurance));
+  }
+  const auto absolute = table->optional_table("absolute");
+  if (!absolute) return;
+  for (const std::string& key : absolute->keys()) {
+    const std::string& unit = unit_of(*absolute, key, subject.outputs, subject, subject.what_output);
+    const double value = absolute->quantity(key, unit);
+    if (!(value >= 0.0)) throw absolute->error(key, fmt::format("is {}, expected at least 0", value));
+    plan.absolute[key] = value;
+  }
+}
+
+std::int64_t integer_in(const TomlTable& table, const std::string& key, std::int64_t fallback,
+                        std::int64_t lower, std::int64_t upper) {
+  const std::int64_t value = table.optional_integer(key).value_or(fallback);
+  if (value >= lower && value <= upper) return value;
+  throw table.error(key, fmt::format("is {}, expected {} to {}", value, lower, upper));
+}
+
+void read_builder(const TomlTable& root, Plan& plan) {
+  const auto table = root.optional_table("builder");
+  if (!table) return;
+  table->expect_keys({"kind", "strategy", "max_calls", "max_cells", "threads", "seed"});
+  plan.builder.kind = one_of(*table, "kind", {"auto", "pgd", "sampling"});
+  plan.builder.strategy = one_of(*table, "strategy",
+                                 {"auto", "slabs", "newton", "incremental", "polynomial", "asymptotic",
+                                  "empirical", "piecewise_linear", "cross"});
+  plan.builder.max_calls = integer_in(*table, "max_calls", 0, 0, 1'000'000'000'000);
+  plan.builder.max_cells = static_cast<int>(integer_in(*table, "max_cells", 1, 1, 100'000));
+  plan.builder.threads = static_cast<int>(integer_in(*table, "threads", 0, 0, 1024));
+  plan.builder.seed = static_cast<std::uint64_t>(integer_in(*table, "seed", 1, 0, INT64_MAX));
+}
+
+/// Sampling finds nodes by itself, on Chebyshev axes. Commands can only be sampled.
+void check_builder_fits(const TomlTable& root, const Plan& plan) {
+  if (plan.command && plan.builder.kind == "pgd") {
+    throw root.table("builder").error(
+        "kind", "is \"pgd\", which solves the equations of a model: a command can only be sampled");
+  }
+  if (plan.builder.kind != "sampling" && !plan.command) return;
+  if (plan.builder.strategy != "auto") {
+    throw root.table("builder").error(
+        "strategy", fmt::format("is \"{}\", which is one of the builder \"pgd\", not of \"sampling\"",
+                                plan.builder.strategy));
+  }
+  for (const BoxEntry& entry : plan.box) {
+    if (!entry.prescribes_axis()) continue;
+    throw root.table("box").error(
+        entry.name, fmt::format("prescribes {}, but the builder of kind \"sampling\" chooses that by itself",
+                                entry.nodes ? "nodes" : "a basis"));
+  }
+}
+
+/// A command may be called no oftener for the certificate than for the build.
+void check_assurance_is_allowed(const TomlTable& root, const Plan& plan) {
+  if (!plan.command || !plan.assurance) return;
+  const int points = plan.certificate_points();
+  const long allowed = plan.builder.max_calls > 0 ? plan.builder.max_calls : kMostSampledCalls;
+  if (points <= allowed) return;
+  throw root.table("tolerance")
+      .error("assurance",
+             fmt::format("is {}, which takes {} points, more than the {} calls that max_calls of "
+                         "[builder] allows",
+                         *plan.assurance, points, allowed));
+}
+
+/// What is given for a coordinate, fixed or free.
+void read_coordinates(const TomlTable& root, const Subject& subject, Plan& plan) {
+  if (const auto fixed = root.optional_table("fixed")) {
+    for (const std::string& key : fixed->keys()) {
+      plan.fixed[key] =
+          fixed->quantity(key, unit_of(*fixed, key, subject.settable, subject, subject.what_settable));
+      check_size(*fixed, key, plan.fixed[key]);
+      check_meaning(*fixed, key, subject, plan.fixed[key]);
+    }
+  }
+  const TomlTable box = root.table("box");
+  for (const std::string& key : box.keys()) {
+    const std::string& unit = unit_of(box, key, subject.settable, subject, subject.what_settable);
+    if (plan.fixed.count(key) > 0)
+      throw box.error(key, "is fixed in [fixed] and free in [box], expected one of them");
+    plan.box.push_back(read_entry(box, key, unit));
+    check_meaning(box, key, subject, plan.box.back().lower);
+  }
+  if (plan.box.empty())
+    throw root.error("box", fmt::format("is empty, expected at least one free {}", subject.what_settable));
+}
+
+/// A command may do without time.
+void read_time(const TomlTable& root, const Subject& subject, Plan& plan) {
+  if (plan.command && !root.has("time")) return;
+  const TomlTable time = root.table("time");
+  time.expect_keys({"end"});
+  plan.end = time.quantity("end", subject.time_unit);
+  check_size(time, "end", plan.end);
+  if (!(plan.end > 0.0)) throw time.error("end", fmt::format("is {}, expected more than 0", plan.end));
+  constexpr double kShortest = 1e-60;
+  if (plan.end < kShortest)
+    throw time.error("end", fmt::format("is {}, expected at least {}", plan.end, kShortest));
+}
+
+/// Nothing that the model or the command asks for may be missing.
+void check_complete(const TomlTable& root, const Plan& plan) {
+  if (plan.command) {
+    for (const CommandQuantity& input : plan.command->inputs) {
+      const bool is_free = std::any_of(plan.box.begin(), plan.box.end(),
+                                       [&](const BoxEntry& entry) { return entry.name == input.name; });
+      if (is_free || plan.fixed.contains(input.name)) continue;
+      throw root.table("command").table("inputs").error(
+          input.name, "is given no values, expected an interval in [box] or a number in [fixed]");
+    }
+    return;
+  }
+  try {
+    const models::ParametricModel model = plan.parametric_model();  // required parameters
+    std::vector<double> centre;
+    for (const BoxEntry& entry : plan.box) centre.push_back(0.5 * (entry.lower + entry.upper));
+    model.check(centre);
+  } catch (const ArgumentError& error) {
+    throw InputError(plan.source, root.line("model"), error.what());
+  }
+}
+
+}  // namespace
+
+int Plan::certificate_points(double seconds_per_call, double calls) const {
+  constexpr double kLongCall = 60.0;  // s
+  constexpr double kFewest = 10.0;
+  if (assurance) return static_cast<int>(std::ceil(3.0 / (1.0 - *assurance) - 1e-6));
+  if (!command) return kCertificatePoints;
+  double points = kCertificatePoints;
+  if (builder.max_calls > 0) points = std::min(points, static_cast<double>(builder.max_calls));
+  if (seconds_per_call > kLongCall) points = std::min(points, std::max(calls, kFewest));
+  return static_cast<int>(points);
+}
+
+std::uint64_t Plan::certificate_seed() const {
+  std::string question = model;
+  for (const auto& [name, value] : fixed) question += fmt::format("|{} {}", name, value);
+  for (const BoxEntry& entry : box)
+    question += fmt::format("|{} {} {}", entry.name, entry.lower, entry.upper);
+  question += fmt::format("|{} {}|{} {}|{}", end, relative, builder.kind, builder.strategy, builder.seed);
+  std::uint64_t hash = 0xCBF29CE484222325u;  // FNV-1a
+  for (const char c : question) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
+  return pgd::Random(hash).bits();
+}
+
+bool Plan::prescribes_axes() const {
+  return std::ranges::any_of(box, &BoxEntry::prescribes_axis);
+}
+
+models::ParametricModel Plan::parametric_model() const {
+  if (command) throw ArgumentError(fmt::format("the plan {} is one of a command and has no model", source));
+  std::vector<std::string> free;
+  for (const BoxEntry& entry : box) free.push_back(entry.name);
+  return models::ParametricModel(models::find_model(model), fixed, free);
+}
+
+Plan parse_plan(const std::string& text, const std::string& name) {
+  const TomlTable root = TomlTable::parse(text, name);
+  root.expect_keys({"model", "command", "title", "fixed", "box", "time", "tolerance", "builder"});
+  Plan plan;
+  plan.source = name;
+  plan.text = text;
+  if (const auto command = root.optional_table("command")) {
+    if (root.has("model")) throw root.error("command", "stands beside a model, expected one of the two");
+    plan.command = read_command(*command);
+  }
+  const Subject subject = plan.command ? subject_of(*plan.command) : subject_of(read_model(root));
+  if (subject.model) plan.model = subject.model->info().name;
+  plan.title = read_title(root);
+  read_coordinates(root, subject, plan);
+  read_time(root, subject, plan);
+  read_tolerance(root, subject, plan);
+  read_builder(root, plan);
+  check_builder_fits(root, plan);
+  check_assurance_is_allowed(root, plan);
+  check_complete(root, plan);
+  return plan;
+}
+
+Plan read_plan(const std::filesystem::path& path) {
+  return parse_plan(io::read_text_file(path), path.string());
+}
+
+}  // namespace samara::codebooks

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "samara/models/interface/parametric_model.h"
+#include "samara/models/laws/registry.h"
+#include "samara/pgd/axes/axis.h"
+
+namespace samara::codebooks {
+
+/// The least relative tolerance a plan may ask for: the integrator at its tightest is not surely better.
+inline constexpr double kLeastTolerance = 1e-10;
+
+/// Calls that a build by sampling may make where the plan sets no limit.
+inline constexpr long kMostSampledCalls = 100'000;
+
+/// One free coordinate of a plan: a parameter, an initial value "s(0)", or an input of a command.
+struct BoxEntry {
+  std::string name;
+  double lower = 0.0;  ///< SI
+  double upper = 0.0;
+  std::optional<int> nodes;  ///< of its axis; empty: chosen by the builder
+  pgd::Basis basis = pgd::Basis::chebyshev;
+  pgd::Transform transform = pgd::Transform::none;
+  /// Whether the plan says how the axis is to be discretised, which sampling and slabs do by themselves.
+  bool prescribes_axis() const { return nodes || basis != pgd::Basis::chebyshev; }
+};
+
+/// A number that a command takes or gives.
+struct CommandQuantity {
+  std::string name;
+  std::string unit;  ///< an SI unit: numbers go to the program and come back as they are
+};
+
+/// A program instead of a model, see command_function.h for how it is talked to. A line holds the inputs in
+/// order and, if the plan has a time, the times at which it wants the outputs; the answer holds the outputs
+/// in order, at the first time, then at the second, ..
+struct PlannedCommand {
+  std::vector<std::string> run;  ///< program and arguments
+  std::vector<CommandQuantity> inputs;
+  std::vector<CommandQuantity> outputs;
+  double timeout = 60.0;    ///< s, of one batch
+  int batch = 1000;         ///< most points of one
+  bool persistent = false;  ///< whether the program is kept between batches
+};
+
+/// A plan of a build (PLAN.toml): a model or a command, what is fixed, the box, the time, the tolerance, the
+/// builder.
+struct Plan {
+  std::string model;                      ///< empty where there is a command
+  std::optional<PlannedCommand> command;  ///< instead of a model
+  std::string title;
+  std::map<std::string, double> fixed;     ///< SI
+  std::vector<BoxEntry> box;               ///< in the order of the file
+  double end = 0.0;                        ///< s; time runs from 0; 0: there is no time (commands only)
+  double relative = 1e-3;                  ///< of each output's range over box and time
+  std::map<std::string, double> absolute;  ///< floor per output, SI
+  /// Share of the box that the certificate must show to be within the tolerance, at 95 % confidence: it takes
+  /// 3/(1 - assurance) points. Empty: kCertificatePoints of them.
+  std::optional<double> assurance;
+
+  struct Builder {
+    std::string kind = "auto";  ///< "auto", "pgd" or "sampling"
+    /// "auto", "slabs", "newton", or one of is_marched() in strategy_builder.h
+    std::string strategy = "auto";
+    int max_cells = 1;  ///< of the strategy "slabs"
+    /// Of f and its Jacobian, beyond which no slab, iteration or round begins; of sampling, trajectories, or
+    /// points given to the command, and never more; 0: no limit of the plan's. A trial of "auto" has its own.
+    long max_calls = 0;
+    int threads = 0;  ///< 0: all cores
+    std::uint64_t seed = 1;
+  } builder;
+
+  std::string source;  ///< file the plan came from, for messages; empty if none
+  std::string text;    ///< the plan as read
+
+  /// How many points its certificate takes: what the assurance asks for; by default kCertificatePoints, or
+  /// fewer of a command, if the plan allows fewer calls, or if a call takes longer than a minute: then as
+  /// many as the builder has called.
+  int certificate_points(double seconds_per_call = 0.0, double calls = 0.0) const;
+  /// Of the scrambling: another box, tolerance, builder or seed gives other points. Titles and threads change
+  /// nothing.
+  std::uint64_t certificate_seed() const;
+
+  /// Whether it prescribes any axis.
+  bool prescribes_axes() const;
+  /// The model with the plan's fixed and free coordinates.
+  /// @throws ArgumentError as models::find_model() and ParametricModel do, and for a plan of a command.
+  models::ParametricModel parametric_model() const;
+};
+
+/// Reads a plan. Quantities are SI numbers or strings with a unit.
+/// @throws InputError, with file and line, for unknown keys, parameters or units, an interval that is empty
+/// or reversed,
+///   values that are not finite, and whatever else cannot be a plan.
+Plan read_plan(const std::filesystem::path& path);
+
+/// The same from text; `name` stands for the file in messages.
+Plan parse_plan(const std::string& text, const std::string& name);
+
+}  // namespace samara::codebooks

@@ -1,0 +1,148 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/codebooks/book/codebook.h"
+
+/// Answers of a codebook: at points, at fixed times, in batches; values, exact gradients and second
+/// derivatives of the separated form.
+///
+/// What is known before the first point is paid once: outputs that are not asked for, coordinates that are
+/// held, times. Then each call blends the factors of the free coordinates, and multiplies them up.
+///
+/// A query holds scratch space: one per thread. Copies share the prepared factors. Calls do not allocate,
+/// lock, or print, with two exceptions: batches on several threads allocate, and the first point in a piece
+/// that a large file has not given yet (store.h) reads it, while others that need the same piece wait. The
+/// codebook must outlive its queries.
+///
+/// Usage:
+///   Query query(book, {.outputs = {"x", "y"}, .fixed = {{"t", 5.0}}});
+///   query.values(q, values, gradient);                 // by query.coordinates()
+namespace samara::codebooks {
+
+/// In what numbers factors are kept. Points, weights and answers are doubles always.
+enum class Precision {
+  double_precision,
+  single_precision,
+  /// Single floats where they change answers by no more than a twentieth of the largest error that the
+  /// certificate has for the output, at trial points; doubles otherwise, where there is no certificate, and
+  /// where pieces of a large file are not read yet.
+  automatic,
+};
+
+struct QueryOptions {
+  std::vector<std::string> outputs = {};     ///< in the order wanted; empty: all
+  std::map<std::string, double> fixed = {};  ///< coordinates that are held, SI
+  Precision precision = Precision::double_precision;
+  bool as_stored = false;  ///< quaternions as the build left them, not of the length with which they began
+};
+
+/// Answers at single points and at many.
+class Query {
+ public:
+  /// @throws ArgumentError for an unknown name, an output chosen twice, or no coordinate left free;
+  /// OutsideBoxError for a coordinate held outside the box.
+  explicit Query(const Codebook& book, const QueryOptions& options = {});
+  ~Query();
+  Query(const Query& other);
+  Query(Query&&) noexcept;
+  Query& operator=(const Query& other);
+  Query& operator=(Query&&) noexcept;
+
+  /// Those that are free, in the order of Codebook::coordinates().
+  const std::vector<Coordinate>& coordinates() const;
+  int output_count() const;
+  /// What was chosen where it was left open.
+  Precision precision() const;
+
+  /// The chosen outputs at a point.
+  /// @param x coordinates() in order, SI
+  /// @throws ArgumentError if x or an answer has the wrong size or x is not finite; OutsideBoxError naming
+  /// the coordinate, or if the point lies in a gap between the pieces.
+  void values(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values);
+
+  /// The same with gradient(output, coordinate), exact derivatives of the separated form. At a border of
+  /// pieces they are one-sided, from the lower piece.
+  void values(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values,
+              Eigen::Ref<Eigen::MatrixXd> gradient);
+
+  /// The same with second derivatives: column j + n k of `hessian` (outputs x n n, for n coordinates) holds
+  /// those by coordinates j and k.
+  void values(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values,
+              Eigen::Ref<Eigen::MatrixXd> gradient, Eigen::Ref<Eigen::MatrixXd> hessian);
+
+  /// Many points at once, side by side in the vectors of the machine. Differs from values() by round-off.
+  /// @param points coordinates x points  @param values outputs x points
+  /// @param threads 0: as many as the machine has
+  /// @throws as values(), naming the first point that is refused; then no answer is to be used
+  void batch(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Eigen::MatrixXd> values,
+             int threads = 1);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Answers at fixed times (the frames of a camera), for chosen outputs, again and again at other parameters:
+/// what a fit asks for. Each call costs one product over the parameter axes and one small matrix product over
+/// the prepared times.
+class TrajectoryQuery {
+ public:
+  /// @param times s, inside the box
+  /// @param outputs names; empty: all
+  /// @throws ArgumentError for an unknown output or one named twice, or a codebook without time;
+  /// OutsideBoxError for a time outside the box.
+  TrajectoryQuery(const Codebook& book, std::vector<double> times,
+                  const std::vector<std::string>& outputs = {});
+  /// @throws as above, and as Query; time cannot be held
+  TrajectoryQuery(const Codebook& book, std::vector<double> times, const QueryOptions& options);
+  ~TrajectoryQuery();
+  TrajectoryQuery(const TrajectoryQuery& other);
+  TrajectoryQuery(TrajectoryQuery&&) noexcept;
+  TrajectoryQuery& operator=(const TrajectoryQuery& other);
+  TrajectoryQuery& operator=(TrajectoryQuery&&) noexcept;
+
+  int time_count() const;
+  int output_count() const;
+  /// Free coordinates behind time.
+  int parameter_count() const;
+  /// Inner dimension of the product over the prepared times: ranks, or terms, of the
+  /// largest piece.
+  int inner_size() const;
+  Precision precision() const;
+
+  /// @param q the free coordinates behind time, in order, SI
+  /// @param values times x outputs
+  /// @throws as Query::values
+  void values(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> values);
+
+  /// @param derivatives times x (outputs * parameters): column o + outputs * k holds d(output o)/d(q_k)
+  void values(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> values,
+              Eigen::Ref<Eigen::MatrixXd> derivatives);
+
+  /// Residuals of observations and their Jacobian, for optimisers: residual i = (value_i - observed_i) /
+  /// scale_i, with the times of the first output, then those of the second, ..
+  /// @param observed,scales,residuals times * outputs numbers
+  /// @param jacobian empty, or row by row (residuals x parameters), as ceres::CostFunction::Evaluate wants it
+  void residuals(std::span<const double> q, std::span<const double> observed, std::span<const double> scales,
+                 std::span<double> residuals, std::span<double> jacobian = {});
+
+  /// Many trajectories at once.
+  /// @param points parameters x points  @param values (times * outputs) x points, times running fastest
+  /// @param threads 0: as many as the machine has
+  /// @throws as Query::batch
+  void batch(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Eigen::MatrixXd> values,
+             int threads = 1);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace samara::codebooks

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/codebooks/source/checkpoint.h"
+#include "samara/codebooks/source/sampled_source.h"
+
+namespace samara::codebooks {
+
+/// A point without an answer. Not of the family of errors: builders turn it into a status.
+struct CallFailed : std::runtime_error {
+  CallFailed(const std::string& what, Eigen::VectorXd at) : std::runtime_error(what), point(std::move(at)) {}
+  Eigen::VectorXd point;
+};
+
+/// A source that is never asked twice: it keeps all answers, and stores them for a build that is taken up
+/// again. Sampling, told the same answers, takes the same way, so that the calls are the whole state of a
+/// build by sampling.
+class CallMemory {
+ public:
+  using Save = std::function<void(const std::vector<CallSheet>&)>;
+
+  /// @param known answers of an earlier build  @param save empty: nothing is stored
+  /// @throws ArgumentError if the known answers have other coordinates or outputs than the source
+  CallMemory(SampledSource source, std::vector<CallSheet> known, Save save);
+
+  const SampledSource& source() const { return source_; }
+
+  /// A column per point: outputs fastest, then times. Answers are stored from time to time.
+  /// @throws CallFailed for the first point without an answer, or one that is not finite
+  Eigen::MatrixXd operator()(const Eigen::MatrixXd& points, const std::vector<double>& times);
+
+  /// What a call took on average, in an earlier build, too; 0 before the first.
+  double seconds_per_call() const;
+
+  /// Ends the source. @throws NoResultError if its answers cannot be relied on after all
+  void finish() const;
+
+  /// Stores what is not stored yet.
+  void save();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  using Places = std::unordered_map<std::string, std::size_t>;
+
+  std::size_t sheet_of(const std::vector<double>& times);
+  void ask(const Eigen::MatrixXd& points, std::size_t sheet);
+  void remember(const Eigen::MatrixXd& points, const Eigen::MatrixXd& values, std::size_t sheet);
+  void save_if_cheap();
+
+  SampledSource source_;
+  std::vector<CallSheet> sheets_;
+  std::vector<Places> places_;  ///< per sheet, of the points by their bytes
+  /// Points that failed, with the reason, in this build: a command that hangs need not hang again for them.
+  std::unordered_map<std::string, std::string> failures_;
+  std::size_t next_batch() const;
+
+  double last_seconds_per_call_ = 0.0;  ///< of the batch before; 0: there was none
+  Save save_;
+  bool is_saved_ = true;
+  Clock::time_point saved_at_ = Clock::now();
+  Clock::duration save_took_ = Clock::duration::zero();
+};
+
+}  // namespace samara::codebooks

@@ -1,0 +1,190 @@
+#include "samara/codebooks/source/sampled_source.h"
+
+#include <algorithm>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "samara/base/errors.h"
+#include "samara/codebooks/source/command_program.h"
+#include "samara/models/integrators/integrate.h"
+
+namespace samara::codebooks {
+
+namespace {
+
+/// Noise of the integrator would be taken for structure: far below the tolerance.
+double integrator_tolerance(const Plan& plan) {
+  return std::clamp(1e-4 * plan.relative, 1e-13, 1e-8);
+}
+
+/// Trajectories of the model at many points at a time.
+class Trajectories {
+ public:
+  Trajectories(const Plan& plan, const models::ParametricModel& model)
+      : arena_(plan.builder.threads > 0 ? std::min(plan.builder.threads, tbb::info::default_concurrency())
+                                        : tbb::info::default_concurrency()),
+        integrators_([tolerance = integrator_tolerance(plan), &model] {
+          return models::Integrator(model, {.relative_tolerance = tolerance}, false);
+        }) {}
+
+  SampledAnswers operator()(const Eigen::MatrixXd& points, const std::vector<double>& times) {
+    std::vector<models::Trajectory> results(static_cast<std::size_t>(points.cols()));
+    arena_.execute([&] {
+      tbb::parallel_for(Eigen::Index{0}, points.cols(), [&](Eigen::Index j) {
+        const std::span<const double> q(points.col(j).data(), static_cast<std::size_t>(points.rows()));
+        results[static_cast<std::size_t>(j)] = integrators_.local()(q, times);
+      });
+    });
+    const auto bad =
+        std::ranges::find_if(results, [](const models::Trajectory& result) { return !result.is_usable(); });
+    SampledAnswers answers;
+    if (bad != results.end()) answers.failure = bad->message;
+    const Eigen::Index good = bad - results.begin();
+    if (good == 0) return answers;
+    answers.values.resize(results.front().states.size(), good);
+    for (Eigen::Index j = 0; j < good; ++j) {
+      const Eigen::MatrixXd states = results[static_cast<std::size_t>(j)].states.transpose();
+      answers.values.col(j) = states.reshaped();
+    }
+    return answers;
+  }
+
+ private:
+  tbb::task_arena arena_;
+  tbb::enumerable_thread_specific<models::Integrator> integrators_;
+};
+
+/// A program with some of its inputs fixed.
+class PlannedFunction {
+ public:
+  PlannedFunction(const Plan& plan, pgd::PointsFunction instead)
+      : outputs_(static_cast<Eigen::Index>(plan.command->outputs.size())),
+        instead_(std::move(instead)),
+        program_(std::make_shared<CommandProgram>(Command{.run = plan.command->run,
+                                                          .timeout = plan.command->timeout,
+                                                          .largest_batch = plan.command->batch,
+                                                          .persistent = plan.command->persistent})) {
+    for (const CommandQuantity& input : plan.command->inputs) {
+      const auto free =
+          std::ranges::find_if(plan.box, [&](const BoxEntry& entry) { return entry.name == input.name; });
+      places_.push_back(free == plan.box.end() ? -1 : free - plan.box.begin());
+      fixed_.push_back(free == plan.box.end() ? plan.fixed.at(input.name) : 0.0);
+    }
+  }
+
+  void finish() const { program_->finish(); }
+
+  /// Asks for all points at once; where that fails, one by one, to find the point.
+  SampledAnswers operator()(const Eigen::MatrixXd& points, const std::vector<double>& times) const {
+    const Eigen::MatrixXd rows = inputs(points, times);
+    const Eigen::Index numbers = outputs_ * std::max<Eigen::Index>(1, std::ssize(times));
+    SampledAnswers answers;
+    try {
+      answers.values = answered(rows, numbers);
+      return answers;
+    } catch (const Error& error) {
+      answers.failure = error.what();
+    }
+    answers.values.resize(numbers, 0);
+    if (points.cols() == 1) return answers;
+    Eigen::MatrixXd good(numbers, points.cols());
+    for (Eigen::Index j = 0; j < points.cols(); ++j) {
+      try {
+        good.col(j) = answered(rows.col(j), numbers);
+      } catch (const Error& error) {
+        return {good.leftCols(j), error.what()};
+      }
+    }
+    return {good, ""};
+  }
+
+ private:
+  Eigen::MatrixXd inputs(const Eigen::MatrixXd& points, const std::vector<double>& times) const {
+    const auto count = static_cast<Eigen::Index>(places_.size());
+    Eigen::MatrixXd rows(count + static_cast<Eigen::Index>(times.size()), points.cols());
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      if (places_[k] < 0) {
+        rows.row(row).setConstant(fixed_[k]);
+      } else {
+        rows.row(row) = points.row(places_[k]);
+      }
+    }
+    for (std::size_t i = 0; i < times.size(); ++i)
+      rows.row(count + static_cast<Eigen::Index>(i)).setConstant(times[i]);
+    return rows;
+  }
+
+  /// Whatever a function throws counts as its failure.
+  Eigen::MatrixXd answered(const Eigen::MatrixXd& rows, Eigen::Index numbers) const {
+    if (!instead_) return program_->answers(rows, numbers);
+    Eigen::MatrixXd values = Eigen::MatrixXd::Zero(numbers, rows.cols());
+    try {
+      instead_(rows, values);
+    } catch (const std::exception& error) {
+      throw Error(error.what());
+    }
+    if (values.rows() == numbers && values.cols() == rows.cols()) return values;
+    throw Error(fmt::format("the function made a table of {} x {} for {} outputs at {} points", values.rows(),
+                            values.cols(), numbers, rows.cols()));
+  }
+
+  Eigen::Index outputs_;
+  pgd::PointsFunction instead_;
+  std::shared_ptr<CommandProgram> program_;
+  std::vector<Eigen::Index> places_;  ///< of the inputs in the box; -1: fixed
+  std::vector<double> fixed_;
+};
+
+}  // namespace
+
+SampledSource model_source(const Plan& plan, const models::ParametricModel& model) {
+  const models::ModelInfo& info = model.model().info();
+  SampledSource source;
+  std::vector<double> middle;
+  for (std::size_t k = 0; k < plan.box.size(); ++k) {
+    const models::FreeCoordinate& free = model.free()[k];
+    source.coordinates.push_back({free.name, free.unit,
+                                  free.is_initial ? pgd::AxisRole::initial : pgd::AxisRole::parameter,
+                                  plan.box[k].transform});
+    middle.push_back(0.5 * (plan.box[k].lower + plan.box[k].upper));
+  }
+  for (const auto& state : info.states) source.outputs.push_back({state.name, state.unit});
+  source.time_unit = models::time_unit(info);
+  source.answers_name = "trajectory";
+  source.answers = [trajectories = std::make_shared<Trajectories>(plan, model)](
+                       const Eigen::MatrixXd& points, const std::vector<double>& times) {
+    return (*trajectories)(points, times);
+  };
+  source.batch = 256;
+  source.stand_in.emplace(model.state_count());
+  model.initial(middle, {source.stand_in->data(), static_cast<std::size_t>(model.state_count())});
+  return source;
+}
+
+SampledSource command_source(const Plan& plan, const pgd::PointsFunction& function) {
+  SampledSource source;
+  for (const BoxEntry& entry : plan.box) {
+    const auto input = std::ranges::find(plan.command->inputs, entry.name, &CommandQuantity::name);
+    source.coordinates.push_back({entry.name, input->unit, pgd::AxisRole::parameter, entry.transform});
+  }
+  for (const CommandQuantity& output : plan.command->outputs)
+    source.outputs.push_back({output.name, output.unit});
+  source.answers_name = "answer";
+  const PlannedFunction planned(plan, function);
+  source.answers = planned;
+  source.finish = [planned] { planned.finish(); };
+  source.batch = plan.command->batch;
+  // A program is killed after its timeout, however many points it was given.
+  source.batch_seconds = std::min(source.batch_seconds, 0.25 * plan.command->timeout);
+  return source;
+}
+
+}  // namespace samara::codebooks

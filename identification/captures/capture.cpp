@@ -1,0 +1,112 @@
+#include "samara/identification/captures/capture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/identification/smoothing/medians.h"
+
+namespace samara::identification {
+
+bool Capture::has(const std::string& quantity) const {
+  return std::ranges::count(channels, quantity, &Channel::quantity) > 0;
+}
+
+const Channel& Capture::channel(const std::string& quantity) const {
+  const auto found = std::ranges::find(channels, quantity, &Channel::quantity);
+  if (found != channels.end()) return *found;
+  std::vector<std::string> known;
+  for (const Channel& candidate : channels) known.push_back(candidate.quantity);
+  throw ArgumentError(
+      fmt::format("capture \"{}\" does not measure \"{}\"{}", id, quantity, suggestion(quantity, known)));
+}
+
+bool is_angle(const Channel& channel) {
+  const std::vector<std::string> names = {"theta", "phi", "psi", "roll", "pitch", "yaw"};
+  return channel.unit == "1" && std::ranges::count(names, channel.quantity) > 0;
+}
+
+Eigen::Index frames_within(const Capture& capture, double seconds) {
+  const Eigen::VectorXd& times = capture.times;
+  Eigen::Index count = 0;
+  if (times.size() == 0) return count;
+  const auto intervals = static_cast<double>(std::max<Eigen::Index>(1, times.size() - 1));
+  const double end = times[0] + seconds + 1e-3 * (times[times.size() - 1] - times[0]) / intervals;
+  while (count < times.size() && times[count] <= end) ++count;
+  return count;
+}
+
+namespace {
+
+/// Whether enough of the frames between two are seen.
+bool is_seen(const Capture& capture, Eigen::Index first, Eigen::Index count, double length, double interval,
+             const std::vector<std::string>& quantities) {
+  const auto counts = [&](const Channel& channel) {
+    return quantities.empty() || std::ranges::count(quantities, channel.quantity) > 0;
+  };
+  double seen = 0.0;
+  for (Eigen::Index k = first; k < first + count; ++k) {
+    const auto has = [&](const Channel& channel) {
+      return !counts(channel) || std::isfinite(channel.values[k]);
+    };
+    const auto shows = [&](const Channel& channel) {
+      return counts(channel) && std::isfinite(channel.values[k]);
+    };
+    const bool all = std::ranges::all_of(capture.channels, has);
+    seen += quantities.empty() ? std::ranges::any_of(capture.channels, shows) : all;
+  }
+  return seen >= 3.0 && seen >= 0.5 * length / interval;
+}
+
+}  // namespace
+
+std::vector<Capture> windows(const Capture& capture, double length, double stride,
+                             const std::vector<std::string>& quantities) {
+  for (const auto& [name, value] : {std::pair{"a window", length}, {"the stride of windows", stride}}) {
+    if (value > 0.0 && std::isfinite(value)) continue;
+    throw ArgumentError(fmt::format("{} is {} s long; more than 0 s was expected", name, value));
+  }
+  std::vector<Capture> parts;
+  const Eigen::VectorXd& times = capture.times;
+  if (times.size() < 3) return parts;
+  const double interval = median_interval(times);
+  const double rounding = 1e-3 * interval;
+  double wanted = times[0];
+  for (Eigen::Index begin = 0; begin < times.size(); ++begin) {
+    if (times[begin] < wanted - rounding) continue;
+    // The frame after the last one would still belong to it.
+    if (times[times.size() - 1] + interval <= times[begin] + length + rounding) break;
+    wanted = times[begin] + stride;
+    Eigen::Index count = 0;
+    while (begin + count < times.size() && times[begin + count] <= times[begin] + length + rounding) ++count;
+    if (!is_seen(capture, begin, count, length, interval, quantities)) continue;
+    Capture part = capture;
+    part.motion = capture.motion.empty() ? capture.id : capture.motion;
+    part.id = fmt::format("{} from {:.4g} s", part.motion, times[begin]);
+    part.times = times.segment(begin, count).array() - times[begin];
+    for (Channel& channel : part.channels) channel.values = channel.values.segment(begin, count).eval();
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+Capture first(const Capture& capture, double seconds) {
+  if (!(seconds > 0.0))
+    throw ArgumentError(fmt::format("a window is {} s long; more than 0 s was expected", seconds));
+  const Eigen::Index count = frames_within(capture, seconds);
+  if (count < 3) {
+    throw ArgumentError(
+        fmt::format("a window of {} s leaves {} frames of capture \"{}\"; at least 3 were expected", seconds,
+                    count, capture.id));
+  }
+  Capture part = capture;
+  part.times.conservativeResize(count);
+  for (Channel& channel : part.channels) channel.values.conservativeResize(count);
+  return part;
+}
+
+}  // namespace samara::identification

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "samara/identification/captures/capture.h"
+#include "samara/identification/smoothing/smoothing.h"
+
+/// What real captures need before a fit. Every step returns a new capture and says what it did: as numbers,
+/// and as a sentence in `capture.notes`.
+///
+/// A flight of a ball that bounces, with rounded times:
+///
+///     Capture flight = on_frame_grid(capture).capture;
+///     flight = before_impact(flight, {.jump = 1.2}).capture;
+///     flight = without_outliers(flight, {.window = 0.1}).capture;
+///
+/// An impact comes before outliers: frames beside a bounce are outliers of every smooth curve.
+namespace samara::identification {
+
+/// A stretch without frames, or without a seen quantity.
+struct Gap {
+  double begin = 0.0;  ///< s, the last frame before it
+  double end = 0.0;    ///< s, the first frame after it
+  int missing = 0;     ///< frames, by the median interval
+};
+
+/// Intervals between seen frames that are longer than 1.5 median intervals.
+/// @param quantity a channel; empty: any
+/// @throws ArgumentError if there is no such channel
+std::vector<Gap> gaps(const Capture& capture, const std::string& quantity = "");
+
+struct FrameGrid {
+  Capture capture;             ///< its times are whole multiples of the period after the first
+  double period = 0.0;         ///< s
+  double rms_shift = 0.0;      ///< s, between times as given and on the grid
+  double largest_shift = 0.0;  ///< s
+  int dropped_frames = 0;      ///< places of the grid between frames that no frame holds
+};
+
+/// For a camera with a steady rate whose times are rounded, or are those at which a frame arrived: the frame
+/// period is fitted to the times of the capture, and each frame set to its place on the grid.
+///
+/// The period is the one for which exp(2 pi i t / period) adds up best over the frames, within 3 % of the
+/// median interval; each frame then takes the place that is nearest, such that places increase (isotonic
+/// regression), and the grid is fitted to them by least squares.
+/// @throws ArgumentError if the capture has fewer than 4 frames
+FrameGrid on_frame_grid(const Capture& capture);
+
+struct ImpactOptions {
+  /// Positions that count.
+  std::vector<std::string> quantities = {"x", "y", "z"};
+  /// Acceleration that is no impact, by quantity, m/s^2.
+  std::map<std::string, double> gravity = {{"z", -9.81}};
+  double jump = 1.2;  ///< m/s, of the velocity from one frame to the next
+};
+
+struct BeforeImpact {
+  Capture capture;                         ///< the frames before it; all if there was none
+  std::optional<double> impact_time = {};  ///< s, between the frames where the velocity jumps most
+  double jump = 0.0;                       ///< m/s, there; the largest of all if there was no impact
+};
+
+/// Cuts a capture before its first impact: where the slope of four frames differs from that of the next four,
+/// gravity removed, by more than a jump, whichever one of the eight frames is left out (so that one wrong
+/// frame is no impact). The frame just before the impact goes, too: it may be the moment of contact.
+/// @throws ArgumentError if a quantity is not measured, or fewer than 3 frames are left
+BeforeImpact before_impact(const Capture& capture, const ImpactOptions& options = {});
+
+/// The frames before the first in which a quantity lies outside an interval (of its unit): a body that comes
+/// near the floor. A frame in which it was not seen lies inside.
+/// @throws ArgumentError if it is not measured, or fewer than 3 frames are left
+Capture while_inside(const Capture& capture, const std::string& quantity, double lower, double upper);
+
+struct PieceOptions {
+  std::vector<std::string> quantities = {"x", "y", "z"};  ///< positions that count
+  double longest_gap = 0.1;                               ///< s between frames in which all of them are seen
+  double fastest = 0.0;                                   ///< m/s from one such frame to the next; 0: any
+  int least_frames = 8;
+};
+
+/// The pieces of a capture without gaps and without jumps (a tracker that went on with another body), in
+/// order. They keep the times of the capture, and its id with "#1", "#2", ... where there are several.
+/// @throws ArgumentError if a quantity is not measured, or an option is out of its range
+std::vector<Capture> continuous_pieces(const Capture& capture, const PieceOptions& options = {});
+
+/// The channels of an attitude: all four are set to NaN together.
+inline const std::vector<std::string> kQuaternionChannels = {"qw", "qx", "qy", "qz"};
+
+struct WithoutOutliers {
+  Capture capture;  ///< outliers are NaN
+  /// Frames of each quantity ("attitude" for a quaternion) that were taken out; none: not listed.
+  std::map<std::string, std::vector<int>> frames;
+};
+
+/// Takes out what lies far from its neighbours: see smoothing.h. Quantities seen in too few frames to tell
+/// are left alone.
+/// @param periods of angles, by quantity, rad: such a channel is unwrapped to be judged, and stays as it is
+WithoutOutliers without_outliers(const Capture& capture, const SmoothingOptions& options = {},
+                                 const std::map<std::string, double>& periods = {});
+
+}  // namespace samara::identification

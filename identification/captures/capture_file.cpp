@@ -1,0 +1,226 @@
+#include "samara/identification/captures/capture_file.h"
+
+#include <algorithm>
+#include <map>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/identification/captures/capture_cleaning.h"
+#include "samara/identification/captures/capture_table.h"
+#include "samara/identification/captures/exports/export_formats.h"
+#include "samara/identification/captures/sidecar.h"
+#include "samara/io/text.h"
+#include "samara/io/text_file.h"
+
+namespace samara::identification {
+
+namespace {
+
+Sidecar find_sidecar(const std::filesystem::path& path) {
+  if (path.extension() == ".toml") return read_sidecar(path);
+  const std::filesystem::path beside = std::filesystem::path(path).replace_extension(".toml");
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(beside, ignored)) return read_sidecar(beside, path);
+  return {.table = path};
+}
+
+/// A file that a section of the sidecar names ("" for the root) and that is not there is the sidecar's fault.
+void require_file(const Sidecar& sidecar, const std::string& section, const std::filesystem::path& path) {
+  std::error_code unreadable;
+  if (std::filesystem::exists(std::filesystem::status(path, unreadable))) return;
+  throw sidecar.error(section, "file", fmt::format("there is no file \"{}\"", path.string()));
+}
+
+std::vector<Capture> read_exported(const Export& exported, const Sidecar& sidecar) {
+  std::vector<Capture> captures;
+  for (const ExportedBody& body : exported.bodies) {
+    // A sidecar that names columns says itself what they are, and how the world lies.
+    const bool is_own = sidecar.columns.empty();
+    const bool takes_up = is_own && sidecar.up.empty() && !exported.up.empty();
+    Sidecar of_body = sidecar;
+    if (is_own) of_body.columns = body.columns;
+    if (takes_up) of_body.up = exported.up;
+    for (Capture& capture : captures_from_table(exported.table, of_body)) {
+      if (is_own) capture.labels["body"] = body.name;
+      if (is_own && exported.bodies.size() > 1) capture.id += "/" + body.name;
+      if (takes_up) {
+        capture.notes.push_back(
+            fmt::format("{}'s axis {} was taken to point up, and became z", exported.program, exported.up));
+      }
+      if (exported.short_rows > 0) {
+        capture.notes.push_back(fmt::format(
+            "{} of {} rows of the export are shorter than its header; what they lack counts as not seen",
+            exported.short_rows, exported.rows));
+      }
+      captures.push_back(std::move(capture));
+    }
+    if (!is_own) break;
+  }
+  return captures;
+}
+
+std::vector<Capture> read_table(const Sidecar& sidecar) {
+  if (sidecar.document && sidecar.document->has("file")) require_file(sidecar, "", sidecar.table);
+  const std::string text = io::read_text_file(sidecar.table);
+  if (sidecar.header.empty()) {
+    if (const auto exported = read_export(text, {.file = sidecar.table.string(),
+                                                 .length_unit = sidecar.length_unit,
+                                                 .has_columns = !sidecar.columns.empty()}))
+      return read_exported(*exported, sidecar);
+  }
+  return captures_from_table(
+      io::DelimitedTable::parse(text, sidecar.table.string(), {sidecar.delimiter, sidecar.header}), sidecar);
+}
+
+/// Whether a cell names the same as a label: as a text, or as a number ("7" and "007").
+bool is_same_name(const std::string& cell, const std::string& label) {
+  const io::NumberPrefix a = io::read_number(cell);
+  const io::NumberPrefix b = io::read_number(label);
+  const bool numbers = a.problem == io::NumberProblem::none && b.problem == io::NumberProblem::none &&
+                       a.length == cell.size() && b.length == label.size();
+  return numbers ? a.value == b.value : cell == label;
+}
+
+void add_labels(std::vector<Capture>& captures, const Sidecar& sidecar) {
+  require_file(sidecar, "labels", sidecar.labels->file);
+  const io::DelimitedTable table = io::DelimitedTable::read(sidecar.labels->file);
+  const std::string& column = sidecar.labels->column;
+  const std::vector<std::string> names = table.texts(column);
+  for (Capture& capture : captures) {
+    const auto label = capture.labels.find(column);
+    const std::string name =
+        label == capture.labels.end() ? std::filesystem::path(capture.file).stem().string() : label->second;
+    const auto is_its = [&](const std::string& n) { return is_same_name(n, name); };
+    const auto row = std::ranges::find_if(names, is_its);
+    if (row == names.end()) {
+      capture.notes.push_back(fmt::format("\"{}\" has no row for it", table.file()));
+      continue;
+    }
+    if (std::ranges::count_if(names, is_its) > 1) {
+      throw sidecar.error(
+          "labels", "file",
+          fmt::format("\"{}\" has several rows for {} \"{}\"; one was expected", table.file(), column, name));
+    }
+    for (const std::string& other : table.header()) {
+      if (other != column)
+        capture.labels[other] = table.texts(other)[static_cast<std::size_t>(row - names.begin())];
+    }
+  }
+}
+
+/// Captures whose labels are among those that `where` allows.
+void select_by_labels(std::vector<Capture>& captures, const Sidecar& sidecar) {
+  for (const auto& [label, allowed] : sidecar.where) {
+    if (!sidecar.has_label(label)) continue;
+    std::erase_if(captures, [&](const Capture& capture) {
+      const auto found = capture.labels.find(label);
+      return found == capture.labels.end() || !is_allowed(found->second, allowed);
+    });
+  }
+}
+
+/// What goes around a circle jumps where it is complete, and no such frame is wrong.
+std::map<std::string, double> periods_of(const Capture& capture, const CleaningSteps& steps) {
+  std::map<std::string, double> periods = steps.periods;
+  for (const Channel& channel : capture.channels) {
+    if (is_angle(channel)) periods.try_emplace(channel.quantity, 2.0 * std::numbers::pi);
+  }
+  return periods;
+}
+
+Capture cleaned(Capture capture, const Sidecar& sidecar) {
+  const CleaningSteps& steps = sidecar.clean;
+  std::string step;
+  try {
+    step = "frame_grid";
+    if (steps.frame_grid) capture = on_frame_grid(capture).capture;
+    step = "before_impact";
+    if (steps.impact) capture = before_impact(capture, {.jump = *steps.impact}).capture;
+    step = "inside";
+    for (const auto& [quantity, ends] : steps.inside)
+      capture = while_inside(capture, quantity, ends.first, ends.second);
+    step = "outliers";
+    if (steps.outliers) {
+      capture = without_outliers(capture, {.window = steps.window, .outlier_threshold = *steps.outliers},
+                                 periods_of(capture, steps))
+                    .capture;
+    }
+  } catch (const ArgumentError& error) {
+    throw sidecar.error("clean", step, error.what());
+  }
+  return capture;
+}
+
+/// Captures without long gaps of the place and the attitude; all of one motion belong together.
+std::vector<Capture> pieces_of(const std::vector<Capture>& captures, const Sidecar& sidecar) {
+  std::vector<Capture> pieces;
+  for (const Capture& capture : captures) {
+    std::vector<std::string> pose;
+    for (const std::string name : {"x", "y", "z", "qw"}) {
+      if (capture.has(name)) pose.push_back(name);
+    }
+    for (Capture& piece : continuous_pieces(capture, {.quantities = pose,
+                                                     .longest_gap = *sidecar.clean.longest_gap,
+                                                     .least_frames = std::max(3, sidecar.least_frames)})) {
+      piece.motion = capture.id;
+      pieces.push_back(std::move(piece));
+    }
+  }
+  return pieces;
+}
+
+std::vector<Capture> read_all(Sidecar sidecar) {
+  if (sidecar.tables.empty()) sidecar.tables = {sidecar.table};
+  std::vector<Capture> captures;
+  for (const std::filesystem::path& table : sidecar.tables) {
+    sidecar.table = table;
+    for (Capture& capture : read_table(sidecar)) captures.push_back(std::move(capture));
+  }
+  if (sidecar.labels) {
+    add_labels(captures, sidecar);
+    select_by_labels(captures, sidecar);
+  }
+  if (sidecar.clean.any()) {
+    for (Capture& capture : captures) capture = cleaned(capture, sidecar);
+  }
+  if (sidecar.clean.longest_gap) captures = pieces_of(captures, sidecar);
+  std::erase_if(captures,
+                [&](const Capture& capture) { return capture.frame_count() < sidecar.least_frames; });
+  return captures;
+}
+
+}  // namespace
+
+std::vector<Capture> read_captures(const std::filesystem::path& path) {
+  return read_all(find_sidecar(path));
+}
+
+namespace {
+
+std::vector<std::filesystem::path> files_of(const Sidecar& sidecar, const std::filesystem::path& path) {
+  std::vector<std::filesystem::path> files = sidecar.tables;
+  if (files.empty()) files = {sidecar.table};
+  files.push_back(path);
+  if (sidecar.document) files.push_back(sidecar.document->file());
+  if (sidecar.labels) files.push_back(sidecar.labels->file);
+  return files;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> capture_files(const std::filesystem::path& path) {
+  return files_of(find_sidecar(path), path);
+}
+
+std::vector<std::filesystem::path> capture_files(const std::filesystem::path& table,
+                                                 const std::filesystem::path& sidecar) {
+  return files_of(read_sidecar(sidecar, table), table);
+}
+
+std::vector<Capture> read_captures(const std::filesystem::path& table, const std::filesystem::path& sidecar) {
+  return read_all(read_sidecar(sidecar, table));
+}
+
+}  // namespace samara::identification

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "samara/io/units.h"
+
+namespace samara::identification {
+
+/// The name of the time column's quantity.
+inline constexpr const char* kTimeQuantity = "t";
+
+/// A column that holds a measured quantity, or time ("t").
+struct ColumnMeaning {
+  std::string column;
+  std::string quantity;
+  io::Unit unit;
+};
+
+}  // namespace samara::identification

@@ -1,0 +1,149 @@
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/identification/captures/capture_cleaning.h"
+#include "samara/identification/smoothing/medians.h"
+
+namespace samara::identification {
+
+namespace {
+
+using Eigen::Index;
+
+struct Grid {
+  double period;
+  double first;  ///< time of place 0
+};
+
+std::complex<double> resonance(const Eigen::VectorXd& times, double period) {
+  std::complex<double> sum = 0.0;
+  for (const double t : times) sum += std::polar(1.0, 2.0 * std::numbers::pi * t / period);
+  return sum;
+}
+
+/// The frequency near a first one at which times resonate most, searched up to `range` (a share) away in
+/// steps of a tenth of a peak's width.
+double most_resonant(const Eigen::VectorXd& times, double frequency, double range) {
+  constexpr double kStepsPerPeak = 10.0;
+  const double duration = times[times.size() - 1] - times[0];
+  const int steps = static_cast<int>(std::ceil(kStepsPerPeak * range * frequency * duration)) + 1;
+  double best = frequency;
+  double strongest = 0.0;
+  for (int k = -steps; k <= steps; ++k) {
+    const double candidate = frequency * (1.0 + range * k / steps);
+    const double strength = std::abs(resonance(times, 1.0 / candidate));
+    if (strength > strongest) {
+      strongest = strength;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+/// Mean of the intervals that are about as long as the median one.
+double common_interval(const Eigen::VectorXd& times) {
+  const double middle = median_interval(times);
+  double sum = 0.0;
+  int count = 0;
+  for (Index k = 1; k < times.size(); ++k) {
+    const double interval = times[k] - times[k - 1];
+    if (std::abs(interval - middle) >= 0.25 * middle) continue;
+    sum += interval;
+    ++count;
+  }
+  return sum / count;
+}
+
+/// From the first frames to all: the longer the times, the sharper the peak, and the narrower the search.
+Grid resonant_grid(const Eigen::VectorXd& times) {
+  constexpr double kRange = 0.03;  // the rounding of times takes the median interval off by up to a step
+  constexpr Index kFirst = 128;
+  constexpr Index kGrowth = 4;
+  double frequency = 1.0 / common_interval(times);
+  double range = kRange;
+  for (Index count = std::min(kFirst, times.size());; count = std::min(kGrowth * count, times.size())) {
+    const Eigen::VectorXd part = times.head(count);
+    frequency = most_resonant(part, frequency, range);
+    if (count == times.size()) break;
+    range = 1.0 / (frequency * (part[count - 1] - part[0]));
+  }
+  const double period = 1.0 / frequency;
+  return {period, std::arg(resonance(times, period)) / (2.0 * std::numbers::pi) * period};
+}
+
+/// Places on the grid that increase from frame to frame, with the least sum of distances: what a frame's
+/// place exceeds its number by must not decrease, which is an isotonic regression (pool adjacent violators),
+/// and with absolute distances its solution may be rounded.
+std::vector<long> increasing_places(const Eigen::VectorXd& times, const Grid& grid) {
+  struct Block {
+    std::vector<double> excess;
+    double middle;
+  };
+  std::vector<Block> blocks;
+  for (Index k = 0; k < times.size(); ++k) {
+    const double excess = (times[k] - grid.first) / grid.period - static_cast<double>(k);
+    blocks.push_back({{excess}, excess});
+    while (blocks.size() > 1 &&
+           std::lround(blocks[blocks.size() - 2].middle) > std::lround(blocks.back().middle)) {
+      Block last = std::move(blocks.back());
+      blocks.pop_back();
+      Block& pooled = blocks.back();
+      pooled.excess.insert(pooled.excess.end(), last.excess.begin(), last.excess.end());
+      pooled.middle = median(pooled.excess);
+    }
+  }
+  std::vector<long> places;
+  for (const Block& block : blocks) {
+    for (std::size_t k = 0; k < block.excess.size(); ++k)
+      places.push_back(std::lround(block.middle) + static_cast<long>(places.size()));
+  }
+  return places;
+}
+
+Grid fitted_grid(const Eigen::VectorXd& times, const std::vector<long>& places) {
+  Eigen::VectorXd place(times.size());
+  for (Index k = 0; k < place.size(); ++k)
+    place[k] = static_cast<double>(places[static_cast<std::size_t>(k)]);
+  const Eigen::VectorXd centred = place.array() - place.mean();
+  const double period = centred.dot(times) / centred.squaredNorm();
+  return {period, times.mean() - period * place.mean()};
+}
+
+}  // namespace
+
+FrameGrid on_frame_grid(const Capture& capture) {
+  const Eigen::VectorXd& times = capture.times;
+  if (times.size() < 4) {
+    throw ArgumentError(fmt::format("capture \"{}\" has {} frames; at least 4 were expected for a grid",
+                                    capture.id, times.size()));
+  }
+  Grid grid = resonant_grid(times);
+  std::vector<long> places = increasing_places(times, grid);
+  grid = fitted_grid(times, places);
+  places = increasing_places(times, grid);
+  grid = fitted_grid(times, places);
+
+  FrameGrid result{.capture = capture, .period = grid.period};
+  Eigen::VectorXd shifts(times.size());
+  for (Index k = 0; k < times.size(); ++k) {
+    const long since = places[static_cast<std::size_t>(k)] - places[0];
+    const double fitted = grid.first + grid.period * static_cast<double>(places[static_cast<std::size_t>(k)]);
+    shifts[k] = fitted - times[k];
+    result.capture.times[k] = times[0] + grid.period * static_cast<double>(since);
+  }
+  result.rms_shift = std::sqrt(shifts.squaredNorm() / static_cast<double>(shifts.size()));
+  result.largest_shift = shifts.cwiseAbs().maxCoeff();
+  result.dropped_frames = static_cast<int>(places.back() - places.front() + 1 - times.size());
+  result.capture.notes.push_back(fmt::format(
+      "times set to multiples of {:.5g} ms (shifts: rms {:.2g} ms, largest {:.2g} ms); {} frames are missing",
+      1e3 * result.period, 1e3 * result.rms_shift, 1e3 * result.largest_shift, result.dropped_frames));
+  return result;
+}
+
+}  // namespace samara::identification

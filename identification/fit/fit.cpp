@@ -1,0 +1,282 @@
+#include "samara/identification/fit/fit.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samara/identification/fit/bootstrap.h"
+#include "samara/identification/fit/fit_summary.h"
+#include "samara/identification/fit/fit_trust.h"
+#include "samara/identification/fit/integration_check.h"
+#include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/problem/segment_residual.h"
+#include "samara/identification/solve/join_weights.h"
+#include "samara/identification/solve/minimize.h"
+#include "samara/identification/solve/noise_levels.h"
+#include "samara/identification/solve/other_optima.h"
+#include "samara/identification/solve/starts/global_search.h"
+#include "samara/identification/solve/starts/start_states.h"
+#include "samara/identification/solve/starts/starts.h"
+#include "samara/identification/solve/uncertainty.h"
+
+namespace samara::identification {
+
+namespace {
+
+std::vector<SegmentResidual> make_residuals(const TrajectoryFamily& family, const FitProblem& problem) {
+  std::vector<SegmentResidual> residuals;
+  for (const Segment& segment : problem.segments) residuals.emplace_back(family, problem, segment);
+  return residuals;
+}
+
+/// Costs that differ by less are equal: a millionth, and what rounding leaves of an exact fit.
+double cost_margin(const FitProblem& problem, double best) {
+  return 1e-6 * best + 1e-9 * problem.observation_count();
+}
+
+/// The descents of a fit, one per start.
+class Descents {
+ public:
+  Descents(const TrajectoryFamily& family, const FitProblem& problem, std::vector<SegmentResidual>& residuals,
+           const FitOptions& options)
+      : family_(family), problem_(problem), residuals_(residuals), options_(options) {}
+
+  /// From start number `index` to a minimum; where there are joins, stage by stage until they hold.
+  MinimizeResult operator()(int index) {
+    FitPoint point = first_point(index);
+    if (!problem_.is_joined()) return in_rounds(std::move(point));
+    // The same for all starts, or their costs could not be compared.
+    if (!deviations_) deviations_ = start_deviations(problem_, residuals_, point);
+    MinimizeResult result{.point = point, .message = "there is no trajectory at this start"};
+    if (!deviations_) return result;
+    int iterations = 0;
+    for (const double stage : options_.segments.stages) {
+      weigh_joins(stage);
+      result = minimize(problem_, residuals_, std::move(point), options_.max_iterations);
+      iterations += result.iterations;
+      point = result.point;
+      if (result.status == FitStatus::failed) break;
+    }
+    result.iterations = iterations;
+    return result;
+  }
+
+  /// Joins as the last stage has them, whatever the last start made of them: for all that is asked of a
+  /// minimum.
+  void finish_joins() {
+    if (deviations_) weigh_joins(options_.segments.stages.back());
+  }
+
+  /// Weighs joins anew after the scales of residuals have changed.
+  void rescale(const FitPoint& point) {
+    if (!problem_.is_joined()) return;
+    deviations_ = start_deviations(problem_, residuals_, point);
+    finish_joins();
+  }
+
+  /// From a minimum with other scales to the one beside it.
+  MinimizeResult again(MinimizeResult last) {
+    MinimizeResult next = minimize(problem_, residuals_, std::move(last.point), options_.max_iterations);
+    next.iterations += last.iterations;
+    return next;
+  }
+
+  /// The first start, from a search of the box.
+  std::optional<GlobalSearch> search() {
+    if (options_.global.method == GlobalMethod::none || problem_.shared_count() == 0) return {};
+    searched_.emplace(first_point(0));
+    return search_box(problem_, residuals_, options_.global, FitPoint(*searched_), *searched_);
+  }
+
+  /// The largest difference between a segment's end and the next start, at the residuals' last point, over
+  /// the deviations of starts.
+  double join_defect() const {
+    double largest = 0.0;
+    for (const SegmentResidual& residual : residuals_) {
+      if (!residual.segment().joined) continue;
+      const auto joins = residual.residual().tail(residual.join_size());
+      largest = std::max(largest, joins.cwiseAbs().maxCoeff());
+    }
+    return largest / options_.segments.stages.back();
+  }
+
+ private:
+  /// Segments of a capture have one camera from the first stage on, since alone they hardly determine it.
+  void weigh_joins(double stage) {
+    Eigen::VectorXd weights = stage * deviations_->cwiseInverse();
+    weights.tail(problem_.camera_count()) *= options_.segments.stages.back() / stage;
+    for (SegmentResidual& residual : residuals_) {
+      if (residual.segment().joined) residual.set_join_weights(weights);
+    }
+  }
+
+  /// To a minimum, with start states found anew in each round; the best round.
+  MinimizeResult in_rounds(FitPoint point) {
+    MinimizeResult best = minimize(problem_, residuals_, std::move(point), options_.max_iterations);
+    const models::ParametricModel* equations = family_.equations();
+    if (equations == nullptr || !options_.segments.length) return best;
+    for (int round = 1; round < options_.rounds && best.status != FitStatus::failed; ++round) {
+      FitPoint again = best.point;
+      find_start_states(*equations, problem_, residuals_, again, true);
+      MinimizeResult next = minimize(problem_, residuals_, std::move(again), options_.max_iterations);
+      const int spent = best.iterations + next.iterations;
+      const bool is_better =
+          next.status != FitStatus::failed && next.cost < best.cost - cost_margin(problem_, best.cost);
+      if (is_better) best = std::move(next);
+      best.iterations = spent;
+      if (!is_better) break;
+    }
+    return best;
+  }
+
+  /// Segments begin where the capture shows them.
+  FitPoint first_point(int index) {
+    FitPoint point = start_point(problem_, residuals_, index);
+    if (index == 0 && searched_) point.shared = searched_->shared;
+    const models::ParametricModel* equations = family_.equations();
+    if (equations != nullptr && options_.segments.length) {
+      find_start_states(*equations, problem_, residuals_, point);
+    }
+    return point;
+  }
+
+  const TrajectoryFamily& family_;
+  const FitProblem& problem_;
+  std::vector<SegmentResidual>& residuals_;
+  const FitOptions& options_;
+  std::optional<Eigen::VectorXd> deviations_;
+  std::optional<FitPoint> searched_;
+};
+
+/// Index of the lowest cost among the starts that did not fail.
+std::optional<std::size_t> best_of(const std::vector<MinimizeResult>& runs) {
+  std::optional<std::size_t> best;
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    if (runs[k].status == FitStatus::failed) continue;
+    if (!best || runs[k].cost < runs[*best].cost) best = k;
+  }
+  return best;
+}
+
+void record_starts(const FitProblem& problem, const std::vector<MinimizeResult>& runs,
+                   std::optional<std::size_t> best, FitResult& result) {
+  for (const MinimizeResult& run : runs) {
+    StartRecord record{.status = run.status,
+                       .message = run.message,
+                       .coefficients = {run.point.shared.begin(), run.point.shared.end()},
+                       .cost = run.cost,
+                       .iterations = run.iterations};
+    if (best && run.status != FitStatus::failed) {
+      const double lowest = runs[*best].cost;
+      record.reached_best = run.cost <= lowest + cost_margin(problem, lowest);
+    }
+    result.starts_at_best += record.reached_best ? 1 : 0;
+    result.iterations += run.iterations;
+    result.starts.push_back(std::move(record));
+  }
+}
+
+/// Whether the start is to be made.
+bool goes_on(const FitOptions& options, int start) {
+  if (!options.progress) return true;
+  const bool wanted = options.progress({.stage = fmt::format("start {} of {}", start + 1, options.starts),
+                                        .fraction = static_cast<double>(start) / options.starts});
+  return wanted || start == 0;
+}
+
+/// Noise levels and fit in turn, until the levels stand still.
+void estimate_noise(NoiseLevels& levels, int rounds, FitProblem& problem,
+                    std::vector<SegmentResidual>& residuals, Descents& descend,
+                    std::vector<MinimizeResult>& runs, FitResult& result) {
+  constexpr double kStill = 0.01;
+  double change = 1.0;
+  for (; result.noise_rounds < rounds && change > kStill; ++result.noise_rounds) {
+    const std::optional<std::size_t> best = best_of(runs);
+    if (levels.empty() || !best) return;
+    change = levels.update(problem, residuals, runs[*best].point);
+    descend.rescale(runs[*best].point);
+    for (MinimizeResult& run : runs) {
+      if (run.status != FitStatus::failed) run = descend.again(std::move(run));
+    }
+  }
+  if (change > kStill) {
+    result.warnings.push_back(fmt::format("the noise levels still moved by {:.2g} % in the last of {} rounds",
+                                          100.0 * change, rounds));
+  }
+}
+
+void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, int max_iterations,
+              FitResult& result) {
+  result.status = best.status;
+  const std::string reached = fmt::format("{} of {} starts reached the best cost, {:.6g}",
+                                          result.starts_at_best, result.starts.size(), result.cost);
+  if (best.status == FitStatus::iteration_limit) {
+    result.message = fmt::format("did not converge within {} iterations{}; {}", max_iterations,
+                                 best.iterations > max_iterations ? " of a stage" : "", reached);
+  } else if (!uncertainty.undetermined_sets.empty()) {
+    result.status = FitStatus::not_determined;
+    result.message =
+        fmt::format("converged, but the captures do not determine all coefficients; {}", reached);
+  } else {
+    result.message = fmt::format("converged; {}", reached);
+  }
+}
+
+}  // namespace
+
+FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures, const FitOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  FitProblem problem = make_problem(family.info(), captures, options);
+  NoiseLevels levels(options.noise, problem);
+  std::vector<SegmentResidual> residuals = make_residuals(family, problem);
+
+  Descents descend(family, problem, residuals, options);
+  const std::optional<GlobalSearch> search = descend.search();
+  std::vector<MinimizeResult> runs;
+  for (int k = 0; k < options.starts && goes_on(options, k); ++k) runs.push_back(descend(k));
+  descend.finish_joins();
+
+  FitResult result{.model = family.info().model,
+                   .source = family.info().source,
+                   .loss = to_string(problem.loss),
+                   .fixed = problem.fixed};
+  add_capture_warnings(family.info(), captures, options, result);
+  result.global_search = search;
+  estimate_noise(levels, options.noise.rounds, problem, residuals, descend, runs, result);
+  const std::optional<std::size_t> best = best_of(runs);
+  record_starts(problem, runs, best, result);
+  if (best) {
+    const FitPoint& point = runs[*best].point;
+    result.cost = runs[*best].cost;
+    const Uncertainty uncertainty = estimate_uncertainty(problem, residuals, point);
+    result.information = uncertainty.information;
+    if (problem.is_joined()) result.join_defect = descend.join_defect();
+    add_coefficients(problem, point, uncertainty, result);
+    add_captures(problem, residuals, point, uncertainty, result);
+    conclude(runs[*best], uncertainty, options.max_iterations, result);
+    add_misfit_warnings(problem, result);
+    add_start_warning(family, options, result);
+    add_warnings(problem, uncertainty, result);
+    levels.report(problem, result);
+    add_integration_shift(family, problem, residuals, point, uncertainty, result);
+    add_whiteness(result);
+    add_identifiability(problem, uncertainty, result);
+    if (options.profiles) {
+      add_profiles(problem, residuals, point, uncertainty, options.max_iterations, result);
+      add_profile_warnings(result);
+    }
+    add_bootstrap(problem, residuals, point, options, result);
+    add_other_optima(problem, residuals, runs, *best, result);
+  } else {
+    result.message =
+        fmt::format("none of {} starts led anywhere; the first: {}", runs.size(), runs.front().message);
+    add_speed_warnings(family, captures, result);
+  }
+  for (const SegmentResidual& residual : residuals) result.evaluations += residual.evaluations();
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+}  // namespace samara::identification

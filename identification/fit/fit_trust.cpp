@@ -1,0 +1,200 @@
+#include "samara/identification/fit/fit_trust.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+
+#include "samara/identification/problem/segment_residual.h"
+#include "samara/identification/solve/minimize.h"
+#include "samara/identification/statistics/cluster_errors.h"
+#include "samara/identification/statistics/determined_inverse.h"
+#include "samara/identification/statistics/loss.h"
+
+namespace samara::identification {
+
+namespace {
+
+/// Noise of a millionth of the loss scale: less is none, and what is left of the cost is rounding.
+constexpr double kLeastDispersion = 1e-12;
+
+double usable(double dispersion) {
+  return std::isnan(dispersion) ? 1.0 : std::max(dispersion, kLeastDispersion);
+}
+
+/// One over the diagonal of the inverse information: the curvature of each profile. 0 for coefficients that
+/// are not determined or lie at a bound, where they stay while another one is held.
+Eigen::VectorXd profile_curvatures(const Uncertainty& uncertainty) {
+  std::vector<int> free;
+  for (std::size_t k = 0; k < uncertainty.at_bound.size(); ++k) {
+    if (!uncertainty.at_bound[k]) free.push_back(static_cast<int>(k));
+  }
+  const Eigen::MatrixXd information = uncertainty.information(free, free);
+  const DeterminedInverse inverse = invert_determined(information, Eigen::VectorXd::Zero(information.rows()));
+  Eigen::VectorXd curvatures = Eigen::VectorXd::Zero(uncertainty.information.rows());
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    if (inverse.determined[k]) curvatures[free[k]] = 1.0 / inverse.inverse(at, at);
+  }
+  return curvatures;
+}
+
+/// The dispersion with which a profile has the width of the coefficient's standard error.
+double dispersion_of(const Coefficient& c, double curvature, double naive) {
+  const double error = c.standard_error.value_or(c.naive_standard_error.value_or(0.0));
+  const double dispersion = error * error * curvature;
+  return dispersion > 0.0 ? usable(dispersion) : usable(naive);
+}
+
+/// Of the dispersion: from clusters where the error is, else from what is left over of the frames.
+double degrees_of_freedom(const FitProblem& problem, const Uncertainty& uncertainty, const Coefficient& c) {
+  if (!c.standard_error) return std::max(1, uncertainty.residual_freedom);
+  return error_degrees(c.effective_clusters.value_or(problem.cluster_count), problem.cluster_count);
+}
+
+/// Shared unknowns, then each capture's own, in one vector; and back.
+Eigen::VectorXd packed(const FitPoint& point) {
+  Eigen::Index size = point.shared.size();
+  for (const Eigen::VectorXd& own : point.own) size += own.size();
+  Eigen::VectorXd values(size);
+  values.head(point.shared.size()) = point.shared;
+  Eigen::Index at = point.shared.size();
+  for (const Eigen::VectorXd& own : point.own) {
+    values.segment(at, own.size()) = own;
+    at += own.size();
+  }
+  return values;
+}
+
+FitPoint unpacked(const FitProblem& problem, const Eigen::VectorXd& values) {
+  FitPoint point;
+  const Eigen::Index shared = problem.shared_count();
+  const Eigen::Index own = problem.own_count();
+  point.shared = values.head(shared);
+  for (std::size_t c = 0; c < problem.segments.size(); ++c)
+    point.own.push_back(values.segment(shared + own * static_cast<Eigen::Index>(c), own));
+  return point;
+}
+
+/// Fits with one coefficient held.
+class HeldFits {
+ public:
+  HeldFits(const FitProblem& whole, std::vector<SegmentResidual>& residuals, Eigen::Index held,
+           int max_iterations)
+      : problem_(whole), residuals_(residuals), held_(held), max_iterations_(max_iterations) {
+    problem_.shared_chart = whole.shared_chart.holding(static_cast<int>(held));
+  }
+
+  std::optional<ProfileSolution> solve(double value, const Eigen::VectorXd& warm_start) {
+    FitPoint start = unpacked(problem_, warm_start);
+    start.shared[held_] = value;
+    MinimizeResult run = minimize(problem_, residuals_, std::move(start), max_iterations_);
+    // A cost that is still falling says nothing of how far the least one has risen.
+    if (run.status == FitStatus::iteration_limit) {
+      run = minimize(problem_, residuals_, std::move(run.point), 4 * max_iterations_);
+    }
+    if (run.status != FitStatus::converged) return {};
+    return ProfileSolution{run.cost, packed(run.point)};
+  }
+
+ private:
+  FitProblem problem_;
+  std::vector<SegmentResidual>& residuals_;
+  Eigen::Index held_;
+  int max_iterations_;
+};
+
+std::span<const double> span_of(const Eigen::VectorXd& values) {
+  return {values.data(), static_cast<std::size_t>(values.size())};
+}
+
+/// The larger of the naive dispersion and the mean of what the clusters say, trace(V H)/p.
+double overall_dispersion(const Uncertainty& uncertainty, const FitResult& result) {
+  double trace = 0.0;
+  int count = 0;
+  for (Eigen::Index i = 0; i < result.covariance.rows(); ++i) {
+    if (std::isnan(result.covariance(i, i))) continue;
+    for (Eigen::Index k = 0; k < result.covariance.rows(); ++k) {
+      if (!std::isnan(result.covariance(i, k)))
+        trace += result.covariance(i, k) * uncertainty.information(k, i);
+    }
+    ++count;
+  }
+  return std::max(usable(uncertainty.dispersion), count > 0 ? trace / count : 0.0);
+}
+
+}  // namespace
+
+void add_whiteness(FitResult& result) {
+  std::vector<SeriesWhiteness> all;
+  for (const CaptureFit& capture : result.captures) {
+    for (Eigen::Index column = 0; column < capture.measured.cols(); ++column) {
+      const auto o = static_cast<std::size_t>(column);
+      const Eigen::VectorXd residual = capture.measured.col(column) - capture.model.col(column);
+      SeriesWhiteness series = series_whiteness(span_of(capture.times), span_of(residual));
+      series.capture = capture.id;
+      series.output = capture.residuals[o].output;
+      all.push_back(std::move(series));
+    }
+  }
+  result.whiteness = pool_whiteness(std::move(all));
+}
+
+void add_identifiability(const FitProblem& problem, const Uncertainty& uncertainty, FitResult& result) {
+  if (result.coefficients.empty()) return;
+  std::vector<InformedCoefficient> coefficients;
+  Eigen::MatrixXd information = uncertainty.information;
+  for (std::size_t k = 0; k < result.coefficients.size(); ++k) {
+    const Coefficient& c = result.coefficients[k];
+    coefficients.push_back({.name = c.name, .value = c.value, .scale = 0.5 * (c.upper - c.lower)});
+    if (!problem.shared_chart.is_logarithmic(static_cast<int>(k))) continue;
+    coefficients.back().scale = 0.5 * std::log(c.upper / c.lower);
+    coefficients.back().log_scaled = true;
+    information.row(static_cast<Eigen::Index>(k)) *= c.value;
+    information.col(static_cast<Eigen::Index>(k)) *= c.value;
+  }
+  result.identifiability =
+      identifiability(coefficients, information, overall_dispersion(uncertainty, result));
+}
+
+void add_profiles(const FitProblem& problem, std::vector<SegmentResidual>& residuals, const FitPoint& point,
+                  const Uncertainty& uncertainty, int max_iterations, FitResult& result) {
+  const Eigen::VectorXd curvatures = profile_curvatures(uncertainty);
+  for (std::size_t k = 0; k < result.coefficients.size(); ++k) {
+    const Coefficient& c = result.coefficients[k];
+    const auto at = static_cast<Eigen::Index>(k);
+    const ProfileTarget target{.name = c.name,
+                               .best = c.value,
+                               .best_cost = result.cost,
+                               .scale = c.standard_error.value_or(c.naive_standard_error.value_or(0.0)),
+                               .lower = c.lower,
+                               .upper = c.upper};
+    HeldFits fits(problem, residuals, at, max_iterations);
+    const ProfileSolver solver = [&](double value, const Eigen::VectorXd& warm_start) {
+      return fits.solve(value, warm_start);
+    };
+    const double dispersion = dispersion_of(c, curvatures[at], uncertainty.dispersion);
+    result.profiles.push_back(profile(
+        target, packed(point), solver,
+        {.dispersion = dispersion, .degrees_of_freedom = degrees_of_freedom(problem, uncertainty, c)}));
+  }
+}
+
+void add_profile_warnings(FitResult& result) {
+  for (const Profile& p : result.profiles) {
+    const Coefficient& c = *std::ranges::find(result.coefficients, p.name, &Coefficient::name);
+    if (p.shape == ProfileShape::better_elsewhere) {
+      result.warnings.push_back(
+          fmt::format("the profile of {} met a {}: the fit ended in a local optimum; more starts are advised",
+                      p.name, describe(p)));
+    } else if (p.shape != ProfileShape::identified && c.determined && !c.at_bound) {
+      result.warnings.push_back(
+          fmt::format("the captures determine {} to one side at most: {}", p.name, describe(p)));
+    }
+  }
+}
+
+}  // namespace samara::identification

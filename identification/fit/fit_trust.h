@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/problem/fit_result.h"
+#include "samara/identification/problem/segment_residual.h"
+#include "samara/identification/solve/uncertainty.h"
+
+/// Internal to identification/: what a fit may claim, by profile.h, identifiability.h and whiteness.h.
+namespace samara::identification {
+
+/// From the captures of the result.
+void add_whiteness(FitResult& result);
+
+/// Needs the coefficients of the result, and their covariance.
+void add_identifiability(const FitProblem& problem, const Uncertainty& uncertainty, FitResult& result);
+
+/// Minimises again with each coefficient held. Needs the coefficients of the result.
+/// @param residuals one per segment, joined as at the optimum; scratch
+/// @param point the optimum
+/// @throws what a trajectory source throws
+void add_profiles(const FitProblem& problem, std::vector<SegmentResidual>& residuals, const FitPoint& point,
+                  const Uncertainty& uncertainty, int max_iterations, FitResult& result);
+
+/// Profiles that say otherwise than the standard errors. Needs the profiles.
+void add_profile_warnings(FitResult& result);
+
+}  // namespace samara::identification

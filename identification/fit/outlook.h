@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/identification/captures/capture.h"
+#include "samara/identification/fit/prediction.h"
+#include "samara/identification/problem/fit_options.h"
+#include "samara/identification/statistics/prediction_score.h"
+#include "samara/identification/trajectories/trajectory_source.h"
+
+/// One capture that was left out of a fit; internal to identification/.
+namespace samara::identification {
+
+/// What is predicted of captures.
+struct PredictedOutputs {
+  std::vector<FitOutput> outputs = {};     ///< with a value a frame
+  std::vector<std::string> attitude = {};  ///< the outputs of a quaternion; empty: none
+};
+
+/// What was seen, what followed, and what the model made of it.
+struct Outlook {
+  std::string motion = {};  ///< id of the capture, also of its windows
+  SeenMotion seen = {};
+  SeenTurn turn = {};                      ///< empty where no attitudes are predicted
+  Eigen::VectorXd times = {};              ///< since the first frame
+  Eigen::MatrixXd truth = {}, model = {};  ///< NaN where missing, or where the model failed
+  Eigen::MatrixX4d truth_attitude = {}, model_attitude = {};  ///< likewise
+  bool is_cut = false;       ///< frames ahead lie beyond the end of trajectories
+  std::string lack = {};     ///< why nothing can be compared; empty: it can
+  std::string failure = {};  ///< why the model says nothing; empty: it does
+};
+
+/// Fits what is the capture's own to its window, and carries the model on.
+/// @param options of a fit with the coefficients held; known coordinates of which the capture has no value
+///   are unknowns of its own
+Outlook outlook_of(const TrajectoryFamily& family, const Capture& capture, const PredictedOutputs& predicted,
+                   const FitOptions& options, const PredictionOptions& prediction);
+
+}  // namespace samara::identification

@@ -1,0 +1,256 @@
+#include "samara/identification/fit/prediction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "samara/base/errors.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/outlook.h"
+#include "samara/identification/fit/prediction_tally.h"
+#include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/problem/segments.h"
+#include "samara/identification/solve/held_noise.h"
+#include "samara/io/units.h"
+
+namespace samara::identification {
+
+namespace {
+
+void check(const PredictionOptions& prediction) {
+  for (const auto& [name, value] : {std::pair{"window", prediction.window},
+                                    {"ahead", prediction.ahead},
+                                    {"stride", prediction.stride.value_or(1.0)}}) {
+    if (value > 0.0 && std::isfinite(value)) continue;
+    throw ArgumentError(
+        fmt::format("{} of a prediction is {}; a positive number of seconds was expected", name, value));
+  }
+}
+
+/// The options of the fit, with the coefficients held.
+FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions options,
+                   const PredictionOptions& prediction) {
+  for (const Coefficient& c : fitted.coefficients) {
+    if (std::ranges::count(options.per_capture, c.name) > 0) continue;
+    options.fixed[c.name] = c.value;
+    std::erase(options.shared, c.name);
+    std::erase(options.log_scale, c.name);
+    options.box.erase(c.name);
+    options.priors.erase(c.name);
+    options.initial.erase(c.name);
+  }
+  // What was fitted is compared, whatever the captures left out measure besides. What was read from a file
+  // does not say it.
+  if (const CaptureFit* const one = fitted.captures.empty() ? nullptr : &fitted.captures.front();
+      one != nullptr && one->frames > 0) {
+    const auto count = static_cast<std::size_t>(one->measured.cols());
+    options.outputs.clear();
+    for (std::size_t o = 0; o < count; ++o) options.outputs.push_back(fitted.residuals[o].output);
+    if (fitted.residuals.size() > count)
+      options.outputs.insert(options.outputs.end(), family.attitude.begin(), family.attitude.end());
+  }
+  options.combinations.clear();
+  hold_noise(fitted, options);
+  options.window = prediction.window;
+  options.stride.reset();
+  options.cluster_by.clear();
+  options.profiles = false;
+  options.bootstrap = {};
+  options.global = {};
+  options.progress = {};
+  return options;
+}
+
+/// What the windows are fitted to, and what else captures measure of what the model says: velocities, angles
+/// and attitudes, but no place of which the fit knows no start.
+PredictedOutputs predicted_outputs(const FamilyInfo& family, std::span<const Capture> left_out,
+                                   const FitOptions& held) {
+  PredictedOutputs predicted;
+  const FitProblem problem = describe_problem(family, left_out, held);
+  for (const ComparedOutput& output : problem.outputs)
+    predicted.outputs.push_back({output.name, output.unit});
+  const auto is_measured = [&](const FitOutput& output) {
+    return std::ranges::any_of(left_out, [&](const Capture& capture) {
+      return capture.has(output.name) && io::same_dimension(capture.channel(output.name).unit, output.unit);
+    });
+  };
+  for (const FitOutput& output : family.outputs) {
+    const bool is_part = std::ranges::count(family.attitude, output.name) > 0 ||
+                         std::ranges::count(family.translations, output.name) > 0 ||
+                         std::ranges::count(predicted.outputs, output.name, &FitOutput::name) > 0;
+    if (!is_part && is_measured(output)) predicted.outputs.push_back(output);
+  }
+  const bool has_attitude = std::ranges::any_of(left_out, [&](const Capture& capture) {
+    return std::ranges::all_of(family.attitude, [&](const std::string& part) { return capture.has(part); });
+  });
+  if (!family.attitude.empty() && has_attitude) predicted.attitude = family.attitude;
+  return predicted;
+}
+
+/// Whether two names are those of one file.
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code missing;
+  return a == b || std::filesystem::equivalent(a, b, missing);
+}
+
+/// @param id, file of a capture that is fitted
+void refuse_fitted(const std::string& id, const std::string& file, std::span<const Capture> left_out) {
+  for (const Capture& capture : left_out) {
+    if (capture.id != id || capture.file.empty() || !is_same_file(capture.file, file)) continue;
+    throw InputError(capture.file, fmt::format("capture \"{}\" is fitted as well as left out; captures that "
+                                               "the fit does not see were expected",
+                                               id));
+  }
+}
+
+/// One that is given twice would count twice.
+void refuse_twice(std::span<const Capture> left_out) {
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const Capture& capture : left_out) {
+    if (capture.file.empty() || seen.insert({capture.file, capture.id}).second) continue;
+    throw InputError(capture.file, fmt::format("capture \"{}\" is left out twice", capture.id));
+  }
+}
+
+/// Captures, or windows of each with what follows them.
+std::vector<Capture> cut(std::span<const Capture> left_out, const PredictedOutputs& predicted,
+                         const PredictionOptions& prediction) {
+  if (!prediction.stride) return {left_out.begin(), left_out.end()};
+  std::vector<std::string> places;
+  for (const FitOutput& output : predicted.outputs) {
+    if (output.unit == "m") places.push_back(output.name);
+  }
+  std::vector<Capture> parts;
+  for (const Capture& capture : left_out) {
+    for (Capture& part : windows(capture, prediction.window + prediction.ahead, *prediction.stride, places))
+      parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+/// What the captures left out can show, with sentences about those that can show nothing.
+std::vector<Outlook> outlooks_of(const TrajectoryFamily& family, std::span<const Capture> left_out,
+                                 const PredictedOutputs& predicted, const FitOptions& held,
+                                 const PredictionOptions& prediction, std::vector<std::string>& sentences) {
+  std::vector<Outlook> all(left_out.size());
+  tbb::parallel_for(std::size_t{0}, left_out.size(), [&](std::size_t k) {
+    all[k] = outlook_of(family, left_out[k], predicted, held, prediction);
+  });
+  std::vector<Outlook> outlooks;
+  int failures = 0;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const std::string& id = left_out[k].id;
+    if (!all[k].lack.empty()) {
+      sentences.push_back(fmt::format("capture \"{}\" was not predicted: {}", id, all[k].lack));
+      continue;
+    }
+    if (!all[k].failure.empty()) {
+      ++failures;
+      sentences.push_back(fmt::format(
+          "capture \"{}\" counts for the baselines only, since the model failed: {}", id, all[k].failure));
+    }
+    outlooks.push_back(std::move(all[k]));
+  }
+  if (failures > 0) {
+    sentences.push_back(
+        fmt::format("the model failed on {} of {} captures left out", failures, outlooks.size()));
+  }
+  if (outlooks.empty()) {
+    if (!left_out.empty()) sentences.emplace_back("none of the captures left out could be predicted");
+  } else if (const double reach = reach_of(outlooks, prediction); reach < prediction.ahead) {
+    const bool is_cut = std::ranges::any_of(outlooks, &Outlook::is_cut);
+    sentences.push_back(fmt::format("predictions go to {:.4g} s ahead, not to {:.4g} s: {}", reach,
+                                    prediction.ahead,
+                                    is_cut ? fmt::format("the {} ends there", family.info().source)
+                                           : "there is no frame to compare beyond"));
+  }
+  return outlooks;
+}
+
+/// Captures left out of one fit, predicted by it.
+struct Prospect {
+  std::vector<Quantity> compared = {};
+  std::vector<Outlook> outlooks = {};
+};
+
+/// @param sentences what the reader of the scores must know
+Prospect look_ahead(const TrajectoryFamily& family, const FitResult& fitted,
+                    std::span<const Capture> left_out, const FitOptions& options,
+                    const PredictionOptions& prediction, std::vector<std::string>& sentences) {
+  check(prediction);
+  refuse_twice(left_out);
+  if (fitted.status == FitStatus::failed || left_out.empty()) return {};
+  for (const CaptureFit& c : fitted.captures) refuse_fitted(c.whole, c.file, left_out);
+  const FitOptions held = holding(family.info(), fitted, options, prediction);
+  const PredictedOutputs predicted = predicted_outputs(family.info(), left_out, held);
+  const std::vector<Capture> parts = cut(left_out, predicted, prediction);
+  return {quantities(predicted, options), outlooks_of(family, parts, predicted, held, prediction, sentences)};
+}
+
+void add_scores(Prospect prospect, const PredictionOptions& prediction, FitResult& fitted) {
+  Scores scores = scores_of(prospect.compared, std::move(prospect.outlooks), prediction);
+  fitted.predictions = std::move(scores.all);
+  fitted.capture_predictions = std::move(scores.by_capture);
+}
+
+}  // namespace
+
+void check_left_out(const TrajectoryFamily& family, std::span<const Capture> captures,
+                    std::span<const Capture> left_out, const FitOptions& options,
+                    const PredictionOptions& prediction) {
+  check(prediction);
+  const FitProblem problem = make_problem(family.info(), captures, options);
+  refuse_twice(left_out);
+  for (const Capture& capture : left_out) check_capture(capture, problem);
+  for (const Capture& capture : captures) refuse_fitted(capture.id, capture.file, left_out);
+}
+
+std::vector<PredictionScore> predict_left_out(const TrajectoryFamily& family, const FitResult& fitted,
+                                              std::span<const Capture> left_out, const FitOptions& options,
+                                              const PredictionOptions& prediction) {
+  std::vector<std::string> unsaid;
+  Prospect prospect = look_ahead(family, fitted, left_out, options, prediction, unsaid);
+  return scores_of(prospect.compared, std::move(prospect.outlooks), prediction).all;
+}
+
+void add_predictions(const TrajectoryFamily& family, std::span<const Capture> left_out,
+                     const FitOptions& options, const PredictionOptions& prediction, FitResult& fitted) {
+  add_scores(look_ahead(family, fitted, left_out, options, prediction, fitted.warnings), prediction, fitted);
+}
+
+void cross_validate(const TrajectoryFamily& family, std::span<const Capture> captures,
+                    const FitOptions& options, const PredictionOptions& prediction, int folds,
+                    FitResult& fitted) {
+  check(prediction);
+  const std::vector<int> clusters = clusters_of(captures, options.cluster_by);
+  const int count = clusters.empty() ? 0 : 1 + *std::ranges::max_element(clusters);
+  if (folds < 2 || folds > count) {
+    throw ArgumentError(
+        fmt::format("folds is {}; 2 to {}, the number of clusters of captures, was expected", folds, count));
+  }
+  FitOptions plain = options;
+  plain.profiles = false;
+  plain.bootstrap = {};
+  Prospect prospect;
+  for (int fold = 0; fold < folds; ++fold) {
+    std::vector<Capture> training, left_out;
+    for (std::size_t k = 0; k < captures.size(); ++k)
+      (clusters[k] % folds == fold ? left_out : training).push_back(captures[k]);
+    const FitResult of_others = fit(family, training, plain);
+    const std::string which = fmt::format("fold {} of {}", fold + 1, folds);
+    if (of_others.status != FitStatus::converged)
+      fitted.warnings.push_back(fmt::format("the fit without {}: {}", which, of_others.message));
+    Prospect part = look_ahead(family, of_others, left_out, options, prediction, fitted.warnings);
+    if (!part.compared.empty()) prospect.compared = part.compared;
+    for (Outlook& outlook : part.outlooks) prospect.outlooks.push_back(std::move(outlook));
+  }
+  add_scores(std::move(prospect), prediction, fitted);
+}
+
+}  // namespace samara::identification

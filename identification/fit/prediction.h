@@ -1,0 +1,69 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "samara/identification/captures/capture.h"
+#include "samara/identification/problem/fit_options.h"
+#include "samara/identification/problem/fit_result.h"
+#include "samara/identification/statistics/prediction_score.h"
+#include "samara/identification/trajectories/trajectory_source.h"
+
+/// How well fitted coefficients predict captures that were left out of the fit.
+///
+/// Of each such capture the first `window` seconds are seen, attitudes too if the fit compared them: its own
+/// unknowns (initial values, offsets, and known coordinates of which it has no value) are fitted there with
+/// the coefficients held, and the model is carried on. Baselines (prediction_score.h) see the same window.
+/// Compared are the frames that follow, up to `ahead` seconds after the window.
+///
+///     const FitResult result = fit(*family, training, options);
+///     const auto scores = predict_left_out(*family, result, test, options, {.window = 0.2, .ahead = 0.1});
+namespace samara::identification {
+
+struct PredictionOptions {
+  double window = 0.0;  ///< s of each capture that are seen, from its first frame
+  double ahead = 0.0;   ///< s beyond it
+  /// s: a window so often along each capture, with what follows it (windows() in capture.h). Empty: one.
+  std::optional<double> stride = {};
+};
+
+/// Scores of the model and of every baseline, for each quantity that was fitted or is measured besides:
+/// outputs that are lengths together, as the distance in space ("position"), velocities and rates likewise
+/// ("velocity", "angular velocity"), the attitude by the angle of the turn between; every other output by
+/// itself. For each, two scores: over all frames ahead
+/// ("position, up to 0.1 s ahead"; less where no capture goes so far), and of the last one, within the last
+/// tenth of the way ("position, 0.1 s ahead"). Captures that have too few frames in the window or none beyond
+/// are left out of all scores; those on which the fit of the window fails, of the model's. A score that no
+/// capture counts for is left out. After the scores of all captures follow those of each.
+/// @param fitted its coefficients are held at their values, unless `options` makes them each capture's own;
+/// as
+///   made by fit(), or by read_fit()
+/// @param options of that fit; window, starts and roles of what is not held are taken over
+/// @returns nothing if the fit failed
+/// @throws ArgumentError as fit(), for a capture that does not measure what was fitted, and for times that
+/// are not positive; InputError for a capture of a file that was fitted itself.
+std::vector<PredictionScore> predict_left_out(const TrajectoryFamily& family, const FitResult& fitted,
+                                              std::span<const Capture> left_out, const FitOptions& options,
+                                              const PredictionOptions& prediction);
+
+/// The same into the result: scores into `predictions`, and sentences into `warnings` about captures that
+/// could not be predicted, or not by the model, or not so far ahead.
+void add_predictions(const TrajectoryFamily& family, std::span<const Capture> left_out,
+                     const FitOptions& options, const PredictionOptions& prediction, FitResult& fitted);
+
+/// The same by cross validation: clusters of captures are dealt into folds, and those of each fold predicted
+/// by a fit of all others (without profiles and bootstrap). Scores are those of all captures together.
+/// @param folds 2 to the number of clusters
+/// @throws ArgumentError as fit() and predict_left_out()
+void cross_validate(const TrajectoryFamily& family, std::span<const Capture> captures,
+                    const FitOptions& options, const PredictionOptions& prediction, int folds,
+                    FitResult& fitted);
+
+/// What predict_left_out() would refuse after a fit of `captures`, refused before it.
+/// @throws ArgumentError, InputError
+void check_left_out(const TrajectoryFamily& family, std::span<const Capture> captures,
+                    std::span<const Capture> left_out, const FitOptions& options,
+                    const PredictionOptions& prediction);
+
+}  // namespace samara::identification

@@ -1,0 +1,118 @@
+#include "samara/identification/fit/prediction_config.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/io/toml_document.h"
+
+namespace samara::identification {
+
+namespace {
+
+using io::TomlTable;
+
+std::optional<double> positive_time(const TomlTable& table, const std::string& key) {
+  const std::optional<double> time = table.optional_quantity(key, "s");
+  if (time && !(*time > 0.0))
+    throw table.error(key, fmt::format("the value is {}; more than 0 was expected", *time));
+  return time;
+}
+
+LabelChoice read_choice(const TomlTable& root, const std::string& key) {
+  LabelChoice choice;
+  if (!root.has(key)) return choice;
+  const TomlTable table = root.table(key);
+  for (const std::string& label : table.keys()) {
+    choice[label] =
+        table.is_string(label) ? std::vector<std::string>{table.string(label)} : table.strings(label);
+    if (choice[label].empty()) throw table.error(label, "the list is empty; one text or more was expected");
+  }
+  if (choice.empty()) throw root.error(key, "names no label; at least one was expected");
+  return choice;
+}
+
+PredictionConfig read(const TomlTable& root) {
+  PredictionConfig config;
+  if (!root.has("prediction")) return config;
+  const TomlTable table = root.table("prediction");
+  table.expect_keys({"window", "ahead", "stride", "left_out", "fitted", "folds"});
+  config.window = positive_time(table, "window");
+  config.ahead = positive_time(table, "ahead");
+  config.stride = positive_time(table, "stride");
+  config.left_out = read_choice(table, "left_out");
+  config.fitted = read_choice(table, "fitted");
+  if (!table.has("folds")) return config;
+  const std::int64_t folds = table.integer("folds");
+  constexpr std::int64_t kMost = 1000;
+  if (folds < 2 || folds > kMost)
+    throw table.error("folds", fmt::format("the value is {}; 2 to {} were expected", folds, kMost));
+  if (!config.left_out.empty())
+    throw table.error("folds", "stands beside `left_out`; with folds, every capture is left out once");
+  config.folds = static_cast<int>(folds);
+  return config;
+}
+
+/// The text of a label; empty where the capture has none.
+std::optional<std::string> label_of(const Capture& capture, const std::string& label) {
+  if (const auto found = capture.labels.find(label); found != capture.labels.end()) return found->second;
+  if (label == "id") return capture.id;
+  if (label == "file") return std::filesystem::path(capture.file).stem().string();
+  return {};
+}
+
+bool is_chosen(const Capture& capture, const LabelChoice& choice) {
+  return std::ranges::all_of(choice, [&](const auto& entry) {
+    const std::optional<std::string> text = label_of(capture, entry.first);
+    return text && std::ranges::count(entry.second, *text) > 0;
+  });
+}
+
+/// A text that no capture has is a mistake.
+void check(std::span<const Capture> captures, const std::string& key, const LabelChoice& choice) {
+  for (const auto& [label, texts] : choice) {
+    std::vector<std::string> known;
+    for (const Capture& capture : captures) {
+      if (const auto text = label_of(capture, label)) known.push_back(*text);
+    }
+    if (known.empty())
+      throw ArgumentError(fmt::format("prediction.{}: no capture has a label \"{}\"", key, label));
+    for (const std::string& text : texts) {
+      if (std::ranges::count(known, text) > 0) continue;
+      throw ArgumentError(fmt::format("prediction.{}: no capture has \"{}\" as its label \"{}\"{}", key, text,
+                                      label, suggestion(text, known)));
+    }
+  }
+}
+
+}  // namespace
+
+PredictionConfig read_prediction_config(const std::filesystem::path& path) {
+  return read(TomlTable::read(path));
+}
+
+PredictionConfig parse_prediction_config(std::string_view text, const std::string& name) {
+  return read(TomlTable::parse(text, name));
+}
+
+CaptureSplit split(std::span<const Capture> captures, const PredictionConfig& config) {
+  check(captures, "fitted", config.fitted);
+  check(captures, "left_out", config.left_out);
+  CaptureSplit result;
+  for (const Capture& capture : captures) {
+    const bool is_left_out = !config.left_out.empty() && is_chosen(capture, config.left_out);
+    const bool is_fitted = config.fitted.empty() ? !is_left_out : is_chosen(capture, config.fitted);
+    if (is_left_out && is_fitted) {
+      throw ArgumentError(
+          fmt::format("prediction: capture \"{}\" is fitted as well as left out; one of the two was expected",
+                      capture.id));
+    }
+    if (is_fitted) result.fitted.push_back(capture);
+    if (is_left_out) result.left_out.push_back(capture);
+  }
+  return result;
+}
+
+}  // namespace samara::identification

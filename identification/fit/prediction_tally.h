@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "samara/identification/fit/outlook.h"
+#include "samara/identification/fit/prediction.h"
+#include "samara/identification/problem/fit_options.h"
+
+/// Scores of predictions; internal to identification/.
+namespace samara::identification {
+
+/// Outputs that are compared as one: all lengths, all velocities, all rates, or a single other one; or the
+/// attitude.
+struct Quantity {
+  std::string name, unit;
+  double period = 0.0;  ///< 0: on the line
+  std::vector<int> columns = {};
+  bool is_attitude = false;
+};
+
+std::vector<Quantity> quantities(const PredictedOutputs& predicted, const FitOptions& options);
+
+/// s beyond the window, of the last frame of all.
+double reach_of(const std::vector<Outlook>& outlooks, const PredictionOptions& prediction);
+
+/// Scores of all captures together, and of each.
+struct Scores {
+  std::vector<PredictionScore> all = {}, by_capture = {};
+};
+Scores scores_of(const std::vector<Quantity>& compared, std::vector<Outlook> outlooks,
+                 const PredictionOptions& prediction);
+
+}  // namespace samara::identification

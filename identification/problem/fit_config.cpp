@@ -1,0 +1,312 @@
+#include "samara/identification/problem/fit_config.h"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/io/toml_document.h"
+
+namespace samara::identification {
+
+namespace {
+
+using io::TomlTable;
+using Units = std::map<std::string, std::string>;
+
+std::vector<std::string> names_of(const Units& units) {
+  std::vector<std::string> names;
+  for (const auto& [name, unit] : units) names.push_back(name);
+  return names;
+}
+
+/// A list of known names.
+std::vector<std::string> known_names(const TomlTable& table, const std::string& key, const Units& known) {
+  const std::vector<std::string> names = table.strings(key);
+  for (const std::string& name : names) {
+    if (!known.contains(name)) {
+      throw table.error(key, fmt::format("unknown name \"{}\"{}", name, suggestion(name, names_of(known))));
+    }
+  }
+  return names;
+}
+
+void require_positive(const TomlTable& table, const std::string& key, double value) {
+  if (!(value > 0.0)) throw table.error(key, fmt::format("the value is {}; more than 0 was expected", value));
+}
+
+double positive_quantity(const TomlTable& table, const std::string& key, const std::string& unit) {
+  const double value = table.quantity(key, unit);
+  require_positive(table, key, value);
+  return value;
+}
+
+int positive_integer(const TomlTable& table, const std::string& key) {
+  const std::int64_t value = table.integer(key);
+  require_positive(table, key, static_cast<double>(value));
+  if (value > std::numeric_limits<int>::max()) throw table.error(key, fmt::format("{} is too large", value));
+  return static_cast<int>(value);
+}
+
+LossOptions read_loss(const TomlTable& table, const Units& outputs) {
+  table.expect_keys({"kind", "scale"});
+  LossOptions loss;
+  try {
+    if (table.has("kind")) loss.kind = loss_kind_from_string(table.string("kind"));
+  } catch (const ArgumentError& error) {
+    throw table.error("kind", error.what());
+  }
+  if (!table.has("scale")) return loss;
+  if (!table.is_table("scale")) {
+    loss.length_scale = positive_quantity(table, "scale", "m");
+    return loss;
+  }
+  const TomlTable scales = table.table("scale");
+  scales.expect_keys(names_of(outputs));
+  for (const std::string& name : scales.keys())
+    loss.scales[name] = positive_quantity(scales, name, outputs.at(name));
+  return loss;
+}
+
+std::map<std::string, double> read_quantities(const TomlTable& table, const Units& coordinates) {
+  table.expect_keys(names_of(coordinates));
+  std::map<std::string, double> values;
+  for (const std::string& name : table.keys()) values[name] = table.quantity(name, coordinates.at(name));
+  return values;
+}
+
+std::map<std::string, Interval> read_box(const TomlTable& table, const Units& coordinates) {
+  table.expect_keys(names_of(coordinates));
+  std::map<std::string, Interval> box;
+  for (const std::string& name : table.keys()) {
+    const std::vector<double> ends = table.quantities(name, coordinates.at(name));
+    if (ends.size() != 2 || !(ends[0] < ends[1])) {
+      throw table.error(name, "an interval, [lower, upper] with lower < upper, was expected");
+    }
+    box[name] = {ends[0], ends[1]};
+  }
+  return box;
+}
+
+/// `segments = "60 ms"`, or a table with stages.
+SegmentOptions read_segments(const TomlTable& root) {
+  SegmentOptions segments;
+  if (!root.is_table("segments")) {
+    segments.length = positive_quantity(root, "segments", "s");
+    return segments;
+  }
+  const TomlTable table = root.table("segments");
+  table.expect_keys({"length", "stages"});
+  segments.length = positive_quantity(table, "length", "s");
+  if (!table.has("stages")) return segments;
+  segments.stages = table.numbers("stages");
+  if (segments.stages.empty())
+    throw table.error("stages", "the list is empty; one weight or more was expected");
+  for (const double stage : segments.stages) require_positive(table, "stages", stage);
+  return segments;
+}
+
+/// `global = "crs"`, or a table with budget and seed.
+GlobalOptions read_global(const TomlTable& root) {
+  GlobalOptions global;
+  const auto method = [&](const TomlTable& table, const std::string& key) {
+    try {
+      global.method = global_method_from_string(table.string(key));
+    } catch (const ArgumentError& error) {
+      throw table.error(key, error.what());
+    }
+  };
+  if (!root.is_table("global")) {
+    method(root, "global");
+    return global;
+  }
+  const TomlTable table = root.table("global");
+  table.expect_keys({"method", "budget", "seed"});
+  method(table, "method");
+  if (table.has("budget")) global.budget = positive_integer(table, "budget");
+  if (table.has("seed")) global.seed = static_cast<std::uint64_t>(positive_integer(table, "seed"));
+  return global;
+}
+
+/// `bootstrap = 100`, or a table with a seed.
+BootstrapOptions read_bootstrap(const TomlTable& root) {
+  if (!root.is_table("bootstrap")) return {.replicates = positive_integer(root, "bootstrap")};
+  const TomlTable table = root.table("bootstrap");
+  table.expect_keys({"replicates", "seed"});
+  BootstrapOptions bootstrap{.replicates = positive_integer(table, "replicates")};
+  if (table.has("seed")) bootstrap.seed = static_cast<std::uint64_t>(positive_integer(table, "seed"));
+  return bootstrap;
+}
+
+/// `noise = "estimated"`, or a table with levels and rounds.
+NoiseOptions read_noise(const TomlTable& root, const Units& outputs) {
+  NoiseOptions noise{.estimated = true};
+  if (!root.is_table("noise")) {
+    if (root.string("noise") == "estimated") return noise;
+    throw root.error("noise", fmt::format("\"{}\" means nothing here; \"estimated\", or a table with levels "
+                                          "and rounds, was expected",
+                                          root.string("noise")));
+  }
+  const TomlTable table = root.table("noise");
+  table.expect_keys({"levels", "rounds"});
+  if (table.has("rounds")) noise.rounds = positive_integer(table, "rounds");
+  if (!table.has("levels")) return noise;
+  const TomlTable levels = table.table("levels");
+  std::vector<std::string> known = names_of(outputs);
+  known.push_back("attitude");
+  levels.expect_keys(known);
+  for (const std::string& name : levels.keys()) noise.levels[name] = levels.string(name);
+  return noise;
+}
+
+CameraOptions read_camera(const TomlTable& root, const Units& outputs) {
+  const TomlTable table = root.table("camera");
+  table.expect_keys({"scale", "rotation", "axes", "angles"});
+  CameraOptions camera;
+  if (!table.has("scale") && !table.has("rotation")) {
+    throw root.error("camera", "neither `scale` nor `rotation` is given; one of them, or both, was expected");
+  }
+  if (table.has("scale")) {
+    camera.scale = table.number("scale");
+    require_positive(table, "scale", *camera.scale);
+  }
+  if (table.has("rotation")) camera.rotation = positive_quantity(table, "rotation", "rad");
+  if (table.has("axes")) camera.axes = known_names(table, "axes", outputs);
+  if (table.has("angles")) camera.angles = known_names(table, "angles", outputs);
+  return camera;
+}
+
+/// `mass = "m"`, or `mass = { label = "radius_m", times = 0.22, power = 2 }`.
+std::map<std::string, KnownValue> read_known(const TomlTable& root, const Units& coordinates) {
+  root.expect_keys(names_of(coordinates));
+  std::map<std::string, KnownValue> known;
+  for (const std::string& name : root.keys()) {
+    if (!root.is_table(name)) {
+      known[name] = root.string(name);
+      continue;
+    }
+    const TomlTable table = root.table(name);
+    table.expect_keys({"label", "times", "power"});
+    known[name] = {table.string("label"), table.optional_number("times").value_or(1.0),
+                   table.optional_number("power").value_or(1.0)};
+  }
+  return known;
+}
+
+std::map<std::string, Prior> read_priors(const TomlTable& root, const Units& coordinates) {
+  root.expect_keys(names_of(coordinates));
+  std::map<std::string, Prior> priors;
+  for (const std::string& name : root.keys()) {
+    const TomlTable table = root.table(name);
+    table.expect_keys({"mean", "deviation", "logarithmic"});
+    Prior prior{.mean = table.quantity("mean", coordinates.at(name)),
+                .logarithmic = table.optional_boolean("logarithmic").value_or(false)};
+    prior.deviation =
+        prior.logarithmic ? table.number("deviation") : table.quantity("deviation", coordinates.at(name));
+    require_positive(table, "deviation", prior.deviation);
+    if (prior.logarithmic) require_positive(table, "mean", prior.mean);
+    priors[name] = prior;
+  }
+  return priors;
+}
+
+std::map<std::string, double> read_periods(const TomlTable& table, const Units& outputs) {
+  table.expect_keys(names_of(outputs));
+  std::map<std::string, double> periods;
+  for (const std::string& name : table.keys()) {
+    periods[name] = table.quantity(name, outputs.at(name));
+    if (periods[name] < 0.0) {
+      throw table.error(name, fmt::format("the period is {}; 0 or more was expected", periods[name]));
+    }
+  }
+  return periods;
+}
+
+/// What concerns single coordinates and outputs.
+void read_tables(const TomlTable& root, const ConfigNames& names, FitOptions& options) {
+  if (root.has("fixed")) options.fixed = read_quantities(root.table("fixed"), names.coordinates);
+  if (root.has("initial")) options.initial = read_quantities(root.table("initial"), names.coordinates);
+  if (root.has("known")) options.known = read_known(root.table("known"), names.coordinates);
+  if (root.has("priors")) options.priors = read_priors(root.table("priors"), names.coordinates);
+  if (root.has("periods")) options.periods = read_periods(root.table("periods"), names.outputs);
+  if (root.has("box")) options.box = read_box(root.table("box"), names.coordinates);
+}
+
+FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
+  root.expect_keys(
+      {"window",     "outputs",         "loss",      "shared",         "per_capture", "offsets", "cluster_by",
+       "starts",     "max_iterations",  "profiles",  "segments",       "global",      "step",    "rounds",
+       "round_body", "averaged_frames", "log_scale", "attitude_scale", "fixed",       "initial", "known",
+       "priors",     "periods",         "box",       "bootstrap",      "noise",       "camera",  "stride",
+       "series",        // series_config.h
+       "prediction"});  // prediction_config.h
+  FitOptions options;
+  if (root.has("window")) options.window = positive_quantity(root, "window", "s");
+  if (root.has("stride")) options.stride = positive_quantity(root, "stride", "s");
+  if (options.stride && !options.window)
+    throw root.error("stride", "belongs to `window`, which is not there");
+  if (root.has("outputs")) options.outputs = known_names(root, "outputs", names.outputs);
+  if (root.has("loss")) options.loss = read_loss(root.table("loss"), names.outputs);
+  if (root.has("shared")) options.shared = known_names(root, "shared", names.coordinates);
+  if (root.has("per_capture")) options.per_capture = known_names(root, "per_capture", names.coordinates);
+  if (root.has("offsets")) options.offsets = known_names(root, "offsets", names.outputs);
+  options.cluster_by = root.optional_strings("cluster_by").value_or(std::vector<std::string>{});
+  if (root.has("starts")) options.starts = positive_integer(root, "starts");
+  if (root.has("max_iterations")) options.max_iterations = positive_integer(root, "max_iterations");
+  options.profiles = root.optional_boolean("profiles").value_or(false);
+  if (root.has("bootstrap")) options.bootstrap = read_bootstrap(root);
+  if (root.has("segments")) options.segments = read_segments(root);
+  if (root.has("global")) options.global = read_global(root);
+  if (root.has("rounds")) options.rounds = positive_integer(root, "rounds");
+  if (root.has("averaged_frames")) options.averaged_frames = positive_integer(root, "averaged_frames");
+  options.round_body = root.optional_boolean("round_body").value_or(false);
+  if (root.has("step")) options.step = positive_quantity(root, "step", "s");
+  if (root.has("log_scale")) options.log_scale = known_names(root, "log_scale", names.coordinates);
+  if (root.has("attitude_scale")) options.attitude_scale = positive_quantity(root, "attitude_scale", "rad");
+  if (root.has("noise")) options.noise = read_noise(root, names.outputs);
+  if (root.has("camera")) options.camera = read_camera(root, names.outputs);
+  read_tables(root, names, options);
+  for (const auto& [list, chosen] :
+       {std::pair{"shared", &options.shared}, std::pair{"per_capture", &options.per_capture}}) {
+    for (const std::string& name : *chosen) {
+      if (!options.fixed.contains(name)) continue;
+      throw root.error(list,
+                       fmt::format("\"{}\" is fixed in [fixed] as well; one of the two was expected", name));
+    }
+  }
+  return options;
+}
+
+}  // namespace
+
+ConfigNames config_names(const models::ModelInfo& model) {
+  ConfigNames names;
+  for (const models::ParameterInfo& parameter : model.parameters)
+    names.coordinates[parameter.name] = parameter.unit;
+  for (const models::StateInfo& state : model.states) {
+    names.coordinates[fmt::format("{}(0)", state.name)] = state.unit;
+    names.outputs[state.name] = state.unit;
+  }
+  return names;
+}
+
+ConfigNames config_names(const codebooks::Codebook& book) {
+  ConfigNames names;
+  names.coordinates = book.model().fixed_units;
+  for (const codebooks::Coordinate& c : book.coordinates()) {
+    if (c.role != pgd::AxisRole::time) names.coordinates[c.name] = c.unit;
+  }
+  for (const pgd::OutputLabel& output : book.outputs()) names.outputs[output.name] = output.unit;
+  return names;
+}
+
+FitOptions read_fit_config(const std::filesystem::path& path, const ConfigNames& names) {
+  return read_options(TomlTable::read(path), names);
+}
+
+FitOptions parse_fit_config(std::string_view text, const std::string& name, const ConfigNames& names) {
+  return read_options(TomlTable::parse(text, name), names);
+}
+
+}  // namespace samara::identification

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "samara/identification/captures/capture.h"
+#include "samara/identification/problem/fit_options.h"
+#include "samara/identification/trajectories/trajectory_source.h"
+
+/// Coordinates that captures say themselves; internal to identification/.
+namespace samara::identification {
+
+/// What is wrong with a capture is wrong with the file it came from, if it came from one.
+/// @throws InputError, or ArgumentError where the name of the file is empty
+[[noreturn]] void refuse(const std::string& file, const std::string& sentence);
+
+/// The value of a known coordinate, SI.
+/// @throws ArgumentError or InputError if the capture does not say it
+double known_value(const Capture& capture, const std::string& coordinate, const KnownValue& known);
+
+/// Values of FitOptions::known, in its order.
+/// @throws ArgumentError or InputError as above, and for values outside the family's box
+std::vector<double> known_values(const FamilyInfo& family, const Capture& capture, const FitOptions& options);
+
+/// Whether the capture says what a known coordinate is.
+bool has_value(const Capture& capture, const KnownValue& known);
+
+}  // namespace samara::identification

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <memory>
+
+#include <Eigen/Core>
+
+#include "samara/identification/problem/camera.h"
+#include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/trajectories/trajectory_source.h"
+
+/// Internal to identification/.
+namespace samara::identification {
+
+/// Residuals of one segment, and their derivatives by the shared unknowns, its own, and those of the segment
+/// it is joined to. Holds the scratch space of one thread; `problem` must outlive it. Does not allocate after
+/// construction, beyond what the source does.
+///
+/// Rows are the observations, then three for each attitude (the turn from measured to model, in body axes),
+/// then the priors of the start of a motion, then the differences at the join.
+class SegmentResidual {
+ public:
+  SegmentResidual(const TrajectoryFamily& family, const FitProblem& problem, const Segment& segment);
+
+  /// @param shared, own values of the unknowns, in the order of the problem
+  /// @param next own unknowns of the next segment, if this one is joined
+  /// @returns false if there is no trajectory there
+  bool evaluate(const double* shared, const double* own, const double* next, bool with_derivatives);
+
+  const Segment& segment() const { return *segment_; }
+  int size() const { return static_cast<int>(residual_.size()); }
+  /// Rows that compare with the capture.
+  int data_size() const { return data_size_; }
+  /// Rows after them that hold what was known of the start beforehand.
+  int prior_size() const { return prior_size_; }
+  int join_size() const { return size() - data_size_ - prior_size_; }
+  long evaluations() const { return evaluations_; }
+
+  /// (model - measured)/scale, per row; at a join, (end - next start) * weight.
+  const Eigen::VectorXd& residual() const { return residual_; }
+  /// Rows x shared unknowns, and rows x own unknowns.
+  const Eigen::MatrixXd& by_shared() const { return by_shared_; }
+  const Eigen::MatrixXd& by_own() const { return by_own_; }
+  const Eigen::MatrixXd& by_next() const { return by_next_; }
+  /// The model's compared outputs without offsets, frames x outputs, SI.
+  auto values() const {
+    return values_.topLeftCorner(frame_count_, static_cast<Eigen::Index>(problem_->outputs.size()));
+  }
+  /// What the camera should have seen: compared outputs with offsets, frames x outputs, SI.
+  Eigen::MatrixXd seen(const double* own) const;
+  /// The model's attitude at a frame: (w, x, y, z), not normalised. If attitudes are compared.
+  Eigen::Vector4d attitude(Eigen::Index frame) const {
+    return values_.row(frame).segment<4>(problem_->attitude_column()).transpose();
+  }
+
+  /// Per row of the join, in the order of FitProblem::joins; 1 at first.
+  void set_join_weights(const Eigen::VectorXd& weights) { join_weights_ = weights; }
+  const Eigen::VectorXd& join_weights() const { return join_weights_; }
+
+  /// The offsets that make the mean residual of each output zero at the last point.
+  void centre_offsets(Eigen::VectorXd& own) const;
+
+ private:
+  /// Output of a frame as the camera should see it, with its offset.
+  double seen_value(Eigen::Index frame, int output, const double* own) const;
+  /// The coordinates of the place at a frame, as the model has them.
+  Eigen::Vector3d place(Eigen::Index frame) const;
+  void compare(const double* own);
+  void compare_attitudes(bool with_derivatives);
+  /// Derivatives of a row by the unknowns of the camera, and by others through it.
+  void fill_seen(Eigen::Index row, const Observation& observation, double factor);
+  /// The same of what the camera makes of a way, the place at a frame or where the segment ends less where it
+  /// starts, along one of its axes.
+  void fill_axis(Eigen::Index row, Eigen::Index frame, int axis, const Eigen::Vector3d& way, double factor);
+  /// Offsets lie in the axes of the camera: the next one is this one, and the way as the camera sees it.
+  void join_offset(const JoinRule& rule, int axis, Eigen::Index row, const double* own, const double* next,
+                   bool with_derivatives);
+  void add_priors(const double* own, bool with_derivatives);
+  void join(const double* own, const double* next, bool with_derivatives);
+  void join_turn(const JoinRule& rule, Eigen::Index row, const double* next, bool with_derivatives);
+  void fill_derivatives();
+  /// Row of derivatives of requested output `column` at `frame`, times `factor`.
+  void fill_row(Eigen::Index row, Eigen::Index frame, Eigen::Index column, double factor);
+
+  const FitProblem* problem_;
+  const Segment* segment_;
+  std::unique_ptr<TrajectorySource> source_;
+  Eigen::Index frame_count_ = 0;  ///< without the end of a joined segment
+  int data_size_ = 0;
+  int prior_size_ = 0;
+  Eigen::VectorXd q_;
+  Eigen::MatrixXd values_;
+  Eigen::MatrixXd derivatives_;
+  Eigen::VectorXd residual_;
+  Eigen::VectorXd join_weights_;
+  Eigen::MatrixXd by_shared_, by_own_, by_next_;
+  CameraView view_;           ///< at the last point
+  std::vector<int> axis_of_;  ///< of the camera, per compared output; -1: none
+  std::vector<char> turns_;   ///< per compared output: an angle that turns with the camera
+  long evaluations_ = 0;
+};
+
+}  // namespace samara::identification

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "samara/identification/problem/fit_problem.h"
+
+/// Internal to identification/.
+namespace samara::identification {
+
+/// Cuts the captures to the window, keeps what is compared, and finds the clusters. `problem` has its outputs
+/// already.
+/// @throws ArgumentError as fit()
+void add_segments(const FamilyInfo& family, std::span<const Capture> captures, const FitOptions& options,
+                  FitProblem& problem);
+
+/// @throws ArgumentError or InputError unless the capture measures what is compared.
+void check_capture(const Capture& capture, const FitProblem& problem);
+
+/// Numbers of the clusters of captures, in the order in which they appear.
+/// @throws ArgumentError if a capture lacks a label
+std::vector<int> clusters_of(std::span<const Capture> captures, const std::vector<std::string>& cluster_by);
+
+}  // namespace samara::identification

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "samara/identification/problem/fit_result.h"
+
+/// Internal to identification/: the part of the reports that says what a fit may claim.
+namespace samara::identification {
+
+/// "x [m]", as above a column; the name alone where the unit is 1.
+std::string with_unit(const std::string& name, const std::string& unit);
+
+/// Null if it is not finite, or not there.
+nlohmann::ordered_json number(double value);
+nlohmann::ordered_json number(const std::optional<double>& value);
+nlohmann::ordered_json column(const Eigen::Ref<const Eigen::VectorXd>& values);
+
+/// Adds "profiles", "identifiability", "whiteness", "bootstrap", "predictions" and "global_search"; null or
+/// empty where the result has none.
+void add_trust(const FitResult& result, nlohmann::ordered_json& object);
+
+/// The same in sentences and a table.
+void add_trust_text(const FitResult& result, std::string& text);
+
+}  // namespace samara::identification

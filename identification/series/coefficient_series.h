@@ -1,0 +1,152 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/codebooks/book/codebook.h"
+#include "samara/identification/captures/capture.h"
+#include "samara/identification/problem/fit_options.h"
+#include "samara/identification/problem/fit_result.h"
+#include "samara/models/interface/following_model.h"
+#include "samara/models/laws/registry.h"
+
+/// Coefficients that change along a motion: the source's "instantaneous coefficients", as a series that a
+/// simulation can replay.
+///
+/// A window of the capture gets a value of each coefficient at its centre; between centres (and the first and
+/// last frame, which have values too) coefficients are straight lines. All values are fitted at once, with
+/// the start states of the windows and the coefficients that stay constant:
+///
+///     1/2 sum rho((measured - model)/scale) + 1/2 sum_j sum_k (D c_j)_k^2/s_j^2,
+///
+/// where D takes first or second differences of neighbouring values, and s_j is the size of a difference that
+/// is to be expected. A series can follow anything; what it may follow, s_j says. It is the caller's, or it
+/// is chosen: of several factors f in s_j = f |constant fit of c_j| the one of the largest restricted
+/// likelihood (Laplace's approximation; S. N. Wood, J. R. Stat. Soc. B 73 (2011) 3-36), which prefers no
+/// change where the capture shows none.
+///
+/// Windows either adjoin and are joined (the motion is one, as in a replay), or slide by `stride`, each with
+/// a start state of its own: then what the model misses in one window does not spoil the next, and frames
+/// that lie in several windows count by their share.
+///
+/// Errors. With D the information of the captures about all shared values, P that of the differences, and phi
+/// the variance of a residual, cov = phi (D + P)^-1, phi = 2 cost/(n - own - trace((D + P)^-1 D)), and errors
+/// grow by sqrt((1 + r)/(1 - r)) where residuals are correlated from frame to frame. The diagonal of the
+/// resolution (D + P)^-1 D says how much of a value its own frames have decided, and how much its neighbours
+/// through smoothness.
+///
+///     const auto series = fit_series(find_model("falling_plate"), captures, options,
+///                                    {.coefficients = {"C_R"}, .window = 0.04});
+///     codebooks::save(series_codebook(series), "series.h5");
+namespace samara::identification {
+
+struct SeriesOptions {
+  /// Parameters of the model that change along the captures; free in the box of the fit, which holds at every
+  /// instant.
+  std::vector<std::string> coefficients = {};
+  /// Length of a window [s], or in the model's unit of time.
+  double window = 0.0;
+  /// From window to window, at most the window; each then has a start state of its own. Empty: windows adjoin
+  /// and are joined.
+  std::optional<double> stride = {};
+  int order = 2;  ///< of the differences that are small: 1 or 2
+  /// Of coefficients, in their units: the size of a difference between neighbours a stride apart. Those that
+  /// are not named get one common factor times their constant value, chosen by the captures.
+  std::map<std::string, double> scales = {};
+};
+
+/// @throws ArgumentError naming field, value and requirement.
+void validate(const SeriesOptions& options);
+
+/// What a value at an instant rests on.
+enum class InstantBasis {
+  frames,      ///< half of it or more on the frames around it
+  neighbours,  ///< on smoothness: the frames around it do not tell it from its neighbours
+  bound,       ///< at a bound of its box: the best value is probably outside
+  nothing,     ///< not determined: its error is as large as that of a uniform distribution over the box
+};
+
+/// "frames", "neighbours", "bound", "nothing".
+std::string to_string(InstantBasis basis);
+
+struct SeriesCoefficient {
+  std::string name = {};
+  std::string unit = {};
+  double scale = 0.0;                    ///< of differences, as used
+  double constant = 0.0;                 ///< its value where nothing may change
+  Eigen::VectorXd values = {};           ///< at the instants, SI
+  Eigen::VectorXd standard_errors = {};  ///< NaN at a bound and where nothing determines the value
+  Eigen::VectorXd shares = {};           ///< diagonal of the resolution: 1 is frames alone
+  std::vector<InstantBasis> basis = {};
+};
+
+/// One smoothness that was tried.
+struct SmoothnessTrial {
+  double factor = 0.0;
+  double criterion = 0.0;  ///< -2 log of the restricted likelihood, up to a constant; NaN if there was no fit
+  double effective = 0.0;  ///< how many free values the series has used: trace of the resolution
+};
+
+struct CoefficientSeries {
+  FitStatus status = FitStatus::failed;
+  std::string message = "the fit did not run";
+  std::vector<std::string> warnings = {};
+
+  std::string model = {};
+  std::string time_unit = {};
+  bool joined = true;
+  int windows = 0;
+  Eigen::VectorXd instants = {};  ///< in the captures' times
+  std::vector<SeriesCoefficient> coefficients = {};
+  /// The factor of the scales that were not given; empty if all were.
+  std::optional<double> factor = {};
+  std::vector<SmoothnessTrial> trials = {};
+  double effective = 0.0;           ///< free values used by all coefficients
+  double correlation_factor = 1.0;  ///< by which errors grew because residuals are correlated
+  /// What a replay needs besides: fixed parameters, coefficients that stayed constant, what is known of the
+  /// first capture or its own, and the state at its first frame ("s(0)", offsets added to what they shift;
+  /// not of averaged frames).
+  std::map<std::string, double> replay = {};
+  std::map<std::string, std::string> replay_units = {};
+
+  FitResult constant = {};  ///< the same fit where nothing changes
+  FitResult fit = {};       ///< with a coefficient "C_R@0.125" for each value
+};
+
+/// @param model whose coefficients are fitted  @param options with fixed, box (of the coefficients too) and,
+///   for fixed steps, step  @param captures their times are on one axis: all see the same series
+/// A search of the box (`global`) and `starts` are for the constant fit, from which the others begin.
+/// @throws ArgumentError as fit(), and for windows longer than half of the captures, coefficients that are no
+///   parameters or not free, options outside their meaning, profiles and a bootstrap; where windows slide,
+///   for segments, noise to be estimated, and all that belongs to the start of a capture: states that are not
+///   free, their priors, a camera, and parameters of each capture.
+CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
+                             std::span<const Capture> captures, const FitOptions& options,
+                             const SeriesOptions& series);
+
+/// The series as a codebook of one axis, t, whose outputs are the coefficients. Its certificate holds their
+/// standard errors: it says how well captures determine them, not how well anything was integrated.
+/// @throws ArgumentError if the fit of the series failed.
+codebooks::Codebook series_codebook(const CoefficientSeries& series);
+
+/// The course of a codebook over time alone whose outputs are parameters of the model: for following(). The
+/// codebook must outlive it.
+/// @throws ArgumentError if the codebook has other coordinates than time, is the series of another model, or
+///   has outputs that are no parameters of the model, in another unit, or outside their meaning.
+std::shared_ptr<const models::ParameterCourse> codebook_course(const codebooks::Codebook& book,
+                                                               const models::ModelInfo& model);
+
+/// One JSON object with "schema": "samara-series/1": the series, then the fit as fit_json(). Ends in a
+/// newline.
+std::string series_json(const CoefficientSeries& series);
+
+/// A table for people.
+std::string series_text(const CoefficientSeries& series);
+
+}  // namespace samara::identification

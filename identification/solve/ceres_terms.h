@@ -1,0 +1,105 @@
+#pragma once
+
+#include <exception>
+#include <vector>
+
+#include <Eigen/Core>
+#include <ceres/ceres.h>
+
+#include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/problem/segment_residual.h"
+
+/// Internal to minimize.cpp: a fit's unknowns, residuals and charts as Ceres takes them.
+namespace samara::identification {
+
+/// All unknowns in one block of memory. Ceres orders parameter blocks by their addresses, and with the order
+/// the rounding of its sums: separate blocks would give other bits in every run.
+class Unknowns {
+ public:
+  Unknowns(const FitPoint& point, int shared, int own);
+
+  double* shared() { return values_.data(); }
+  double* own(std::size_t segment) { return values_.data() + place(segment); }
+  void store(FitPoint& point) const;
+
+ private:
+  Eigen::Index place(std::size_t segment) const {
+    return shared_ + own_ * static_cast<Eigen::Index>(segment);
+  }
+
+  int shared_;
+  int own_;
+  Eigen::VectorXd values_;
+};
+
+/// All segments at one point, each by one thread at a time, before Ceres asks for them one by one.
+class Evaluation final : public ceres::EvaluationCallback {
+ public:
+  Evaluation(std::vector<SegmentResidual>& residuals, Unknowns& unknowns)
+      : residuals_(residuals), unknowns_(unknowns), ok_(residuals.size(), 0) {}
+
+  void PrepareForEvaluation(bool evaluate_jacobians, bool new_point) override;
+
+  bool has_trajectory(std::size_t segment) const { return ok_[segment] != 0; }
+  bool all_have_trajectories();
+  /// What a source threw; not through Ceres.
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+ private:
+  std::vector<SegmentResidual>& residuals_;
+  Unknowns& unknowns_;
+  std::vector<char> ok_;
+  bool has_jacobians_ = false;
+  std::exception_ptr thrown_;
+};
+
+/// The residuals of one segment: sign(r) sqrt(rho(r)), so that half their squares sum to the cost, frame by
+/// frame (a ceres::LossFunction would see all frames of a capture as one residual). The derivative is
+/// psi/sqrt(rho) times that of r. Joins have no loss. All of it goes with the weight of the motion.
+class SegmentCost final : public ceres::CostFunction {
+ public:
+  SegmentCost(const FitProblem& problem, const SegmentResidual& residual, const Evaluation& evaluation,
+              std::size_t number);
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+
+ private:
+  void add_block(int size, const Eigen::MatrixXd& derivatives);
+
+  LossKind loss_;
+  double root_weight_;
+  const SegmentResidual& residual_;
+  const Evaluation& evaluation_;
+  std::size_t number_;
+  std::vector<const Eigen::MatrixXd*> blocks_;
+};
+
+/// What was known of the shared unknowns beforehand.
+class PriorCost final : public ceres::CostFunction {
+ public:
+  explicit PriorCost(const FitProblem& problem);
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+
+ private:
+  std::vector<SharedPrior> priors_;
+  std::vector<SharedCombination> combinations_;
+};
+
+/// A chart as Ceres takes it.
+class ChartManifold final : public ceres::Manifold {
+ public:
+  explicit ChartManifold(Chart chart) : chart_(std::move(chart)) {}
+
+  int AmbientSize() const override { return chart_.size(); }
+  int TangentSize() const override { return chart_.directions(); }
+  bool Plus(const double* x, const double* delta, double* x_plus_delta) const override;
+  bool PlusJacobian(const double* x, double* jacobian) const override;
+  bool Minus(const double* y, const double* x, double* y_minus_x) const override;
+  bool MinusJacobian(const double* x, double* jacobian) const override;
+
+ private:
+  Chart chart_;
+};
+
+}  // namespace samara::identification

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/problem/segment_residual.h"
+#include "samara/models/interface/parametric_model.h"
+
+/// Internal to identification/.
+namespace samara::identification {
+
+/// Start states of all segments, the shared unknowns held at `point`. Captures smoothed in several ways give
+/// candidates (kinematic_start.h); each segment keeps the one from which its own frames are met best. A
+/// segment that is met much worse than the others grows from its first frames to all of them.
+///
+/// @param equations with the coordinates of the family free, in their order
+/// @param residuals one per segment; scratch
+/// @param point its own unknowns are replaced
+/// @param also_point its own unknowns are candidates too
+void find_start_states(const models::ParametricModel& equations, const FitProblem& problem,
+                       std::vector<SegmentResidual>& residuals, FitPoint& point, bool also_point = false);
+
+/// The own unknowns of one segment alone, the shared ones held and the next segment out of sight, by
+/// Levenberg and Marquardt.
+/// @param own from where; where it ended afterwards
+/// @param frames only the first so many are compared
+/// @returns 1/2 sum rho; infinite if there is no trajectory at the start
+double minimize_own(const FitProblem& problem, SegmentResidual& residual, const Eigen::VectorXd& shared,
+                    Eigen::VectorXd& own, int frames, int max_iterations);
+
+}  // namespace samara::identification

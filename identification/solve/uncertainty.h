@@ -1,0 +1,48 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/problem/segment_residual.h"
+
+/// Internal to identification/; the formulas stand in fit.h.
+namespace samara::identification {
+
+/// Of the unknowns of one segment.
+struct OwnUncertainty {
+  Eigen::VectorXd standard_error;  ///< naive; NaN at a bound and where not determined
+  std::vector<char> at_bound;
+  std::vector<char> determined;
+};
+
+/// Of the shared unknowns. Matrices are shared x shared, NaN in rows and columns at a bound or not
+/// determined.
+struct Uncertainty {
+  Eigen::MatrixXd clustered;  ///< all NaN for fewer than two clusters
+  Eigen::MatrixXd naive;
+  Eigen::MatrixXd cluster_shares;  ///< as ClusterErrors::shares; zero at a bound
+  std::vector<char> at_bound;
+  std::vector<char> determined;
+  std::vector<std::vector<int>> undetermined_sets;  ///< as in DeterminedInverse
+  /// Sets that only priors determine, in the same form; the captures alone would not.
+  std::vector<std::vector<int>> sets_held_by_priors;
+  /// The Hessian of the loss was no use (too many residuals beyond its bend): mean(psi') J^T J stood in.
+  bool hessian_replaced = false;
+  std::vector<OwnUncertainty> own;  ///< per segment
+  /// Second derivative of the cost by the shared unknowns, the own ones eliminated: psi' J J^T, or mean(psi')
+  /// J^T J where that is not positive.
+  Eigen::MatrixXd information;
+  /// What the cost is to be divided by to be a log-likelihood, frames taken as independent: sum(psi^2)/(n -
+  /// p)/mean(psi'). NaN if nothing is left over.
+  double dispersion = 0.0;
+  int residual_freedom = 0;  ///< n - p: compared numbers less the unknowns that they determine
+};
+
+/// @param residuals one per segment; scratch, left at `point`
+/// @param point a minimum, at which there are trajectories
+Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentResidual>& residuals,
+                                 const FitPoint& point);
+
+}  // namespace samara::identification

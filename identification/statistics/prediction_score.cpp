@@ -1,0 +1,271 @@
+#include "samara/identification/statistics/prediction_score.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/QR>
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/identification/smoothing/medians.h"
+#include "samara/identification/smoothing/rotation_vectors.h"
+#include "samara/identification/smoothing/smoothing.h"
+
+namespace samara::identification {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr Eigen::Index kFewestAtEnd = 5;
+
+int degree_of(Baseline baseline) {
+  switch (baseline) {
+    case Baseline::straight_line:
+    case Baseline::constant_velocity:
+    case Baseline::measured_velocity:
+      return 1;
+    case Baseline::quadratic:
+    case Baseline::constant_acceleration:
+      return 2;
+    case Baseline::cubic:
+      return 3;
+  }
+  throw ArgumentError("a baseline of no known kind");
+}
+
+bool follows_end(Baseline baseline) {
+  return baseline == Baseline::constant_velocity || baseline == Baseline::constant_acceleration;
+}
+
+void check_count(const char* what, Eigen::Index count, const Eigen::VectorXd& times) {
+  if (count == times.size()) return;
+  throw ArgumentError(
+      fmt::format("a window of {} times has {} {}; as many were expected", times.size(), count, what));
+}
+
+void check_times(const Eigen::VectorXd& window, const Eigen::VectorXd& times) {
+  if (!window.allFinite() || !times.allFinite())
+    throw ArgumentError("a time of a prediction is not finite; finite times were expected");
+}
+
+/// Powers of (time - origin)/length, times x (degree + 1).
+Eigen::MatrixXd powers(const Eigen::VectorXd& times, int degree, double origin, double length) {
+  Eigen::MatrixXd result(times.size(), degree + 1);
+  result.col(0).setOnes();
+  for (int k = 1; k <= degree; ++k)
+    result.col(k) = result.col(k - 1).array() * (times.array() - origin) / length;
+  return result;
+}
+
+/// Indices of the frames in which the component was seen; of the last third only, if asked.
+std::vector<Eigen::Index> seen_frames(const Eigen::VectorXd& component, bool last_third) {
+  std::vector<Eigen::Index> frames;
+  for (Eigen::Index row = 0; row < component.size(); ++row) {
+    if (std::isfinite(component[row])) frames.push_back(row);
+  }
+  if (!last_third) return frames;
+  const auto count = static_cast<Eigen::Index>(frames.size());
+  const Eigen::Index kept = std::min(count, std::max(kFewestAtEnd, count / 3));
+  frames.erase(frames.begin(), frames.end() - kept);
+  return frames;
+}
+
+/// A straight line through rates, and what it adds up to.
+class RateLine {
+ public:
+  /// @param times finite, two or more
+  RateLine(const Eigen::VectorXd& times, const Eigen::VectorXd& rates)
+      : origin_(times[times.size() - 1]),
+        length_(std::max(times.maxCoeff() - times.minCoeff(), std::numeric_limits<double>::min())),
+        line_(powers(times, 1, origin_, length_).colPivHouseholderQr().solve(rates)) {}
+
+  double rate(double time) const { return line_[0] + line_[1] * (time - origin_) / length_; }
+  /// The integral from the last of the times on.
+  double moved(double time) const {
+    const double since = time - origin_;
+    return since * (line_[0] + 0.5 * line_[1] * since / length_);
+  }
+
+ private:
+  double origin_, length_;
+  Eigen::Vector2d line_;
+};
+
+Eigen::VectorXd carry_on(const SeenMotion& window, Eigen::Index component, const Eigen::VectorXd& times) {
+  std::vector<Eigen::Index> frames;
+  for (Eigen::Index k = 0; k < window.rates.rows(); ++k) {
+    if (std::isfinite(window.positions(k, component)) && std::isfinite(window.rates(k, component)))
+      frames.push_back(k);
+  }
+  if (frames.size() < 2) return Eigen::VectorXd::Constant(times.size(), kNaN);
+  const Eigen::VectorXd seen = window.times(frames);
+  const RateLine line(seen, window.rates(frames, component));
+  const auto moved = [&](double time) { return line.moved(time); };
+  const Eigen::VectorXd positions = window.positions(frames, component);
+  const double end = (positions - seen.unaryExpr(moved)).mean();
+  return end + times.unaryExpr(moved).array();
+}
+
+Eigen::VectorXd predict_component(Baseline baseline, const Eigen::VectorXd& window_times,
+                                  const Eigen::VectorXd& component, const Eigen::VectorXd& times) {
+  const int degree = degree_of(baseline);
+  const std::vector<Eigen::Index> frames = seen_frames(component, follows_end(baseline));
+  if (static_cast<int>(frames.size()) <= degree) return Eigen::VectorXd::Constant(times.size(), kNaN);
+  const Eigen::VectorXd t = window_times(frames);
+  const double origin = t[t.size() - 1];
+  const double length = std::max(t.maxCoeff() - t.minCoeff(), std::numeric_limits<double>::min());
+  const Eigen::VectorXd values = component(frames);
+  const Eigen::VectorXd polynomial = powers(t, degree, origin, length).colPivHouseholderQr().solve(values);
+  return powers(times, degree, origin, length) * polynomial;
+}
+
+}  // namespace
+
+std::string to_string(Baseline baseline) {
+  switch (baseline) {
+    case Baseline::straight_line:
+      return "straight line";
+    case Baseline::quadratic:
+      return "quadratic";
+    case Baseline::cubic:
+      return "cubic";
+    case Baseline::constant_velocity:
+      return "constant velocity";
+    case Baseline::constant_acceleration:
+      return "constant acceleration";
+    case Baseline::measured_velocity:
+      return "measured velocity";
+  }
+  throw ArgumentError("a baseline of no known kind");
+}
+
+const std::vector<Baseline>& all_baselines() {
+  static const std::vector<Baseline> all = {Baseline::straight_line,
+                                            Baseline::quadratic,
+                                            Baseline::cubic,
+                                            Baseline::constant_velocity,
+                                            Baseline::constant_acceleration,
+                                            Baseline::measured_velocity};
+  return all;
+}
+
+Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& window, const Eigen::VectorXd& times) {
+  check_count("positions", window.positions.rows(), window.times);
+  if (window.rates.size() > 0) check_count("rates", window.rates.rows(), window.times);
+  check_times(window.times, times);
+  Eigen::MatrixXd result(times.size(), window.positions.cols());
+  for (Eigen::Index c = 0; c < result.cols(); ++c) {
+    result.col(c) = baseline == Baseline::measured_velocity
+                        ? carry_on(window, c, times)
+                        : predict_component(baseline, window.times, window.positions.col(c), times);
+  }
+  return result;
+}
+
+namespace {
+
+/// With the rates of a straight line, by steps of a rotation each.
+Eigen::MatrixX4d turn_on(const SeenTurn& window, Eigen::Index last, const Eigen::VectorXd& times) {
+  constexpr int kSteps = 50;  // from one time to the next
+  Eigen::MatrixX4d result = Eigen::MatrixX4d::Constant(times.size(), 4, kNaN);
+  std::vector<Eigen::Index> frames;
+  for (Eigen::Index k = 0; k < window.body_rates.rows(); ++k) {
+    if (window.body_rates.row(k).allFinite()) frames.push_back(k);
+  }
+  if (frames.size() < 2) return result;
+  const Eigen::VectorXd seen = window.times(frames);
+  std::vector<RateLine> lines;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) lines.emplace_back(seen, window.body_rates(frames, axis));
+  Attitude q = attitude_of(window.attitudes.row(last).transpose()).normalized();
+  double now = window.times[last];
+  for (Eigen::Index row = 0; row < times.size(); ++row) {
+    const double step = (times[row] - now) / kSteps;
+    for (int k = 0; k < kSteps; ++k) {
+      const double middle = now + (k + 0.5) * step;
+      q = turned(q,
+                 step * Eigen::Vector3d(lines[0].rate(middle), lines[1].rate(middle), lines[2].rate(middle)));
+    }
+    now = times[row];
+    result.row(row) = components(q);
+  }
+  return result;
+}
+
+}  // namespace
+
+Eigen::MatrixX4d predict_turn(Baseline baseline, const SeenTurn& window, const Eigen::VectorXd& times) {
+  check_count("attitudes", window.attitudes.rows(), window.times);
+  if (window.body_rates.size() > 0) check_count("rates", window.body_rates.rows(), window.times);
+  check_times(window.times, times);
+  Eigen::Index last = window.times.size();
+  while (last-- > 0 && !window.attitudes.row(last).allFinite()) {
+  }
+  if (last < 0) return Eigen::MatrixX4d::Constant(times.size(), 4, kNaN);
+  if (baseline == Baseline::measured_velocity) return turn_on(window, last, times);
+
+  const Eigen::MatrixX4d seen = continuous_attitudes(window.times, window.attitudes);
+  const Attitude reference = attitude_of(seen.row(last).transpose());
+  Eigen::MatrixXd turns = Eigen::MatrixXd::Constant(seen.rows(), 3, kNaN);
+  for (Eigen::Index k = 0; k < seen.rows(); ++k) {
+    if (seen.row(k).allFinite())
+      turns.row(k) = rotation_vector(reference, attitude_of(seen.row(k).transpose())).transpose();
+  }
+  const Eigen::MatrixXd ahead = predict(baseline, SeenMotion{window.times, turns}, times);
+  Eigen::MatrixX4d result = Eigen::MatrixX4d::Constant(times.size(), 4, kNaN);
+  for (Eigen::Index row = 0; row < times.size(); ++row) {
+    if (ahead.row(row).allFinite())
+      result.row(row) = components(turned(reference, ahead.row(row).transpose()));
+  }
+  return result;
+}
+
+std::vector<double> turn_distances(const Eigen::MatrixX4d& predicted, const Eigen::MatrixX4d& measured) {
+  if (predicted.rows() != measured.rows()) {
+    throw ArgumentError(fmt::format("a prediction of {} attitudes was compared with {} measured ones",
+                                    predicted.rows(), measured.rows()));
+  }
+  std::vector<double> distances;
+  for (Eigen::Index row = 0; row < predicted.rows(); ++row) {
+    if (!predicted.row(row).allFinite() || !measured.row(row).allFinite()) continue;
+    const Attitude a = attitude_of(predicted.row(row).transpose()).normalized();
+    distances.push_back(a.angularDistance(attitude_of(measured.row(row).transpose()).normalized()));
+  }
+  return distances;
+}
+
+std::vector<double> prediction_distances(const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& measured) {
+  if (predicted.rows() != measured.rows() || predicted.cols() != measured.cols()) {
+    throw ArgumentError(fmt::format("a prediction of {} x {} was compared with {} x {} measured values",
+                                    predicted.rows(), predicted.cols(), measured.rows(), measured.cols()));
+  }
+  std::vector<double> distances;
+  for (Eigen::Index row = 0; row < predicted.rows(); ++row) {
+    const double distance = (predicted.row(row) - measured.row(row)).norm();
+    if (std::isfinite(distance)) distances.push_back(distance);
+  }
+  return distances;
+}
+
+PredictionTally::PredictionTally(std::string predictor, std::string quantity, std::string unit)
+    : score_{.predictor = std::move(predictor), .quantity = std::move(quantity), .unit = std::move(unit)} {}
+
+void PredictionTally::add(const std::vector<double>& distances) {
+  if (!distances.empty()) ++score_.captures;
+  distances_.insert(distances_.end(), distances.begin(), distances.end());
+}
+
+PredictionScore PredictionTally::score() const {
+  PredictionScore score = score_;
+  score.count = static_cast<int>(distances_.size());
+  score.median = score.rms = score.largest = kNaN;
+  if (distances_.empty()) return score;
+  double squares = 0.0;
+  for (const double distance : distances_) squares += distance * distance;
+  score.median = median(distances_);
+  score.rms = std::sqrt(squares / score.count);
+  score.largest = *std::ranges::max_element(distances_);
+  return score;
+}
+
+}  // namespace samara::identification

@@ -1,0 +1,72 @@
+#include "samara/identification/trajectories/model_family.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/identification/trajectories/model_symmetry.h"
+
+namespace samara::identification {
+
+namespace {
+
+std::vector<std::string> names_of(const std::map<std::string, Interval>& box) {
+  std::vector<std::string> names;
+  for (const auto& [name, interval] : box) names.push_back(name);
+  return names;
+}
+
+void check_box(const models::ParametricModel& model, const std::map<std::string, Interval>& box) {
+  if (box.empty()) throw ArgumentError("the box is empty; at least one free coordinate was expected");
+  std::vector<double> lower;
+  std::vector<double> upper;
+  for (const auto& [name, interval] : box) {
+    if (!(interval.width() > 0.0)) {
+      throw ArgumentError(
+          fmt::format("the box of \"{}\" goes from {} to {}; an interval with a length was expected", name,
+                      interval.lower, interval.upper));
+    }
+    lower.push_back(interval.lower);
+    upper.push_back(interval.upper);
+  }
+  model.check(lower);
+  model.check(upper);
+}
+
+FamilyInfo describe(const models::ParametricModel& model, const std::map<std::string, Interval>& box,
+                    const std::string& source) {
+  const models::ModelInfo& m = model.model().info();
+  FamilyInfo info{.model = m.name, .source = source, .fixed = model.fixed()};
+  for (const models::FreeCoordinate& c : model.free()) {
+    const Interval& interval = box.at(c.name);
+    info.coordinates.push_back({c.name, c.unit, c.is_initial, interval.lower, interval.upper});
+  }
+  for (const models::StateInfo& state : m.states) info.outputs.push_back({state.name, state.unit});
+  describe_equations(model, info);
+  return info;
+}
+
+}  // namespace
+
+ModelFamily::ModelFamily(std::shared_ptr<const models::Model> model,
+                         const std::map<std::string, double>& fixed,
+                         const std::map<std::string, Interval>& box, const std::string& source)
+    : model_(std::move(model), fixed, names_of(box)) {
+  check_box(model_, box);
+  info_ = describe(model_, box, source);
+}
+
+std::vector<int> ModelFamily::state_indices(const std::vector<std::string>& outputs) const {
+  std::vector<int> indices;
+  for (const std::string& output : outputs) {
+    const auto found = std::ranges::find(info_.outputs, output, &FitOutput::name);
+    if (found == info_.outputs.end()) {
+      throw ArgumentError(fmt::format("model \"{}\" has no state \"{}\"", info_.model, output));
+    }
+    indices.push_back(static_cast<int>(found - info_.outputs.begin()));
+  }
+  return indices;
+}
+
+}  // namespace samara::identification

@@ -1,0 +1,293 @@
+#include "samara/models/checks/check_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string_view>
+
+#include "samara/base/errors.h"
+#include "samara/base/number_text.h"
+#include "samara/models/checks/check_parts.h"
+#include "samara/models/checks/unit_dimension.h"
+
+namespace samara::models {
+
+std::string quoted(const std::string& text) {
+  return "\"" + text + "\"";
+}
+
+namespace {
+
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+bool looks_like_a_name(std::string_view name) {
+  return !name.empty() && is_letter(name.front()) &&
+         std::ranges::all_of(name, [](char c) { return is_letter(c) || is_digit(c) || c == '_'; });
+}
+
+void check_texts(const ModelInfo& info, Findings& findings) {
+  const auto need = [&](const std::string& text, const std::string& what) {
+    if (text.empty()) findings.push_back("model " + quoted(info.name) + " has no " + what);
+  };
+  need(info.name, "name");
+  need(info.title, "title");
+  need(info.equations, "equations");
+  need(info.frames, "words on its frames");
+  need(info.source, "source");
+  need(info.validity, "range of validity");
+  if (info.states.empty()) findings.push_back("model " + quoted(info.name) + " has no states");
+}
+
+void check_names_and_units(const ModelInfo& info, Findings& findings) {
+  std::vector<std::string> seen;
+  const auto look = [&](const std::string& name, const std::string& unit, const std::string& description) {
+    if (!looks_like_a_name(name)) {
+      findings.push_back("name " + quoted(name) + " is not made of letters, digits and _, a letter first");
+    }
+    if (std::ranges::count(seen, name) > 0) findings.push_back("name " + quoted(name) + " is used twice");
+    if (!looks_like_a_unit(unit)) {
+      findings.push_back("unit " + quoted(unit) + " of " + quoted(name) + " does not read as a unit");
+    }
+    if (description.empty()) findings.push_back(quoted(name) + " has no description");
+    seen.push_back(name);
+  };
+  for (const StateInfo& state : info.states) look(state.name, state.unit, state.description);
+  for (const ParameterInfo& p : info.parameters) look(p.name, p.unit, p.description);
+}
+
+void check_defaults(const ModelInfo& info, Findings& findings) {
+  for (const StateInfo& state : info.states) {
+    if (!std::isfinite(state.default_initial)) {
+      findings.push_back("the default initial value of " + quoted(state.name) + " is not finite");
+    }
+  }
+  for (const ParameterInfo& parameter : info.parameters) {
+    if (!parameter.default_value) continue;
+    const double value = *parameter.default_value;
+    if (!std::isfinite(value))
+      findings.push_back("the default of " + quoted(parameter.name) + " is not finite");
+    if (!in_meaning(parameter, value)) {
+      findings.push_back("the default of " + quoted(parameter.name) + ", " + number_text(value) +
+                         ", is outside its meaning");
+    }
+    if (!parameter.derived.empty()) {
+      findings.push_back(quoted(parameter.name) + " has both a default and a derived default");
+    }
+  }
+}
+
+}  // namespace
+
+double random_value(const ParameterInfo& parameter, std::mt19937& random) {
+  std::uniform_real_distribution<double> factor(0.5, 2.0);
+  if (std::isfinite(parameter.lower) && std::isfinite(parameter.upper)) {
+    return parameter.lower + 0.4 * factor(random) * (parameter.upper - parameter.lower);
+  }
+  if (parameter.default_value && *parameter.default_value != 0.0) {
+    const double value = *parameter.default_value * factor(random);
+    if (value > parameter.lower) return value;
+  }
+  if (std::isfinite(parameter.lower)) return parameter.lower + factor(random);
+  // Small beside parameters that are not zero: entries off the diagonal of a matrix must leave it regular.
+  return 0.1 * (factor(random) - 1.25);
+}
+
+Point with_all_given(const Model& model, const Point& point) {
+  Point all = point;
+  all.p = {model.completed(point.p), std::vector<char>(point.p.given.size(), 1)};
+  model.rhs_with_derivatives(all.t, all.x, all.p, all.f, all.df_dx, all.df_dp);
+  return all;
+}
+
+Eigen::VectorXd term_sizes(const Point& point) {
+  const auto vector = [](const std::vector<double>& values) {
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()))
+        .cwiseAbs();
+  };
+  return vector(point.f) + point.df_dx.cwiseAbs() * vector(point.x) +
+         point.df_dp.cwiseAbs() * vector(point.p.value);
+}
+
+namespace {
+
+/// A quaternion of norm one, all attitudes equally likely.
+void set_random_attitude(double* q, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  Eigen::Map<Eigen::Vector4d> attitude(q);
+  for (double& part : attitude) part = normal(random);
+  attitude.normalize();
+}
+
+Point random_point(const Model& model, std::mt19937& random) {
+  const ModelInfo& info = model.info();
+  std::uniform_real_distribution<double> symmetric(-2.0, 2.0);
+  Point point;
+  for (const ParameterInfo& parameter : info.parameters) {
+    const bool optional = parameter.default_value || !parameter.derived.empty();
+    point.p.given.push_back(!optional || symmetric(random) > 0.0 ? 1 : 0);
+    point.p.value.push_back(random_value(parameter, random));
+  }
+  const Scales scales = model.scales(point.p);
+  point.t = std::abs(symmetric(random)) * scales.time;
+  for (const StateInfo& state : info.states) {
+    point.x.push_back(symmetric(random) * state_scale(state, scales));
+  }
+  for (const StateGroup& group : info.groups) {
+    if (group.kind == StateGroupKind::quaternion) set_random_attitude(point.x.data() + group.first, random);
+  }
+  const auto states = static_cast<Eigen::Index>(info.states.size());
+  point.f.resize(info.states.size());
+  point.df_dx.resize(states, states);
+  point.df_dp.resize(states, static_cast<Eigen::Index>(info.parameters.size()));
+  model.rhs_with_derivatives(point.t, point.x, point.p, point.f, point.df_dx, point.df_dp);
+  return point;
+}
+
+bool all_finite(const std::vector<double>& values) {
+  return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
+}
+
+void check_values(const Model& model, const Point& point, Findings& findings) {
+  const ModelInfo& info = model.info();
+  std::vector<double> f(point.f.size());
+  model.rhs(point.t, point.x, point.p, f);
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    // The two routes may round differently; more than that is a mistake. Terms that cancel in f show in its
+    // derivatives.
+    const auto row = static_cast<Eigen::Index>(i);
+    double terms = std::abs(f[i]) + std::abs(point.f[i]);
+    for (std::size_t j = 0; j < f.size(); ++j) {
+      terms += std::abs(point.df_dx(row, static_cast<Eigen::Index>(j)) * point.x[j]);
+    }
+    const double round_off = 1e-12 * terms;
+    if (!(std::abs(f[i] - point.f[i]) <= round_off)) {
+      findings.push_back("the rate of " + quoted(info.states[i].name) + " is " + number_text(f[i]) +
+                         " without derivatives and " + number_text(point.f[i]) + " with them");
+    }
+  }
+  const std::vector<double> all = model.completed(point.p);
+  if (all.size() != info.parameters.size() || !all_finite(all)) {
+    findings.push_back("the completed parameters are not one finite number each");
+  }
+  for (std::size_t j = 0; j < all.size() && j < info.parameters.size(); ++j) {
+    if (point.p.given[j] && all[j] != point.p.value[j]) {
+      findings.push_back("the given value of " + quoted(info.parameters[j].name) +
+                         " is changed by completed()");
+    }
+  }
+  const Scales s = model.scales(point.p);
+  for (const double size : {s.length, s.time, s.velocity}) {
+    if (!(std::isfinite(size) && size > 0.0)) {
+      findings.push_back("the scales hold " + number_text(size) + "; finite and positive was expected");
+    }
+  }
+}
+
+/// Compares one column of derivatives with central differences in `variable`, which lies in `point`.
+void check_column(const Model& model, const Point& point, double& variable, double size,
+                  const std::string& name, const Eigen::VectorXd& derivative, double tolerance,
+                  Findings& findings) {
+  // The step that balances truncation, h^2, against round-off, eps/h.
+  const double step = std::cbrt(std::numeric_limits<double>::epsilon()) * size;
+  const double middle = variable;
+  std::vector<double> above(point.f.size());
+  std::vector<double> below(point.f.size());
+  const double up = variable = middle + step;
+  model.rhs(point.t, point.x, point.p, above);
+  const double down = variable = middle - step;
+  model.rhs(point.t, point.x, point.p, below);
+  variable = middle;
+  for (std::size_t i = 0; i < point.f.size(); ++i) {
+    const double exact = derivative[static_cast<Eigen::Index>(i)];
+    const double difference = (above[i] - below[i]) / (up - down);
+    const double scale = std::abs(exact) + std::max(std::abs(above[i]), std::abs(below[i])) / size;
+    if (std::abs(difference - exact) <= tolerance * scale) continue;
+    findings.push_back("the derivative of the rate of " + quoted(model.info().states[i].name) + " by " +
+                       quoted(name) + " is " + number_text(exact) + "; differences give " +
+                       number_text(difference, 8));
+  }
+}
+
+void check_derivatives(const Model& model, Point& point, double tolerance, Findings& findings) {
+  const ModelInfo& info = model.info();
+  const Scales scales = model.scales(point.p);
+  for (std::size_t i = 0; i < info.states.size(); ++i) {
+    const double size = std::max(std::abs(point.x[i]), state_scale(info.states[i], scales));
+    check_column(model, point, point.x[i], size, info.states[i].name,
+                 point.df_dx.col(static_cast<Eigen::Index>(i)), tolerance, findings);
+  }
+  for (std::size_t j = 0; j < info.parameters.size(); ++j) {
+    const Eigen::VectorXd column = point.df_dp.col(static_cast<Eigen::Index>(j));
+    if (!point.p.given[j]) {
+      if (!column.isZero(0.0)) {
+        findings.push_back("the derivative by " + quoted(info.parameters[j].name) +
+                           " is not zero although it is not given");
+      }
+      continue;
+    }
+    const double size = point.p.value[j] == 0.0 ? 1.0 : std::abs(point.p.value[j]);
+    check_column(model, point, point.p.value[j], size, info.parameters[j].name, column, tolerance, findings);
+  }
+}
+
+/// "translation of x" means that f does not depend on x.
+void check_symmetries(const Model& model, const Point& point, Findings& findings) {
+  const std::string translation = "translation of ";
+  const std::vector<StateInfo>& states = model.info().states;
+  for (const std::string& symmetry : model.info().symmetries) {
+    if (!symmetry.starts_with(translation)) continue;
+    const std::string name = symmetry.substr(translation.size());
+    const auto state = std::ranges::find(states, name, &StateInfo::name);
+    if (state == states.end()) {
+      findings.push_back("symmetry " + quoted(symmetry) + " names no state");
+    } else if (!point.df_dx.col(state - states.begin()).isZero(0.0)) {
+      findings.push_back("symmetry " + quoted(symmetry) + " does not hold: f depends on " + quoted(name));
+    }
+  }
+}
+
+/// The same finding at many points is said once.
+void remove_repetitions(Findings& findings) {
+  Findings unique;
+  for (std::string& finding : findings) {
+    if (std::ranges::count(unique, finding) == 0) unique.push_back(std::move(finding));
+  }
+  findings = std::move(unique);
+}
+
+}  // namespace
+
+ModelCheck check_model(const Model& model, const CheckModelOptions& options) {
+  if (options.points < 1) {
+    throw ArgumentError("points is " + std::to_string(options.points) + "; 1 or more was expected");
+  }
+  if (!(options.tolerance > 0.0)) {
+    throw ArgumentError("tolerance is " + number_text(options.tolerance) + "; a positive value was expected");
+  }
+  ModelCheck check;
+  check_texts(model.info(), check.findings);
+  check_names_and_units(model.info(), check.findings);
+  check_defaults(model.info(), check.findings);
+  check_known_units(model.info(), check.findings);
+  if (!check_groups(model.info(), check.findings)) return check;
+  std::mt19937 random(options.seed);
+  for (int k = 0; k < options.points; ++k) {
+    Point point = random_point(model, random);
+    check_values(model, point, check.findings);
+    check_derivatives(model, point, options.tolerance, check.findings);
+    check_symmetries(model, point, check.findings);
+    check_rotation(model, point, random, check.findings);
+    if (options.units) check_dimensions(model, point, random, check.findings);
+    check_affinity(model, point, random, check.findings);
+    check_forces(model, point, options.tolerance, check.findings);
+  }
+  remove_repetitions(check.findings);
+  return check;
+}
+
+}  // namespace samara::models

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "samara/pgd/axes/axis.h"
+
+/// What the factories of all kinds of axes ask of their arguments; internal to pgd/.
+namespace samara::pgd {
+
+/// @throws ArgumentError unless there are at least `least` values, all finite and increasing.
+void check_increasing(const Axis::Label& label, const Eigen::VectorXd& values, int least);
+
+/// @throws ArgumentError if the label has a transform, which the named kind of axis cannot have.
+void check_no_transform(const Axis::Label& label, const char* kind);
+
+}  // namespace samara::pgd

@@ -1,0 +1,296 @@
+// The kinds of axes that are made of elements: p1, p2, chebyshev, legendre, radau.
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/pgd/axes/axis.h"
+#include "samara/pgd/axes/axis_checks.h"
+#include "samara/pgd/axes/quadrature.h"
+
+namespace samara::pgd {
+
+namespace {
+
+void check_borders(const Axis::Label& label, const Eigen::VectorXd& borders) {
+  check_increasing(label, borders, 2);
+  if (in_domain(label.transform, borders[0])) return;
+  throw ArgumentError(fmt::format("axis \"{}\" begins at {} with the transform \"{}\", expected {} 0",
+                                  label.name, borders[0], to_string(label.transform),
+                                  label.transform == Transform::square_root ? "at least" : "more than"));
+}
+
+/// Place of x in the element [left, right], mapped to [-1, 1] through the transform. Written so that both
+/// ends map to -1 and 1 exactly.
+double reference_place(Transform transform, double left, double right, double x) {
+  return (transformed_distance(transform, left, x) - transformed_distance(transform, x, right)) /
+         transformed_distance(transform, left, right);
+}
+
+/// The x at a place of [-1, 1], reckoned from the nearer end.
+double place_in_element(Transform transform, double left, double right, double place) {
+  const double half = 0.5 * transformed_distance(transform, left, right);
+  return place <= 0.0 ? transformed_advance(transform, left, half * (1.0 + place))
+                      : transformed_advance(transform, right, -half * (1.0 - place));
+}
+
+/// Borders of elements that are equal in s.
+Eigen::VectorXd equal_elements(const Axis::Label& label, double lower, double upper, int elements) {
+  if (elements < 1) {
+    throw ArgumentError(
+        fmt::format("axis \"{}\" has {} elements, expected at least 1", label.name, elements));
+  }
+  check_borders(label, Eigen::Vector2d(lower, upper));
+  Eigen::VectorXd borders = Eigen::VectorXd::LinSpaced(elements + 1, lower, upper);
+  if (label.transform == Transform::none) return borders;
+  for (int e = 1; e < elements; ++e) {
+    borders[e] = place_in_element(label.transform, lower, upper, (2.0 * e - elements) / elements);
+  }
+  return borders;
+}
+
+/// Integrals over one element.
+struct ElementMatrices {
+  explicit ElementMatrices(int n)
+      : mass(Eigen::MatrixXd::Zero(n, n)),
+        gradient(Eigen::MatrixXd::Zero(n, n)),
+        stiffness(Eigen::MatrixXd::Zero(n, n)),
+        weights(Eigen::VectorXd::Zero(n)) {}
+
+  Eigen::MatrixXd mass, gradient, stiffness;
+  Eigen::VectorXd weights;
+};
+
+ElementMatrices integrate_reference(const LagrangeBasis& local) {
+  const int n = local.size();
+  const QuadratureRule rule = gauss_legendre(n);  // exact for products of two basis functions
+  ElementMatrices m(n);
+  Eigen::VectorXd value(n);
+  for (Eigen::Index q = 0; q < rule.nodes.size(); ++q) {
+    local.values(rule.nodes[q], value);
+    const Eigen::VectorXd slope = local.differentiation().transpose() * value;
+    m.mass += rule.weights[q] * value * value.transpose();
+    m.gradient += rule.weights[q] * value * slope.transpose();
+    m.stiffness += rule.weights[q] * slope * slope.transpose();
+    m.weights += rule.weights[q] * value;
+  }
+  return m;
+}
+
+/// An element without transform is the reference, scaled.
+ElementMatrices scaled(const ElementMatrices& reference, double half) {
+  ElementMatrices m = reference;
+  m.mass *= half;
+  m.stiffness *= 1.0 / half;
+  m.weights *= half;
+  return m;
+}
+
+/// Integrals over dx = (dx/ds) ds. The factor dx/ds, or ds/dx in the stiffness, is not a polynomial; in s it
+/// is entire or has its pole at x = 0 or infinity. In panels over which x at most doubles, the pole is at
+/// least the panel's length away in s, and each point more of Gauss's rule gains a factor (3 + sqrt 8)^2 =
+/// 34: twelve more than the polynomials need are beyond rounding.
+ElementMatrices integrate_transformed(const LagrangeBasis& local, const ElementMatrices& reference,
+                                      Transform transform, double left, double right) {
+  const int n = local.size();
+  const QuadratureRule rule = gauss_legendre(n + 12);
+  ElementMatrices m(n);
+  m.gradient = reference.gradient;  // N_i dN_j needs no measure
+  // From 0, only the square root, whose dx/ds = 2 s is a polynomial.
+  const int panels = left > 0.0 ? std::max(1, static_cast<int>(std::ceil(std::log2(right / left)))) : 1;
+  const double per_place = 0.5 * transformed_distance(transform, left, right);  // ds per reference length
+  Eigen::VectorXd value(n);
+  double from = left;
+  for (int p = 1; p <= panels; ++p) {
+    const double to = p == panels ? right : left * std::pow(right / left, static_cast<double>(p) / panels);
+    const double half = 0.5 * transformed_distance(transform, from, to);
+    for (Eigen::Index q = 0; q < rule.nodes.size(); ++q) {
+      const double x = place_in_element(transform, from, to, rule.nodes[q]);
+      local.values(reference_place(transform, left, right, x), value);
+      const Eigen::VectorXd slope = local.differentiation().transpose() * value / per_place;
+      const double ds_dx = transform_slope(transform, x);
+      const double ds = half * rule.weights[q];
+      m.mass += (ds / ds_dx) * value * value.transpose();
+      m.stiffness += (ds * ds_dx) * slope * slope.transpose();
+      m.weights += (ds / ds_dx) * value;
+    }
+    from = to;
+  }
+  return m;
+}
+
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+void scatter(Triplets& triplets, Eigen::Index first, const Eigen::MatrixXd& local) {
+  for (Eigen::Index i = 0; i < local.rows(); ++i) {
+    for (Eigen::Index j = 0; j < local.cols(); ++j) triplets.emplace_back(first + i, first + j, local(i, j));
+  }
+}
+
+SparseMatrix assemble(Eigen::Index n, const Triplets& triplets) {
+  SparseMatrix matrix(n, n);
+  matrix.setFromTriplets(triplets.begin(), triplets.end());
+  matrix.makeCompressed();
+  return matrix;
+}
+
+/// Nodes of all elements, with exactly the borders among them, so that a point on a border is a node.
+Eigen::VectorXd place_nodes(Transform transform, const Eigen::VectorXd& borders,
+                            const Eigen::VectorXd& reference_nodes) {
+  const Eigen::Index degree = reference_nodes.size() - 1;
+  Eigen::VectorXd nodes((borders.size() - 1) * degree + 1);
+  for (Eigen::Index e = 0; e + 1 < borders.size(); ++e) {
+    const double half = 0.5 * (borders[e + 1] - borders[e]);
+    const double middle = 0.5 * (borders[e + 1] + borders[e]);
+    for (Eigen::Index i = 1; i < degree; ++i) {
+      nodes[e * degree + i] =
+          transform == Transform::none
+              ? middle + half * reference_nodes[i]
+              : place_in_element(transform, borders[e], borders[e + 1], reference_nodes[i]);
+    }
+    nodes[e * degree] = borders[e];
+  }
+  nodes[nodes.size() - 1] = borders[borders.size() - 1];
+  return nodes;
+}
+
+int checked_degree(const Axis::Label& label, int degree) {
+  if (degree >= 1) return degree;
+  throw ArgumentError(
+      fmt::format("axis \"{}\" has elements of degree {}, expected at least 1", label.name, degree));
+}
+
+int checked_count(const Axis::Label& label, int count) {
+  if (count >= 2) return count;
+  throw ArgumentError(fmt::format("axis \"{}\" has {} nodes, expected at least 2", label.name, count));
+}
+
+}  // namespace
+
+Axis Axis::make(Label label, Basis basis, const Eigen::VectorXd& borders,
+                const Eigen::VectorXd& reference_nodes) {
+  check_borders(label, borders);
+  auto tables = std::make_shared<Tables>();
+  tables->label = std::move(label);
+  tables->basis = basis;
+  tables->borders = borders;
+  tables->lower = borders[0];
+  tables->upper = borders[borders.size() - 1];
+  tables->measure = tables->upper - tables->lower;
+  tables->local.emplace(reference_nodes);
+  const Transform transform = tables->label.transform;
+  tables->nodes = place_nodes(transform, borders, reference_nodes);
+  const LagrangeBasis& local = *tables->local;
+  const ElementMatrices reference = integrate_reference(local);
+  const Eigen::Index degree = local.size() - 1;
+  const Eigen::Index n = tables->nodes.size();
+  tables->weights = Eigen::VectorXd::Zero(n);
+  Triplets mass, gradient, stiffness, derivative;
+  for (Eigen::Index e = 0; e + 1 < borders.size(); ++e) {
+    const double half = 0.5 * transformed_distance(transform, borders[e], borders[e + 1]);
+    const ElementMatrices element =
+        transform == Transform::none
+            ? scaled(reference, half)
+            : integrate_transformed(local, reference, transform, borders[e], borders[e + 1]);
+    const Eigen::Index first = e * degree;
+    tables->weights.segment(first, degree + 1) += element.weights;
+    scatter(mass, first, element.mass);
+    scatter(gradient, first, element.gradient);
+    scatter(stiffness, first, element.stiffness);
+    // The first node of an element belongs to the element on its left, except on the very first.
+    for (Eigen::Index i = e == 0 ? 0 : 1; i <= degree; ++i) {
+      const double ds_dx = transform_slope(transform, tables->nodes[first + i]);
+      for (Eigen::Index j = 0; j <= degree; ++j) {
+        derivative.emplace_back(first + i, first + j, local.differentiation()(i, j) / half * ds_dx);
+      }
+    }
+  }
+  tables->mass = assemble(n, mass);
+  tables->gradient = assemble(n, gradient);
+  // Under the square root from 0, du/dx = u'(s) / (2 s) is neither finite nor square integrable.
+  if (transform != Transform::square_root || tables->lower > 0.0) {
+    tables->stiffness = assemble(n, stiffness);
+    tables->derivative = assemble(n, derivative);
+  }
+  return Axis(std::move(tables));
+}
+
+Axis Axis::p1(Label label, const Eigen::VectorXd& nodes) {
+  return make(std::move(label), Basis::p1, nodes, Eigen::Vector2d(-1.0, 1.0));
+}
+
+Axis Axis::p1(Label label, double lower, double upper, int count) {
+  const Eigen::VectorXd nodes = equal_elements(label, lower, upper, count - 1);
+  return p1(std::move(label), nodes);
+}
+
+Axis Axis::p2(Label label, const Eigen::VectorXd& borders) {
+  return make(std::move(label), Basis::p2, borders, Eigen::Vector3d(-1.0, 0.0, 1.0));
+}
+
+Axis Axis::p2(Label label, double lower, double upper, int elements) {
+  const Eigen::VectorXd borders = equal_elements(label, lower, upper, elements);
+  return p2(std::move(label), borders);
+}
+
+Axis Axis::chebyshev(Label label, double lower, double upper, int count) {
+  const Eigen::VectorXd reference = chebyshev_lobatto_nodes(checked_count(label, count));
+  return make(std::move(label), Basis::chebyshev, Eigen::Vector2d(lower, upper), reference);
+}
+
+Axis Axis::chebyshev(Label label, const Eigen::VectorXd& borders, int degree) {
+  const Eigen::VectorXd reference = chebyshev_lobatto_nodes(checked_degree(label, degree) + 1);
+  return make(std::move(label), Basis::chebyshev, borders, reference);
+}
+
+Axis Axis::legendre(Label label, double lower, double upper, int count) {
+  const Eigen::VectorXd reference = legendre_lobatto_nodes(checked_count(label, count));
+  return make(std::move(label), Basis::legendre, Eigen::Vector2d(lower, upper), reference);
+}
+
+Axis Axis::legendre(Label label, const Eigen::VectorXd& borders, int degree) {
+  const Eigen::VectorXd reference = legendre_lobatto_nodes(checked_degree(label, degree) + 1);
+  return make(std::move(label), Basis::legendre, borders, reference);
+}
+
+Axis Axis::radau(Label label, const Eigen::VectorXd& borders, int points) {
+  if (points < 1) {
+    throw ArgumentError(
+        fmt::format("axis \"{}\" has {} points per element, expected at least 1", label.name, points));
+  }
+  Eigen::VectorXd reference(points + 1);
+  reference << -1.0, gauss_radau_right(points).nodes;
+  return make(std::move(label), Basis::radau, borders, reference);
+}
+
+Axis Axis::radau(Label label, double lower, double upper, int elements, int points) {
+  const Eigen::VectorXd borders = equal_elements(label, lower, upper, elements);
+  return radau(std::move(label), borders, points);
+}
+
+int Axis::element_of(double x) const {
+  if (!has_elements()) return 0;
+  const Eigen::VectorXd& borders = tables_->borders;
+  const double* begin = borders.data() + 1;
+  const double* end = borders.data() + borders.size() - 1;
+  return static_cast<int>(std::lower_bound(begin, end, x) - begin);
+}
+
+void Axis::interpolate_element(double x, InterpolationStencil& stencil, bool with_derivative) const {
+  const int e = element_of(x);
+  const double left = tables_->borders[e];
+  const double right = tables_->borders[e + 1];
+  const LagrangeBasis& local = *tables_->local;
+  stencil.first = e * (local.size() - 1);
+  local.values(reference_place(transform(), left, right, x), stencil.value);
+  if (with_derivative) {
+    stencil.derivative.noalias() = local.differentiation().transpose() * stencil.value;
+    stencil.derivative *=
+        2.0 / transformed_distance(transform(), left, right) * transform_slope(transform(), x);
+  }
+}
+
+}  // namespace samara::pgd

@@ -1,0 +1,253 @@
+#include "samara/pgd/cross/cross_interpolation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/pgd/cross/entry_table.h"
+#include "samara/pgd/cross/max_volume.h"
+#include "samara/pgd/tensors/random.h"
+#include "samara/pgd/tensors/train_points.h"
+
+namespace samara::pgd {
+
+namespace {
+
+constexpr int kRandomPivots = 2;
+constexpr int kGuardPivots = 4;
+/// Of the tolerance: entries that a skeleton may leave out.
+constexpr double kNegligible = 0.1;
+
+/// Columns of `set` and `more` without duplicates, at most `max_rank` of them.
+void add_columns(IndexBatch& set, const IndexBatch& more, int max_rank) {
+  for (Eigen::Index j = 0; j < more.cols() && set.cols() < max_rank; ++j) {
+    bool known = false;
+    for (Eigen::Index i = 0; i < set.cols() && !known; ++i) known = set.col(i) == more.col(j);
+    if (known) continue;
+    set.conservativeResize(more.rows(), set.cols() + 1);
+    set.col(set.cols() - 1) = more.col(j);
+  }
+}
+
+/// The running state of one interpolation. Mode 0 is the list of outputs; the grid's modes follow.
+class Cross {
+ public:
+  Cross(const EntryFunction& function, int outputs, const std::vector<int>& sizes,
+        const CrossOptions& options)
+      : options_(options),
+        outputs_(outputs),
+        sizes_(sizes),
+        table_(function, outputs, sizes),
+        random_(options.seed) {
+    const std::size_t d = sizes.size();
+    left_.resize(d + 2);
+    right_.resize(d + 1);
+    // All outputs are carried through: one call gives them all.
+    left_[1] = Eigen::RowVectorXi::LinSpaced(outputs, 0, outputs - 1);
+    for (std::size_t k = 1; k < d; ++k) {
+      right_[k] = k < options.start.right.size() ? options.start.right[k] : IndexBatch();
+      add_columns(right_[k], random_entries(k, std::max(kRandomPivots, 4)), options_.max_rank);
+    }
+    right_[d] = IndexBatch(0, 1);
+    cores_.resize(d + 1);
+    cores_[0] = TrainCore(1, outputs, outputs);
+    cores_[0].left_unfolding().setIdentity();
+  }
+
+  CrossResult run() {
+    CrossResult result;
+    while (true) {
+      ++result.sweeps;
+      for (std::size_t k = 1; k < modes(); ++k) step_right(k);
+      for (std::size_t k = modes(); k > 1; --k) step_left(k);
+      cores_[1] = block(1);
+      if (finished(result)) break;
+      for (std::size_t k = 1; k < modes(); ++k) {
+        add_columns(right_[k], random_entries(k, kRandomPivots), options_.max_rank);
+        add_columns(right_[k], worst_.bottomRows(static_cast<Eigen::Index>(modes() - k)), options_.max_rank);
+      }
+    }
+    result.train.cores = cores_;
+    result.largest = table_.largest();
+    result.evaluations = table_.evaluations();
+    result.grid_size = std::accumulate(sizes_.begin(), sizes_.end(), 1.0, std::multiplies<>());
+    result.pivots.right = right_;
+    result.bad_entry = table_.bad_entry();
+    return result;
+  }
+
+ private:
+  std::size_t modes() const { return sizes_.size(); }
+  int mode_size(std::size_t k) const { return sizes_[k - 1]; }
+
+  /// Random indices over the modes behind mode k.
+  IndexBatch random_entries(std::size_t k, int count) {
+    IndexBatch entries(static_cast<Eigen::Index>(modes() - k), count);
+    for (int j = 0; j < count; ++j) {
+      for (std::size_t m = k; m < modes(); ++m)
+        entries(static_cast<Eigen::Index>(m - k), j) = random_.below(sizes_[m]);
+    }
+    return entries;
+  }
+
+  /// Values on left set x mode k x right set, as a core.
+  TrainCore block(std::size_t k) {
+    const IndexBatch& left = left_[k];
+    const IndexBatch& right = right_[k];
+    const int n = mode_size(k);
+    TrainCore core(static_cast<int>(left.cols()), n, static_cast<int>(right.cols()));
+    const auto before = static_cast<Eigen::Index>(k) - 1;  // grid modes before mode k
+    // At mode 1 the left set is all outputs: one entry serves the whole column of the set.
+    const Eigen::Index left_entries = k == 1 ? 1 : left.cols();
+    IndexBatch entries(static_cast<Eigen::Index>(modes()), left_entries * n * right.cols());
+    Eigen::Index j = 0;
+    for (Eigen::Index r = 0; r < right.cols(); ++r) {
+      for (int i = 0; i < n; ++i) {
+        for (Eigen::Index l = 0; l < left_entries; ++l, ++j) {
+          entries.col(j).head(before) = left.col(l).tail(before);
+          entries(before, j) = i;
+          entries.col(j).tail(right.rows()) = right.col(r);
+        }
+      }
+    }
+    core.data =
+        k == 1 ? table_.fetch(entries).reshaped().eval() : table_.fetch(entries, left.row(0).transpose());
+    return core;
+  }
+
+  /// Columns that span the others up to a small part of the tolerance, and rows to interpolate them in.
+  MaxVolume skeleton(const Eigen::MatrixXd& matrix) const {
+    return max_volume(matrix, options_.max_rank, kNegligible * options_.tolerance);
+  }
+
+  /// Interpolates core k from the left and chooses the left set of the next core.
+  void step_right(std::size_t k) {
+    if (!table_.bad_entry().empty()) return;
+    const TrainCore values = block(k);
+    const MaxVolume best = skeleton(values.left_unfolding());
+    const Eigen::Index rank = best.coefficients.cols();
+    left_[k + 1].resize(static_cast<Eigen::Index>(k) + 1, rank);
+    for (Eigen::Index r = 0; r < rank; ++r) {
+      const int row = best.rows[static_cast<std::size_t>(r)];
+      left_[k + 1].col(r).head(static_cast<Eigen::Index>(k)) = left_[k].col(row % values.left);
+      left_[k + 1](static_cast<Eigen::Index>(k), r) = row / values.left;
+    }
+  }
+
+  /// Interpolates core k from the right and chooses the right set of the core before.
+  void step_left(std::size_t k) {
+    if (!table_.bad_entry().empty()) return;
+    const TrainCore values = block(k);
+    const MaxVolume best = skeleton(values.right_unfolding().transpose());
+    const Eigen::Index rank = best.coefficients.cols();
+    IndexBatch set(static_cast<Eigen::Index>(modes() - k) + 1, rank);
+    for (Eigen::Index r = 0; r < rank; ++r) {
+      const int column = best.rows[static_cast<std::size_t>(r)];
+      set(0, r) = column % values.size;
+      set.col(r).tail(set.rows() - 1) = right_[k].col(column / values.size);
+    }
+    right_[k - 1] = std::move(set);
+    cores_[k] = TrainCore(static_cast<int>(rank), values.size, values.right);
+    cores_[k].right_unfolding() = best.coefficients.transpose();
+  }
+
+  bool finished(CrossResult& result) {
+    result.guard_error = table_.bad_entry().empty() ? guard() : std::numeric_limits<double>::infinity();
+    if (!table_.bad_entry().empty()) {
+      result.status = CrossStatus::not_finite;
+      result.message =
+          fmt::format("the function is not finite at entry ({})", fmt::join(table_.bad_entry(), ", "));
+      return true;
+    }
+    const std::string figures = fmt::format("guard error {:.3g} after {} sweeps and {} evaluations",
+                                            result.guard_error, result.sweeps, table_.evaluations());
+    if (result.guard_error <= options_.tolerance) {
+      result.status = CrossStatus::converged;
+      result.message = figures;
+      return true;
+    }
+    if (result.sweeps >= options_.max_sweeps || table_.evaluations() >= options_.max_evaluations) {
+      result.status =
+          result.sweeps >= options_.max_sweeps ? CrossStatus::max_sweeps : CrossStatus::max_evaluations;
+      result.message = fmt::format("{} > {:.3g}", figures, options_.tolerance);
+      return true;
+    }
+    return false;
+  }
+
+  /// Compares the train with fresh random entries; keeps the worst as pivots.
+  double guard() {
+    TensorTrain train;
+    train.cores = cores_;
+    const IndexBatch entries = random_entries(0, options_.guard_entries);
+    const Eigen::MatrixXd exact = table_.fetch(entries);
+    if (!table_.bad_entry().empty()) return std::numeric_limits<double>::infinity();
+    const Eigen::VectorXd error = (values_at(train, entries) - exact).cwiseAbs().colwise().maxCoeff();
+    std::vector<int> order(static_cast<std::size_t>(entries.cols()));
+    std::iota(order.begin(), order.end(), 0);
+    const auto kept = std::min<std::ptrdiff_t>(kGuardPivots, static_cast<std::ptrdiff_t>(order.size()));
+    std::partial_sort(order.begin(), order.begin() + kept, order.end(),
+                      [&](int a, int b) { return error[a] > error[b]; });
+    order.resize(static_cast<std::size_t>(kept));
+    worst_ = entries(Eigen::all, order);
+    return error.maxCoeff();
+  }
+
+  const CrossOptions& options_;
+  int outputs_;
+  const std::vector<int>& sizes_;
+  EntryTable table_;
+  Random random_;
+  std::vector<IndexBatch> left_;   ///< left_[k]: output and grid modes before mode k, one column per index
+  std::vector<IndexBatch> right_;  ///< right_[k]: grid modes behind mode k
+  std::vector<TrainCore> cores_;
+  IndexBatch worst_;
+};
+
+void check_pivots(const CrossPivots& pivots, const std::vector<int>& sizes) {
+  for (std::size_t k = 0; k < pivots.right.size(); ++k) {
+    const IndexBatch& set = pivots.right[k];
+    if (set.cols() == 0) continue;
+    bool fits = k <= sizes.size() && set.rows() == static_cast<Eigen::Index>(sizes.size() - k);
+    for (Eigen::Index m = 0; fits && m < set.rows(); ++m) {
+      fits = set.row(m).minCoeff() >= 0 && set.row(m).maxCoeff() < sizes[k + static_cast<std::size_t>(m)];
+    }
+    if (!fits) {
+      throw ArgumentError(fmt::format("the start's pivots behind mode {} do not lie on the grid of {} nodes",
+                                      k, fmt::join(sizes, " x ")));
+    }
+  }
+}
+
+}  // namespace
+
+void add_entries(CrossPivots& pivots, const IndexBatch& entries, int max_rank) {
+  for (IndexBatch& set : pivots.right)
+    if (set.rows() > 0) add_columns(set, entries.bottomRows(set.rows()), max_rank);
+}
+
+CrossResult interpolate(const EntryFunction& function, int outputs, const std::vector<int>& sizes,
+                        const CrossOptions& options) {
+  if (outputs < 1 || sizes.empty() || *std::min_element(sizes.begin(), sizes.end()) < 1) {
+    throw ArgumentError(
+        fmt::format("cross interpolation of {} outputs on a grid of {} modes ({} nodes), expected at "
+                    "least one of each",
+                    outputs, sizes.size(), fmt::join(sizes, " x ")));
+  }
+  if (!(options.tolerance > 0.0) || options.max_rank < 1 || options.max_sweeps < 1 ||
+      options.guard_entries < 1) {
+    throw ArgumentError(
+        fmt::format("cross interpolation with tolerance {}, rank {}, {} sweeps, {} guard entries, "
+                    "expected positive numbers",
+                    options.tolerance, options.max_rank, options.max_sweeps, options.guard_entries));
+  }
+  check_pivots(options.start, sizes);
+  return Cross(function, outputs, sizes, options).run();
+}
+
+}  // namespace samara::pgd

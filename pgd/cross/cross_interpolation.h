@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/base/progress.h"
+#include "samara/pgd/tensors/index_batch.h"
+#include "samara/pgd/tensors/tensor_train.h"
+
+/// Cross interpolation: a function on a grid, approximated as a train from values at chosen entries only.
+///
+/// One core after the other is interpolated on the fibres through index sets that are improved by maximal
+/// volume (Goreinov et al. 2010; Oseledets and Tyrtyshnikov, TT-cross approximation, 2010). Ranks grow by
+/// pivots: in every sweep a few random indices and the worst of a set of random guard entries, which the
+/// builder did not choose, are added to the sets. The approximation counts as converged only when fresh guard
+/// entries agree with it.
+namespace samara::pgd {
+
+/// Fills values(m, j) with output m at entry j of the batch. Any callable; it is asked for an entry at most
+/// once.
+using EntryFunction = std::function<void(const IndexBatch& entries, Eigen::MatrixXd& values)>;
+
+/// Right index sets of the cores, to start the next approximation of a similar function on the same grid
+/// from.
+struct CrossPivots {
+  std::vector<IndexBatch> right;  ///< right[k]: modes behind core k x rank
+};
+
+/// Adds grid entries (modes x entries) to the right sets that there are, up to `max_rank` indices in each.
+void add_entries(CrossPivots& pivots, const IndexBatch& entries, int max_rank);
+
+struct CrossOptions {
+  /// Absolute, for every output at every guard entry.
+  double tolerance = 1e-6;
+  int max_rank = 100;
+  int max_sweeps = 20;
+  int guard_entries = 200;  ///< fresh ones in every sweep
+  long max_evaluations = 50'000'000;
+  std::uint64_t seed = 1;
+  CrossPivots start = {};  ///< empty: random
+};
+
+enum class CrossStatus { converged, max_sweeps, max_evaluations, not_finite };
+
+struct CrossResult {
+  TensorTrain train;  ///< first mode: the outputs, then the grid's modes
+  CrossStatus status = CrossStatus::max_sweeps;
+  std::string message = "interpolate() was not called";
+  double guard_error = 0.0;  ///< largest difference on the last guard entries
+  double largest = 0.0;      ///< largest |value| seen
+  long evaluations = 0;      ///< distinct entries asked for, guard included
+  double grid_size = 0.0;    ///< entries of the whole grid
+  int sweeps = 0;
+  CrossPivots pivots;
+  std::vector<int> bad_entry;  ///< where a value was not finite, if one was
+};
+
+/// @param sizes nodes per mode, at least one mode
+/// @throws ArgumentError if sizes or options are out of range, or the start's pivots are not on this grid.
+CrossResult interpolate(const EntryFunction& function, int outputs, const std::vector<int>& sizes,
+                        const CrossOptions& options);
+
+}  // namespace samara::pgd

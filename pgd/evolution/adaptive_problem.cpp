@@ -1,0 +1,55 @@
+#include "samara/pgd/evolution/adaptive_problem.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/pgd/evolution/evolution_checks.h"
+
+namespace samara::pgd {
+
+namespace {
+
+void check_axis(const AdaptiveAxis& axis) {
+  const bool elements = axis.basis == Basis::p1 || axis.basis == Basis::p2;
+  const bool refined =
+      axis.basis == Basis::chebyshev || axis.basis == Basis::legendre || axis.basis == Basis::fourier;
+  if (refined || (elements && axis.nodes)) return;
+  throw ArgumentError(
+      fmt::format("axis \"{}\" is {}, expected chebyshev, legendre, fourier, or p1 or p2 with "
+                  "a number of nodes",
+                  axis.label.name, to_string(axis.basis)));
+}
+
+}  // namespace
+
+Axis make_axis(const AdaptiveAxis& axis, int nodes) {
+  switch (axis.basis) {
+    case Basis::p1:
+      return Axis::p1(axis.label, axis.lower, axis.upper, nodes);
+    case Basis::p2:
+      return Axis::p2(axis.label, axis.lower, axis.upper, nodes / 2);
+    case Basis::legendre:
+      return Axis::legendre(axis.label, axis.lower, axis.upper, nodes);
+    case Basis::fourier:
+      return Axis::fourier(axis.label, axis.lower, axis.upper, nodes / 2 * 2 + 1);
+    default:
+      return Axis::chebyshev(axis.label, axis.lower, axis.upper, nodes);
+  }
+}
+
+void check_problem(const AdaptiveProblem& problem) {
+  check_states(problem.system, problem.states, problem.scales, problem.initial, problem.parameters.size());
+  if (problem.scale_floors.size() != problem.states.size()) {
+    throw ArgumentError(
+        fmt::format("{} scale floors for {} states", problem.scale_floors.size(), problem.states.size()));
+  }
+  for (const double floor : problem.scale_floors) {
+    if (!(floor >= 0.0) || !std::isfinite(floor))
+      throw ArgumentError(fmt::format("a scale floor is {}, expected a finite number of at least 0", floor));
+  }
+  for (const AdaptiveAxis& axis : problem.parameters) check_axis(axis);
+}
+
+}  // namespace samara::pgd

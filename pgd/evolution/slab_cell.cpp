@@ -1,0 +1,102 @@
+#include "samara/pgd/evolution/slab_cell.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "samara/pgd/cross/nodal_approximation.h"
+#include "samara/pgd/evolution/slab_train.h"
+#include "samara/pgd/tensors/train_points.h"
+
+namespace samara::pgd {
+
+namespace {
+
+std::vector<Axis> axes_with(const AdaptiveProblem& problem, const std::vector<Axis>& intervals,
+                            const std::vector<int>& nodes) {
+  std::vector<Axis> axes;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    AdaptiveAxis axis = problem.parameters[k];
+    axis.lower = intervals[k].lower();
+    axis.upper = intervals[k].upper();
+    axes.push_back(make_axis(axis, nodes[k]));
+  }
+  return axes;
+}
+
+/// Indices of the sets carried over to axes of other sizes, to the nodes at the same place.
+CrossPivots carried_over(CrossPivots pivots, const std::vector<int>& from, const std::vector<int>& to) {
+  for (std::size_t k = 0; k < pivots.right.size(); ++k) {
+    IndexBatch& set = pivots.right[k];
+    for (Eigen::Index m = 0; m < set.rows(); ++m) {
+      const std::size_t mode = k + static_cast<std::size_t>(m);
+      const double ratio = static_cast<double>(to[mode] - 1) / std::max(1, from[mode] - 1);
+      for (Eigen::Index j = 0; j < set.cols(); ++j)
+        set(m, j) = static_cast<int>(std::lround(set(m, j) * ratio));
+    }
+  }
+  return pivots;
+}
+
+}  // namespace
+
+SlabCell whole_box(const AdaptiveProblem& problem, const Eigen::VectorXd& scales,
+                   const std::vector<int>& nodes, int guards, Random& random) {
+  SlabCell cell;
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    cell.axes.push_back(make_axis(problem.parameters[k], nodes[k]));
+  cell.start = initial_train(problem.initial, scales, cell.axes);
+  const Eigen::MatrixXd corners = corner_points(cell.axes);
+  cell.guards.resize(corners.rows(), corners.cols() + guards);
+  cell.guards << corners, random_points(cell.axes, guards, random);
+  cell.carried = values_at(cell.start, cell.axes, cell.guards);
+  return cell;
+}
+
+void resample(SlabCell& cell, const AdaptiveProblem& problem, const std::vector<int>& nodes) {
+  std::vector<Axis> axes = axes_with(problem, cell.axes, nodes);
+  cell.start = carried_over(std::move(cell.start), cell.axes, axes);
+  cell.pivots = carried_over(std::move(cell.pivots), sizes_of(cell.axes), sizes_of(axes));
+  cell.axes = std::move(axes);
+}
+
+std::vector<SlabCell> halves(const SlabCell& cell, const AdaptiveProblem& problem, int axis, int guards,
+                             Random& random) {
+  const auto split = static_cast<std::size_t>(axis);
+  const Axis& whole = cell.axes[split];
+  const double middle = 0.5 * (whole.lower() + whole.upper());
+  std::vector<SlabCell> result;
+  for (int half = 0; half < 2; ++half) {
+    SlabCell part = cell;
+    part.pivots = {};
+    part.slab.reset();
+    AdaptiveAxis interval = problem.parameters[split];
+    interval.lower = half == 0 ? whole.lower() : middle;
+    interval.upper = half == 0 ? middle : whole.upper();
+    part.axes[split] = make_axis(interval, whole.size());
+    part.start = carried_over(cell.start, cell.axes, part.axes);
+    // Guard points inside keep their states, and with them the error so far; new ones start on the train:
+    // random ones, and corners where the cell was cut.
+    std::vector<int> inside;
+    for (Eigen::Index j = 0; j < cell.guards.cols(); ++j) {
+      if (part.axes[split].contains(cell.guards(axis, j))) inside.push_back(static_cast<int>(j));
+    }
+    const Eigen::MatrixXd corners = corner_points(part.axes);
+    std::vector<int> cut;
+    for (Eigen::Index j = 0; j < corners.cols(); ++j) {
+      if (corners(axis, j) == middle) cut.push_back(static_cast<int>(j));
+    }
+    const auto cut_corners = static_cast<Eigen::Index>(cut.size());
+    Eigen::MatrixXd fresh(corners.rows(), cut_corners + guards / 2);
+    fresh << corners(Eigen::all, cut), random_points(part.axes, guards / 2, random);
+    const auto kept = static_cast<Eigen::Index>(inside.size());
+    part.guards.resize(cell.guards.rows(), kept + fresh.cols());
+    part.guards << cell.guards(Eigen::all, inside), fresh;
+    part.carried.resize(cell.carried.rows(), part.guards.cols());
+    part.carried << cell.carried(Eigen::all, inside), values_at(part.start, part.axes, fresh);
+    result.push_back(std::move(part));
+  }
+  return result;
+}
+
+}  // namespace samara::pgd

@@ -1,0 +1,299 @@
+#include "samara/pgd/evolution/slab_evolution.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/pgd/evolution/slab_march.h"
+#include "samara/pgd/tensors/number_archive.h"
+#include "samara/pgd/tensors/train_points.h"
+
+namespace samara::pgd {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Tolerance of the first march, which finds the ranges of the states.
+constexpr double kCoarse = 0.03;
+/// Of the wanted error, what a slab may add: errors of many slabs accumulate and grow.
+constexpr double kFirstShare = 0.2;
+/// Guard points are few; what they see is held this far below the wanted error.
+constexpr double kSeen = 0.5;
+/// The error falls about like this power of the local tolerance.
+constexpr double kOrder = 0.85;
+
+void validate(const SlabOptions& o) {
+  if (!(o.tolerance > 0.0) || o.time_points < 2 || o.max_elements < 1 || !(o.largest_slab > 0.0) ||
+      !(o.largest_slab <= 1.0) || !(o.joint_slab >= 0.0) || !(o.joint_slab <= 1.0) || !(o.least_slab > 0.0) ||
+      !(o.least_slab < o.largest_slab) || o.first_nodes < 2 || o.max_nodes < o.first_nodes ||
+      o.max_rank < 1 || o.max_cells < 1 || o.guards < 1 || o.max_marches < 1 || o.max_evaluations < 0) {
+    throw ArgumentError(fmt::format(
+        "SlabOptions: tolerance {}, time_points {}, max_elements {}, largest_slab {}, joint_slab {}, "
+        "least_slab {}, first_nodes {}, max_nodes {}, max_rank {}, max_cells {}, guards {}, max_marches {}, "
+        "max_evaluations {}; expected a positive tolerance, slabs within (0, 1], at least 2 time points and "
+        "nodes, and positive numbers, the last may be 0",
+        o.tolerance, o.time_points, o.max_elements, o.largest_slab, o.joint_slab, o.least_slab, o.first_nodes,
+        o.max_nodes, o.max_rank, o.max_cells, o.guards, o.max_marches, o.max_evaluations));
+  }
+}
+
+void validate(const AdaptiveProblem& problem) {
+  check_problem(problem);
+  if (!(problem.end > 0.0) || !std::isfinite(problem.end) || problem.parameters.empty() ||
+      problem.time.transform != Transform::none) {
+    throw ArgumentError(fmt::format(
+        "a problem to the time {}, transform \"{}\", with {} parameters; expected a positive time "
+        "without a transform and at least one parameter",
+        problem.end, to_string(problem.time.transform), problem.parameters.size()));
+  }
+}
+
+/// Ranges of the states, at least their floors; of a state that does not move, its size or one.
+Eigen::VectorXd scales_of(const AdaptiveProblem& problem, const Eigen::VectorXd& ranges,
+                          const Eigen::VectorXd& fallback) {
+  Eigen::VectorXd scales = ranges;
+  for (Eigen::Index s = 0; s < scales.size(); ++s) {
+    scales[s] = std::max(scales[s], problem.scale_floors[static_cast<std::size_t>(s)]);
+    if (!(scales[s] > 1e-12 * fallback[s])) scales[s] = fallback[s];
+  }
+  return scales;
+}
+
+/// The field up to an earlier end.
+TrainField shortened(const TrainField& field, double end) {
+  std::vector<Axis> axes = field.axes();
+  const Axis& time = axes[0];
+  std::vector<double> borders(time.borders().begin(), time.borders().end());
+  while (borders[borders.size() - 2] >= end) borders.pop_back();
+  borders.back() = end;
+  axes[0] = Axis::radau(
+      {time.name(), time.unit(), time.role()},
+      Eigen::Map<const Eigen::VectorXd>(borders.data(), static_cast<Eigen::Index>(borders.size())),
+      time.degree());
+  TensorTrain train = carried_over(field.train(), field.axes(), axes);
+  return {std::move(axes), field.outputs(), std::move(train)};
+}
+
+/// What a march has found.
+void take(const SlabMarch& march, SlabResult& result) {
+  for (const SlabMarch::Piece& piece : march.pieces()) {
+    if (piece.end <= march.reached()) {
+      result.pieces.push_back(piece.field);
+    } else if (piece.field.axes()[0].lower() < march.reached()) {
+      result.pieces.push_back(shortened(piece.field, march.reached()));
+    }
+  }
+  result.history = march.history();
+  result.cells = march.cells();
+  result.reached = march.reached();
+}
+
+/// A march that has reached the end: enough to have it again.
+struct CompleteMarch {
+  std::vector<double> state;
+  Eigen::VectorXd scales;  ///< what it measured in
+  Eigen::VectorXd ranges;  ///< what it found
+  double error = std::numeric_limits<double>::infinity();
+};
+
+template <class Archive>
+void transfer(Archive& archive, CompleteMarch& march) {
+  archive(march.state, march.scales, march.ranges, march.error);
+}
+
+/// What a stored state must agree with.
+std::vector<double> numbers_of(const AdaptiveProblem& problem, const SlabOptions& options) {
+  NumberWriter writer;
+  const auto add = [&](auto... numbers) { writer(numbers...); };
+  add(problem.states.size(), problem.parameters.size(), problem.end);
+  for (const AdaptiveAxis& axis : problem.parameters) {
+    add(axis.lower, axis.upper, static_cast<int>(axis.basis), static_cast<int>(axis.label.transform),
+        axis.nodes.value_or(0));
+  }
+  for (std::size_t s = 0; s < problem.states.size(); ++s)
+    add(problem.scales[s], problem.scale_floors[s], problem.initial[s].value, problem.initial[s].axis);
+  add(options.tolerance, options.time_points, options.max_elements, options.largest_slab, options.joint_slab,
+      options.least_slab, options.first_nodes, options.max_nodes, options.max_rank, options.max_cells,
+      options.guards, options.max_marches, options.max_evaluations,
+      static_cast<std::uint32_t>(options.seed >> 32), static_cast<std::uint32_t>(options.seed));
+  return writer.numbers();
+}
+
+/// March after march, each in the ranges that the one before has found, until one meets the tolerance.
+class Marches {
+ public:
+  Marches(const AdaptiveProblem& problem, const SlabOptions& options)
+      : problem_(problem),
+        options_(options),
+        first_scales_(Eigen::Map<const Eigen::VectorXd>(problem.scales.data(),
+                                                        static_cast<Eigen::Index>(problem.scales.size()))),
+        scales_(first_scales_) {
+    const double share = kFirstShare * options.tolerance;
+    local_ = {std::max(kCoarse, share), share};
+  }
+
+  SlabResult run(std::span<const double> state) {
+    const Clock::time_point begin = Clock::now();
+    bool goes_on = true;
+    while (goes_on) {
+      std::span<const double> started;
+      if (!state.empty()) started = restore(std::exchange(state, {}));
+      const long left =
+          options_.max_evaluations == 0 ? -1 : std::max(0L, options_.max_evaluations - result_.evaluations);
+      SlabMarch march(problem_, options_, scales_, local_, left);
+      if (!started.empty()) march.restore(started);
+      saved_at_ = Clock::now();
+      march.run(options_.checkpoint ? [&] { save(march); } : std::function<void()>());
+      goes_on = !ends_with(march);
+    }
+    result_.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    return std::move(result_);
+  }
+
+ private:
+  /// Whether this march was the last; then the result is complete.
+  bool ends_with(SlabMarch& march) {
+    ++result_.marches;
+    result_.evaluations += march.evaluations();
+    result_.grid_evaluations += march.grid_evaluations();
+    const Eigen::VectorXd ranges = scales_of(problem_, scales_.cwiseProduct(march.ranges()), first_scales_);
+    // Errors of this march in the ranges it has found.
+    const double error = march.carried_error() * scales_.cwiseQuotient(ranges).maxCoeff();
+    const bool complete = march.status() == SlabStatus::converged;
+    const bool met = complete && error <= kSeen * options_.tolerance;
+    // The first march is too coarse to be of any use but for ranges, unless it happens to do.
+    if (complete && (met || local_.wanted <= local_.largest) && !(error >= best_.error))
+      best_ = {march.state(), scales_, ranges, error};
+    if (!met && !is_last(march)) {
+      tighten(error);
+      scales_ = ranges;
+      return false;
+    }
+    const bool cut = !complete && march.status() != SlabStatus::cancelled;
+    if (!best_.state.empty() && (complete || cut)) {
+      take_best(cut ? march.message() : std::string());
+    } else {
+      take_last(march, ranges, error);
+    }
+    return true;
+  }
+
+  /// Where a second march ends early, a third would end there too.
+  bool is_last(const SlabMarch& march) const {
+    return march.status() == SlabStatus::cancelled || march.status() == SlabStatus::max_evaluations ||
+           (march.status() != SlabStatus::converged && result_.marches > 1) ||
+           result_.marches >= options_.max_marches;
+  }
+
+  void tighten(double error) {
+    if (result_.marches == 1) {
+      local_.wanted = std::min(local_.wanted, local_.largest);
+      return;
+    }
+    const double ratio = 0.7 * kSeen * options_.tolerance / error;
+    const double factor = std::clamp(std::pow(ratio, 1.0 / kOrder), 0.05, 0.5);
+    local_.wanted *= factor;
+    local_.largest *= std::max(std::sqrt(factor), 0.5);
+  }
+
+  /// @param cut_by why the last march, at smaller tolerances, has ended early; empty: it has not
+  void take_best(const std::string& cut_by) {
+    SlabMarch march(problem_, options_, best_.scales, local_, -1);
+    march.restore(best_.state);
+    march.run();
+    take(march, result_);
+    result_.error = best_.error;
+    result_.ranges.assign(best_.ranges.begin(), best_.ranges.end());
+    result_.status = best_.error <= kSeen * options_.tolerance ? SlabStatus::converged : SlabStatus::missed;
+    result_.message = fmt::format("error {:.3g} of the range at the guard points after {} marches",
+                                  best_.error, result_.marches);
+    if (!cut_by.empty()) result_.message += fmt::format("; the last, at smaller tolerances: {}", cut_by);
+  }
+
+  void take_last(const SlabMarch& march, const Eigen::VectorXd& ranges, double error) {
+    take(march, result_);
+    result_.error = error;
+    result_.ranges.assign(ranges.begin(), ranges.end());
+    result_.where = march.where();
+    result_.status = march.status();
+    result_.message = march.message();
+    if (march.status() != SlabStatus::converged) return;
+    result_.status = SlabStatus::missed;
+    result_.message = fmt::format(
+        "error {:.3g} of the range at the guard points after one march at a "
+        "tolerance of {:.3g}, which finds the ranges",
+        error, local_.wanted);
+  }
+
+  /// Stores the state from time to time.
+  void save(SlabMarch& march) {
+    const Clock::time_point now = Clock::now();
+    if (now - saved_at_ < 20 * took_) return;
+    NumberWriter writer;
+    transfer_marches(writer);
+    std::vector<double> state = writer.numbers();
+    const std::vector<double> rest = march.state();
+    state.insert(state.end(), rest.begin(), rest.end());
+    options_.checkpoint(state);
+    saved_at_ = Clock::now();
+    took_ = saved_at_ - now;
+  }
+
+  /// @returns the state of the march that was under way
+  std::span<const double> restore(std::span<const double> state) {
+    NumberReader reader(state);
+    transfer_marches(reader);
+    if (reader.rest().empty()) throw ArgumentError("the stored state of a march in slabs has no march");
+    return reader.rest();
+  }
+
+  /// All but the march under way.
+  template <class Archive>
+  void transfer_marches(Archive& archive) {
+    const std::vector<double> expected = numbers_of(problem_, options_);
+    std::vector<double> belongs_to = expected;
+    archive(belongs_to);
+    if (belongs_to != expected)
+      throw ArgumentError("the stored state of a march in slabs belongs to another problem or other options");
+    archive(result_.marches, result_.evaluations, result_.grid_evaluations, local_.wanted, local_.largest,
+            scales_);
+    transfer(archive, best_);
+    if (scales_.size() != first_scales_.size() || !(scales_.minCoeff() > 0.0) || !(local_.wanted > 0.0) ||
+        result_.marches < 0 || result_.evaluations < 0)
+      throw ArgumentError("the stored state of a march in slabs has impossible scales, tolerances or counts");
+  }
+
+  const AdaptiveProblem& problem_;
+  const SlabOptions& options_;
+  const Eigen::VectorXd first_scales_;
+  LocalTolerance local_;  ///< of the march under way, as are the scales
+  Eigen::VectorXd scales_;
+  CompleteMarch best_;
+  SlabResult result_;
+  Clock::time_point saved_at_ = Clock::now();
+  Clock::duration took_ = Clock::duration::zero();
+};
+
+}  // namespace
+
+SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& options,
+                          std::span<const double> state) {
+  validate(problem);
+  validate(options);
+  return Marches(problem, options).run(state);
+}
+
+std::string to_string(SlabStatus status) {
+  static constexpr std::array names = {"converged",    "missed",          "ceases",   "no_contraction",
+                                       "not_resolved", "max_evaluations", "cancelled"};
+  return names[static_cast<std::size_t>(status)];
+}
+
+}  // namespace samara::pgd

@@ -1,0 +1,132 @@
+#include <algorithm>
+#include <utility>
+
+#include "samara/base/errors.h"
+#include "samara/pgd/cross/nodal_approximation.h"
+#include "samara/pgd/evolution/slab_march.h"
+#include "samara/pgd/tensors/number_archive.h"
+
+namespace samara::pgd {
+
+namespace {
+
+/// Axes of parameters: those of the problem, on their own interval with their own nodes.
+template <class Archive>
+void transfer_axes(Archive& archive, const AdaptiveProblem& problem, int max_nodes, std::vector<Axis>& axes) {
+  std::vector<Axis> read;
+  for (std::size_t k = 0; k < problem.parameters.size(); ++k) {
+    AdaptiveAxis axis = problem.parameters[k];
+    int nodes = 0;
+    if constexpr (!Archive::kReads) {
+      axis.lower = axes[k].lower();
+      axis.upper = axes[k].upper();
+      nodes = axes[k].size();
+    }
+    archive(axis.lower, axis.upper, nodes);
+    if constexpr (Archive::kReads) {
+      if (nodes > std::max(max_nodes, axis.nodes.value_or(0)) + 1)  // p2 and fourier take an odd number
+        throw ArgumentError("the stored state of a march in slabs has more nodes than its options allow");
+      read.push_back(make_axis(axis, nodes));
+    }
+  }
+  if constexpr (Archive::kReads) axes = std::move(read);
+}
+
+template <class Archive>
+void transfer(Archive& archive, const AdaptiveProblem& problem, int max_nodes, SlabCell& cell) {
+  transfer_axes(archive, problem, max_nodes, cell.axes);
+  archive(cell.time, cell.length, cell.usual_length, cell.start, cell.pivots.right, cell.guards, cell.carried,
+          cell.strictness, cell.leniency, cell.number);
+}
+
+template <class Archive>
+void transfer(Archive& archive, SlabRecord& record) {
+  archive(record.cell, record.begin, record.end, record.elements, record.nodes, record.ranks,
+          record.contraction, record.iterations, record.local_error, record.carried_error, record.evaluations,
+          record.grid_evaluations, record.seconds);
+}
+
+/// A cell whose parts belong together.
+void check(const AdaptiveProblem& problem, const SlabCell& cell) {
+  bool fits = cell.start.modes() == static_cast<int>(cell.axes.size()) + 1 &&
+              cell.guards.rows() == static_cast<Eigen::Index>(cell.axes.size()) &&
+              cell.carried.rows() == static_cast<Eigen::Index>(problem.states.size()) &&
+              cell.carried.cols() == cell.guards.cols() && cell.guards.allFinite() && cell.time >= 0.0 &&
+              cell.time <= problem.end && cell.length > 0.0 && cell.usual_length >= 0.0 &&
+              cell.strictness > 0.0 && cell.leniency > 0.0;
+  int left = 1;
+  for (std::size_t k = 0; fits && k < cell.start.cores.size(); ++k) {
+    const TrainCore& core = cell.start.cores[k];
+    const int size = k == 0 ? static_cast<int>(problem.states.size()) : cell.axes[k - 1].size();
+    fits = core.left == left && core.size == size && core.right >= 1 &&
+           core.data.size() == Eigen::Index{core.left} * core.size * core.right;
+    left = core.right;
+  }
+  if (!fits || left != 1)
+    throw ArgumentError("the stored state of a march in slabs does not fit its problem");
+}
+
+}  // namespace
+
+template <class Archive>
+void SlabMarch::transfer_fields(Archive& archive) {
+  auto count = static_cast<Eigen::Index>(pieces_.size());
+  archive.size(count);
+  for (Eigen::Index p = 0; p < count; ++p) {
+    int cell = 0;
+    std::vector<double> borders;
+    std::vector<Axis> axes;
+    TensorTrain train;
+    if constexpr (!Archive::kReads) {
+      const Piece& piece = pieces_[static_cast<std::size_t>(p)];
+      cell = piece.cell;
+      const std::vector<Axis>& all = piece.field.axes();
+      borders.assign(all[0].borders().begin(), all[0].borders().end());
+      axes.assign(all.begin() + 1, all.end());
+      train = piece.field.train();
+    }
+    archive(cell, borders);
+    transfer_axes(archive, problem_, options_.max_nodes, axes);
+    archive(train);
+    if constexpr (Archive::kReads) {
+      axes.insert(axes.begin(), time_axis(borders));
+      pieces_.push_back(
+          {cell, borders.back(), TrainField(std::move(axes), problem_.states, std::move(train))});
+    }
+  }
+}
+
+template <class Archive>
+void SlabMarch::transfer_march(Archive& archive) {
+  transfer_fields(archive);
+  auto cells = static_cast<Eigen::Index>(cells_.size());
+  auto records = static_cast<Eigen::Index>(history_.size());
+  archive.size(cells);
+  archive.size(records);
+  if constexpr (Archive::kReads) {
+    if (cells < 1) throw ArgumentError("the stored state of a march in slabs has no cell");
+    cells_.assign(static_cast<std::size_t>(cells), SlabCell());
+    history_.assign(static_cast<std::size_t>(records), SlabRecord());
+  }
+  for (SlabCell& cell : cells_) {
+    transfer(archive, problem_, options_.max_nodes, cell);
+    if constexpr (Archive::kReads) check(problem_, cell);
+  }
+  for (SlabRecord& record : history_) transfer(archive, record);
+  archive(random_, evaluations_, grid_evaluations_, carried_error_, smallest_, largest_);
+}
+
+std::vector<double> SlabMarch::state() {
+  NumberWriter writer;
+  transfer_march(writer);
+  return writer.numbers();
+}
+
+void SlabMarch::restore(std::span<const double> state) {
+  NumberReader reader(state);
+  transfer_march(reader);
+  if (!reader.rest().empty())
+    throw ArgumentError("the stored state of a march in slabs is longer than its march");
+}
+
+}  // namespace samara::pgd

@@ -1,0 +1,85 @@
+#include "samara/pgd/fields/field_check.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+
+namespace samara::pgd {
+
+namespace {
+
+std::string described(const Axis& axis) {
+  return fmt::format("\"{}\" ({} nodes of {} on [{}, {}] {})", axis.name(), axis.size(),
+                     to_string(axis.basis()), axis.lower(), axis.upper(), axis.unit());
+}
+
+bool same_axis(const Axis& a, const Axis& b) {
+  // Nodes that went through a file or a unit may differ in the last digits.
+  constexpr double kRoundOff = 1e-12;
+  return a.name() == b.name() && a.unit() == b.unit() && a.basis() == b.basis() && a.size() == b.size() &&
+         a.elements() == b.elements() &&
+         (a.nodes() - b.nodes()).cwiseAbs().maxCoeff() <= kRoundOff * a.length();
+}
+
+}  // namespace
+
+int axis_index(const std::vector<Axis>& axes, const std::string& name) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < axes.size(); ++k) {
+    if (axes[k].name() == name) return static_cast<int>(k);
+    names.push_back(axes[k].name());
+  }
+  throw ArgumentError(fmt::format("the field has no axis \"{}\"{}", name, suggestion(name, names)));
+}
+
+void require_same_axes(const char* what, const std::vector<Axis>& a, const std::vector<Axis>& b) {
+  if (a.size() != b.size()) {
+    throw ArgumentError(
+        fmt::format("{} of fields of {} and {} axes, expected the same axes", what, a.size(), b.size()));
+  }
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    if (same_axis(a[k], b[k])) continue;
+    const bool similar = described(a[k]) == described(b[k]);
+    throw ArgumentError(fmt::format("{} of fields on the axes {} and {}, expected the same{}", what,
+                                    described(a[k]), described(b[k]), similar ? " nodes" : ""));
+  }
+}
+
+void require_same_outputs(const char* what, const SeparatedField& f, const SeparatedField& g) {
+  if (f.output_count() != g.output_count()) {
+    throw ArgumentError(fmt::format("{} of fields of {} and {} outputs, expected the same number", what,
+                                    f.output_count(), g.output_count()));
+  }
+  for (std::size_t m = 0; m < f.outputs().size(); ++m) {
+    const OutputLabel& a = f.outputs()[m];
+    const OutputLabel& b = g.outputs()[m];
+    if (a.unit != b.unit) {
+      throw ArgumentError(
+          fmt::format("{} of the outputs \"{}\" in {} and \"{}\" in {}, expected the same unit", what, a.name,
+                      a.unit, b.name, b.unit));
+    }
+  }
+}
+
+void require_inside(const std::vector<Axis>& axes, std::span<const double> x) {
+  if (x.size() != axes.size()) {
+    throw ArgumentError(fmt::format("the point has {} coordinates, expected {}", x.size(), axes.size()));
+  }
+  for (std::size_t k = 0; k < axes.size(); ++k) {
+    if (axes[k].contains(x[k])) continue;
+    if (!std::isfinite(x[k])) {
+      throw ArgumentError(fmt::format("{} is {}, expected a finite number", axes[k].name(), x[k]));
+    }
+    if (x[k] >= axes[k].lower() && x[k] <= axes[k].upper()) {
+      throw OutsideBoxError(fmt::format("{} = {} {} is none of the {} values of its axis", axes[k].name(),
+                                        x[k], axes[k].unit(), axes[k].size()));
+    }
+    throw OutsideBoxError(fmt::format("{} = {} {} is outside the box [{}, {}]", axes[k].name(), x[k],
+                                      axes[k].unit(), axes[k].lower(), axes[k].upper()));
+  }
+}
+
+}  // namespace samara::pgd

@@ -1,0 +1,118 @@
+#include "samara/pgd/fields/separated_field.h"
+
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/pgd/fields/field_check.h"
+
+namespace samara::pgd {
+
+SeparatedField::SeparatedField(std::vector<Axis> axes, std::vector<OutputLabel> outputs,
+                               std::vector<Eigen::MatrixXd> factors, Eigen::MatrixXd weights)
+    : axes_(std::move(axes)),
+      outputs_(std::move(outputs)),
+      factors_(std::move(factors)),
+      weights_(std::move(weights)) {
+  if (axes_.empty() || outputs_.empty())
+    throw ArgumentError("a separated field needs at least one axis and one output");
+  if (factors_.size() != axes_.size() || weights_.rows() != static_cast<Eigen::Index>(outputs_.size())) {
+    throw ArgumentError(
+        fmt::format("a separated field has {} axes, {} factor matrices, {} outputs and {} rows of weights",
+                    axes_.size(), factors_.size(), outputs_.size(), weights_.rows()));
+  }
+  if (!weights_.allFinite()) throw ArgumentError("a weight of a separated field is not finite");
+  for (std::size_t k = 0; k < axes_.size(); ++k) {
+    const Eigen::MatrixXd& factor = factors_[k];
+    if (factor.rows() != axes_[k].size() || factor.cols() != weights_.cols()) {
+      throw ArgumentError(fmt::format("the factors of axis \"{}\" are {} x {}, expected {} x {}",
+                                      axes_[k].name(), factor.rows(), factor.cols(), axes_[k].size(),
+                                      weights_.cols()));
+    }
+    if (!factor.allFinite()) {
+      throw ArgumentError(fmt::format("a factor of axis \"{}\" is not finite", axes_[k].name()));
+    }
+    for (Eigen::Index r = 0; r < factor.cols(); ++r) {
+      const double length =
+          std::sqrt(factor.col(r).dot(axes_[k].mass() * factor.col(r)) / axes_[k].measure());
+      // Factors that are normalised already stay as they are, to the last bit: fields survive a file
+      // unchanged.
+      if (length == 0.0 || std::abs(length - 1.0) < 1e-12) continue;
+      factors_[k].col(r) /= length;
+      weights_.col(r) *= length;
+    }
+  }
+}
+
+SeparatedField::Workspace SeparatedField::make_workspace() const {
+  Workspace workspace;
+  for (const Axis& axis : axes_) workspace.stencils.push_back(axis.make_stencil());
+  workspace.values.resize(rank(), axis_count());
+  workspace.derivatives.resize(rank(), axis_count());
+  workspace.product.resize(rank());
+  workspace.suffix.resize(rank());
+  return workspace;
+}
+
+void SeparatedField::factor_values(int axis, double x, InterpolationStencil& stencil,
+                                   Eigen::Ref<Eigen::VectorXd> values) const {
+  const auto k = static_cast<std::size_t>(axis);
+  axes_[k].interpolate(x, stencil, false);
+  values.noalias() = factors_[k].middleRows(stencil.first, stencil.value.size()).transpose() * stencil.value;
+}
+
+void SeparatedField::factor_values(int axis, double x, InterpolationStencil& stencil,
+                                   Eigen::Ref<Eigen::VectorXd> values,
+                                   Eigen::Ref<Eigen::VectorXd> derivatives) const {
+  const auto k = static_cast<std::size_t>(axis);
+  axes_[k].interpolate(x, stencil, true);
+  const auto rows = factors_[k].middleRows(stencil.first, stencil.value.size());
+  values.noalias() = rows.transpose() * stencil.value;
+  derivatives.noalias() = rows.transpose() * stencil.derivative;
+}
+
+void SeparatedField::evaluate(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values,
+                              Workspace& workspace) const {
+  require_inside(axes_, x);
+  workspace.product.setOnes();
+  for (int k = 0; k < axis_count(); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    factor_values(k, x[i], workspace.stencils[i], workspace.values.col(k));
+    workspace.product.array() *= workspace.values.col(k).array();
+  }
+  values.noalias() = weights_ * workspace.product;
+}
+
+void SeparatedField::evaluate(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values,
+                              Eigen::Ref<Eigen::MatrixXd> gradient, Workspace& workspace) const {
+  require_inside(axes_, x);
+  for (int k = 0; k < axis_count(); ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    factor_values(k, x[i], workspace.stencils[i], workspace.values.col(k), workspace.derivatives.col(k));
+  }
+  // Products of all axes but k: those before k accumulate from the left in `derivatives`, those after from
+  // the right.
+  workspace.product.setOnes();
+  for (int k = 0; k < axis_count(); ++k) {
+    workspace.derivatives.col(k).array() *= workspace.product.array();
+    workspace.product.array() *= workspace.values.col(k).array();
+  }
+  workspace.suffix.setOnes();
+  for (int k = axis_count() - 1; k >= 0; --k) {
+    workspace.derivatives.col(k).array() *= workspace.suffix.array();
+    workspace.suffix.array() *= workspace.values.col(k).array();
+  }
+  values.noalias() = weights_ * workspace.product;
+  gradient.noalias() = weights_ * workspace.derivatives;
+}
+
+Eigen::VectorXd SeparatedField::operator()(std::span<const double> x) const {
+  Workspace workspace = make_workspace();
+  Eigen::VectorXd values(output_count());
+  evaluate(x, values, workspace);
+  return values;
+}
+
+}  // namespace samara::pgd

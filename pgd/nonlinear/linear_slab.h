@@ -1,0 +1,12 @@
+#pragma once
+
+#include "samara/pgd/nonlinear/strategy.h"
+
+namespace samara::pgd {
+
+/// X = x0 + S (A X + b). Without A in train algebra, on the first core only; else from dense pointwise
+/// solves at the parameter entries that a cross asks for.
+/// @throws StrategyFailure as StrategySlab::separate()
+TensorTrain solve(const StrategySlab& slab, const LinearSlab& linear, CrossPivots& pivots);
+
+}  // namespace samara::pgd

@@ -1,0 +1,124 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "samara/pgd/nonlinear/strategy_slab.h"
+
+/// Strategies for nonlinear terms: each turns the current iterate X of a slab into a linear problem for the
+/// next one,
+///
+///   X' = A(t, q) X + b(t, q),  A and b separated,
+///
+/// of which the solution over the whole parameter box is the next iterate (dissertation, section 6.5).
+///
+/// | factory                  | A                        | b                                                |
+/// | ------------------------ | ------------------------ | ------------------------------------------------ |
+/// | incremental_strategy     | none                     | f(X), by products where f is a polynomial        |
+/// | polynomial_strategy      | J at one state           | the rest of Taylor's expansion of order 1 or 2   |
+/// | asymptotic_strategy      | J at the start           | one more order of a series in a path parameter   |
+/// | empirical_strategy       | none                     | f(X), interpolated at few states and times       |
+/// | piecewise_linear_strategy| weighted J of points     | their weighted values                            |
+/// | cross_strategy           | J(X) (Newton) or none    | f(X) - A X by cross interpolation                |
+namespace samara::pgd {
+
+/// X' = A X + b on a slab, rates per slab.
+struct LinearSlab {
+  /// A: row (m + n k) + n^2 i of the first mode is A(m, k) at Radau point i. Empty: none.
+  std::optional<TensorTrain> jacobian = {};
+  TensorTrain source;  ///< b: row m + n i
+};
+
+/// Something that a strategy has approximated on its way to A and b.
+struct StrategyDetail {
+  std::string what;
+  int rank = 0;
+  double error = 0.0;  ///< largest at random entries that were not used
+};
+
+class Strategy {
+ public:
+  virtual ~Strategy() = default;
+  virtual std::string name() const = 0;
+  /// Called once before a march. @throws ArgumentError if the problem does not suit the strategy.
+  virtual void prepare(const EvolutionProblem& problem, double tolerance) {
+    (void)problem;
+    (void)tolerance;
+  }
+  /// Called at the start of every slab.
+  virtual void begin(const StrategySlab& slab) { (void)slab; }
+  /// The linear problem whose solution is the next iterate. `correction`: of the iteration before, root mean
+  /// square in scales; none before the first.
+  virtual LinearSlab linearise(const StrategySlab& slab, const TensorTrain& iterate,
+                               std::optional<double> correction) = 0;
+  /// Iterations after which the strategy has nothing to add.
+  virtual int max_iterations() const { return 1000; }
+  /// Corrections may grow this many times in a row before the march calls the iteration divergent.
+  virtual int patience() const { return 3; }
+  /// Why corrections grow by `ratio`, as part of a sentence.
+  virtual std::string on_divergence(double ratio) const;
+  /// What the strategy has separated for itself on the last slab, or none.
+  virtual std::optional<StrategyDetail> detail() const { return std::nullopt; }
+  /// Evaluations made in prepare().
+  virtual StrategyCounts prepared() const { return {}; }
+};
+
+/// IL, (6.26): f of the last iterate. A polynomial f by products of fields, compressed at once, any other by
+/// cross interpolation. Contracts on short slabs only; the error falls factorially with the iterations.
+std::unique_ptr<Strategy> incremental_strategy();
+
+/// PL, (6.27): Taylor's expansion about one state.
+struct PolynomialOptions {
+  int order = 2;  ///< 1, or 2 with the quadratic term from the last iterate
+  /// About which state, SI; empty: about the state at the start of each slab, at every parameter point.
+  std::optional<Eigen::VectorXd> state = {};
+};
+/// The error is that of the expansion: of the power order + 1 of the distance to the state. Converges to the
+/// solution of other equations; StrategyRecord::defect tells how far they are.
+std::unique_ptr<Strategy> polynomial_strategy(const PolynomialOptions& options = {});
+
+/// ANM, (6.28)-(6.29): X = X_0 + lambda X_1 + .. from the equations linearised about the start of the slab
+/// (lambda = 0) to the full ones (lambda = 1). One linear solve per order, all with the same A; the Taylor
+/// coefficients of the remainder from its values at Chebyshev nodes in lambda. Corrections are the terms of
+/// the series: where they grow, its radius of convergence is below one, and the march says so.
+struct AsymptoticOptions {
+  int max_order = 12;
+};
+std::unique_ptr<Strategy> asymptotic_strategy(const AsymptoticOptions& options = {});
+
+/// DEIM, (6.30): a basis over states and times is learned from f along the present iterate at training points
+/// of the parameters; f is interpolated in it at greedily chosen rows, and the coefficients, functions of the
+/// parameters, are separated by a cross that evaluates f at the times of these rows only. Retrained at points
+/// where it is wrong, and in every iteration.
+/// Reference: Chaturantabut and Sorensen, SIAM J. Sci. Comput. 32 (2010).
+struct EmpiricalOptions {
+  int training_points = 16;  ///< random ones, besides corners and middle
+  int max_retraining = 8;    ///< per iteration
+};
+std::unique_ptr<Strategy> empirical_strategy(const EmpiricalOptions& options = {});
+
+/// PPWL, (6.31)-(6.32): a weighted sum of linearisations at points picked along a few training trajectories.
+struct PiecewiseLinearOptions {
+  int points = 100;
+  /// Weights are exp(-beta (d_i^2 - d_min^2) / fill^2), normalised: d_i the distance to point i, states over
+  /// their spread, fill the largest distance of a training state to its nearest point.
+  double beta = 10.0;
+  int samples = 4;  ///< training states per Radau point and slab
+  /// Of the separated weights, absolute. Zero: the tolerance of the slab.
+  double weight_tolerance = 0.0;
+};
+/// f is taken affine in the parameters: exactly where the system is (EvolutionSystem::affine_in_parameters),
+/// else by its slopes at the point's own parameters. Of limited accuracy by nature, on any motion.
+std::unique_ptr<Strategy> piecewise_linear_strategy(const PiecewiseLinearOptions& options = {});
+
+/// Newton or Picard with f (and J) of the iterate separated by cross interpolation over the parameters: any
+/// f, any accuracy.
+struct CrossStrategyOptions {
+  bool newton = true;
+};
+std::unique_ptr<Strategy> cross_strategy(const CrossStrategyOptions& options = {});
+
+}  // namespace samara::pgd

@@ -1,0 +1,68 @@
+#include "samara/pgd/tensors/train_points.h"
+
+#include <utility>
+
+#include "samara/pgd/tensors/train_algebra.h"
+
+namespace samara::pgd {
+
+Eigen::MatrixXd values_at(const TensorTrain& train, const IndexBatch& entries) {
+  const std::size_t modes = train.cores.size() - 1;
+  Eigen::MatrixXd values(train.cores[0].size, entries.cols());
+  // behind[k]: the product of the cores of mode k and all behind it, at the present entry.
+  std::vector<Eigen::VectorXd> behind(modes + 1, Eigen::VectorXd::Ones(1));
+  for (Eigen::Index j = 0; j < entries.cols(); ++j) {
+    std::size_t known = modes;  // modes from here on are those of the entry before
+    while (j > 0 && known > 0 &&
+           entries(static_cast<Eigen::Index>(known) - 1, j) ==
+               entries(static_cast<Eigen::Index>(known) - 1, j - 1))
+      --known;
+    for (std::size_t k = known; k-- > 0;) {
+      behind[k].noalias() =
+          train.cores[k + 1].slice(entries(static_cast<Eigen::Index>(k), j)) * behind[k + 1];
+    }
+    values.col(j).noalias() = train.cores[0].left_unfolding() * behind[0];
+  }
+  return values;
+}
+
+Eigen::MatrixXd values_at(const TensorTrain& train, const std::vector<Axis>& axes,
+                          const Eigen::MatrixXd& points) {
+  Eigen::MatrixXd values(train.cores[0].size, points.cols());
+  for (Eigen::Index j = 0; j < points.cols(); ++j) {
+    Eigen::VectorXd behind = Eigen::VectorXd::Ones(1);
+    for (std::size_t k = axes.size(); k-- > 0;) {
+      InterpolationStencil stencil = axes[k].make_stencil();
+      axes[k].interpolate(points(static_cast<Eigen::Index>(k), j), stencil, false);
+      Eigen::VectorXd next = Eigen::VectorXd::Zero(train.cores[k + 1].left);
+      for (Eigen::Index i = 0; i < stencil.value.size(); ++i) {
+        next.noalias() +=
+            stencil.value[i] * (train.cores[k + 1].slice(stencil.first + static_cast<int>(i)) * behind);
+      }
+      behind = std::move(next);
+    }
+    values.col(j).noalias() = train.cores[0].left_unfolding() * behind;
+  }
+  return values;
+}
+
+Eigen::MatrixXd interpolation_matrix(const Axis& from, const Eigen::VectorXd& points) {
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(points.size(), from.size());
+  InterpolationStencil stencil = from.make_stencil();
+  for (Eigen::Index i = 0; i < points.size(); ++i) {
+    from.interpolate(points[i], stencil, false);
+    matrix.block(i, stencil.first, 1, stencil.value.size()) = stencil.value.transpose();
+  }
+  return matrix;
+}
+
+TensorTrain carried_over(TensorTrain train, const std::vector<Axis>& from, const std::vector<Axis>& to) {
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    const bool same = from[k].size() == to[k].size() && from[k].nodes() == to[k].nodes();
+    if (same) continue;
+    train = applied(std::move(train), static_cast<int>(k) + 1, interpolation_matrix(from[k], to[k].nodes()));
+  }
+  return train;
+}
+
+}  // namespace samara::pgd
