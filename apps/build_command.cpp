@@ -6,7 +6,7 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/codebooks/build/build.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/save.h"
 #include "samara/io/atomic_file.h"
 #include "terminal.h"
 

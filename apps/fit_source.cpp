@@ -8,8 +8,9 @@
 #include <fmt/format.h>
 
 #include "samara/base/names.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/load.h"
 #include "samara/identification/problem/fit_config.h"
+#include "samara/identification/report/fit_file.h"
 #include "samara/identification/report/fit_report.h"
 #include "samara/identification/series/series_config.h"
 #include "samara/identification/trajectories/codebook_trajectories.h"

@@ -8,7 +8,7 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/names.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/load.h"
 #include "terminal.h"
 
 namespace samara::apps {

@@ -6,7 +6,7 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/load.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/io/csv.h"
 #include "terminal.h"

@@ -6,7 +6,7 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/load.h"
 #include "samara/io/csv.h"
 #include "samara/pgd/fields/field_algebra.h"
 #include "samara/pgd/fields/statistics.h"

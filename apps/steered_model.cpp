@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/load.h"
 #include "samara/identification/series/coefficient_series.h"
+#include "samara/identification/series/series_book.h"
 #include "samara/models/interface/following_model.h"
 
 namespace samara::apps {

@@ -4,7 +4,8 @@
 #include "output.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/certify/certify.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/certify/certify_plan.h"
+#include "samara/codebooks/file/load.h"
 #include "terminal.h"
 
 namespace samara::apps {

@@ -48,7 +48,7 @@ function(samara_compile_together target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   # A type of an anonymous namespace in a class of its own source looks to GCC as if a header had it.
   target_compile_options(${target} PRIVATE "$<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>")
-  set(files_together 6)
+  set(files_together 8)
   set(count 0)
   foreach(source ${ARGN})
     math(EXPR batch "${count} / ${files_together}")
@@ -81,7 +81,7 @@ set(SAMARA_EIGEN_ALIGNMENT samara/base/eigen_alignment.h)
 function(samara_library target)
   target_link_libraries(${target} ${ARGN})
   samara_compile_options(${target})
-  if("fmt::fmt" IN_LIST ARGN)
+  if("fmt::fmt" IN_LIST ARGN AND NOT target STREQUAL "samara_base")  # which knows no Eigen
     samara_precompile(${target} <Eigen/Core> <fmt/format.h> <algorithm> <cmath> <string> <vector>)
   endif()
   set_target_properties(${target} PROPERTIES

@@ -7,6 +7,7 @@
 #include "cases.h"
 #include "falling_card.h"
 #include "samara/models/batch/batch.h"
+#include "samara/models/batch/watch_batch.h"
 
 namespace samara::benchmarks {
 

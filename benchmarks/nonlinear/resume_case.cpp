@@ -16,7 +16,8 @@
 #include <unistd.h>
 
 #include "cases.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
 #include "samara/pgd/tensors/random.h"
 
 namespace samara::benchmarks {

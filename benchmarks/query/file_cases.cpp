@@ -9,7 +9,8 @@
 #include <fmt/format.h>
 
 #include "cases.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/query.h"
 #include "tests/codebooks/file_fuzz.h"
 #include "tests/io/temporary_directory.h"

@@ -14,6 +14,7 @@
 #include "samara/codebooks/build/build.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/codebooks/query/trajectory_query.h"
 #include "samara/models/integrators/integrate.h"
 
 namespace samara::benchmarks {

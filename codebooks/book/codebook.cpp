@@ -10,6 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/models/checks/check_physics.h"
 
 namespace samara::codebooks {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/load.h"
 #include "samara/codebooks/query/query.h"
 
 struct samara_book {

@@ -7,7 +7,6 @@
 
 #include "samara/base/progress.h"
 #include "samara/codebooks/book/codebook.h"
-#include "samara/codebooks/plan/plan.h"
 #include "samara/models/interface/parametric_model.h"
 
 namespace samara::codebooks {
@@ -29,15 +28,6 @@ struct CertifyOptions {
 /// @throws ArgumentError if points < 1, or the model does not fit the codebook's coordinates.
 Certificate certify(const Codebook& book, const models::ParametricModel& model,
                     const CertifyOptions& options);
-
-/// Measures a codebook that was sampled from a command against the command of a plan, called by the plan's
-/// batches and timeout. What the codebook says of its command is never executed. The first point without an
-/// answer ends the calls; the points behind count as failed, too. Of `options`, threads and integrator do not
-/// matter.
-/// @throws NoResultError if the program printed more than it was asked for; ArgumentError if points < 1 or
-/// more than the plan allows, the codebook is one of a model or the plan is, or their inputs, box, fixed
-/// values, outputs or times differ.
-Certificate certify(const Codebook& book, const Plan& plan, const CertifyOptions& options);
 
 /// The model a codebook is a solution of, with the codebook's coordinates free.
 /// @throws ArgumentError if this library does not know the model, or the codebook holds what was sampled from

@@ -1,3 +1,5 @@
+#include "samara/codebooks/certify/certify_plan.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -6,7 +8,6 @@
 #include <fmt/ranges.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/source/call_memory.h"
 #include "samara/io/units.h"

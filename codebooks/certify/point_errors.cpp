@@ -8,6 +8,7 @@
 
 #include "samara/codebooks/book/sobol_points.h"
 #include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/query/trajectory_query.h"
 
 namespace samara::codebooks {
 

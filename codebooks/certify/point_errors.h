@@ -16,6 +16,7 @@
 #include "samara/codebooks/book/certificate_points.h"
 #include "samara/codebooks/book/codebook.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/codebooks/query/trajectory_query.h"
 
 /// What every certificate is made of, whatever the codebook is compared with.
 namespace samara::codebooks {

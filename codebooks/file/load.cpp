@@ -1,3 +1,5 @@
+#include "samara/codebooks/file/load.h"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -11,7 +13,6 @@
 
 #include <fmt/format.h>
 
-#include "samara/codebooks/file/store.h"
 #include "samara/codebooks/file/store_format.h"
 #include "samara/codebooks/file/store_piece.h"
 #include "samara/io/hdf5_reader.h"

@@ -1,10 +1,11 @@
+#include "samara/codebooks/file/save.h"
+
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "samara/base/version.h"
-#include "samara/codebooks/file/store.h"
 #include "samara/codebooks/file/store_format.h"
 #include "samara/codebooks/file/store_piece.h"
 #include "samara/io/hdf5_writer.h"

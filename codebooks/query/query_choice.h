@@ -9,6 +9,7 @@
 #include "samara/codebooks/book/attitude_length.h"
 #include "samara/codebooks/query/prepared_fields.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/codebooks/query/trajectory_query.h"
 
 /// What Query and TrajectoryQuery have in common.
 namespace samara::codebooks {

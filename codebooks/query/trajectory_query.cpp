@@ -1,3 +1,5 @@
+#include "samara/codebooks/query/trajectory_query.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -6,6 +8,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/box.h"
+#include "samara/codebooks/query/kernels/residual_rows.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/codebooks/query/query_choice.h"
 

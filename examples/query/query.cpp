@@ -3,8 +3,9 @@
 #include <cstdio>
 #include <vector>
 
-#include <samara/codebooks/file/store.h>
+#include <samara/codebooks/file/load.h>
 #include <samara/codebooks/query/query.h>
+#include <samara/codebooks/query/trajectory_query.h>
 
 using namespace samara::codebooks;
 

@@ -9,6 +9,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/identification/captures/capture_cleaning.h"
+#include "samara/identification/smoothing/continuous_angles.h"
 #include "samara/identification/smoothing/rotation_vectors.h"
 #include "samara/identification/smoothing/smoothing.h"
 

@@ -9,6 +9,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/identification/smoothing/medians.h"
+#include "samara/identification/smoothing/smoothing_attitude.h"
 
 namespace samara::identification {
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "samara/identification/captures/capture.h"
+#include "samara/identification/smoothing/continuous_angles.h"
 #include "samara/identification/smoothing/smoothing.h"
 
 /// What real captures need before a fit. Every step returns a new capture and says what it did: as numbers,
@@ -31,48 +32,6 @@ struct Gap {
 /// @param quantity a channel; empty: any
 /// @throws ArgumentError if there is no such channel
 std::vector<Gap> gaps(const Capture& capture, const std::string& quantity = "");
-
-struct FrameGrid {
-  Capture capture;             ///< its times are whole multiples of the period after the first
-  double period = 0.0;         ///< s
-  double rms_shift = 0.0;      ///< s, between times as given and on the grid
-  double largest_shift = 0.0;  ///< s
-  int dropped_frames = 0;      ///< places of the grid between frames that no frame holds
-};
-
-/// For a camera with a steady rate whose times are rounded, or are those at which a frame arrived: the frame
-/// period is fitted to the times of the capture, and each frame set to its place on the grid.
-///
-/// The period is the one for which exp(2 pi i t / period) adds up best over the frames, within 3 % of the
-/// median interval; each frame then takes the place that is nearest, such that places increase (isotonic
-/// regression), and the grid is fitted to them by least squares.
-/// @throws ArgumentError if the capture has fewer than 4 frames
-FrameGrid on_frame_grid(const Capture& capture);
-
-struct ImpactOptions {
-  /// Positions that count.
-  std::vector<std::string> quantities = {"x", "y", "z"};
-  /// Acceleration that is no impact, by quantity, m/s^2.
-  std::map<std::string, double> gravity = {{"z", -9.81}};
-  double jump = 1.2;  ///< m/s, of the velocity from one frame to the next
-};
-
-struct BeforeImpact {
-  Capture capture;                         ///< the frames before it; all if there was none
-  std::optional<double> impact_time = {};  ///< s, between the frames where the velocity jumps most
-  double jump = 0.0;                       ///< m/s, there; the largest of all if there was no impact
-};
-
-/// Cuts a capture before its first impact: where the slope of four frames differs from that of the next four,
-/// gravity removed, by more than a jump, whichever one of the eight frames is left out (so that one wrong
-/// frame is no impact). The frame just before the impact goes, too: it may be the moment of contact.
-/// @throws ArgumentError if a quantity is not measured, or fewer than 3 frames are left
-BeforeImpact before_impact(const Capture& capture, const ImpactOptions& options = {});
-
-/// The frames before the first in which a quantity lies outside an interval (of its unit): a body that comes
-/// near the floor. A frame in which it was not seen lies inside.
-/// @throws ArgumentError if it is not measured, or fewer than 3 frames are left
-Capture while_inside(const Capture& capture, const std::string& quantity, double lower, double upper);
 
 struct PieceOptions {
   std::vector<std::string> quantities = {"x", "y", "z"};  ///< positions that count

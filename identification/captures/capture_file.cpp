@@ -10,6 +10,8 @@
 #include "samara/identification/captures/capture_cleaning.h"
 #include "samara/identification/captures/capture_table.h"
 #include "samara/identification/captures/exports/export_formats.h"
+#include "samara/identification/captures/frame_grid.h"
+#include "samara/identification/captures/impact.h"
 #include "samara/identification/captures/sidecar.h"
 #include "samara/io/text.h"
 #include "samara/io/text_file.h"

@@ -1,3 +1,5 @@
+#include "samara/identification/captures/frame_grid.h"
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -7,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/identification/captures/capture_cleaning.h"
 #include "samara/identification/smoothing/medians.h"
 
 namespace samara::identification {

@@ -1,10 +1,11 @@
+#include "samara/identification/captures/impact.h"
+
 #include <algorithm>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/identification/captures/capture_cleaning.h"
 
 namespace samara::identification {
 

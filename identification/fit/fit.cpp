@@ -9,6 +9,7 @@
 #include "samara/identification/fit/bootstrap.h"
 #include "samara/identification/fit/fit_summary.h"
 #include "samara/identification/fit/fit_trust.h"
+#include "samara/identification/fit/fit_warnings.h"
 #include "samara/identification/fit/integration_check.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/segment_residual.h"

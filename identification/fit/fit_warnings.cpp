@@ -1,3 +1,5 @@
+#include "samara/identification/fit/fit_warnings.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -5,7 +7,6 @@
 
 #include "samara/base/names.h"
 #include "samara/identification/captures/capture_suspicions.h"
-#include "samara/identification/fit/fit_summary.h"
 #include "samara/identification/problem/camera.h"
 #include "samara/identification/smoothing/medians.h"
 

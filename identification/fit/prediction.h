@@ -7,6 +7,7 @@
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/fit_result.h"
+#include "samara/identification/report/fit_file.h"
 #include "samara/identification/statistics/prediction_score.h"
 #include "samara/identification/trajectories/trajectory_source.h"
 

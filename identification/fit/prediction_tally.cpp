@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/smoothing/continuous_angles.h"
 #include "samara/identification/smoothing/smoothing.h"
 
 namespace samara::identification {

@@ -1,3 +1,5 @@
+#include "samara/identification/report/fit_file.h"
+
 #include <optional>
 #include <string>
 #include <vector>
@@ -6,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/identification/report/fit_report.h"
 #include "samara/io/text_file.h"
 
 namespace samara::identification {

@@ -9,12 +9,10 @@
 
 #include <Eigen/Core>
 
-#include "samara/codebooks/book/codebook.h"
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/fit_result.h"
-#include "samara/models/interface/following_model.h"
-#include "samara/models/laws/registry.h"
+#include "samara/models/interface/model.h"
 
 /// Coefficients that change along a motion: the source's "instantaneous coefficients", as a series that a
 /// simulation can replay.
@@ -129,24 +127,5 @@ struct CoefficientSeries {
 CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
                              std::span<const Capture> captures, const FitOptions& options,
                              const SeriesOptions& series);
-
-/// The series as a codebook of one axis, t, whose outputs are the coefficients. Its certificate holds their
-/// standard errors: it says how well captures determine them, not how well anything was integrated.
-/// @throws ArgumentError if the fit of the series failed.
-codebooks::Codebook series_codebook(const CoefficientSeries& series);
-
-/// The course of a codebook over time alone whose outputs are parameters of the model: for following(). The
-/// codebook must outlive it.
-/// @throws ArgumentError if the codebook has other coordinates than time, is the series of another model, or
-///   has outputs that are no parameters of the model, in another unit, or outside their meaning.
-std::shared_ptr<const models::ParameterCourse> codebook_course(const codebooks::Codebook& book,
-                                                               const models::ModelInfo& model);
-
-/// One JSON object with "schema": "samara-series/1": the series, then the fit as fit_json(). Ends in a
-/// newline.
-std::string series_json(const CoefficientSeries& series);
-
-/// A table for people.
-std::string series_text(const CoefficientSeries& series);
 
 }  // namespace samara::identification

@@ -1,3 +1,5 @@
+#include "samara/identification/series/series_book.h"
+
 #include <algorithm>
 #include <cmath>
 #include <ctime>
@@ -11,7 +13,6 @@
 #include "samara/base/names.h"
 #include "samara/base/version.h"
 #include "samara/codebooks/query/query.h"
-#include "samara/identification/series/coefficient_series.h"
 
 namespace samara::identification {
 

@@ -1,3 +1,5 @@
+#include "samara/identification/series/series_report.h"
+
 #include <cmath>
 #include <iterator>
 
@@ -6,7 +8,6 @@
 
 #include "samara/identification/report/fit_report.h"
 #include "samara/identification/report/trust_report.h"
-#include "samara/identification/series/coefficient_series.h"
 
 namespace samara::identification {
 

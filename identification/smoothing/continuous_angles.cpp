@@ -1,3 +1,5 @@
+#include "samara/identification/smoothing/continuous_angles.h"
+
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -8,7 +10,6 @@
 #include "samara/base/errors.h"
 #include "samara/identification/smoothing/medians.h"
 #include "samara/identification/smoothing/rotation_vectors.h"
-#include "samara/identification/smoothing/smoothing.h"
 #include "samara/identification/smoothing/smoothing_checks.h"
 
 namespace samara::identification {

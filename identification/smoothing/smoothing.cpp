@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/identification/smoothing/continuous_angles.h"
 #include "samara/identification/smoothing/local_polynomial.h"
 #include "samara/identification/smoothing/medians.h"
 #include "samara/identification/smoothing/smoothing_checks.h"

@@ -71,43 +71,4 @@ Smoothed smooth(const Eigen::VectorXd& times, const Eigen::MatrixXd& values, con
 Smoothed smooth_angle(const Eigen::VectorXd& times, const Eigen::VectorXd& angles, double period,
                       const Eigen::VectorXd& at, const SmoothingOptions& options = {});
 
-/// The angles plus multiples of the period, such that each is nearest to where its predecessors lead (their
-/// median rate). The first seen angle stays as it is; NaN stays.
-/// @throws ArgumentError if `period` is not positive, or sizes do not match.
-Eigen::VectorXd unwrapped(const Eigen::VectorXd& times, const Eigen::VectorXd& angles, double period);
-
-/// Rotations of the body after which it looks as before, as unit quaternions (w, x, y, z), the identity not
-/// among them: q and q * g (body to world) cannot be told apart.
-using BodySymmetries = std::vector<Eigen::Vector4d>;
-
-/// Half turns about the three body axes: a rectangular plate whose sides look alike.
-BodySymmetries half_turns();
-
-/// Rows: the times asked for.
-struct SmoothedAttitude {
-  Eigen::MatrixX4d attitude;              ///< unit quaternions (w, x, y, z), body to world
-  Eigen::MatrixX3d angular_velocity;      ///< w_WB_B, rad/s: of the body in the world, in body axes
-  Eigen::MatrixX3d angular_acceleration;  ///< d/dt of it, rad/s^2
-  Eigen::MatrixX3d attitude_error;        ///< standard errors of a small rotation about the body axes, rad
-  Eigen::MatrixX3d angular_velocity_error;
-  Eigen::MatrixX3d angular_acceleration_error;
-  Eigen::VectorXd span;                           ///< s, from the first to the last frame that was used
-  double noise = 0.0;                             ///< standard deviation of one frame about one axis, rad
-  Eigen::Array<bool, Eigen::Dynamic, 1> outlier;  ///< frames
-};
-
-/// Attitudes: made continuous, then smoothed as rotation vectors from a local reference.
-/// @param quaternions frames x 4, (w, x, y, z), body to world, of any length but 0; NaN where not seen. The
-///   body must turn by less than a turn within half a window.
-/// @throws ArgumentError as smooth()
-SmoothedAttitude smooth_attitude(const Eigen::VectorXd& times, const Eigen::MatrixX4d& quaternions,
-                                 const Eigen::VectorXd& at, const SmoothingOptions& options = {},
-                                 const BodySymmetries& symmetries = {});
-
-/// Unit quaternions of the same looks whose sign and whose symmetry are nearest to where their predecessors
-/// lead. The first seen one is only normalised; NaN stays.
-/// @throws ArgumentError if sizes do not match, or a quaternion is 0.
-Eigen::MatrixX4d continuous_attitudes(const Eigen::VectorXd& times, const Eigen::MatrixX4d& quaternions,
-                                      const BodySymmetries& symmetries = {});
-
 }  // namespace samara::identification

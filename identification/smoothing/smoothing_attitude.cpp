@@ -1,9 +1,11 @@
+#include "samara/identification/smoothing/smoothing_attitude.h"
+
 #include <algorithm>
 #include <cmath>
 
+#include "samara/identification/smoothing/continuous_angles.h"
 #include "samara/identification/smoothing/local_polynomial.h"
 #include "samara/identification/smoothing/rotation_vectors.h"
-#include "samara/identification/smoothing/smoothing.h"
 #include "samara/identification/smoothing/smoothing_checks.h"
 
 namespace samara::identification {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/identification/smoothing/continuous_angles.h"
 #include "samara/identification/smoothing/medians.h"
 #include "samara/identification/smoothing/rotation_vectors.h"
 #include "samara/identification/smoothing/smoothing.h"

@@ -6,6 +6,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/codebooks/query/trajectory_query.h"
 #include "samara/identification/trajectories/model_symmetry.h"
 #include "samara/models/interface/parametric_model.h"
 #include "samara/models/laws/registry.h"

@@ -8,6 +8,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/codebooks/query/trajectory_query.h"
 #include "samara/identification/trajectories/coordinate_names.h"
 
 namespace samara::identification {

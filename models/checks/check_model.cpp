@@ -8,6 +8,8 @@
 #include "samara/base/errors.h"
 #include "samara/base/number_text.h"
 #include "samara/models/checks/check_parts.h"
+#include "samara/models/checks/check_physics.h"
+#include "samara/models/checks/check_units.h"
 #include "samara/models/checks/unit_dimension.h"
 
 namespace samara::models {

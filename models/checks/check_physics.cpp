@@ -1,10 +1,11 @@
+#include "samara/models/checks/check_physics.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "samara/base/number_text.h"
-#include "samara/models/checks/check_parts.h"
 
 namespace samara::models {
 

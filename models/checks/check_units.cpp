@@ -1,7 +1,8 @@
+#include "samara/models/checks/check_units.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "samara/models/checks/check_parts.h"
 #include "samara/models/checks/unit_dimension.h"
 
 namespace samara::models {

@@ -8,7 +8,6 @@
 #include <Eigen/Core>
 
 #include "samara/models/interface/model.h"
-#include "samara/models/laws/registry.h"
 
 /// Models whose coefficients change in time: x' = f(t, x, p(t)), where some of the parameters p follow a
 /// course that is given beforehand, or by parameters of its own (the values at knots, for a fit).

@@ -2,6 +2,7 @@
 
 #include "../allocation_counter.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/codebooks/query/trajectory_query.h"
 #include "sample_books.h"
 
 using namespace samara::codebooks;

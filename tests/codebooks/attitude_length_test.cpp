@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "samara/codebooks/query/query.h"
+#include "samara/codebooks/query/trajectory_query.h"
 
 using namespace samara::codebooks;
 using samara::pgd::Axis;

@@ -9,7 +9,7 @@
 
 #include "../io/temporary_directory.h"
 #include "samara/codebooks/capi/samara.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/query.h"
 #include "sample_books.h"
 

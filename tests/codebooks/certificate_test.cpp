@@ -9,7 +9,8 @@
 #include "../io/temporary_directory.h"
 #include "samara/codebooks/build/build.h"
 #include "samara/codebooks/certify/certify.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/pgd/tensors/random.h"
 

@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <string>
 
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/io/csv.h"
 #include "sample_books.h"

@@ -6,9 +6,12 @@
 #include "../io/temporary_directory.h"
 #include "samara/codebooks/build/build.h"
 #include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/certify/certify_plan.h"
 #include "samara/codebooks/composition/chain.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/codebooks/query/trajectory_query.h"
 #include "same_codebook.h"
 #include "sample_books.h"
 

@@ -11,7 +11,8 @@
 #include "../io/error_text.h"
 #include "../io/temporary_directory.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
 #include "same_codebook.h"
 #include "sample_books.h"
 

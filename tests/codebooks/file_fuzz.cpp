@@ -18,7 +18,8 @@
 
 #include "../io/temporary_directory.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/query.h"
 
 // The library's own checksums.

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "../io/temporary_directory.h"
-#include "samara/codebooks/file/store.h"
+#include "samara/codebooks/file/load.h"
 #include "samara/codebooks/query/query.h"
 #include "same_codebook.h"
 #include "sample_books.h"

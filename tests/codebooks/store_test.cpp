@@ -1,11 +1,11 @@
-#include "samara/codebooks/file/store.h"
-
 #include <limits>
 
 #include <catch2/catch.hpp>
 
 #include "../io/error_text.h"
 #include "../io/temporary_directory.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/query.h"
 #include "same_codebook.h"
 #include "sample_books.h"

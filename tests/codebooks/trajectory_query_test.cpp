@@ -1,3 +1,5 @@
+#include "samara/codebooks/query/trajectory_query.h"
+
 #include <array>
 #include <limits>
 

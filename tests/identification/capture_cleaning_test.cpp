@@ -8,6 +8,8 @@
 #include <catch2/catch.hpp>
 
 #include "files.h"
+#include "samara/identification/captures/frame_grid.h"
+#include "samara/identification/captures/impact.h"
 
 using namespace samara::identification;
 using Eigen::Index;

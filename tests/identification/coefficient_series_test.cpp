@@ -9,6 +9,7 @@
 #include "plate_captures.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/identification/series/series_book.h"
 #include "samara/identification/series/series_knots.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"

@@ -11,6 +11,7 @@
 #include "samara/identification/captures/capture_cleaning.h"
 #include "samara/identification/captures/capture_file.h"
 #include "samara/identification/captures/capture_suspicions.h"
+#include "samara/identification/smoothing/smoothing_attitude.h"
 #include "samara/io/delimited_table.h"
 
 using namespace samara::identification;

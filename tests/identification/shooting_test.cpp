@@ -9,6 +9,7 @@
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/segment_residual.h"
+#include "samara/identification/smoothing/continuous_angles.h"
 #include "samara/identification/trajectories/mixed_trajectories.h"
 #include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/laws/registry.h"

@@ -1,3 +1,5 @@
+#include "samara/identification/smoothing/smoothing_attitude.h"
+
 #include <cmath>
 #include <limits>
 #include <random>
@@ -6,6 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include "files.h"
+#include "samara/identification/smoothing/continuous_angles.h"
 #include "samara/identification/smoothing/smoothing.h"
 
 using namespace samara::identification;

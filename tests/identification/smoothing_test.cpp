@@ -7,6 +7,8 @@
 #include <catch2/catch.hpp>
 
 #include "files.h"
+#include "samara/identification/smoothing/continuous_angles.h"
+#include "samara/identification/smoothing/smoothing_attitude.h"
 
 using namespace samara::identification;
 using Eigen::Index;

@@ -9,6 +9,7 @@
 
 #include "falling_card.h"
 #include "samara/models/batch/batch.h"
+#include "samara/models/batch/watch_batch.h"
 
 using namespace samara::models;
 using samara::Progress;

@@ -12,6 +12,7 @@
 
 #include "falling_card.h"
 #include "samara/base/errors.h"
+#include "samara/models/batch/watch_batch.h"
 #include "samara/models/integrators/rk4.h"
 #include "samara/models/laws/registry.h"
 #include "scalar_model.h"

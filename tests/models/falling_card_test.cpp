@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "card_patterns.h"
+#include "samara/identification/smoothing/continuous_angles.h"
 #include "samara/models/laws/registry.h"
 
 using namespace samara::models;

@@ -1,16 +1,19 @@
-"""Fails if an installed header includes a third-party library other than Eigen."""
+"""Fails if an installed header includes a third-party library other than Eigen, or if a source has no header of its own
+name."""
 
 import pathlib
 import re
 import sys
 
 root = pathlib.Path(sys.argv[1])
+# Each file there is one law, and defines the function of its name that the registry declares.
+ALL_OF_ONE_KIND = {"models/laws", "pgd/nonlinear"}
 OF_THE_C_LIBRARY = {"stddef.h"}
 wrong = []
 installed = 0
 for room in ["base", "pgd", "models", "io", "codebooks", "identification"]:
     listing = (root / room / "CMakeLists.txt").read_text()
-    block = re.search(r"samara_room\(\w+\s+HEADERS(.*?)(INTERNAL_HEADERS|SOURCES)", listing, re.S)
+    block = re.search(r"samara_room\(\w+\s.*?HEADERS(.*?)(EXCEPT|PUBLIC|PRIVATE|\))", listing, re.S)
     for name in re.findall(r"\S+\.h", block.group(1)):
         installed += 1
         for number, line in enumerate((root / room / name).read_text().splitlines(), 1):
@@ -18,5 +21,8 @@ for room in ["base", "pgd", "models", "io", "codebooks", "identification"]:
             # The standard library's headers have neither slash nor suffix, but for those of C.
             if match and match.group(1) not in OF_THE_C_LIBRARY and not match.group(1).startswith("Eigen/") and re.search(r"[/.]", match.group(1)):
                 wrong.append(f"{room}/{name}:{number}: {match.group(1)} in an installed header")
+    for file in sorted((root / room).rglob("*.cpp")):
+        if str(file.parent.relative_to(root)) not in ALL_OF_ONE_KIND | {"pgd/axes", "pgd/evolution"} and not file.with_suffix(".h").exists():
+            wrong.append(f"{file.relative_to(root)} has no header of its own name")
 print("\n".join(wrong) or f"{installed} installed headers, third-party includes: Eigen only")
 sys.exit(1 if wrong or installed == 0 else 0)

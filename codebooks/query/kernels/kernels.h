@@ -48,12 +48,6 @@ void blend(const T* core, std::ptrdiff_t stride, std::ptrdiff_t length, int node
 /// being read first.
 void stream(const double* from, std::ptrdiff_t size, double* to);
 
-/// What a fit asks for: residuals[i] = (values[i] - observed[i]) / scales[i], and their derivatives row by
-/// row, jacobian[i * columns + k] = slopes[i + rows * k] / scales[i]. No buffer needs more than its numbers.
-/// @param jacobian null: not wanted
-void residual_rows(const double* values, const double* slopes, const double* observed, const double* scales,
-                   std::ptrdiff_t rows, int columns, double* residuals, double* jacobian);
-
 /// out[i] = a[i] b[i]. @param length a multiple of kLanes<T>
 template <class T>
 void scale(const T* a, const T* b, std::ptrdiff_t length, T* out);

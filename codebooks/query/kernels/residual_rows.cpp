@@ -1,6 +1,7 @@
+#include "samara/codebooks/query/kernels/residual_rows.h"
+
 #include <utility>
 
-#include "samara/codebooks/query/kernels/kernels.h"
 #include "samara/codebooks/query/kernels/vectors.h"
 
 namespace samara::codebooks::kernels {

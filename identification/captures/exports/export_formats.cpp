@@ -1,7 +1,8 @@
 #include "samara/identification/captures/exports/export_formats.h"
 
 #include "samara/identification/captures/exports/export_lines.h"
-#include "samara/identification/captures/exports/program_exports.h"
+#include "samara/identification/captures/exports/motive_export.h"
+#include "samara/identification/captures/exports/tracker_export.h"
 
 namespace samara::identification {
 

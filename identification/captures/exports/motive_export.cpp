@@ -1,12 +1,12 @@
+#include "samara/identification/captures/exports/motive_export.h"
+
 #include <algorithm>
 #include <map>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/identification/captures/exports/export_formats.h"
 #include "samara/identification/captures/exports/export_lines.h"
-#include "samara/identification/captures/exports/program_exports.h"
 
 namespace samara::identification {
 

@@ -1,11 +1,11 @@
+#include "samara/identification/captures/exports/tracker_export.h"
+
 #include <algorithm>
 #include <cctype>
 
 #include <fmt/format.h>
 
-#include "samara/identification/captures/exports/export_formats.h"
 #include "samara/identification/captures/exports/export_lines.h"
-#include "samara/identification/captures/exports/program_exports.h"
 
 namespace samara::identification {
 

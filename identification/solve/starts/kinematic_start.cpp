@@ -9,6 +9,7 @@
 
 #include "samara/identification/smoothing/medians.h"
 #include "samara/identification/smoothing/smoothing.h"
+#include "samara/identification/smoothing/smoothing_attitude.h"
 #include "samara/identification/smoothing/smoothing_checks.h"
 
 namespace samara::identification {

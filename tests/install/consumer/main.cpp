@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include <samara/codebooks/build/build.h>
-#include <samara/codebooks/file/store.h>
+#include <samara/codebooks/file/save.h>
 #include <samara/codebooks/query/query.h>
 #include <samara/identification/fit/fit.h>
 

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "samara/identification/captures/capture.h"
+
+namespace samara::identification {
+
+struct FrameGrid {
+  Capture capture;             ///< its times are whole multiples of the period after the first
+  double period = 0.0;         ///< s
+  double rms_shift = 0.0;      ///< s, between times as given and on the grid
+  double largest_shift = 0.0;  ///< s
+  int dropped_frames = 0;      ///< places of the grid between frames that no frame holds
+};
+
+/// For a camera with a steady rate whose times are rounded, or are those at which a frame arrived: the frame
+/// period is fitted to the times of the capture, and each frame set to its place on the grid.
+///
+/// The period is the one for which exp(2 pi i t / period) adds up best over the frames, within 3 % of the
+/// median interval; each frame then takes the place that is nearest, such that places increase (isotonic
+/// regression), and the grid is fitted to them by least squares.
+/// @throws ArgumentError if the capture has fewer than 4 frames
+FrameGrid on_frame_grid(const Capture& capture);
+
+}  // namespace samara::identification

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <span>
+
+#include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/problem/fit_result.h"
+#include "samara/identification/solve/uncertainty.h"
+
+/// Internal to identification/: what the reader of a fit must know.
+namespace samara::identification {
+
+/// Outputs whose residuals are many times their loss scale. Needs the residuals over all captures.
+void add_misfit_warnings(const FitProblem& problem, FitResult& result);
+
+/// Segments for whose starts nobody knows the equations.
+void add_start_warning(const TrajectoryFamily& family, const FitOptions& options, FitResult& result);
+
+/// What is suspicious about the captures as such, what was done to them, and what in them means nothing to
+/// the model.
+void add_capture_warnings(const FamilyInfo& family, std::span<const Capture> captures,
+                          const FitOptions& options, FitResult& result);
+
+/// For a fit that led nowhere: captures that move far faster than a body of the model could.
+void add_speed_warnings(const TrajectoryFamily& family, std::span<const Capture> captures, FitResult& result);
+
+/// What the reader must know: coefficients at bounds or not determined, errors that cannot be trusted, other
+/// optima. Needs coefficients, captures and starts.
+void add_warnings(const FitProblem& problem, const Uncertainty& uncertainty, FitResult& result);
+
+}  // namespace samara::identification
