@@ -31,13 +31,6 @@ std::vector<std::string_view> words_of(std::string_view line) {
   return words;
 }
 
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
-}
-
 /// An entry and where it stands.
 struct Entry {
   int row = 0, column = 0;  ///< from 0

@@ -30,6 +30,9 @@ std::string shortest_decimal(double value);
 /// Without blanks and tabs at both ends.
 std::string_view trimmed(std::string_view text);
 
+/// Of ASCII letters only.
+std::string lower_case(std::string_view text);
+
 /// The text in double quotes for a message: cut when it is long, control characters as \x0a.
 std::string in_quotes(std::string_view text);
 

@@ -108,12 +108,6 @@ std::optional<Unit> find_symbol(std::string_view text) {
   return std::nullopt;
 }
 
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return lower;
-}
-
 /// "; did you mean ..." for an unknown symbol.
 std::string unit_suggestion(std::string_view text) {
   for (const std::string_view celsius : {"degC", "C", "\u00B0C", "Celsius", "celsius"}) {

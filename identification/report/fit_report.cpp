@@ -14,8 +14,6 @@ namespace samara::identification {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// Row by row.
 Json matrix(const Eigen::MatrixXd& values) {
   Json rows = Json::array();

@@ -11,8 +11,6 @@ namespace samara::identification {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr const char* kBestMark = "*";
 
 Json list(const std::vector<double>& values) {

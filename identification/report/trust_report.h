@@ -10,17 +10,19 @@
 /// Internal to identification/: the part of the reports that says what a fit may claim.
 namespace samara::identification {
 
+using Json = nlohmann::ordered_json;
+
 /// "x [m]", as above a column; the name alone where the unit is 1.
 std::string with_unit(const std::string& name, const std::string& unit);
 
 /// Null if it is not finite, or not there.
-nlohmann::ordered_json number(double value);
-nlohmann::ordered_json number(const std::optional<double>& value);
-nlohmann::ordered_json column(const Eigen::Ref<const Eigen::VectorXd>& values);
+Json number(double value);
+Json number(const std::optional<double>& value);
+Json column(const Eigen::Ref<const Eigen::VectorXd>& values);
 
 /// Adds "profiles", "identifiability", "whiteness", "bootstrap", "predictions" and "global_search"; null or
 /// empty where the result has none.
-void add_trust(const FitResult& result, nlohmann::ordered_json& object);
+void add_trust(const FitResult& result, Json& object);
 
 /// The same in sentences and a table.
 void add_trust_text(const FitResult& result, std::string& text);

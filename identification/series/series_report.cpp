@@ -13,8 +13,6 @@ namespace samara::identification {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json json_of(const SeriesCoefficient& c) {
   Json basis = Json::array();
   for (const InstantBasis b : c.basis) basis.push_back(to_string(b));

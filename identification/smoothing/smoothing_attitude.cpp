@@ -13,19 +13,19 @@ namespace samara::identification {
 namespace {
 
 using Eigen::Index;
-using Frames = std::vector<Index>;
+using SeenFrames = std::vector<Index>;
 
 /// Attitudes are unit quaternions in double precision.
 constexpr double kLeastNoise = 1e-14;
 
 /// The seen frames.
 struct SeenAttitudes {
-  Frames frame;
+  SeenFrames frame;
   LocalFrames frames;
   std::vector<Attitude> attitudes;
 
   /// Rotation vectors of some frames from a reference; rows.
-  Eigen::MatrixXd from(const Attitude& reference, const Frames& some) const {
+  Eigen::MatrixXd from(const Attitude& reference, const SeenFrames& some) const {
     Eigen::MatrixXd rows(static_cast<Index>(some.size()), 3);
     for (Index k = 0; k < rows.rows(); ++k) {
       const auto i = static_cast<std::size_t>(some[static_cast<std::size_t>(k)]);
@@ -56,7 +56,7 @@ struct LocalAttitude {
 
 LocalAttitude attitude_at(const SeenAttitudes& seen, double t) {
   constexpr int kMostIterations = 20;
-  const Frames used = seen.frames.around(t);
+  const SeenFrames used = seen.frames.around(t);
   const Eigen::VectorXd equal = Eigen::VectorXd::Ones(static_cast<Index>(used.size()));
   const Index nearest =
       *std::ranges::min_element(used, {}, [&](Index i) { return std::abs(seen.frames.times[i] - t); });
@@ -78,7 +78,7 @@ SmoothedAttitude smooth_attitude(const Eigen::VectorXd& times, const Eigen::Matr
   check_smoothing(times, quaternions.rows(), at, options);
   SeenAttitudes seen = seen_attitudes(times, continuous_attitudes(times, quaternions, symmetries), options);
   check_seen_frames(seen.frames.count(), options);
-  const auto chart = [&](Index reference, const Frames& frames) {
+  const auto chart = [&](Index reference, const SeenFrames& frames) {
     return seen.from(seen.attitudes[static_cast<std::size_t>(reference)], frames);
   };
   weigh_outliers(seen.frames, chart, 3, {options.outlier_threshold, options.noise, kLeastNoise});

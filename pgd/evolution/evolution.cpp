@@ -23,7 +23,7 @@ namespace samara::pgd {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
 /// Times the modes' scale vectors, to and from the weighted norm.
 std::vector<Eigen::VectorXd> inverse(const std::vector<Eigen::VectorXd>& scale) {
@@ -47,14 +47,14 @@ class Newton {
   }
 
   EvolutionResult run() {
-    const Clock::time_point begin = Clock::now();
+    const SteadyClock::time_point begin = SteadyClock::now();
     while (!stopped_) {
-      const Clock::time_point iteration_begin = Clock::now();
+      const SteadyClock::time_point iteration_begin = SteadyClock::now();
       record_ = {};
       record_.step = step_;
       record_.rank = w_.rank();
       if (!is_cancelled() && approximate_residual() && !finished() && approximate_jacobian()) solve_linear();
-      record_.seconds = std::chrono::duration<double>(Clock::now() - iteration_begin).count();
+      record_.seconds = std::chrono::duration<double>(SteadyClock::now() - iteration_begin).count();
       history_.push_back(record_);
     }
     EvolutionResult result{grid_.field(w_), status_, message_, std::move(history_)};
@@ -63,7 +63,7 @@ class Newton {
     result.rhs_evaluations = rhs_evaluations_;
     result.jacobian_evaluations = jacobian_evaluations_;
     result.grid_size = grid_.size();
-    result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    result.seconds = std::chrono::duration<double>(SteadyClock::now() - begin).count();
     return result;
   }
 

@@ -14,7 +14,7 @@ namespace samara::pgd {
 namespace {
 
 /// Of the local tolerance, for time.
-constexpr double kTimeShare = 0.2;
+constexpr double kShareOfTime = 0.2;
 /// Proposals of the next length stay this far from the one that would just do.
 constexpr double kCaution = 0.9;
 /// States larger than this many scales: the solution is on its way to infinity.
@@ -83,7 +83,7 @@ SlabMarch::Outcome SlabMarch::probe(SlabCell& cell) {
     const bool failed = solved.first_failed() >= 0 || solved.values.cwiseAbs().maxCoeff() > kBeyond;
     const WorstPoint worst = failed ? WorstPoint() : error_in_time(solved, slab.end(), end, cell.guards);
     const double error = std::max(worst.error, 1e-300);
-    const auto wanted = [&] { return kTimeShare * cell.leniency * tolerance_; };
+    const auto wanted = [&] { return kShareOfTime * cell.leniency * tolerance_; };
     const auto factor = [&] { return kCaution * std::pow(wanted() / error, 1.0 / options_.time_points); };
     const bool slow =
         refused.length > 0.0 &&

@@ -21,10 +21,10 @@ namespace samara::pgd {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
+double seconds_since(SteadyClock::time_point begin) {
+  return std::chrono::duration<double>(SteadyClock::now() - begin).count();
 }
 
 /// Products and linear problems are solved to this part of the correction that is expected.
@@ -35,9 +35,9 @@ constexpr double kProductShare = 0.3;
 /// Of the tolerance, what compression at the end of a slab may cost.
 constexpr double kCarried = 0.3;
 /// Corrections of so many scales belong to no solution.
-constexpr double kLargest = 1e4;
+constexpr double kLargestTerm = 1e4;
 /// Corners of the box that are looked at for the largest correction.
-constexpr int kMostCornerAxes = 10;
+constexpr int kMostCornersOfTerms = 10;
 
 /// The iteration on one slab: fields in one place, steps as functions. Tensors have the modes (time nodes
 /// after the first, parameters..); unknowns are over their scales, less their values at the start.
@@ -101,7 +101,7 @@ class SlabDecoupling {
 
   /// All unknowns once, one after the other.
   void iterate() {
-    const Clock::time_point begin = Clock::now();
+    const SteadyClock::time_point begin = SteadyClock::now();
     DecouplingRecord record;
     record.slab = slab_;
     record.accuracy = accuracy_ = accuracy();
@@ -223,7 +223,7 @@ class SlabDecoupling {
   bool diverged() {
     const DecouplingRecord& last = result_.history.back();
     growths_ = last.contraction > 1.0 ? growths_ + 1 : 0;
-    if (last.correction < kLargest && growths_ < options_.patience) return false;
+    if (last.correction < kLargestTerm && growths_ < options_.patience) return false;
     result_.where = largest_correction();
     std::vector<std::string> coordinates = {
         fmt::format("{} = {:.6g}", problem_.time.name(), result_.where[0])};
@@ -283,12 +283,12 @@ class SlabDecoupling {
   /// Where an unknown changed most in the last iteration, of the corners of the box.
   std::vector<double> largest_correction() const {
     const std::size_t d = problem_.parameters.size();
-    const std::size_t corners = std::size_t{1} << std::min<std::size_t>(d, kMostCornerAxes);
+    const std::size_t corners = std::size_t{1} << std::min<std::size_t>(d, kMostCornersOfTerms);
     std::vector<int> index(d + 1), worst(d + 1);
     double largest = -1.0;
     for (std::size_t corner = 0; corner < corners; ++corner) {
       for (std::size_t k = 0; k < d; ++k)
-        index[k + 1] = k < kMostCornerAxes && (corner >> k) & 1 ? grid_.sizes()[k + 1] - 1 : 0;
+        index[k + 1] = k < kMostCornersOfTerms && (corner >> k) & 1 ? grid_.sizes()[k + 1] - 1 : 0;
       for (index[0] = 0; index[0] < grid_.sizes()[0]; ++index[0]) {
         for (std::size_t m = 0; m < states_.size(); ++m) {
           const double change = std::abs(states_[m].entry(index) - before_[m].entry(index));
@@ -381,7 +381,7 @@ Axis slab_axis(const Axis& time, int slab, int slabs) {
 
 DecouplingResult solve_decoupled(const EvolutionProblem& problem, const DecouplingOptions& options) {
   validate(problem, options);
-  const Clock::time_point begin = Clock::now();
+  const SteadyClock::time_point begin = SteadyClock::now();
   DecouplingResult result;
   result.reached = problem.time.lower();
   std::vector<SeparatedTensor> start;

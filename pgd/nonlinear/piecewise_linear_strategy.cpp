@@ -19,7 +19,7 @@ namespace {
 /// Points whose weight stays below this wherever it is looked at are left out on a slab.
 constexpr double kNoWeight = 1e-6;
 constexpr int kLookedAt = 200;
-constexpr int kCheckPoints = 50;
+constexpr int kWeightCheckPoints = 50;
 
 class PiecewiseLinear final : public Strategy {
  public:
@@ -79,7 +79,7 @@ class PiecewiseLinear final : public Strategy {
     const int outputs = static_cast<int>(active_.size()) * slab.points();
     TensorTrain weights =
         slab.compressed(slab.separate(function, outputs, tolerance, pivots_, "a weight"), tolerance);
-    const IndexBatch entries = slab.random_entries(kCheckPoints);
+    const IndexBatch entries = slab.random_entries(kWeightCheckPoints);
     const double error =
         (values_at(weights, entries) - weights_at(slab, at_points, entries)).cwiseAbs().maxCoeff();
     const std::vector<int> ranks = weights.ranks();

@@ -14,7 +14,7 @@ namespace samara::pgd {
 
 namespace {
 
-constexpr std::size_t kMostCornerAxes = 7;
+constexpr std::size_t kMostAxesWithCorners = 7;
 /// Training states whose Jacobians tell which states f depends on.
 constexpr Eigen::Index kDependenceSamples = 32;
 /// Of the range of a parameter: the step of the slopes of an f that is not affine in it.
@@ -22,7 +22,7 @@ constexpr double kDifferenceShare = 1e-3;
 
 /// Corners of the box, and its middle.
 Eigen::MatrixXd training_parameters(const std::vector<Axis>& axes) {
-  const Eigen::MatrixXd corners = corner_points(axes, kMostCornerAxes);
+  const Eigen::MatrixXd corners = corner_points(axes, kMostAxesWithCorners);
   Eigen::MatrixXd q(corners.rows(), corners.cols() + 1);
   q.leftCols(corners.cols()) = corners;
   for (std::size_t k = 0; k < axes.size(); ++k)

@@ -4,18 +4,13 @@
 #include <cmath>
 #include <numeric>
 
+#include "samara/pgd/sampling/descending_order.h"
+
 namespace samara::pgd {
 
 namespace {
 
 constexpr int kCandidates = 4000;
-
-std::vector<Eigen::Index> descending_order(const Eigen::VectorXd& values) {
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(values.size()));
-  std::iota(order.begin(), order.end(), Eigen::Index{0});
-  std::ranges::sort(order, [&](Eigen::Index a, Eigen::Index b) { return values[a] > values[b]; });
-  return order;
-}
 
 std::span<const double> column(const Eigen::MatrixXd& points, Eigen::Index j) {
   return {points.col(j).data(), static_cast<std::size_t>(points.rows())};

@@ -36,10 +36,10 @@ constexpr std::array<Transform, 4> kTried = {Transform::none, Transform::logarit
 /// Points of a coordinate that is tried: the ends of the lines, which all transforms share, then line by line
 /// the nodes between them, transform by transform.
 constexpr Eigen::Index kEnds = 2 * kLines, kInner = kLines * (kNodes - 2);
-constexpr Eigen::Index kPoints = kEnds + static_cast<Eigen::Index>(kTried.size()) * kInner;
+constexpr Eigen::Index kTrialPoints = kEnds + static_cast<Eigen::Index>(kTried.size()) * kInner;
 
 Eigen::MatrixXd points_on_lines(const Eigen::MatrixXd& bases, Eigen::Index k, const SampledCoordinate& c) {
-  Eigen::MatrixXd points(bases.rows(), kPoints);
+  Eigen::MatrixXd points(bases.rows(), kTrialPoints);
   Eigen::Index j = 0;
   const auto add = [&](Eigen::Index line, double x) {
     points.col(j) = bases.col(line);
@@ -110,15 +110,15 @@ std::vector<Transform> try_transforms(const std::vector<SampledCoordinate>& coor
     best.push_back(coordinates[k].label.transform);
     if (!is_worth_trying(coordinates[k])) continue;
     tried.push_back(k);
-    points.conservativeResize(Eigen::NoChange, points.cols() + kPoints);
-    points.rightCols(kPoints) = points_on_lines(bases, static_cast<Eigen::Index>(k), coordinates[k]);
+    points.conservativeResize(Eigen::NoChange, points.cols() + kTrialPoints);
+    points.rightCols(kTrialPoints) = points_on_lines(bases, static_cast<Eigen::Index>(k), coordinates[k]);
   }
   if (tried.empty()) return best;
   const Eigen::MatrixXd values = function(points);
   const Eigen::VectorXd scale = function.scale();
   for (std::size_t i = 0; i < tried.size(); ++i) {
-    const Eigen::Index first = static_cast<Eigen::Index>(i) * kPoints;
-    best[tried[i]] = best_transform(values.middleCols(first, kPoints), scale);
+    const Eigen::Index first = static_cast<Eigen::Index>(i) * kTrialPoints;
+    best[tried[i]] = best_transform(values.middleCols(first, kTrialPoints), scale);
   }
   return best;
 }

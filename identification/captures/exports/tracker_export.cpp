@@ -11,7 +11,7 @@ namespace samara::identification {
 
 namespace {
 
-using Cells = std::vector<std::string>;
+using TrackerCells = std::vector<std::string>;
 
 char delimiter_of(std::string_view header) {
   for (const char candidate : {'\t', ';', ','}) {
@@ -60,8 +60,8 @@ std::string unit_text(const TrackerQuantity& quantity, const std::string& length
 }
 
 /// The columns of one mass: from `first` on, up to `end`; time is shared.
-ExportedBody body_of(const Cells& names, const Cells& header, const std::string& mass, std::size_t first,
-                     std::size_t end, const std::string& length) {
+ExportedBody body_of(const TrackerCells& names, const TrackerCells& header, const std::string& mass,
+                     std::size_t first, std::size_t end, const std::string& length) {
   ExportedBody body{mass, {}};
   const auto add = [&](std::size_t column) {
     for (const TrackerQuantity& known : tracker_quantities()) {
@@ -81,10 +81,10 @@ std::optional<std::size_t> header_line(const std::vector<std::string>& lines) {
   const std::size_t at = is_multi(lines) ? 2 : 1;
   if (lines.size() <= at) return std::nullopt;
   const char delimiter = delimiter_of(lines[at]);
-  const Cells names = cells_of(lines[at], delimiter);
+  const TrackerCells names = cells_of(lines[at], delimiter);
   if (names.size() < 2 || names[0] != "t") return std::nullopt;
   // Above the header of a single mass stands its name alone; a table's own header would fill its line.
-  const Cells above = cells_of(lines[at - 1], delimiter);
+  const TrackerCells above = cells_of(lines[at - 1], delimiter);
   const bool is_name = std::ranges::count_if(above, [](const std::string& c) { return !c.empty(); }) == 1 &&
                        !above[0].empty() && !above[0].starts_with('#');
   return is_multi(lines) || is_name ? std::optional(at) : std::nullopt;
@@ -99,9 +99,9 @@ bool is_tracker_export(const std::vector<std::string>& lines) {
 Export read_tracker_export(const std::vector<std::string>& lines, const ExportHints& hints) {
   const std::size_t at = header_line(lines).value();
   const char delimiter = delimiter_of(lines[at]);
-  Cells names = cells_of(lines[at], delimiter);
+  TrackerCells names = cells_of(lines[at], delimiter);
   while (names.back().empty()) names.pop_back();
-  Cells above = cells_of(lines[at - 1], delimiter);
+  TrackerCells above = cells_of(lines[at - 1], delimiter);
 
   const std::string file = hints.file;
   if (!hints.length_unit && !hints.has_columns) {
@@ -110,13 +110,13 @@ Export read_tracker_export(const std::vector<std::string>& lines, const ExportHi
                      "expected");
   }
   const std::string length = hints.length_unit.value_or("m");
-  const Cells header = made_unique(names);
+  const TrackerCells header = made_unique(names);
   std::vector<std::string> rewritten = lines;
   rewritten[at] = joined(header, header.size(), delimiter);
   int rows = 0;
   int short_rows = 0;
   for (std::size_t k = at + 1; k < lines.size(); ++k) {
-    Cells cells = cells_of(lines[k], delimiter);
+    TrackerCells cells = cells_of(lines[k], delimiter);
     if (std::ranges::all_of(cells, &std::string::empty)) {
       rewritten[k].clear();
       continue;

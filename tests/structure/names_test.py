@@ -1,0 +1,44 @@
+"""Fails if two sources of a folder give an anonymous namespace the same name: they may share a compilation
+(SAMARA_UNITY_BUILD), where the two would meet."""
+
+import pathlib
+import re
+import sys
+
+ALONE = {"models/laws"}  # compiled one by one, with flags of their own
+ROOMS = ["base", "pgd", "models", "io", "codebooks", "identification", "apps"]
+
+# At the start of a line, as the formatter has it: constants, types, aliases, and functions with what they take.
+CONSTANT = re.compile(r"^(?:inline )?(?:static )?(?:constexpr|const) [^=;({]*?(\w+)(?: =|\[|\{|\()", re.M)
+TYPE = re.compile(r"^(?:(?:struct|class|enum class|enum) (\w+)|using (\w+) =)", re.M)
+FUNCTION = re.compile(r"^(?! |using|struct|class|enum|constexpr|const |template|return|//|namespace)[\w:<>,&*\[\] ]*?[ &*](\w+)\(([^{;]*?)\)(?: const)?(?: noexcept)? \{", re.M)
+
+
+def names_of(text):
+    for block in re.findall(r"^namespace \{\n(.*?)^\}  // namespace$", text, re.M | re.S):
+        for match in CONSTANT.finditer(block):
+            yield match.group(1)
+            for further in re.findall(r", (k\w+) =", block[match.start():block.find(";", match.start())]):
+                yield further
+        for match in TYPE.finditer(block):
+            yield match.group(1) or match.group(2)
+        for match in FUNCTION.finditer(block):
+            kinds = [re.sub(r"\s*\b\w+(?: = .*)?$", "", p.strip()) for p in match.group(2).split(",")]
+            yield f"{match.group(1)}({', '.join(kinds)})"
+
+
+root = pathlib.Path(sys.argv[1])
+wrong = []
+seen = 0
+for room in ROOMS:
+    first = {}
+    for file in sorted((root / room).rglob("*.cpp")):
+        if str(file.parent.relative_to(root)) in ALONE:
+            continue
+        for name in set(names_of(file.read_text())):
+            seen += 1
+            other = first.setdefault((file.parent, name), file)
+            if other != file:
+                wrong.append(f"{file.relative_to(root)}: {name} is also in {other.name}")
+print("\n".join(wrong) or f"{seen} names, each of one source")
+sys.exit(1 if wrong or seen == 0 else 0)
