@@ -81,7 +81,7 @@ std::optional<id::PredictionOptions> read_prediction(const FitArguments& argumen
         "once; "
         "one of the two was expected");
   }
-  id::PredictionOptions prediction{.stride = config.stride};
+  id::PredictionOptions prediction{.stride = config.stride, .hidden = config.hidden};
   const auto ahead = time_of("--ahead", arguments.ahead, config.ahead);
   if (!ahead) {
     throw ArgumentError(
@@ -311,8 +311,10 @@ int run(const FitArguments& arguments) {
     throw ArgumentError(
         "--series writes coefficients that change in time; a model and a config with [series] were expected");
   }
-  if (prediction && fits && !source.prediction.folds) {
+  if (prediction && fits) {
     of_file(arguments.config, [&] {
+      if (source.prediction.folds)
+        return id::check_folds(captures.fitted, source.options, *prediction, *source.prediction.folds);
       id::check_left_out(*source.family, captures.fitted, captures.left_out, source.options, *prediction);
     });
   }

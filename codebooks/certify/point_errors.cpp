@@ -191,7 +191,9 @@ Certificate certificate_of(const ComparedPoints& points, const ComparedPoints& c
   const auto first_failure =
       std::find_if(errors.begin(), errors.end(), [](const PointErrors& e) { return !e.failure.empty(); });
   if (first_failure != errors.end()) certificate.failure = first_failure->failure;
-  certificate.met = certificate.failed_points == 0;
+  // Climbs that were broken off leave what stands out unexplained.
+  const bool has_climbed = static_cast<Eigen::Index>(climbs.errors.size()) == climbs.q.cols();
+  certificate.met = certificate.failed_points == 0 && has_climbed;
   if (certificate.failed_points == options.points)
     certificate.max_error = std::numeric_limits<double>::quiet_NaN();
   const Eigen::VectorXd scales = error_scales(errors, book, options);

@@ -67,8 +67,8 @@ struct ComparedPoints {
 };
 
 /// Puts the points' errors together, in the order of the points; points that were not compared count as
-/// failed. Ends of climbs count for the largest errors only. What the errors are against is the caller's to
-/// say.
+/// failed. Ends of climbs count for the largest errors only; without their errors nothing is met. What the
+/// errors are against is the caller's to say.
 Certificate certificate_of(const ComparedPoints& points, const ComparedPoints& climbs, const Codebook& book,
                            const CertifyOptions& options, const std::vector<double>& times);
 

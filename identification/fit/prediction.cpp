@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
 #include <set>
 #include <string>
 #include <utility>
@@ -18,18 +19,25 @@
 #include "samara/identification/problem/segments.h"
 #include "samara/identification/solve/held_noise.h"
 #include "samara/io/units.h"
+#include "samara/pgd/tensors/random.h"
 
 namespace samara::identification {
 
 namespace {
 
-void check(const PredictionOptions& prediction) {
+void check(const FitOptions& options, const PredictionOptions& prediction) {
   for (const auto& [name, value] : {std::pair{"window", prediction.window},
                                     {"ahead", prediction.ahead},
                                     {"stride", prediction.stride.value_or(1.0)}}) {
     if (value > 0.0 && std::isfinite(value)) continue;
     throw ArgumentError(
         fmt::format("{} of a prediction is {}; a positive number of seconds was expected", name, value));
+  }
+  for (const std::string& name : prediction.hidden) {
+    if (options.known.contains(name)) continue;
+    throw ArgumentError(fmt::format(
+        "a prediction hides \"{}\", which is not known of each capture; a name in `known` was expected",
+        name));
   }
 }
 
@@ -54,6 +62,11 @@ FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions
     for (std::size_t o = 0; o < count; ++o) options.outputs.push_back(fitted.residuals[o].output);
     if (fitted.residuals.size() > count)
       options.outputs.insert(options.outputs.end(), family.attitude.begin(), family.attitude.end());
+  }
+  for (const std::string& name : prediction.hidden) {
+    options.known.erase(name);
+    const auto c = std::ranges::find(family.coordinates, name, &FitCoordinate::name);
+    if (c != family.coordinates.end() && !c->is_initial) options.per_capture.push_back(name);
   }
   options.combinations.clear();
   hold_noise(fitted, options);
@@ -134,20 +147,53 @@ std::vector<Capture> cut(std::span<const Capture> left_out, const PredictedOutpu
   return parts;
 }
 
-/// What the captures left out can show, with sentences about those that can show nothing.
-std::vector<Outlook> outlooks_of(const TrajectoryFamily& family, std::span<const Capture> left_out,
-                                 const PredictedOutputs& predicted, const FitOptions& held,
-                                 const PredictionOptions& prediction, std::vector<std::string>& sentences) {
+/// Captures left out of one fit, predicted by it.
+struct Prospect {
+  std::vector<Quantity> compared = {};
+  std::vector<Outlook> outlooks = {};
+  /// Why some could not be predicted, and which.
+  std::vector<std::pair<std::string, std::vector<std::string>>> lacks = {};
+  std::vector<std::string> sentences = {};  ///< what else the reader of the scores must know
+
+  void add_lack(const std::string& reason, const std::vector<std::string>& captures) {
+    const auto place = std::ranges::find(lacks, reason, [](const auto& lack) { return lack.first; });
+    std::vector<std::string>& named =
+        place == lacks.end() ? lacks.emplace_back(reason, std::vector<std::string>{}).second : place->second;
+    named.insert(named.end(), captures.begin(), captures.end());
+  }
+
+  void add(Prospect other) {
+    if (!other.compared.empty()) compared = std::move(other.compared);
+    for (Outlook& outlook : other.outlooks) outlooks.push_back(std::move(outlook));
+    for (const auto& [reason, captures] : other.lacks) add_lack(reason, captures);
+    for (std::string& sentence : other.sentences) sentences.push_back(std::move(sentence));
+  }
+};
+
+/// A reason once, however many captures it holds for.
+std::string lack_sentence(const std::string& reason, const std::vector<std::string>& captures) {
+  std::string sentence = fmt::format("capture \"{}\" was not predicted: {}", captures.front(), reason);
+  if (captures.size() == 1) return sentence;
+  return fmt::format("{}; nor, for the same reason, {} \"{}\"", sentence,
+                     captures.size() > 2 ? "were" : "was",
+                     fmt::join(captures.begin() + 1, captures.end(), "\", \""));
+}
+
+/// What the captures left out can show.
+void add_outlooks(const TrajectoryFamily& family, std::span<const Capture> left_out,
+                  const PredictedOutputs& predicted, const FitOptions& held,
+                  const PredictionOptions& prediction, Prospect& prospect) {
   std::vector<Outlook> all(left_out.size());
   tbb::parallel_for(std::size_t{0}, left_out.size(), [&](std::size_t k) {
     all[k] = outlook_of(family, left_out[k], predicted, held, prediction);
   });
-  std::vector<Outlook> outlooks;
+  std::vector<Outlook>& outlooks = prospect.outlooks;
+  std::vector<std::string>& sentences = prospect.sentences;
   int failures = 0;
   for (std::size_t k = 0; k < all.size(); ++k) {
     const std::string& id = left_out[k].id;
     if (!all[k].lack.empty()) {
-      sentences.push_back(fmt::format("capture \"{}\" was not predicted: {}", id, all[k].lack));
+      prospect.add_lack(all[k].lack, {id});
       continue;
     }
     if (!all[k].failure.empty()) {
@@ -170,30 +216,46 @@ std::vector<Outlook> outlooks_of(const TrajectoryFamily& family, std::span<const
                                     is_cut ? fmt::format("the {} ends there", family.info().source)
                                            : "there is no frame to compare beyond"));
   }
-  return outlooks;
 }
 
-/// Captures left out of one fit, predicted by it.
-struct Prospect {
-  std::vector<Quantity> compared = {};
-  std::vector<Outlook> outlooks = {};
-};
-
-/// @param sentences what the reader of the scores must know
 Prospect look_ahead(const TrajectoryFamily& family, const FitResult& fitted,
                     std::span<const Capture> left_out, const FitOptions& options,
-                    const PredictionOptions& prediction, std::vector<std::string>& sentences) {
-  check(prediction);
+                    const PredictionOptions& prediction) {
+  check(options, prediction);
   refuse_twice(left_out);
   if (fitted.status == FitStatus::failed || left_out.empty()) return {};
   for (const CaptureFit& c : fitted.captures) refuse_fitted(c.whole, c.file, left_out);
   const FitOptions held = holding(family.info(), fitted, options, prediction);
   const PredictedOutputs predicted = predicted_outputs(family.info(), left_out, held);
   const std::vector<Capture> parts = cut(left_out, predicted, prediction);
-  return {quantities(predicted, options), outlooks_of(family, parts, predicted, held, prediction, sentences)};
+  Prospect prospect{.compared = quantities(predicted, options)};
+  add_outlooks(family, parts, predicted, held, prediction, prospect);
+  return prospect;
+}
+
+/// The fold of each cluster: as cards are dealt.
+std::vector<int> deal(int clusters, const Folds& folds) {
+  std::vector<int> order(static_cast<std::size_t>(clusters));
+  std::iota(order.begin(), order.end(), 0);
+  if (folds.seed) {
+    pgd::Random random(*folds.seed);
+    for (int k = clusters - 1; k > 0; --k)
+      std::swap(order[static_cast<std::size_t>(k)], order[static_cast<std::size_t>(random.below(k + 1))]);
+  }
+  std::vector<int> fold_of(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k)
+    fold_of[static_cast<std::size_t>(order[k])] = static_cast<int>(k) % folds.count;
+  return fold_of;
+}
+
+int count_of(const std::vector<int>& clusters) {
+  return clusters.empty() ? 0 : 1 + *std::ranges::max_element(clusters);
 }
 
 void add_scores(Prospect prospect, const PredictionOptions& prediction, FitResult& fitted) {
+  for (const auto& [reason, captures] : prospect.lacks)
+    fitted.warnings.push_back(lack_sentence(reason, captures));
+  for (std::string& sentence : prospect.sentences) fitted.warnings.push_back(std::move(sentence));
   Scores scores = scores_of(prospect.compared, std::move(prospect.outlooks), prediction);
   fitted.predictions = std::move(scores.all);
   fitted.capture_predictions = std::move(scores.by_capture);
@@ -204,7 +266,7 @@ void add_scores(Prospect prospect, const PredictionOptions& prediction, FitResul
 void check_left_out(const TrajectoryFamily& family, std::span<const Capture> captures,
                     std::span<const Capture> left_out, const FitOptions& options,
                     const PredictionOptions& prediction) {
-  check(prediction);
+  check(options, prediction);
   const FitProblem problem = make_problem(family.info(), captures, options);
   refuse_twice(left_out);
   for (const Capture& capture : left_out) check_capture(capture, problem);
@@ -214,41 +276,48 @@ void check_left_out(const TrajectoryFamily& family, std::span<const Capture> cap
 std::vector<PredictionScore> predict_left_out(const TrajectoryFamily& family, const FitResult& fitted,
                                               std::span<const Capture> left_out, const FitOptions& options,
                                               const PredictionOptions& prediction) {
-  std::vector<std::string> unsaid;
-  Prospect prospect = look_ahead(family, fitted, left_out, options, prediction, unsaid);
+  Prospect prospect = look_ahead(family, fitted, left_out, options, prediction);
   return scores_of(prospect.compared, std::move(prospect.outlooks), prediction).all;
 }
 
 void add_predictions(const TrajectoryFamily& family, std::span<const Capture> left_out,
                      const FitOptions& options, const PredictionOptions& prediction, FitResult& fitted) {
-  add_scores(look_ahead(family, fitted, left_out, options, prediction, fitted.warnings), prediction, fitted);
+  add_scores(look_ahead(family, fitted, left_out, options, prediction), prediction, fitted);
+}
+
+void check_folds(std::span<const Capture> captures, const FitOptions& options,
+                 const PredictionOptions& prediction, const Folds& folds) {
+  check(options, prediction);
+  const int clusters = count_of(clusters_of(captures, options.cluster_by));
+  if (folds.count >= 2 && folds.count <= clusters) return;
+  if (clusters < 2) {
+    throw ArgumentError(
+        fmt::format("folds is {}, and the captures are {} cluster; two clusters or more were expected",
+                    folds.count, clusters));
+  }
+  throw ArgumentError(fmt::format("folds is {}; 2 to {}, the number of clusters of captures, was expected",
+                                  folds.count, clusters));
 }
 
 void cross_validate(const TrajectoryFamily& family, std::span<const Capture> captures,
-                    const FitOptions& options, const PredictionOptions& prediction, int folds,
+                    const FitOptions& options, const PredictionOptions& prediction, const Folds& folds,
                     FitResult& fitted) {
-  check(prediction);
+  check_folds(captures, options, prediction, folds);
   const std::vector<int> clusters = clusters_of(captures, options.cluster_by);
-  const int count = clusters.empty() ? 0 : 1 + *std::ranges::max_element(clusters);
-  if (folds < 2 || folds > count) {
-    throw ArgumentError(
-        fmt::format("folds is {}; 2 to {}, the number of clusters of captures, was expected", folds, count));
-  }
+  const std::vector<int> fold_of = deal(count_of(clusters), folds);
   FitOptions plain = options;
   plain.profiles = false;
   plain.bootstrap = {};
   Prospect prospect;
-  for (int fold = 0; fold < folds; ++fold) {
+  for (int fold = 0; fold < folds.count; ++fold) {
     std::vector<Capture> training, left_out;
     for (std::size_t k = 0; k < captures.size(); ++k)
-      (clusters[k] % folds == fold ? left_out : training).push_back(captures[k]);
+      (fold_of[static_cast<std::size_t>(clusters[k])] == fold ? left_out : training).push_back(captures[k]);
     const FitResult of_others = fit(family, training, plain);
-    const std::string which = fmt::format("fold {} of {}", fold + 1, folds);
+    const std::string which = fmt::format("fold {} of {}", fold + 1, folds.count);
     if (of_others.status != FitStatus::converged)
       fitted.warnings.push_back(fmt::format("the fit without {}: {}", which, of_others.message));
-    Prospect part = look_ahead(family, of_others, left_out, options, prediction, fitted.warnings);
-    if (!part.compared.empty()) prospect.compared = part.compared;
-    for (Outlook& outlook : part.outlooks) prospect.outlooks.push_back(std::move(outlook));
+    prospect.add(look_ahead(family, of_others, left_out, options, prediction));
   }
   add_scores(std::move(prospect), prediction, fitted);
 }

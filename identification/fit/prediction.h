@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "samara/identification/captures/capture.h"
@@ -27,6 +29,16 @@ struct PredictionOptions {
   double ahead = 0.0;   ///< s beyond it
   /// s: a window so often along each capture, with what follows it (windows() in capture.h). Empty: one.
   std::optional<double> stride = {};
+  /// Of FitOptions::known, what captures left out do not show, though they may have it: unknowns of their own
+  /// there, in their boxes and with their priors.
+  std::vector<std::string> hidden = {};
+};
+
+/// Parts of about equal size, of clusters of captures.
+struct Folds {
+  int count = 5;  ///< 2 to the number of clusters
+  /// Clusters are dealt in random order. Empty: in their own.
+  std::optional<std::uint64_t> seed = {};
 };
 
 /// Scores of the model and of every baseline, for each quantity that was fitted or is measured besides:
@@ -49,17 +61,21 @@ std::vector<PredictionScore> predict_left_out(const TrajectoryFamily& family, co
                                               const PredictionOptions& prediction);
 
 /// The same into the result: scores into `predictions`, and sentences into `warnings` about captures that
-/// could not be predicted, or not by the model, or not so far ahead.
+/// could not be predicted (one for each reason), or not by the model, or not so far ahead.
 void add_predictions(const TrajectoryFamily& family, std::span<const Capture> left_out,
                      const FitOptions& options, const PredictionOptions& prediction, FitResult& fitted);
 
 /// The same by cross validation: clusters of captures are dealt into folds, and those of each fold predicted
 /// by a fit of all others (without profiles and bootstrap). Scores are those of all captures together.
-/// @param folds 2 to the number of clusters
-/// @throws ArgumentError as fit() and predict_left_out()
+/// @throws ArgumentError as fit() and predict_left_out(), and for folds without a cluster
 void cross_validate(const TrajectoryFamily& family, std::span<const Capture> captures,
-                    const FitOptions& options, const PredictionOptions& prediction, int folds,
+                    const FitOptions& options, const PredictionOptions& prediction, const Folds& folds,
                     FitResult& fitted);
+
+/// What cross_validate() would refuse after a fit of `captures`, refused before it.
+/// @throws ArgumentError
+void check_folds(std::span<const Capture> captures, const FitOptions& options,
+                 const PredictionOptions& prediction, const Folds& folds);
 
 /// What predict_left_out() would refuse after a fit of `captures`, refused before it.
 /// @throws ArgumentError, InputError

@@ -34,24 +34,41 @@ LabelChoice read_choice(const TomlTable& root, const std::string& key) {
   return choice;
 }
 
+int read_count(const TomlTable& table, const std::string& key) {
+  constexpr std::int64_t kMost = 1000;
+  const std::int64_t count = table.integer(key);
+  if (count >= 2 && count <= kMost) return static_cast<int>(count);
+  throw table.error(key, fmt::format("the value is {}; 2 to {} were expected", count, kMost));
+}
+
+/// `folds = 5`, or a table with a seed.
+Folds read_folds(const TomlTable& root) {
+  if (!root.is_table("folds")) return {.count = read_count(root, "folds")};
+  const TomlTable table = root.table("folds");
+  table.expect_keys({"count", "seed"});
+  Folds folds{.count = read_count(table, "count")};
+  if (!table.has("seed")) return folds;
+  const std::int64_t seed = table.integer("seed");
+  if (seed < 0) throw table.error("seed", fmt::format("the value is {}; 0 or more was expected", seed));
+  folds.seed = static_cast<std::uint64_t>(seed);
+  return folds;
+}
+
 PredictionConfig read(const TomlTable& root) {
   PredictionConfig config;
   if (!root.has("prediction")) return config;
   const TomlTable table = root.table("prediction");
-  table.expect_keys({"window", "ahead", "stride", "left_out", "fitted", "folds"});
+  table.expect_keys({"window", "ahead", "stride", "left_out", "fitted", "folds", "hidden"});
   config.window = positive_time(table, "window");
   config.ahead = positive_time(table, "ahead");
   config.stride = positive_time(table, "stride");
   config.left_out = read_choice(table, "left_out");
   config.fitted = read_choice(table, "fitted");
+  config.hidden = table.optional_strings("hidden").value_or(std::vector<std::string>{});
   if (!table.has("folds")) return config;
-  const std::int64_t folds = table.integer("folds");
-  constexpr std::int64_t kMost = 1000;
-  if (folds < 2 || folds > kMost)
-    throw table.error("folds", fmt::format("the value is {}; 2 to {} were expected", folds, kMost));
   if (!config.left_out.empty())
     throw table.error("folds", "stands beside `left_out`; with folds, every capture is left out once");
-  config.folds = static_cast<int>(folds);
+  config.folds = read_folds(table);
   return config;
 }
 

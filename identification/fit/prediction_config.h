@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "samara/identification/captures/capture.h"
+#include "samara/identification/fit/prediction.h"
 
 /// What the config of a fit says of predictions:
 ///
@@ -19,6 +20,8 @@
 ///     left_out = { flight = ["98", "126"] }   # of the captures given, those with one of these labels
 ///     fitted = { flight = ["120"] }           # else all the others
 ///     folds = 5                           # or: each fifth of the clusters by a fit of the others
+///     folds = { count = 5, seed = 1 }     #     dealt in a random order
+///     hidden = ["wx(0)"]                  # of [known], what captures left out do not show
 namespace samara::identification {
 
 /// Labels, and the texts that they may have. "id" and "file" (its name without folder and ending) are labels
@@ -28,7 +31,8 @@ using LabelChoice = std::map<std::string, std::vector<std::string>>;
 struct PredictionConfig {
   std::optional<double> window = {}, ahead = {}, stride = {};  ///< s
   LabelChoice fitted = {}, left_out = {};                      ///< empty: not said
-  std::optional<int> folds = {};
+  std::optional<Folds> folds = {};
+  std::vector<std::string> hidden = {};
 };
 
 /// Nothing is said where the file has no table [prediction].

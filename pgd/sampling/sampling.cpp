@@ -217,7 +217,7 @@ class Sampling {
     }
     if (refutations_ < kMostChallenges) return false;
     return stop(SamplingStatus::refuted,
-                fmt::format("fresh points found the field wrong {} times in a row", refutations_));
+                fmt::format("fresh points found the field wrong {} times", refutations_));
   }
 
   void call_off_grid(int suspicious, int uniform, const TrainField& field, const TrainField& other) {

@@ -203,9 +203,12 @@ class Fits(Case):
             return [c["id"] for c in fit["captures"]], sorted({p["capture"] for p in fit["capture_predictions"]})
         self.assertEqual(answer('left_out = { drop = "b" }\n'), (["a", "c"], ["b"]))
         self.assertEqual(answer('left_out = { drop = ["b"] }\nfitted = { id = ["c"] }\n'), (["c"], ["b"]))
-        self.assertEqual(answer("folds = 3\n"), (["a", "b", "c"], ["a", "b", "c"]))
-        for text, words in [('left_out = { drop = "x" }', ["drop", '"x"']), ('left_out = { cam = "1" }', ["cam"]), ("folds = 1", ["folds"]),
-                            ('folds = 4', ["folds", "3"]), ('left_out = { drop = "a" }\nfitted = { drop = "a" }', ['"a"', "fitted as well"])]:
+        for folds in ("3", "{ count = 2 }", "{ count = 2, seed = 7 }"):
+            self.assertEqual(answer(f"folds = {folds}\n"), (["a", "b", "c"], ["a", "b", "c"]))
+        for text, words in [('left_out = { drop = "x" }', ["drop", '"x"']), ('left_out = { cam = "1" }', ["cam"]), ("folds = 0", ["folds", "2 to"]), ("folds = 1", ["folds"]),
+                            ('folds = 4', ["folds", "2 to 3"]), ('folds = "many"', ["folds", "integer"]), ("folds = { seed = 1 }", ["count"]),
+                            ("folds = { count = 2, seed = -1 }", ["seed", "0 or more"]), ('folds = 2\nleft_out = { drop = "a" }', ["left_out"]),
+                            ('folds = 2\nhidden = ["C_D"]', ["C_D", "known"]), ('left_out = { drop = "a" }\nfitted = { drop = "a" }', ['"a"', "fitted as well"])]:
             config = write("bad_split.toml", '[prediction]\nwindow = "0.2 s"\nahead = "0.1 s"\n' + text)
             self.check_error(run("fit", path, sidecar, "--config", config), 3, "bad_split.toml", *words)
 

@@ -65,7 +65,8 @@ class Measured(Case):
         values = {c["name"]: c["value"] for c in fit["coefficients"]}
         self.assertAlmostEqual(values["C_D"], 0.529, delta=0.003)
         self.assertAlmostEqual(values["C_M"] * 0.4 / (1 + values["magnus_saturation"] * 0.4), 0.224, delta=0.003)
-        self.check(lines[1], "ball, 0.15 s")
+        self.check_table(fit, "ball, folds, 0.15 s")
+        self.check(lines[1], "ball, others, 0.15 s")
 
     def test_blimp(self):
         lines = [line for line in LINES if "blimp" in line]

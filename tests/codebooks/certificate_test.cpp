@@ -199,6 +199,28 @@ TEST_CASE("cancelled in its certificate, a build calls nothing more") {
   CHECK(calls == calls_when_stopped);
 }
 
+TEST_CASE("a certificate that was cancelled while it climbs is not met") {
+  // A bump of a third of the tolerance stands out from the errors of a smooth function.
+  const auto bumpy = function_of([](const Eigen::VectorXd& x) {
+    return smooth(x) + 6e-3 * std::exp(-0.5 * (x - Eigen::Vector2d(0.3, 0.7)).squaredNorm() / (0.04 * 0.04));
+  });
+  const BuildResult whole = build(plan_of(""), bumpy);
+  INFO(whole.message << "; " << whole.book.build().message);
+  REQUIRE(whole.met);
+  REQUIRE(whole.book.certificate()->climbed_points > 0);
+  bool climbing = false;
+  BuildOptions options;
+  options.progress = [&](const samara::Progress& progress) {
+    climbing = climbing || (progress.stage == "certificate" && progress.fraction == 1.0);
+    return !climbing;
+  };
+  const BuildResult stopped = build(plan_of(""), bumpy, options);
+  CHECK(climbing);
+  CHECK_FALSE(stopped.met);
+  CHECK_FALSE(stopped.book.certificate()->met);
+  CHECK(stopped.resumable);
+}
+
 TEST_CASE("a function may answer instead of the plan's command, and its failures are reported as of one") {
   const BuildResult result = build(plan_of(""), function_of(smooth));
   INFO(result.message);

@@ -31,6 +31,7 @@ TEST_CASE("the configs of measured sets name what their models have") {
                                     {"blimp_fit", "coefficient_body"},
                                     {"blimp_predict", "coefficient_body"},
                                     {"falling_paper_fit", "immersed_body"},
+                                    {"falling_paper_folds", "immersed_body"},
                                     {"falling_paper_varying", "immersed_body"},
                                     {"settling_pom_fit", "immersed_body"},
                                     {"settling_ptfe_fit", "immersed_body"},
@@ -41,7 +42,9 @@ TEST_CASE("the configs of measured sets name what their models have") {
     CHECK(options.step);
     for (const auto& [name, known] : options.known) CHECK(options.box.contains(name));
     const PredictionConfig prediction = read_prediction_config(path);
-    CHECK(prediction.fitted.empty() == (prediction.left_out.empty() || !options.per_capture.empty()));
+    const bool splits = !prediction.left_out.empty() && options.per_capture.empty();
+    if (!prediction.folds) CHECK(prediction.fitted.empty() == !splits);
+    for (const std::string& name : prediction.hidden) CHECK(options.known.contains(name));
   }
   CHECK(read_fit_config(folder / "falling_paper_fit.toml",
                         config_names(samara::models::find_model("immersed_body")->info()))

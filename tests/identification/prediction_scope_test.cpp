@@ -1,6 +1,9 @@
 /// What predictions are made of, of what, and of which captures.
 #include <algorithm>
+#include <cstdint>
+#include <set>
 #include <string>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -135,18 +138,86 @@ TEST_CASE("each fold is predicted by a fit of the others") {
   const std::vector captures = braked(0, 6, 1e-4);
   FitResult fitted = fit(family, captures, plain());
   const PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
-  cross_validate(family, captures, plain(), prediction, 3, fitted);
+  cross_validate(family, captures, plain(), prediction, {.count = 3}, fitted);
   CHECK(of(fitted.predictions, "model", "position, 0.5 s ahead").captures == 6);
   CHECK(fitted.capture_predictions.size() == 6 * fitted.predictions.size());
   // One capture, predicted by the others: with as many folds as captures, that is all there is to it.
-  cross_validate(family, captures, plain(), prediction, 6, fitted);
+  cross_validate(family, captures, plain(), prediction, {.count = 6}, fitted);
   const FitResult of_others = fit(family, std::span(captures).first(5), plain());
   const auto alone = predict_left_out(family, of_others, std::span(captures).last(1), plain(), prediction);
   const auto last = std::ranges::find_if(fitted.capture_predictions, [](const PredictionScore& s) {
     return s.capture == "5" && s.predictor == "model" && s.quantity == "position, 0.5 s ahead";
   });
   CHECK(last->median == Approx(of(alone, "model", "position, 0.5 s ahead").median));
-  for (const int folds : {1, 7})
-    CHECK_THROWS_AS(cross_validate(family, captures, plain(), prediction, folds, fitted),
+  for (const int folds : {-1, 0, 1, 7}) {
+    CHECK_THROWS_AS(cross_validate(family, captures, plain(), prediction, {.count = folds}, fitted),
                     samara::ArgumentError);
+  }
+  CHECK_THROWS_WITH(check_folds(std::span(captures).first(1), plain(), prediction, {.count = 2}),
+                    Catch::Matchers::Contains("1 cluster"));
+}
+
+TEST_CASE("folds keep clusters together, and a seed draws them") {
+  const BrakedFamily family;
+  std::vector<Capture> captures = braked(0, 8, 1e-4);
+  // Two captures of each drop; the drops' noise tells the fits apart.
+  for (std::size_t k = 0; k < captures.size(); ++k) captures[k].labels["drop"] = fmt::format("{}", k / 2);
+  FitOptions options = plain();
+  options.cluster_by = {"drop"};
+  const PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
+  const std::string ahead = "position, 0.5 s ahead";
+  const auto error_of = [&](const std::vector<PredictionScore>& scores, const std::string& capture) {
+    const auto found = std::ranges::find_if(scores, [&](const PredictionScore& s) {
+      return s.capture == capture && s.predictor == "model" && s.quantity == ahead;
+    });
+    REQUIRE(found != scores.end());
+    return found->median;
+  };
+  FitResult fitted = fit(family, captures, options);
+  const auto validated = [&](const Folds& folds) {
+    cross_validate(family, captures, options, prediction, folds, fitted);
+    std::vector<double> errors;
+    for (const Capture& capture : captures)
+      errors.push_back(error_of(fitted.capture_predictions, capture.id));
+    return errors;
+  };
+  // What cannot be predicted is said once, whichever folds it is in.
+  FitResult short_sighted = fitted;
+  cross_validate(family, captures, options, {.window = 0.6, .ahead = 1e-3}, {.count = 2}, short_sighted);
+  CHECK(std::ranges::count_if(short_sighted.warnings, [](const std::string& warning) {
+          return warning.find("was not predicted: it has no frame") != std::string::npos;
+        }) == 1);
+  // As many folds as drops: each drop by the three others.
+  const FitResult of_others = fit(family, std::span(captures).first(6), options);
+  const auto last = predict_left_out(family, of_others, std::span(captures).last(1), options, prediction);
+  CHECK(validated({.count = 4})[7] == Approx(of(last, "model", ahead).median).epsilon(1e-6));
+  CHECK_THROWS_AS(validated({.count = 5}), samara::ArgumentError);
+  // What a seed deals is dealt again by it, and by others not.
+  const auto in_order = validated({.count = 2});
+  CHECK(validated({.count = 2, .seed = 1}) == validated({.count = 2, .seed = 1}));
+  std::set<std::vector<double>> dealt = {in_order};
+  for (std::uint64_t seed = 0; seed < 20; ++seed) dealt.insert(validated({.count = 2, .seed = seed}));
+  // Four drops are two pairs in three ways.
+  CHECK(dealt.size() == 3);
+}
+
+TEST_CASE("what is known of captures may be hidden where they are left out") {
+  const BrakedFamily family;
+  FitOptions options = plain();
+  options.known = {{"v(0)", "speed"}};
+  options.priors = {{"v(0)", {.mean = 0.8, .deviation = 1.0}}};
+  std::vector<Capture> captures = braked(0, 6, 0.0);
+  for (std::size_t k = 0; k < captures.size(); ++k)
+    captures[k].labels["speed"] = fmt::format("{}", 0.6 + 0.1 * static_cast<double>(k));
+  const FitResult fitted = fit(family, std::span(captures).first(5), options);
+  PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
+  const std::string ahead = "position, 0.5 s ahead";
+  captures[5].labels["speed"] = "0.7";
+  const auto left_out = std::span(captures).last(1);
+  CHECK(of(predict_left_out(family, fitted, left_out, options, prediction), "model", ahead).largest > 0.05);
+  prediction.hidden = {"v(0)"};
+  CHECK(of(predict_left_out(family, fitted, left_out, options, prediction), "model", ahead).largest < 1e-3);
+  prediction.hidden = {"w(0)"};
+  CHECK_THROWS_WITH(predict_left_out(family, fitted, left_out, options, prediction),
+                    Catch::Matchers::Contains("w(0)"));
 }
