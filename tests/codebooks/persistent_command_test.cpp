@@ -39,7 +39,7 @@ Command python(const std::string& program, std::vector<std::string> arguments = 
 }
 
 /// The product of the inputs; every start is a line in the file named by the first argument.
-const std::string kProduct = R"(
+const std::string kKeptProduct = R"(
 print(os.getpid(), file=open(sys.argv[1], 'a'))
 for head in sys.stdin:
     rows = [sys.stdin.readline().split() for _ in range(int(head))]
@@ -83,7 +83,7 @@ bool is_gone(int process) {
 TEST_CASE("a program that is kept is started once, and answers to the last bit") {
   const TemporaryDirectory directory;
   const auto starts = directory / "starts";
-  Command command = python(kProduct, {starts.string()});
+  Command command = python(kKeptProduct, {starts.string()});
   command.largest_batch = 700;
   {
     const samara::pgd::PointsFunction function = command_function(command);
@@ -104,9 +104,9 @@ TEST_CASE("a program that is kept is started once, and answers to the last bit")
 
 TEST_CASE("a program that is kept is sampled like any function") {
   const TemporaryDirectory directory;
-  const auto result = samara::pgd::sample({{{"a"}, 1.0, 2.0}, {{"b"}, -1.0, 1.0}}, {{"product"}},
-                                          command_function(python(kProduct, {(directory / "s").string()})),
-                                          {.tolerance = 1e-8});
+  const auto result = samara::pgd::sample(
+      {{{"a"}, 1.0, 2.0}, {{"b"}, -1.0, 1.0}}, {{"product"}},
+      command_function(python(kKeptProduct, {(directory / "s").string()})), {.tolerance = 1e-8});
   INFO(result.message);
   REQUIRE(result.tolerance_met());
   CHECK(std::abs((*result.field)(std::vector{1.5, -0.25})[0] + 0.375) < 1e-8);
@@ -291,7 +291,7 @@ for head in sys.stdin:
 TEST_CASE("threads that call one program wait for each other") {
   const TemporaryDirectory directory;
   const samara::pgd::PointsFunction function =
-      command_function(python(kProduct, {(directory / "s").string()}));
+      command_function(python(kKeptProduct, {(directory / "s").string()}));
   const Eigen::MatrixXd points = points_of(50);
   std::vector<int> right(4, 0);
   {

@@ -13,7 +13,7 @@ using namespace samara::codebooks;
 
 namespace {
 
-const samara::pgd::Axis::Label kTime = {"t", "s", samara::pgd::AxisRole::time};
+const samara::pgd::Axis::Label kTimeAxis = {"t", "s", samara::pgd::AxisRole::time};
 
 /// Fast decays exp(-rate t) and slow waves, one trajectory per rate.
 PilotTrajectories decays(const std::vector<double>& rates) {
@@ -36,7 +36,7 @@ PilotTrajectories decays(const std::vector<double>& rates) {
 TEST_CASE("a mesh of time follows all pilots between its nodes, with short elements where they are fast") {
   const PilotTrajectories pilots = decays({1.0, 300.0});
   const double tolerance = 1e-6;
-  const TimeMesh mesh = mesh_time(kTime, 4.0, pilots, {.tolerance = tolerance});
+  const TimeMesh mesh = mesh_time(kTimeAxis, 4.0, pilots, {.tolerance = tolerance});
   CHECK(mesh.resolved);
   CHECK(mesh.error <= tolerance);
   CHECK(mesh.axis.lower() == 0.0);
@@ -64,16 +64,16 @@ TEST_CASE("a mesh of time follows all pilots between its nodes, with short eleme
 
 TEST_CASE("errors on a mesh of time count by the range, and by the floor where that is larger") {
   const PilotTrajectories pilots = decays({50.0});
-  const TimeMesh fine = mesh_time(kTime, 1.0, pilots, {.tolerance = 1e-6});
+  const TimeMesh fine = mesh_time(kTimeAxis, 1.0, pilots, {.tolerance = 1e-6});
   const TimeMesh coarse =
-      mesh_time(kTime, 1.0, pilots, {.tolerance = 1e-6, .floors = Eigen::Vector2d(1e4, 0.0)});
+      mesh_time(kTimeAxis, 1.0, pilots, {.tolerance = 1e-6, .floors = Eigen::Vector2d(1e4, 0.0)});
   CHECK(coarse.axis.elements() < fine.axis.elements());
   CHECK(coarse.scale[0] == 1e4);
   CHECK(std::abs(fine.scale[0] - 1.0) < 1e-12);
 }
 
 TEST_CASE("a mesh of time that may have few elements says what error is left") {
-  const TimeMesh mesh = mesh_time(kTime, 1.0, decays({1e7}), {.tolerance = 1e-8, .max_elements = 12});
+  const TimeMesh mesh = mesh_time(kTimeAxis, 1.0, decays({1e7}), {.tolerance = 1e-8, .max_elements = 12});
   CHECK_FALSE(mesh.resolved);
   CHECK(mesh.error > 1e-8);
   CHECK(mesh.axis.borders()[0] == 0.0);
@@ -81,7 +81,7 @@ TEST_CASE("a mesh of time that may have few elements says what error is left") {
 }
 
 TEST_CASE("trajectories that rest need two elements") {
-  const TimeMesh mesh = mesh_time(kTime, 1.0,
+  const TimeMesh mesh = mesh_time(kTimeAxis, 1.0,
                                   [](const std::vector<double>& times) {
                                     return std::vector<Eigen::MatrixXd>{Eigen::MatrixXd::Constant(
                                         static_cast<Eigen::Index>(times.size()), 1, 0.3)};
@@ -94,7 +94,7 @@ TEST_CASE("trajectories that rest need two elements") {
 
 TEST_CASE("a mesh of time without time or tolerance is refused") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THROWS_AS(mesh_time(kTime, 0.0, decays({1.0}), {}), samara::ArgumentError);
-  CHECK_THROWS_AS(mesh_time(kTime, nan, decays({1.0}), {}), samara::ArgumentError);
-  CHECK_THROWS_AS(mesh_time(kTime, 1.0, decays({1.0}), {.tolerance = 0.0}), samara::ArgumentError);
+  CHECK_THROWS_AS(mesh_time(kTimeAxis, 0.0, decays({1.0}), {}), samara::ArgumentError);
+  CHECK_THROWS_AS(mesh_time(kTimeAxis, nan, decays({1.0}), {}), samara::ArgumentError);
+  CHECK_THROWS_AS(mesh_time(kTimeAxis, 1.0, decays({1.0}), {.tolerance = 0.0}), samara::ArgumentError);
 }

@@ -26,7 +26,7 @@ using samara::models::find_model;
 
 namespace {
 
-constexpr double kNoise = 0.005;
+constexpr double kCameraNoise = 0.005;
 constexpr double kScale = 1.03;
 const double kTurn = 2.0 * M_PI / 180.0;
 
@@ -34,7 +34,7 @@ std::map<std::string, double> held() {
   return {{"inertia_ratio", 1.4}, {"beta", 1.0 / 14.0}, {"B", 1.0}, {"C_T", 1.2}};
 }
 
-const std::map<std::string, double>& truth() {
+const std::map<std::string, double>& camera_truth() {
   static const std::map<std::string, double> values = {{"C_R", 3.14159}, {"A", 1.4}, {"mu1", 0.2}};
   return values;
 }
@@ -42,7 +42,7 @@ const std::map<std::string, double>& truth() {
 /// A tumbling plate from time `begin` of its motion on, seen by a camera.
 Capture plate(double begin, double scale, double turn, std::uint64_t seed) {
   std::map<std::string, double> values = held();
-  values.insert(truth().begin(), truth().end());
+  values.insert(camera_truth().begin(), camera_truth().end());
   const std::vector<double> times = plate_times(60, begin);
   Eigen::MatrixXd states = plate_states(values, times);
   const Eigen::VectorXd x = states.col(4).array() - states(0, 4) + 0.5;
@@ -50,13 +50,13 @@ Capture plate(double begin, double scale, double turn, std::uint64_t seed) {
   states.col(3).array() += turn;
   states.col(4) = scale * (std::cos(turn) * x - std::sin(turn) * y);
   states.col(5) = scale * (std::sin(turn) * x + std::cos(turn) * y);
-  Capture capture = seen_plate(times, states, kNoise, seed);
+  Capture capture = seen_plate(times, states, kCameraNoise, seed);
   capture.id = fmt::format("plate at {}", begin);
   return capture;
 }
 
 std::unique_ptr<TrajectoryFamily> plate_family(std::map<std::string, Interval> box = {}) {
-  for (const auto& [name, value] : truth()) box[name] = {0.3 * value, 3.0 * value};
+  for (const auto& [name, value] : camera_truth()) box[name] = {0.3 * value, 3.0 * value};
   for (const char* name : {"vx(0)", "vy(0)", "w(0)"}) box[name] = {-8.0, 8.0};
   box["theta(0)"] = {-60.0, 60.0};
   return step_trajectories(find_model("falling_plate_nd"), held(), box, 0.02);
@@ -64,14 +64,15 @@ std::unique_ptr<TrajectoryFamily> plate_family(std::map<std::string, Interval> b
 
 FitOptions plate_options(bool with_camera) {
   FitOptions options;
-  options.loss = {.kind = LossKind::none, .scales = {{"x", kNoise}, {"y", kNoise}, {"theta", kNoise}}};
+  options.loss = {.kind = LossKind::none,
+                  .scales = {{"x", kCameraNoise}, {"y", kCameraNoise}, {"theta", kCameraNoise}}};
   options.segments.length = 1.0;
   options.starts = 1;
   if (with_camera) options.camera = {.scale = 0.05, .rotation = 0.05, .angles = {{"theta"}}};
   return options;
 }
 
-const Nuisance& nuisance(const CaptureFit& capture, const std::string& name) {
+const Nuisance& camera_nuisance(const CaptureFit& capture, const std::string& name) {
   return *std::ranges::find(capture.nuisances, name, &Nuisance::name);
 }
 
@@ -81,7 +82,7 @@ std::map<std::string, double> card_held() {
           {"C_D0", 0.05}, {"C_D90", 0.31}, {"C_T", 0.91}, {"C_w", 2.0}};
 }
 
-std::unique_ptr<TrajectoryFamily> card_family() {
+std::unique_ptr<TrajectoryFamily> seen_card_family() {
   std::map<std::string, Interval> box = {{"C_R", {0.3, 3.0}}};
   for (const char* name : {"x(0)", "y(0)", "z(0)"}) box[name] = {-50.0, 50.0};
   for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.1, 1.1};
@@ -163,7 +164,7 @@ TEST_CASE("residuals seen by a camera have the derivatives of differences") {
   };
   check(*plate_family(), {plate(20.0, 1.0, 0.0, 1)}, plate_options(true), Eigen::Vector3d(1.3, 3.0, 0.25));
 
-  const auto body = card_family();
+  const auto body = seen_card_family();
   Capture capture;
   capture.id = "card";
   capture.times = Eigen::VectorXd::LinSpaced(13, 0.0, 0.05);
@@ -238,14 +239,14 @@ TEST_CASE("a camera of another scale and other axes biases coefficients unless i
     const double error = c.naive_standard_error.value();
     INFO(c.name << " = " << c.value << " +- " << error << ", without " << without.coefficients[k].value);
     // Normal errors: beyond four of them once in 16,000.
-    CHECK(std::abs(c.value - truth().at(c.name)) < 4.0 * error);
+    CHECK(std::abs(c.value - camera_truth().at(c.name)) < 4.0 * error);
     worst_without =
-        std::max(worst_without, std::abs(without.coefficients[k].value - truth().at(c.name)) / error);
+        std::max(worst_without, std::abs(without.coefficients[k].value - camera_truth().at(c.name)) / error);
   }
   CHECK(worst_without > 5.0);
   for (const CaptureFit& capture : with.captures) {
-    const Nuisance& scale = nuisance(capture, "scale");
-    const Nuisance& turn = nuisance(capture, "turn");
+    const Nuisance& scale = camera_nuisance(capture, "scale");
+    const Nuisance& turn = camera_nuisance(capture, "turn");
     INFO(capture.id << ": " << scale.value << " +- " << scale.standard_error.value_or(0.0) << ", "
                     << turn.value << " +- " << turn.standard_error.value_or(0.0));
     CHECK(scale.unit == "1");
@@ -263,8 +264,8 @@ TEST_CASE("a camera of another scale and other axes biases coefficients unless i
   const auto motion = fitted_motion(*family, options, with, 0, times, {"x", "theta"});
   REQUIRE(motion);
   // The penalty of the joins leaves that much.
-  CHECK((motion->col(0) - first.model.col(1)).cwiseAbs().maxCoeff() < 0.1 * kNoise);
-  CHECK((motion->col(1) - first.model.col(0)).cwiseAbs().maxCoeff() < 0.1 * kNoise);
+  CHECK((motion->col(0) - first.model.col(1)).cwiseAbs().maxCoeff() < 0.1 * kCameraNoise);
+  CHECK((motion->col(1) - first.model.col(0)).cwiseAbs().maxCoeff() < 0.1 * kCameraNoise);
 }
 
 TEST_CASE(
@@ -277,7 +278,7 @@ TEST_CASE(
   options.segments.length = 0.06;
   options.starts = 1;
   options.camera.rotation = 0.05;
-  const FitResult result = fit(*card_family(), captures, options);
+  const FitResult result = fit(*seen_card_family(), captures, options);
   INFO(result.message);
   CHECK(result.status == FitStatus::converged);
   CHECK(std::abs(result.coefficients.at(0).value - 1.2) <
@@ -285,7 +286,7 @@ TEST_CASE(
   const std::array axes = {"x", "y", "z"};
   for (const CaptureFit& capture : result.captures) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const Nuisance& found = nuisance(capture, fmt::format("turn about {}", axes[k]));
+      const Nuisance& found = camera_nuisance(capture, fmt::format("turn about {}", axes[k]));
       INFO(capture.id << ": " << found.name << " = " << found.value << " +- "
                       << found.standard_error.value());
       CHECK(std::abs(found.value - turn[k]) < 4.0 * found.standard_error.value());
@@ -313,9 +314,9 @@ TEST_CASE("what captures say nothing of is known as well as beforehand, and said
   options.camera.scale = 0.03;
   const FitResult result = fit(family, captures, options);
   CHECK(result.coefficients.at(0).value == Approx(k).epsilon(1e-4));
-  CHECK(nuisance(result.captures[0], "scale").value == Approx(1.0).margin(1e-3));
+  CHECK(camera_nuisance(result.captures[0], "scale").value == Approx(1.0).margin(1e-3));
   // In units of the noise as it turned out: 75 values.
-  CHECK(nuisance(result.captures[0], "scale").standard_error.value() == Approx(0.03).epsilon(0.3));
+  CHECK(camera_nuisance(result.captures[0], "scale").standard_error.value() == Approx(0.03).epsilon(0.3));
   CHECK_THAT(fmt::format("{}", fmt::join(result.warnings, "\n")),
              Contains("say nothing of the scale of their cameras that was not known beforehand"));
 }

@@ -21,15 +21,15 @@ using samara::models::find_model;
 
 namespace {
 
-constexpr double kEnd = 8.0;
-constexpr int kFrames = 121;
-constexpr double kNoise = 0.01;  ///< of the unit of length, and rad
+constexpr double kSeriesEnd = 8.0;
+constexpr int kSeriesFrames = 121;
+constexpr double kSeriesNoise = 0.01;  ///< of the unit of length, and rad
 
 /// The rotational lift of a plate in a flow that changes.
 class Swell final : public samara::models::ParameterCourse {
  public:
   explicit Swell(double height) : height_(height) {}
-  static double at(double t, double height) { return 2.0 + height * std::sin(2.0 * M_PI * t / kEnd); }
+  static double at(double t, double height) { return 2.0 + height * std::sin(2.0 * M_PI * t / kSeriesEnd); }
   const std::vector<std::string>& followed() const override { return followed_; }
   void values(double t, std::span<const double>, std::span<double> followed) const override {
     followed[0] = at(t, height_);
@@ -54,13 +54,13 @@ Capture fluttering(double height, std::uint64_t seed) {
   const auto model =
       samara::models::following(find_model("falling_plate_nd"), std::make_shared<Swell>(height));
   std::vector<double> times;
-  for (int k = 0; k < kFrames; ++k) times.push_back(kEnd * k / (kFrames - 1));
+  for (int k = 0; k < kSeriesFrames; ++k) times.push_back(kSeriesEnd * k / (kSeriesFrames - 1));
   const auto trajectory =
       samara::models::integrate(samara::models::ParametricModel(model, values, {}), {}, times);
-  return seen_plate(times, trajectory.states, kNoise, seed);
+  return seen_plate(times, trajectory.states, kSeriesNoise, seed);
 }
 
-FitOptions plate_options() {
+FitOptions series_options() {
   FitOptions options;
   options.fixed = plate_fixed();
   options.box = {{"C_R", {0.3, 6.0}},
@@ -68,14 +68,15 @@ FitOptions plate_options() {
                  {"vy(0)", {-8.0, 8.0}},
                  {"w(0)", {-8.0, 8.0}},
                  {"theta(0)", {-60.0, 60.0}}};
-  options.loss = {.kind = LossKind::none, .scales = {{"x", kNoise}, {"y", kNoise}, {"theta", kNoise}}};
+  options.loss = {.kind = LossKind::none,
+                  .scales = {{"x", kSeriesNoise}, {"y", kSeriesNoise}, {"theta", kSeriesNoise}}};
   options.step = 0.034;  // two in a frame interval of 1/15
   options.starts = 1;
   return options;
 }
 
 CoefficientSeries series_of(const Capture& capture, const SeriesOptions& series) {
-  return fit_series(find_model("falling_plate_nd"), std::vector{capture}, plate_options(), series);
+  return fit_series(find_model("falling_plate_nd"), std::vector{capture}, series_options(), series);
 }
 
 std::string series_error(const FitOptions& options, const SeriesOptions& series) {
@@ -119,7 +120,7 @@ double distance(const CoefficientSeries& series, const Capture& capture, bool co
   const std::vector<double> times(capture.times.begin(), capture.times.end());
   const auto trajectory =
       samara::models::integrate(samara::models::ParametricModel(model, values, {}), {}, times);
-  return std::sqrt((trajectory.states.col(4) - capture.channel("x").values).squaredNorm() / kFrames);
+  return std::sqrt((trajectory.states.col(4) - capture.channel("x").values).squaredNorm() / kSeriesFrames);
 }
 
 }  // namespace
@@ -141,14 +142,14 @@ TEST_CASE(
   CHECK(series.effective < 12.0);
   // The windows are joined: a simulation from the first frame stays at the capture, to its noise and the
   // error of the steps; with the best constant coefficient it does not.
-  CHECK(distance(series, capture, false) < 3.0 * kNoise);
+  CHECK(distance(series, capture, false) < 3.0 * kSeriesNoise);
   CHECK(distance(series, capture, true) > 2.0 * distance(series, capture, false));
 
   {  // A codebook of one axis holds it, with its errors as certificate.
     const auto book = series_codebook(series);
     CHECK(book.coordinate_count() == 1);
     CHECK(book.coordinates()[0].name == "t");
-    CHECK(book.coordinates()[0].upper == Approx(kEnd));
+    CHECK(book.coordinates()[0].upper == Approx(kSeriesEnd));
     CHECK(book.outputs()[0].name == "C_R");
     samara::codebooks::Query query(book);
     Eigen::VectorXd value(1);
@@ -181,7 +182,7 @@ TEST_CASE("a coefficient that does not change is a straight line within its erro
 }
 
 TEST_CASE("noise levels that are estimated choose the smoothness that known ones choose") {
-  FitOptions known = plate_options();
+  FitOptions known = series_options();
   known.step = 0.067;  // a frame interval: many fits
   FitOptions estimated = known;
   estimated.loss.scales.clear();
@@ -197,7 +198,8 @@ TEST_CASE("noise levels that are estimated choose the smoothness that known ones
   CHECK(misses(series, height) == 0);
   REQUIRE(series.fit.noise.size() == 3);
   // Of 120 values a level is known to 1/sqrt(240).
-  for (const NoiseLevel& level : series.fit.noise) CHECK_THAT(level.value, WithinAbs(kNoise, 0.26 * kNoise));
+  for (const NoiseLevel& level : series.fit.noise)
+    CHECK_THAT(level.value, WithinAbs(kSeriesNoise, 0.26 * kSeriesNoise));
   if (height == 0.0) {
     CHECK(series.effective < 4.0);
   } else {
@@ -244,7 +246,7 @@ TEST_CASE("differences do not depend on how instants are spaced where the course
 
 TEST_CASE("a replay has what is known of the capture, and what is its own where frames are means too") {
   const SeriesOptions given = {.coefficients = {"C_R"}, .window = 0.8, .scales = {{"C_R", 0.1}}};
-  FitOptions options = plate_options();
+  FitOptions options = series_options();
   options.fixed.erase("mu1");
   options.box["mu1"] = {0.1, 0.4};
   Capture capture = fluttering(0.6, 5);
@@ -257,7 +259,7 @@ TEST_CASE("a replay has what is known of the capture, and what is its own where 
     REQUIRE(series.replay.contains("mu1"));
     CHECK(series.replay.at("mu1") == 0.2);
     CHECK(series.replay_units.at("mu1") == "1");
-    CHECK(distance(series, capture, false) < 3.0 * kNoise);
+    CHECK(distance(series, capture, false) < 3.0 * kSeriesNoise);
   }
   options.per_capture = {"mu1"};
   options.averaged_frames = 3;
@@ -275,7 +277,7 @@ TEST_CASE("what is asked of constant coefficients or joined segments is refused 
   SeriesOptions sliding = joined;
   sliding.stride = 0.4;
   const auto with = [&](const SeriesOptions& series, auto change) {
-    FitOptions options = plate_options();
+    FitOptions options = series_options();
     change(options);
     return series_error(options, series);
   };
@@ -291,7 +293,7 @@ TEST_CASE("what is asked of constant coefficients or joined segments is refused 
 TEST_CASE("what belongs to the start of a capture is not applied to each window that slides") {
   const SeriesOptions sliding = {.coefficients = {"C_R"}, .window = 0.8, .stride = 0.4};
   const auto with = [&](auto change) {
-    FitOptions options = plate_options();
+    FitOptions options = series_options();
     change(options);
     return series_error(options, sliding);
   };
@@ -320,7 +322,7 @@ TEST_CASE("what a series cannot be is one sentence") {
   const auto with = [&](auto change) {
     SeriesOptions series = good;
     change(series);
-    return series_error(plate_options(), series);
+    return series_error(series_options(), series);
   };
   CHECK_THAT(with([](SeriesOptions& s) { s.window = 9.0; }),
              Contains("series.window is 9 s, but capture \"plate\" lasts 8 s"));

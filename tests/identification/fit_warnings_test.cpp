@@ -239,9 +239,9 @@ TEST_CASE("what a source throws comes out of the fit") {
 namespace {
 
 /// x = p^2 t + p t^2/5: much the same path for p and -p.
-class TwoValleys final : public TrajectoryFamily {
+class TwoStraightValleys final : public TrajectoryFamily {
  public:
-  TwoValleys() {
+  TwoStraightValleys() {
     info_.model = "two valleys";
     info_.source = "closed form";
     info_.coordinates = {{"p", "1", false, -2.0, 2.1}};
@@ -275,7 +275,7 @@ class TwoValleys final : public TrajectoryFamily {
 }  // namespace
 
 TEST_CASE("another optimum of nearly the same cost is reported, not hidden") {
-  const TwoValleys family;
+  const TwoStraightValleys family;
   FitOptions options;
   options.loss.kind = LossKind::none;
   options.starts = 6;

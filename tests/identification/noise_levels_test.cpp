@@ -60,17 +60,18 @@ constexpr double kNoiseX = 3e-3, kNoiseV = 0.05;
 std::vector<Capture> braked(std::uint64_t seed, int captures = 4, int frames = 60) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
-  std::vector<Capture> all;
+  std::vector<Capture> joined_sentences;
   for (int c = 0; c < captures; ++c) {
     const double v0 = 0.8 + 0.2 * c;
     const std::vector<double> times = even_times(frames, 1.5);
-    all.push_back(make_capture(fmt::format("{}", c), times, BrakedFamily::depths(kRate, v0, times)));
-    Capture& capture = all.back();
+    joined_sentences.push_back(
+        make_capture(fmt::format("{}", c), times, BrakedFamily::depths(kRate, v0, times)));
+    Capture& capture = joined_sentences.back();
     capture.channels.push_back({"v", "m/s", v0 * (-kRate * capture.times.array()).exp().matrix()});
     for (double& value : capture.channels[0].values) value += kNoiseX * normal(random);
     for (double& value : capture.channels[1].values) value += kNoiseV * normal(random);
   }
-  return all;
+  return joined_sentences;
 }
 
 FitOptions estimated(LossKind loss) {
@@ -81,7 +82,7 @@ FitOptions estimated(LossKind loss) {
   return options;
 }
 
-std::string all(const std::vector<std::string>& warnings) {
+std::string joined_sentences(const std::vector<std::string>& warnings) {
   return fmt::format("{}", fmt::join(warnings, "\n"));
 }
 
@@ -172,7 +173,7 @@ TEST_CASE("outputs may share a level, and others keep their scale") {
   const FitResult one = fit(BrakedWithRate(), captures, options);
   REQUIRE(one.noise.size() == 1);
   CHECK(one.noise[0].outputs == std::vector<std::string>{"v"});
-  options.noise.levels = {{"v", "all"}, {"x", "all"}};
+  options.noise.levels = {{"v", "joined_sentences"}, {"x", "joined_sentences"}};
   CHECK_THROWS_WITH(fit(BrakedWithRate(), captures, options), Contains("outputs of one unit were expected"));
   options.noise.levels = {{"x", "a"}, {"v", "b"}, {"w", "c"}};
   CHECK_THROWS_WITH(fit(BrakedWithRate(), captures, options),
@@ -187,7 +188,8 @@ TEST_CASE("an output that is met exactly, or has too few frames, is said to have
   FitOptions options = estimated(LossKind::none);
   options.loss.scales["v"] = 1e-4;
   const FitResult few = fit(BrakedWithRate(), captures, options);
-  CHECK_THAT(all(few.warnings), Contains("v has 2 values for the") && Contains("noise cannot be estimated"));
+  CHECK_THAT(joined_sentences(few.warnings),
+             Contains("v has 2 values for the") && Contains("noise cannot be estimated"));
   CHECK_FALSE(few.noise[1].estimated);
   CHECK(few.noise[1].value == Approx(1e-4));
   CHECK(few.noise[0].estimated);
@@ -197,7 +199,7 @@ TEST_CASE("an output that is met exactly, or has too few frames, is said to have
   options = estimated(LossKind::none);
   const FitResult none = fit(BrakedFamily(), exact, options);
   CHECK(none.status == FitStatus::converged);
-  CHECK_THAT(all(none.warnings), Contains("the model meets x exactly"));
+  CHECK_THAT(joined_sentences(none.warnings), Contains("the model meets x exactly"));
   CHECK_FALSE(none.noise[0].estimated);
 }
 
@@ -208,7 +210,7 @@ TEST_CASE("a level that holds what the model misses is said to") {
     capture.channels[0].values.array() += 0.05 * (8.0 * capture.times.array()).sin();
   }
   const FitResult result = fit(BrakedFamily(), captures, estimated(LossKind::none));
-  CHECK_THAT(all(result.warnings),
+  CHECK_THAT(joined_sentences(result.warnings),
              Contains("the noise level of x") && Contains("most of it is what the model misses"));
 }
 

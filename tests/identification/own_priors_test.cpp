@@ -12,7 +12,7 @@ using Catch::Matchers::WithinRel;
 namespace {
 
 /// k held; v(0) and the offset of x are each capture's own.
-FitOptions held() {
+FitOptions held_values() {
   FitOptions options;
   options.loss.kind = LossKind::none;
   options.fixed["k"] = 1.0;
@@ -36,7 +36,7 @@ TEST_CASE("a prior of each capture's own coordinate weighs against its frames") 
   const std::vector<double> times = even_times(9, 2.0);
   const Eigen::VectorXd a = BrakedFamily::depths(1.0, 1.0, times);
   const std::vector<Capture> captures = {make_capture("a", times, a), make_capture("b", times, 1.5 * a)};
-  FitOptions options = held();
+  FitOptions options = held_values();
   options.offsets = std::vector<std::string>{};
   options.loss.length_scale = 0.5;
   options.priors["v(0)"] = {.mean = 2.0, .deviation = 0.3};
@@ -51,7 +51,7 @@ TEST_CASE("priors are for free coordinates, and logarithmic ones for positive bo
   const BrakedFamily family;
   const std::vector<double> times = even_times(9, 2.0);
   const std::vector<Capture> captures = {make_capture("a", times, BrakedFamily::depths(1.0, 1.0, times))};
-  FitOptions options = held();
+  FitOptions options = held_values();
   options.priors["k"] = {.mean = 1.0, .deviation = 0.1};
   CHECK_THROWS_WITH(fit(family, captures, options), Catch::Matchers::Contains("is not a free coordinate"));
 }
@@ -61,7 +61,7 @@ TEST_CASE("a fitted motion goes on beyond its frames") {
   const std::vector<double> times = even_times(9, 1.0);
   const Eigen::VectorXd x = BrakedFamily::depths(1.0, 1.2, times).array() + 0.4;
   const std::vector<Capture> captures = {make_capture("a", times, x)};
-  const FitOptions options = held();
+  const FitOptions options = held_values();
   const FitResult result = fit(family, captures, options);
   const auto beyond = fitted_motion(family, options, result, 0, {0.5, 2.0}, {"x"});
   REQUIRE(beyond.has_value());

@@ -14,8 +14,8 @@ using samara::models::find_model;
 
 namespace {
 
-constexpr double kNoise = 1e-6;  ///< so little that steps of 0.4 matter
-constexpr int kFrames = 16;
+constexpr double kStepNoise = 1e-6;  ///< so little that steps of 0.4 matter
+constexpr int kStepFrames = 16;
 
 const std::map<std::string, double>& held() {
   static const std::map<std::string, double> values = {
@@ -27,8 +27,8 @@ const std::map<std::string, double>& held() {
 Capture fluttering() {
   std::map<std::string, double> values = held();
   values.insert({{"C_T", 1.2}, {"C_R", 3.14159}, {"A", 1.4}, {"mu1", 0.2}});
-  const std::vector<double> times = plate_times(kFrames, 20.0);
-  return seen_plate(times, plate_states(values, times), kNoise, 5);
+  const std::vector<double> times = plate_times(kStepFrames, 20.0);
+  return seen_plate(times, plate_states(values, times), kStepNoise, 5);
 }
 
 FitResult fit_with(double step, double segment) {
@@ -38,7 +38,8 @@ FitResult fit_with(double step, double segment) {
   for (const char* name : {"vx(0)", "vy(0)", "w(0)"}) box[name] = {-8.0, 8.0};
   box["theta(0)"] = {-60.0, 60.0};
   FitOptions options;
-  options.loss = {.kind = LossKind::none, .scales = {{"x", kNoise}, {"y", kNoise}, {"theta", kNoise}}};
+  options.loss = {.kind = LossKind::none,
+                  .scales = {{"x", kStepNoise}, {"y", kStepNoise}, {"theta", kStepNoise}}};
   options.segments.length = segment;
   options.starts = 1;
   return fit(*step_trajectories(find_model("falling_plate_nd"), fixed, box, step), std::vector{fluttering()},

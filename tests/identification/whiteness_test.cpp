@@ -14,7 +14,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr int kSeeds = 2000;
 
 /// Each e_k = a e_(k-1) + noise, of variance 1.
@@ -37,7 +37,7 @@ double rejections(int count, double a, double missing = 0.0) {
   int rejected = 0;
   for (int seed = 0; seed < kSeeds; ++seed) {
     std::vector<double> values = series(count, a, random);
-    for (double& value : values) value = gap(random) ? kNaN : value;
+    for (double& value : values) value = gap(random) ? kMissing : value;
     rejected += series_whiteness(times, values).p_value.value() < 0.05 ? 1 : 0;
   }
   return static_cast<double>(rejected) / kSeeds;
@@ -117,7 +117,7 @@ TEST_CASE("the size of residuals tells nothing of their correlation") {
 
 TEST_CASE("few, missing or zero residuals have no p-value") {
   CHECK_FALSE(series_whiteness(even_times(7, 1.0), std::vector<double>(7, 0.1)).p_value);
-  CHECK_FALSE(series_whiteness(even_times(20, 1.0), std::vector<double>(20, kNaN)).p_value);
+  CHECK_FALSE(series_whiteness(even_times(20, 1.0), std::vector<double>(20, kMissing)).p_value);
   CHECK_FALSE(series_whiteness(even_times(20, 1.0), std::vector<double>(20, 0.0)).p_value);
   CHECK_FALSE(series_whiteness({}, {}).p_value);
   CHECK_THAT(pool_whiteness({}).sentence, Contains("too few"));

@@ -38,7 +38,7 @@ TomlTable plan() {
 }
 
 template <typename Call>
-std::string input_error(const Call& call) {
+std::string toml_error(const Call& call) {
   return error_text<InputError>(call);
 }
 
@@ -77,7 +77,7 @@ TEST_CASE("an optional value that is missing is nothing, one of the wrong kind i
   CHECK_FALSE(time.optional_quantities("slabs", "s"));
   CHECK_FALSE(time.optional_table("slabs"));
   CHECK_FALSE(time.optional_tables("slabs"));
-  CHECK_THAT(input_error([&] { time.optional_string("end"); }),
+  CHECK_THAT(toml_error([&] { time.optional_string("end"); }),
              Contains("expected a string, found the integer 5"));
 }
 
@@ -126,61 +126,61 @@ TEST_CASE("a table knows file, path and lines") {
 
 TEST_CASE("a value of the wrong kind is refused with file, line, table, key and what was found") {
   const TomlTable root = plan();
-  CHECK(input_error([&] { root.table("fixed").number("thickness"); }) ==
+  CHECK(toml_error([&] { root.table("fixed").number("thickness"); }) ==
         "plan.toml:4: [fixed] thickness: expected a number, found the string \"1.5 mm\"");
-  CHECK(input_error([&] { root.integer("model"); }) ==
+  CHECK(toml_error([&] { root.integer("model"); }) ==
         "plan.toml:1: model: expected an integer, found the string \"falling_plate_nd\"");
-  CHECK_THAT(input_error([&] { root.table("time").boolean("end"); }), Contains("found the integer 5"));
-  CHECK_THAT(input_error([&] { root.table("time").table("exact"); }), Contains("found the boolean true"));
-  CHECK_THAT(input_error([&] { root.string("box"); }),
+  CHECK_THAT(toml_error([&] { root.table("time").boolean("end"); }), Contains("found the integer 5"));
+  CHECK_THAT(toml_error([&] { root.table("time").table("exact"); }), Contains("found the boolean true"));
+  CHECK_THAT(toml_error([&] { root.string("box"); }),
              Contains("plan.toml:8: box: expected a string, found a table"));
-  CHECK_THAT(input_error([&] { root.table("box").number("C_T"); }), Contains("found an array"));
-  CHECK_THAT(input_error([&] { root.table("box").integer("theta(0)"); }),
+  CHECK_THAT(toml_error([&] { root.table("box").number("C_T"); }), Contains("found an array"));
+  CHECK_THAT(toml_error([&] { root.table("box").integer("theta(0)"); }),
              StartsWith("plan.toml:11: [box] \"theta(0)\":"));
-  CHECK_THAT(input_error([&] { root.strings("model"); }), Contains("expected an array of strings"));
-  CHECK_THAT(input_error([&] { root.table("box").strings("C_T"); }),
+  CHECK_THAT(toml_error([&] { root.strings("model"); }), Contains("expected an array of strings"));
+  CHECK_THAT(toml_error([&] { root.table("box").strings("C_T"); }),
              Contains("element 0: expected a string, found the number 0.8"));
-  CHECK_THAT(input_error([&] { root.table("box").tables("C_T"); }), Contains("element 0: expected a table"));
-  CHECK_THAT(input_error([] { TomlTable::parse("d = 2020-01-01", "t").number("d"); }),
+  CHECK_THAT(toml_error([&] { root.table("box").tables("C_T"); }), Contains("element 0: expected a table"));
+  CHECK_THAT(toml_error([] { TomlTable::parse("d = 2020-01-01", "t").number("d"); }),
              Contains("found a date"));
-  CHECK_THAT(input_error([] { TomlTable::parse("d = 2.0", "t").integer("d"); }),
+  CHECK_THAT(toml_error([] { TomlTable::parse("d = 2.0", "t").integer("d"); }),
              Contains("found the number 2"));
 }
 
 TEST_CASE("a missing key is refused at its table") {
-  CHECK(input_error([] { plan().table("time").number("start"); }) ==
+  CHECK(toml_error([] { plan().table("time").number("start"); }) ==
         "plan.toml:13: [time] start: the key is missing");
-  CHECK(input_error([] { plan().string("title"); }) == "plan.toml: title: the key is missing");
+  CHECK(toml_error([] { plan().string("title"); }) == "plan.toml: title: the key is missing");
 }
 
 TEST_CASE("numbers that are not finite are refused") {
   for (const std::string text : {"nan", "inf", "-inf"}) {
     const TomlTable root = TomlTable::parse(std::string("a = ") + text + "\nb = [1, " + text + "]", "t.toml");
-    CHECK_THAT(input_error([&] { root.number("a"); }),
+    CHECK_THAT(toml_error([&] { root.number("a"); }),
                StartsWith("t.toml:1: a: expected a finite number, found"));
-    CHECK_THAT(input_error([&] { root.quantity("a", "m"); }), Contains("expected a finite number"));
-    CHECK_THAT(input_error([&] { root.numbers("b"); }),
+    CHECK_THAT(toml_error([&] { root.quantity("a", "m"); }), Contains("expected a finite number"));
+    CHECK_THAT(toml_error([&] { root.numbers("b"); }),
                StartsWith("t.toml:2: b: element 1: expected a finite number"));
   }
 }
 
 TEST_CASE("a quantity with a wrong unit is refused with its place") {
   const TomlTable fixed = plan().table("fixed");
-  CHECK(input_error([&] { fixed.quantity("thickness", "kg"); }) ==
+  CHECK(toml_error([&] { fixed.quantity("thickness", "kg"); }) ==
         "plan.toml:4: [fixed] thickness: \"1.5 mm\" has the dimension m, expected kg");
-  CHECK_THAT(input_error([] { TomlTable::parse("a = ['1 m', '2 mx']", "t").quantities("a", "m"); }),
+  CHECK_THAT(toml_error([] { TomlTable::parse("a = ['1 m', '2 mx']", "t").quantities("a", "m"); }),
              Contains("t:1: a: element 1: \"2 mx\": unknown unit \"mx\""));
-  CHECK_THAT(input_error([] { TomlTable::parse("a = true", "t").quantity("a", "m"); }),
+  CHECK_THAT(toml_error([] { TomlTable::parse("a = true", "t").quantity("a", "m"); }),
              Contains("expected a number, or a string with a unit, found the boolean true"));
 }
 
 TEST_CASE("an unknown key is refused with its line and the nearest known") {
   const TomlTable box = plan().table("box");
   CHECK_NOTHROW(box.expect_keys({"A", "C_T", "theta(0)", "unused"}));
-  CHECK(input_error([&] {
+  CHECK(toml_error([&] {
           box.expect_keys({"C_T", "AA", "theta(0)"});
         }) == "plan.toml:10: [box] A: unknown key; did you mean \"AA\"?");
-  CHECK_THAT(input_error([] { plan().expect_keys({"model"}); }),
+  CHECK_THAT(toml_error([] { plan().expect_keys({"model"}); }),
              Contains("plan.toml:3: fixed: unknown key; known: model"));
 }
 
@@ -193,7 +193,7 @@ TEST_CASE("a text that is not TOML is refused with its line, in one sentence") {
   for (const std::string bad :
        {"a = ", "a = 1\na = 2", "[t", "a = \"open", "= 1", "a = 1 b = 2", "[t]\n[t]"}) {
     const std::string error =
-        input_error([&] { TomlTable::parse(std::string("x = 1\n") + bad + "\n", "bad.toml"); });
+        toml_error([&] { TomlTable::parse(std::string("x = 1\n") + bad + "\n", "bad.toml"); });
     INFO(bad);
     CHECK_THAT(error,
                StartsWith("bad.toml:2: not valid TOML: ") || StartsWith("bad.toml:3: not valid TOML: "));
@@ -205,7 +205,7 @@ TEST_CASE("nesting of any depth is read or refused, and never exhausts the stack
   const auto nested_error = [](std::string text, const std::string& repeated, const std::string& last) {
     for (int i = 0; i < 200000; ++i) text += repeated;
     text += last;
-    return input_error([&] { TomlTable::parse(text, "deep"); });
+    return toml_error([&] { TomlTable::parse(text, "deep"); });
   };
   CHECK_THAT(nested_error("a = ", "[", ""), StartsWith("deep"));
   CHECK_THAT(nested_error("t = ", "{a=", ""), StartsWith("deep"));
@@ -222,8 +222,8 @@ TEST_CASE("a file is read with its path in errors") {
               "a = 1\r\nb = 'x'\r\n");
   const TomlTable root = TomlTable::read(directory / "p.toml");
   CHECK(root.integer("a") == 1);
-  CHECK_THAT(input_error([&] { root.number("b"); }), StartsWith((directory / "p.toml").string() + ":2: b: "));
-  CHECK_THAT(input_error([&] { TomlTable::read(directory / "none.toml"); }),
+  CHECK_THAT(toml_error([&] { root.number("b"); }), StartsWith((directory / "p.toml").string() + ":2: b: "));
+  CHECK_THAT(toml_error([&] { TomlTable::read(directory / "none.toml"); }),
              Contains("none.toml: the file does not exist"));
-  CHECK_THAT(input_error([&] { TomlTable::read(directory.path()); }), Contains("is a directory"));
+  CHECK_THAT(toml_error([&] { TomlTable::read(directory.path()); }), Contains("is a directory"));
 }

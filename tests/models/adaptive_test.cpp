@@ -25,12 +25,6 @@ BodyMotion motion(const Trajectory& trajectory, Eigen::Index row) {
 }
 
 /// x' = -x^2, x(0) = 1: x = 1/(1 + t).
-ParametricModel hyperbola() {
-  return {scalar_model([](double, double x) { return -x * x; }, [](double, double x) { return -2.0 * x; }),
-          {{"x(0)", 1.0}},
-          {}};
-}
-
 }  // namespace
 
 TEST_CASE("the adaptive method conserves energy and both impulses of the Kirchhoff check problem") {

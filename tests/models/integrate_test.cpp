@@ -22,7 +22,7 @@ ParametricModel coin() {
 }
 
 const std::vector<double> kCoinPoint = {1.15, -0.2, 6339.0};
-const std::vector<double> kTimes = {0.0, 0.1, 0.1, 0.25, 0.5};
+const std::vector<double> kIntegrationTimes = {0.0, 0.1, 0.1, 0.25, 0.5};
 
 /// x' = x^2 from x(0) = 1: x = 1/(1 - t), which is infinite at t = 1.
 ParametricModel blow_up() {
@@ -71,7 +71,7 @@ TEST_CASE("no times, or only zeros, need no step") {
 }
 
 TEST_CASE("a trajectory tells what it took") {
-  const Trajectory trajectory = integrate(coin(), kCoinPoint, kTimes);
+  const Trajectory trajectory = integrate(coin(), kCoinPoint, kIntegrationTimes);
   CHECK(trajectory.steps > 10);
   CHECK(trajectory.rhs_evaluations >= trajectory.steps);
   CHECK(trajectory.message == "reached t = 0.5 in " + std::to_string(trajectory.steps) + " steps");
@@ -126,8 +126,9 @@ TEST_CASE("BDF takes far fewer steps than Adams on a stiff equation, to the same
 }
 
 TEST_CASE("too few steps are a status, and the rows reached are kept") {
-  const Trajectory whole = integrate(coin(), kCoinPoint, kTimes, {}, true);
-  const Trajectory part = integrate(coin(), kCoinPoint, kTimes, {.max_steps = whole.steps - 1}, true);
+  const Trajectory whole = integrate(coin(), kCoinPoint, kIntegrationTimes, {}, true);
+  const Trajectory part =
+      integrate(coin(), kCoinPoint, kIntegrationTimes, {.max_steps = whole.steps - 1}, true);
   CHECK(part.status == IntegrateStatus::too_many_steps);
   CHECK_FALSE(part.is_usable());
   CHECK(part.steps == whole.steps - 1);
@@ -140,7 +141,7 @@ TEST_CASE("too few steps are a status, and the rows reached are kept") {
                                Catch::EndsWith("of 0.5 after " + std::to_string(part.steps) +
                                                " steps: that is all the steps allowed"));
   // The limit is on the trajectory, not on the way between two times.
-  CHECK(integrate(coin(), kCoinPoint, kTimes, {.max_steps = whole.steps}, true).is_usable());
+  CHECK(integrate(coin(), kCoinPoint, kIntegrationTimes, {.max_steps = whole.steps}, true).is_usable());
 }
 
 TEST_CASE("a solution that blows up ends with a status, near the blow-up") {
@@ -214,11 +215,11 @@ TEST_CASE("an integrator used again gives the same bits as a fresh one") {
   for (const bool stiff : {false, true}) {
     for (const bool with_sensitivities : {false, true}) {
       const IntegrateOptions options = {.stiff = stiff};
-      const Trajectory fresh = integrate(coin(), kCoinPoint, kTimes, options, with_sensitivities);
+      const Trajectory fresh = integrate(coin(), kCoinPoint, kIntegrationTimes, options, with_sensitivities);
       Integrator integrator(coin(), options, with_sensitivities);
-      CHECK(same_bits(integrator(kCoinPoint, kTimes), fresh));
+      CHECK(same_bits(integrator(kCoinPoint, kIntegrationTimes), fresh));
       CHECK(integrator(other, other_times).is_usable());
-      CHECK(same_bits(integrator(kCoinPoint, kTimes), fresh));
+      CHECK(same_bits(integrator(kCoinPoint, kIntegrationTimes), fresh));
     }
   }
 }
@@ -243,7 +244,8 @@ TEST_CASE("two threads with an integrator each give the results of one") {
     Integrator integrator(model, {}, true);
     std::vector<Trajectory> results;
     for (int k = 0; k < 40; ++k) {
-      results.push_back(integrator(std::array{0.5 + 0.05 * k, 0.01 * k, 2000.0 + 50.0 * k}, kTimes));
+      results.push_back(
+          integrator(std::array{0.5 + 0.05 * k, 0.01 * k, 2000.0 + 50.0 * k}, kIntegrationTimes));
     }
     return results;
   };
@@ -268,7 +270,7 @@ TEST_CASE("the integrator refuses times, points and options without meaning") {
                     "times[1] is 0.25; 0.5 (the time before it) or more was expected");
   CHECK_THROWS_WITH(integrator(kCoinPoint, std::array{0.5, nan}),
                     "times[1] is nan; a finite number was expected");
-  CHECK_THROWS_WITH(integrator(std::array{1.0, 0.0, nan}, kTimes),
+  CHECK_THROWS_WITH(integrator(std::array{1.0, 0.0, nan}, kIntegrationTimes),
                     "\"density\" is nan; a finite number was expected");
   CHECK_THROWS_WITH(Integrator(coin(), {.relative_tolerance = 0.0}, false),
                     "relative_tolerance is 0; a value between 0 and 1 was expected");

@@ -18,10 +18,10 @@ using Catch::Matchers::WithinRel;
 
 namespace {
 
-using State = std::array<double, 6>;
+using PlanarState = std::array<double, 6>;
 enum { kVx, kVy, kOmega, kTheta, kX, kY };
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kHalfTurn = std::numbers::pi;
 
 const std::vector<std::string> kPlates = {"falling_plate_nd", "falling_plate", "falling_rectangle"};
 
@@ -58,10 +58,10 @@ ParameterValues random_parameters(const Model& model, std::mt19937& random) {
   return p;
 }
 
-State random_state(const Model& model, const ParameterValues& p, std::mt19937& random) {
+PlanarState random_state(const Model& model, const ParameterValues& p, std::mt19937& random) {
   std::uniform_real_distribution<double> symmetric(-3.0, 3.0);
   const Scales scales = model.scales(p);
-  State x;
+  PlanarState x;
   for (std::size_t i = 0; i < x.size(); ++i) {
     x[i] = symmetric(random) * state_scale(model.info().states[i], scales);
   }
@@ -82,7 +82,7 @@ struct Breakdown {
   double largest_power = 0.0;
 };
 
-Breakdown break_down(const Model& model, const State& x, const ParameterValues& p) {
+Breakdown break_down(const Model& model, const PlanarState& x, const ParameterValues& p) {
   Breakdown b;
   b.terms.resize(model.info().force_terms.size());
   model.forces(0.0, x, p, b.terms);
@@ -100,7 +100,7 @@ Breakdown break_down(const Model& model, const State& x, const ParameterValues& 
 TEST_CASE("the dimensionless plate runs through the reference states of the model sheet") {
   // Thin plate, default coefficients, started at vx = vy = w = 0.001, theta = pi/4; stated to 1e-6.
   const std::map<std::string, double> start = {
-      {"vx(0)", 1e-3}, {"vy(0)", 1e-3}, {"w(0)", 1e-3}, {"theta(0)", kPi / 4}, {"beta", 0.0}};
+      {"vx(0)", 1e-3}, {"vy(0)", 1e-3}, {"w(0)", 1e-3}, {"theta(0)", kHalfTurn / 4}, {"beta", 0.0}};
   const ParametricModel model(find_model("falling_plate_nd"), start, {"inertia_ratio"});
   for (const PlanarReference& reference : kPlanarReferences) {
     INFO("I* = " << reference.I_star << ", t = " << reference.t);
@@ -115,7 +115,8 @@ TEST_CASE("the dimensionless plate runs through the reference states of the mode
 TEST_CASE("the reference plate starts and stands where the model sheet puts it") {
   const auto model = find_model("falling_plate_nd");
   const std::vector<double> p = model->completed(all_default(*model));
-  const std::vector<double> expected = {1.1, 1.0 / 14.0, 1.2, kPi, 1.4, 1.0, 0.2, 0.2, 1e-6, 0.0, 0.0, 1e3};
+  const std::vector<double> expected = {1.1, 1.0 / 14.0, 1.2,  kHalfTurn, 1.4, 1.0,
+                                        0.2, 0.2,        1e-6, 0.0,       0.0, 1e3};
   CHECK(p == expected);
   const std::array<double, 6> start = {1e-3, 1e-3, 0.0, 0.4, 0.0, 0.0};
   for (std::size_t i = 0; i < 6; ++i) CHECK(model->info().states[i].default_initial == start[i]);
@@ -133,13 +134,14 @@ TEST_CASE("falling broadside and edge-on are equilibria at the speeds of the mod
   for (const double beta : {0.0, 1.0 / 14.0, 0.5}) {
     const ParametricModel model(find_model("falling_plate_nd"), {{"speed_floor", 1e-12}}, {"beta"});
     ParametricModel::Workspace workspace = model.make_workspace();
-    State rate;
+    PlanarState rate;
     const double broadside = 1.1441140410797113;  // sqrt(pi/(A + B))
-    model.rhs(0.0, State{0.0, -broadside, 0.0, 0.0, 0.0, 0.0}, std::array{beta}, rate, workspace);
+    model.rhs(0.0, PlanarState{0.0, -broadside, 0.0, 0.0, 0.0, 0.0}, std::array{beta}, rate, workspace);
     for (const std::size_t i : {kVx, kVy, kOmega}) CHECK_THAT(rate[i], WithinAbs(0.0, 1e-15));
     CHECK_THAT(rate[kY], WithinRel(-broadside, 1e-15));
     const double edge_on = 2.8024956081989645;  // sqrt(pi/(A - B))
-    model.rhs(0.0, State{edge_on, 0.0, 0.0, -kPi / 2, 0.0, 0.0}, std::array{beta}, rate, workspace);
+    model.rhs(0.0, PlanarState{edge_on, 0.0, 0.0, -kHalfTurn / 2, 0.0, 0.0}, std::array{beta}, rate,
+              workspace);
     for (const std::size_t i : {kVx, kVy, kOmega}) CHECK_THAT(rate[i], WithinAbs(0.0, 1e-15));
     CHECK_THAT(rate[kY], WithinRel(-edge_on, 1e-15));
   }
@@ -197,8 +199,8 @@ TEST_CASE("rates tend to those of the thin plate with the square of the thicknes
   const ParametricModel free(model, {}, {"beta"});
   ParametricModel::Workspace workspace = free.make_workspace();
   for (int k = 0; k < 20; ++k) {
-    const State x = random_state(*model, all_default(*model), random);
-    State thin, small, smaller;
+    const PlanarState x = random_state(*model, all_default(*model), random);
+    PlanarState thin, small, smaller;
     free.rhs(0.0, x, std::array{0.0}, thin, workspace);
     free.rhs(0.0, x, std::array{2e-3}, small, workspace);
     free.rhs(0.0, x, std::array{1e-3}, smaller, workspace);
@@ -219,7 +221,7 @@ TEST_CASE(
     const auto model = find_model(name);
     for (int k = 0; k < 500; ++k) {
       const ParameterValues p = random_parameters(*model, random);
-      const State x = random_state(*model, p, random);
+      const PlanarState x = random_state(*model, p, random);
       const Breakdown b = break_down(*model, x, p);
       const double round_off = 1e-13 * b.largest_power;
       // A lift is made of products as large as |force||velocity|, which may exceed every power.
@@ -247,8 +249,8 @@ TEST_CASE("the breakdown sums to the rates of momentum") {
     const auto model = find_model(name);
     for (int k = 0; k < 100; ++k) {
       const ParameterValues p = random_parameters(*model, random);
-      const State x = random_state(*model, p, random);
-      State rate;
+      const PlanarState x = random_state(*model, p, random);
+      PlanarState rate;
       model->rhs(0.0, x, p, rate);
       const Wrench sum = break_down(*model, x, p).sum;
       const std::vector<double>& v = p.value;
@@ -257,10 +259,10 @@ TEST_CASE("the breakdown sums to the rates of momentum") {
       double inertia = (v[0] * (1.0 + v[1] * v[1]) + std::pow(1.0 - v[1] * v[1], 2) / 2.0) / 4.0;
       if (name == "falling_plate") {
         const double a = v[0], b = v[1], solid = v[2], fluid = v[3];
-        const double m = kPi * solid * a * b;
-        mass_x = m + kPi * fluid * b * b;
-        mass_y = m + kPi * fluid * a * a;
-        inertia = m * (a * a + b * b) / 4.0 + kPi / 8.0 * fluid * std::pow(a * a - b * b, 2);
+        const double m = kHalfTurn * solid * a * b;
+        mass_x = m + kHalfTurn * fluid * b * b;
+        mass_y = m + kHalfTurn * fluid * a * a;
+        inertia = m * (a * a + b * b) / 4.0 + kHalfTurn / 8.0 * fluid * std::pow(a * a - b * b, 2);
       }
       CHECK_THAT(sum.force.x(), WithinRel(mass_x * rate[kVx], 1e-12));
       CHECK_THAT(sum.force.y(), WithinRel(mass_y * rate[kVy], 1e-12));
@@ -276,20 +278,20 @@ TEST_CASE("a rectangle with its mass at one side obeys Kirchhoff's equations abo
   std::mt19937 random(11);
   for (int k = 0; k < 100; ++k) {
     const ParameterValues p = random_parameters(*model, random);
-    const State x = random_state(*model, p, random);
-    State rate;
+    const PlanarState x = random_state(*model, p, random);
+    PlanarState rate;
     model->rhs(0.0, x, p, rate);
-    const auto energy = [&](const State& at) { return *model->kinetic_energy(0.0, at, p); };
+    const auto energy = [&](const PlanarState& at) { return *model->kinetic_energy(0.0, at, p); };
     // d/dt dT/dq_i = dT/dq_i at q', since dT/dq is linear.
-    const auto momentum = [&](const State& at, std::size_t i) {
-      State up = at, down = at;
+    const auto momentum = [&](const PlanarState& at, std::size_t i) {
+      PlanarState up = at, down = at;
       const double step = 1.0 + std::abs(at[i]);
       up[i] += step;
       down[i] -= step;
       return (energy(up) - energy(down)) / (2.0 * step);
     };
     const Wrench sum = break_down(*model, x, p).sum;
-    const State q_rate = {rate[kVx], rate[kVy], rate[kOmega], 0.0, 0.0, 0.0};
+    const PlanarState q_rate = {rate[kVx], rate[kVy], rate[kOmega], 0.0, 0.0, 0.0};
     const double large = sum.force.norm();
     CHECK_THAT(momentum(q_rate, kVx), WithinAbs(sum.force.x(), 1e-10 * large));
     CHECK_THAT(momentum(q_rate, kVy), WithinAbs(sum.force.y(), 1e-10 * large));
@@ -304,16 +306,16 @@ TEST_CASE("the masses of a rectangle are those of the model sheet") {
                               {{"chord", a}, {"thickness", b}, {"density", solid}}, {});
   ParameterValues p = all_given(model);
   const auto inertia = [&](std::size_t i) {
-    State x = {};
+    PlanarState x = {};
     x[i] = 1.0;
     return 2.0 * *model.model().kinetic_energy(0.0, x, p);
   };
   const double m = solid * a * b;
-  CHECK_THAT(inertia(kVx), WithinRel(m + 3.0 * kPi / 8.0 * fluid * b * b, 1e-14));
-  CHECK_THAT(inertia(kVy), WithinRel(m + 3.0 * kPi / 8.0 * fluid * a * a, 1e-14));
-  CHECK_THAT(
-      inertia(kOmega),
-      WithinRel(m * (a * a + b * b) / 12.0 + 5.0 * kPi / 256.0 * fluid * std::pow(a * a - b * b, 2), 1e-14));
+  CHECK_THAT(inertia(kVx), WithinRel(m + 3.0 * kHalfTurn / 8.0 * fluid * b * b, 1e-14));
+  CHECK_THAT(inertia(kVy), WithinRel(m + 3.0 * kHalfTurn / 8.0 * fluid * a * a, 1e-14));
+  CHECK_THAT(inertia(kOmega), WithinRel(m * (a * a + b * b) / 12.0 +
+                                            5.0 * kHalfTurn / 256.0 * fluid * std::pow(a * a - b * b, 2),
+                                        1e-14));
 }
 
 TEST_CASE("the forces on a rectangle are those of (2.18)-(2.20) with its coefficients") {
@@ -333,7 +335,7 @@ TEST_CASE("the forces on a rectangle are those of (2.18)-(2.20) with its coeffic
         {{"chord", a}, {"thickness", 0.001}, {"density", 2700.0}, {"offset", at.e}, {"speed_floor", 1e-12}},
         {});
     const ParameterValues p = all_given(fixed);
-    const Breakdown b = break_down(fixed.model(), State{at.vx, at.vy, at.w, 0.3, 0.0, 0.0}, p);
+    const Breakdown b = break_down(fixed.model(), PlanarState{at.vx, at.vy, at.w, 0.3, 0.0, 0.0}, p);
     const double v_p = at.vy - at.e * at.w;
     const double v = std::hypot(at.vx, v_p);
     const double alpha = std::atan2(v_p, at.vx);
@@ -370,7 +372,7 @@ TEST_CASE("a rectangle heavy at one end falls with this end down") {
   const Trajectory trajectory = integrate(model, {}, std::array{3.0});
   REQUIRE(trajectory.is_usable());
   // The heavy end lies at +x': straight down is theta = -pi/2, an attitude without torque.
-  CHECK_THAT(trajectory.states(0, kTheta), WithinAbs(-kPi / 2, 0.05));
+  CHECK_THAT(trajectory.states(0, kTheta), WithinAbs(-kHalfTurn / 2, 0.05));
   CHECK_THAT(trajectory.states(0, kOmega), WithinAbs(0.0, 0.05));
 }
 
@@ -381,7 +383,7 @@ TEST_CASE("the rates of the plates split exactly by their coefficients") {
     const auto model = find_model(name);
     for (int k = 0; k < 20; ++k) {
       const ParameterValues p = random_parameters(*model, random);
-      const State x = random_state(*model, p, random);
+      const PlanarState x = random_state(*model, p, random);
       const AffineSplit split = affine_split(*model, 0.0, x, p);
       REQUIRE(split.names == model->info().affine_in);
       const ParameterValues other = random_parameters(*model, random);
@@ -394,7 +396,7 @@ TEST_CASE("the rates of the plates split exactly by their coefficients") {
           }
         }
       }
-      State rate;
+      PlanarState rate;
       model->rhs(0.0, x, mixed, rate);
       const Eigen::VectorXd summed = split.constant + split.slopes * coefficients;
       const double large =

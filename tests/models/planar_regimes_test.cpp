@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-struct Statistics {
+struct RegimeStatistics {
   double mean_vx = 0.0;  ///< in the world
   double mean_vy = 0.0;
   double range = 0.0;  ///< of theta
@@ -24,24 +24,24 @@ struct Statistics {
   double period = 0.0;  ///< between swings to the same side
 };
 
-using State = Eigen::Matrix<double, 6, 1>;
+using RegimeState = Eigen::Matrix<double, 6, 1>;
 
 /// The thin plate, by steps of RK4.
 class Plate {
  public:
   explicit Plate(std::map<std::string, double> fixed) : model_(thin(std::move(fixed))) {}
 
-  State start() const {
-    State x;
+  RegimeState start() const {
+    RegimeState x;
     model_.initial({}, {x.data(), 6});
     return x;
   }
 
-  State after(const State& x, double h) {
-    const State k1 = rate(x);
-    const State k2 = rate(x + h / 2 * k1);
-    const State k3 = rate(x + h / 2 * k2);
-    const State k4 = rate(x + h * k3);
+  RegimeState after(const RegimeState& x, double h) {
+    const RegimeState k1 = rate(x);
+    const RegimeState k2 = rate(x + h / 2 * k1);
+    const RegimeState k3 = rate(x + h / 2 * k2);
+    const RegimeState k4 = rate(x + h * k3);
     return x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
   }
 
@@ -51,8 +51,8 @@ class Plate {
     return {find_model("falling_plate_nd"), fixed, {}};
   }
 
-  State rate(const State& x) {
-    State dxdt;
+  RegimeState rate(const RegimeState& x) {
+    RegimeState dxdt;
     model_.rhs(0.0, {x.data(), 6}, {}, {dxdt.data(), 6}, workspace_);
     return dxdt;
   }
@@ -66,9 +66,9 @@ class Plate {
 double lyapunov_exponent(double inertia_ratio) {
   Plate plate({{"inertia_ratio", inertia_ratio}});
   const double h = 1e-2, apart = 1e-7;
-  State x = plate.start();
+  RegimeState x = plate.start();
   for (int k = 0; k < 10000; ++k) x = plate.after(x, h);
-  State y = x;
+  RegimeState y = x;
   y[0] += apart;
   double sum = 0.0;
   const int units = 1500;
@@ -77,7 +77,7 @@ double lyapunov_exponent(double inertia_ratio) {
       x = plate.after(x, h);
       y = plate.after(y, h);
     }
-    State difference = y - x;
+    RegimeState difference = y - x;
     difference.tail<2>().setZero();  // nothing depends on the place
     const double distance = difference.norm();
     sum += std::log(distance / apart);
@@ -87,12 +87,12 @@ double lyapunov_exponent(double inertia_ratio) {
 }
 
 /// Steps of 4e-3 from t = 0 (theta = 0.4), statistics over the second half of 1200.
-Statistics fall(const std::map<std::string, double>& fixed) {
+RegimeStatistics fall(const std::map<std::string, double>& fixed) {
   Plate plate(fixed);
   const double h = 4e-3;
   const int steps = 300000;
-  State x = plate.start();
-  State begin = x;
+  RegimeState x = plate.start();
+  RegimeState begin = x;
   double lowest = 0.0, highest = 0.0, first_swing = 0.0, last_swing = 0.0;
   int swings = 0;
   for (int k = 0; k < steps; ++k) {
@@ -100,7 +100,7 @@ Statistics fall(const std::map<std::string, double>& fixed) {
       begin = x;
       lowest = highest = x[3];
     }
-    const State next = plate.after(x, h);
+    const RegimeState next = plate.after(x, h);
     if (k >= steps / 2) {
       lowest = std::min(lowest, next[3]);
       highest = std::max(highest, next[3]);
@@ -134,7 +134,7 @@ TEST_CASE("light and heavy plates flutter at the speeds, ranges and periods of t
        {Row{0.5, -0.301, 1.48, 6.37}, Row{0.8, -0.326, 2.18, 9.3}, Row{1.0, -0.453, 2.78, 13.3},
         Row{1.1, -0.585, 3.04, 15.957}, Row{3.0, -1.043, 2.48, 7.65}, Row{4.0, -1.158, 1.59, 7.18}}) {
     INFO("I* = " << row.inertia_ratio);
-    const Statistics motion = fall({{"inertia_ratio", row.inertia_ratio}});
+    const RegimeStatistics motion = fall({{"inertia_ratio", row.inertia_ratio}});
     CHECK_THAT(motion.mean_vy, WithinAbs(row.vy, 0.005));
     CHECK_THAT(motion.range, WithinAbs(row.range, 0.01));
     CHECK_THAT(motion.period, WithinRel(row.period, 2.5e-3));
@@ -145,7 +145,7 @@ TEST_CASE("light and heavy plates flutter at the speeds, ranges and periods of t
 
 TEST_CASE("near the heteroclinic bifurcation, I* = 1.20, flutter has a long period and falls fast") {
   // The period diverges close by, so that it hangs on every digit of I*: the sheet states it to two digits.
-  const Statistics motion = fall({{"inertia_ratio", 1.2}});
+  const RegimeStatistics motion = fall({{"inertia_ratio", 1.2}});
   CHECK_THAT(motion.mean_vy, WithinAbs(-1.16, 0.02));
   CHECK_THAT(motion.range, WithinAbs(3.36, 0.02));
   CHECK_THAT(motion.period, WithinRel(25.0, 0.03));
@@ -168,21 +168,21 @@ TEST_CASE("plates in between tumble and drift to one side, at the rates of the m
   for (const Row& row : {Row{1.25, 0.948, -0.956, 4.46}, Row{1.3, 0.91, -0.574, 5.82},
                          Row{1.35, 0.82, -0.407, 6.85}, Row{1.4, 0.756, -0.327, 7.79}}) {
     INFO("I* = " << row.inertia_ratio);
-    const Statistics motion = fall({{"inertia_ratio", row.inertia_ratio}});
+    const RegimeStatistics motion = fall({{"inertia_ratio", row.inertia_ratio}});
     CHECK_THAT(std::abs(motion.mean_vx), WithinAbs(row.vx, 0.006));
     CHECK_THAT(motion.mean_vy, WithinAbs(row.vy, 0.006));
     // The window ends anywhere in a turn, which is uneven: up to half a turn in 600, 0.08 per 100.
     CHECK_THAT(std::abs(motion.turns_per_100), WithinAbs(row.turns_per_100, 0.08));
   }
   // One swing back per turn: the swings have the period of the turns.
-  const Statistics swinging = fall({{"inertia_ratio", 1.45}});
+  const RegimeStatistics swinging = fall({{"inertia_ratio", 1.45}});
   CHECK_THAT(std::abs(swinging.turns_per_100), WithinAbs(7.49, 0.08));
   CHECK_THAT(swinging.period, WithinRel(13.39, 2.5e-3));
 }
 
 TEST_CASE("between tumbling and chaos lies flutter with full turns and no net rotation") {
   for (const double inertia_ratio : {1.5, 1.6}) {
-    const Statistics mixed = fall({{"inertia_ratio", inertia_ratio}});
+    const RegimeStatistics mixed = fall({{"inertia_ratio", inertia_ratio}});
     CHECK(mixed.range > 2.0 * kPi);
     CHECK(mixed.range < 12.0);
     CHECK_THAT(mixed.turns_per_100, WithinAbs(0.0, 0.4));
@@ -191,7 +191,7 @@ TEST_CASE("between tumbling and chaos lies flutter with full turns and no net ro
 
 TEST_CASE("without enough rotational lift nothing tumbles") {
   for (const double inertia_ratio : {1.1, 1.4, 2.0, 3.0}) {
-    const Statistics small = fall({{"inertia_ratio", inertia_ratio}, {"C_R", 1.4}});
+    const RegimeStatistics small = fall({{"inertia_ratio", inertia_ratio}, {"C_R", 1.4}});
     CHECK(small.range < 0.6);
     CHECK_THAT(small.turns_per_100, WithinAbs(0.0, 0.1));
   }

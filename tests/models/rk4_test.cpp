@@ -17,12 +17,6 @@ using Catch::Matchers::WithinRel;
 namespace {
 
 /// x' = -x^2, x(0) = 1: x = 1/(1 + t).
-ParametricModel hyperbola() {
-  return {scalar_model([](double, double x) { return -x * x; }, [](double, double x) { return -2.0 * x; }),
-          {{"x(0)", 1.0}},
-          {}};
-}
-
 double hyperbola_error(double step) {
   return std::abs(integrate_rk4(hyperbola(), {}, std::array{2.0}, {.step = step}).states(0, 0) - 1.0 / 3.0);
 }

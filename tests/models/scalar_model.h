@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "samara/models/interface/model.h"
+#include "samara/models/interface/parametric_model.h"
 
 /// x' = f(t, x, p) with one state x and one parameter p (default 1), for tests that need an equation of their
 /// own.
@@ -58,4 +58,11 @@ inline std::shared_ptr<const samara::models::Model> scalar_model(
   return std::make_shared<ScalarModel>([f](double t, double x, double) { return f(t, x); },
                                        [df_dx](double t, double x, double) { return df_dx(t, x); },
                                        [](double, double, double) { return 0.0; });
+}
+
+/// x' = -x^2 from x(0) = 1: x = 1/(1 + t).
+inline samara::models::ParametricModel hyperbola() {
+  return {scalar_model([](double, double x) { return -x * x; }, [](double, double x) { return -2.0 * x; }),
+          {{"x(0)", 1.0}},
+          {}};
 }

@@ -21,6 +21,10 @@ inline samara::pgd::SeparatedTensor random_tensor(const std::vector<int>& sizes,
   return tensor;
 }
 
+inline Eigen::MatrixXd random_matrix(int rows, int cols, std::uint64_t seed) {
+  return random_tensor({rows}, cols, seed).factors[0];
+}
+
 /// Calls visit(index) for every entry of a (small) grid.
 template <class Visit>
 void for_every_entry(const std::vector<int>& sizes, Visit visit) {

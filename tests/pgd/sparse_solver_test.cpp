@@ -10,9 +10,9 @@ using namespace samara::pgd;
 
 namespace {
 
-const std::vector<SparseSolverKind> kAll = {SparseSolverKind::automatic, SparseSolverKind::eigen_ldlt,
-                                            SparseSolverKind::eigen_lu, SparseSolverKind::cholmod,
-                                            SparseSolverKind::umfpack};
+const std::vector<SparseSolverKind> kAllSolvers = {SparseSolverKind::automatic, SparseSolverKind::eigen_ldlt,
+                                                   SparseSolverKind::eigen_lu, SparseSolverKind::cholmod,
+                                                   SparseSolverKind::umfpack};
 
 SparseMatrix two_by_two(double a, double b, double c, double d) {
   SparseMatrix matrix(2, 2);
@@ -38,7 +38,7 @@ double error_of(SparseSolverKind kind, const SparseMatrix& matrix) {
 
 TEST_CASE("every sparse solver solves symmetric positive systems") {
   const Axis x = Axis::p1({"x"}, 0.0, 1.0, 300);
-  for (const SparseSolverKind kind : kAll) {
+  for (const SparseSolverKind kind : kAllSolvers) {
     CAPTURE(to_string(kind));
     if (is_available(kind)) CHECK(error_of(kind, x.mass() + x.stiffness()) < 1e-9);
   }
@@ -70,7 +70,7 @@ TEST_CASE("the automatic choice survives pivots that break the factorisation wit
 TEST_CASE("singular matrices are reported") {
   const SparseMatrix singular = two_by_two(1.0, 1.0, 1.0, 1.0);
   const Eigen::MatrixXd b = Eigen::Vector2d(1.0, 2.0);
-  for (const SparseSolverKind kind : kAll) {
+  for (const SparseSolverKind kind : kAllSolvers) {
     if (!is_available(kind)) continue;
     CAPTURE(to_string(kind));
     const auto solver = make_sparse_solver(kind, singular);
@@ -81,7 +81,7 @@ TEST_CASE("singular matrices are reported") {
 
 TEST_CASE("one analysis serves matrices of one pattern") {
   const Axis x = Axis::p1({"x"}, 0.0, 1.0, 50);
-  for (const SparseSolverKind kind : kAll) {
+  for (const SparseSolverKind kind : kAllSolvers) {
     if (!is_available(kind)) continue;
     CAPTURE(to_string(kind));
     const auto solver = make_sparse_solver(kind, x.mass());

@@ -19,10 +19,6 @@ Eigen::VectorXd random_vector(int size, std::uint64_t seed) {
   return random_tensor({size}, 1, seed).factors[0].col(0);
 }
 
-Eigen::MatrixXd random_matrix(int rows, int cols, std::uint64_t seed) {
-  return random_tensor({rows}, cols, seed).factors[0];
-}
-
 }  // namespace
 
 TEST_CASE("sum, multiple and product of sums of products are those of their entries") {

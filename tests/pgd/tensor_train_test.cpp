@@ -8,7 +8,7 @@ using namespace samara::pgd;
 
 namespace {
 
-const std::vector<int> kSizes = {2, 7, 5, 6};
+const std::vector<int> kModes = {2, 7, 5, 6};
 
 /// Largest difference of two tensors over their whole (small) grid, relative to the first one's largest
 /// entry.
@@ -30,7 +30,7 @@ double difference(const A& a, const B& b) {
 }  // namespace
 
 TEST_CASE("a sum of products, its train and the sum from the train are one tensor") {
-  const SeparatedTensor tensor = random_tensor(kSizes, 4, 11);
+  const SeparatedTensor tensor = random_tensor(kModes, 4, 11);
   const TensorTrain train = to_train(tensor);
   CHECK(difference(tensor, train) < 1e-13);
   CHECK(difference(tensor, rounded(train, 0.0)) < 1e-13);
@@ -39,7 +39,7 @@ TEST_CASE("a sum of products, its train and the sum from the train are one tenso
 }
 
 TEST_CASE("the norm of a train is that of all entries") {
-  const SeparatedTensor tensor = random_tensor(kSizes, 3, 5);
+  const SeparatedTensor tensor = random_tensor(kModes, 3, 5);
   double sum = 0.0;
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 7; ++j)
@@ -54,8 +54,8 @@ TEST_CASE("the norm of a train is that of all entries") {
 }
 
 TEST_CASE("the norm of a difference resolves what the cheap one cannot") {
-  const SeparatedTensor tensor = random_tensor(kSizes, 3, 5);
-  const SeparatedTensor small = random_tensor(kSizes, 1, 6);
+  const SeparatedTensor tensor = random_tensor(kModes, 3, 5);
+  const SeparatedTensor small = random_tensor(kModes, 1, 6);
   SeparatedTensor sum = tensor;
   sum.append(small, 1e-11);
   sum.append(tensor, -1.0);
@@ -64,8 +64,8 @@ TEST_CASE("the norm of a difference resolves what the cheap one cannot") {
 }
 
 TEST_CASE("rounding keeps to its tolerance and finds the rank") {
-  SeparatedTensor tensor = random_tensor(kSizes, 2, 7);
-  const SeparatedTensor noise = random_tensor(kSizes, 3, 8);
+  SeparatedTensor tensor = random_tensor(kModes, 2, 7);
+  const SeparatedTensor noise = random_tensor(kModes, 3, 8);
   tensor.append(noise, 1e-6 / norm(noise));
   for (const double tolerance : {1e-3, 1e-5}) {
     const TensorTrain cut = rounded(to_train(tensor), tolerance);
@@ -78,7 +78,7 @@ TEST_CASE("rounding keeps to its tolerance and finds the rank") {
 }
 
 TEST_CASE("small products are left out of the sum only up to the tolerance") {
-  SeparatedTensor tensor = random_tensor(kSizes, 3, 9);
+  SeparatedTensor tensor = random_tensor(kModes, 3, 9);
   tensor.normalise();
   tensor.weights.setOnes();
   const TensorTrain train = rounded(to_train(tensor), 0.0);
@@ -98,11 +98,11 @@ TEST_CASE("small products are left out of the sum only up to the tolerance") {
 }
 
 TEST_CASE("a tensor without terms is zero in every form") {
-  const SeparatedTensor zero = SeparatedTensor::zero(kSizes);
+  const SeparatedTensor zero = SeparatedTensor::zero(kModes);
   CHECK(norm(zero) == 0.0);
   CHECK(norm(to_train(zero)) == 0.0);
   CHECK(to_separated(to_train(zero)).rank() == 0);
-  SeparatedTensor tensor = random_tensor(kSizes, 1, 3);
+  SeparatedTensor tensor = random_tensor(kModes, 1, 3);
   tensor.append(zero);
   CHECK(tensor.rank() == 1);
 }

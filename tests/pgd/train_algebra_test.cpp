@@ -26,10 +26,6 @@ double difference(const TensorTrain& train, const SeparatedTensor& tensor) {
   return largest;
 }
 
-Eigen::MatrixXd random_matrix(int rows, int cols, std::uint64_t seed) {
-  return random_tensor({rows}, cols, seed).factors[0];
-}
-
 }  // namespace
 
 TEST_CASE("sum, multiple, product and inner product of trains are those of the sums they stand for") {

@@ -6,25 +6,30 @@ import re
 import sys
 
 ALONE = {"models/laws"}  # compiled one by one, with flags of their own
-ROOMS = ["base", "pgd", "models", "io", "codebooks", "identification", "apps"]
+ROOMS = ["base", "pgd", "models", "io", "codebooks", "identification", "apps", "tests"]
 
 # At the start of a line, as the formatter has it: constants, types, aliases, and functions with what they take.
 CONSTANT = re.compile(r"^(?:inline )?(?:static )?(?:constexpr|const) [^=;({]*?(\w+)(?: =|\[|\{|\()", re.M)
-TYPE = re.compile(r"^(?:(?:struct|class|enum class|enum) (\w+)|using (\w+) =)", re.M)
+TYPE = re.compile(r"^(?:struct|class|enum class|enum) (\w+)", re.M)
+ALIAS = re.compile(r"^using (\w+) = ([^;]*);", re.M)
 FUNCTION = re.compile(r"^(?! |using|struct|class|enum|constexpr|const |template|return|//|namespace)[\w:<>,&*\[\] ]*?[ &*](\w+)\(([^{;]*?)\)(?: const)?(?: noexcept)? \{", re.M)
 
 
-def names_of(text):
+def names_of(file):
+    """Names, and what makes two of them the same."""
+    text = file.read_text()
     for block in re.findall(r"^namespace \{\n(.*?)^\}  // namespace$", text, re.M | re.S):
         for match in CONSTANT.finditer(block):
-            yield match.group(1)
+            yield match.group(1), file
             for further in re.findall(r", (k\w+) =", block[match.start():block.find(";", match.start())]):
-                yield further
+                yield further, file
         for match in TYPE.finditer(block):
-            yield match.group(1) or match.group(2)
+            yield match.group(1), file
         for match in FUNCTION.finditer(block):
             kinds = [re.sub(r"\s*\b\w+(?: = .*)?$", "", p.strip()) for p in match.group(2).split(",")]
-            yield f"{match.group(1)}({', '.join(kinds)})"
+            yield f"{match.group(1)}({', '.join(kinds)})", file
+        for match in ALIAS.finditer(block):
+            yield match.group(1), match.group(2)  # two of the same are one
 
 
 root = pathlib.Path(sys.argv[1])
@@ -35,10 +40,10 @@ for room in ROOMS:
     for file in sorted((root / room).rglob("*.cpp")):
         if str(file.parent.relative_to(root)) in ALONE:
             continue
-        for name in set(names_of(file.read_text())):
+        for name, meaning in names_of(file):
             seen += 1
-            other = first.setdefault((file.parent, name), file)
-            if other != file:
+            other, known = first.setdefault((file.parent, name), (file, meaning))
+            if known != meaning:
                 wrong.append(f"{file.relative_to(root)}: {name} is also in {other.name}")
 print("\n".join(wrong) or f"{seen} names, each of one source")
 sys.exit(1 if wrong or seen == 0 else 0)
