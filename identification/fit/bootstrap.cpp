@@ -29,13 +29,7 @@ double widening(double clusters) {
 void draw_priors(const FitProblem& problem, pgd::Random& random, FitProblem& drawn) {
   const double share = 1.0 / widening(problem.cluster_count);
   for (std::size_t k = 0; k < problem.priors.size(); ++k) {
-    const Prior& prior = problem.priors[k].prior;
-    const double step = share * prior.deviation * random.normal();
-    drawn.priors[k].prior.mean = prior.logarithmic ? prior.mean * std::exp(step) : prior.mean + step;
-  }
-  for (std::size_t k = 0; k < problem.combinations.size(); ++k) {
-    const SharedCombination& prior = problem.combinations[k];
-    drawn.combinations[k].mean = prior.mean + share * prior.deviation * random.normal();
+    drawn.priors[k] = problem.priors[k].moved(share * random.normal());
   }
 }
 

@@ -223,7 +223,7 @@ void add_camera(const FamilyInfo& family, const FitOptions& options, FitProblem&
   int next = problem.own_count();
   const auto add = [&](double deviation) {
     camera.deviations.push_back(deviation);
-    problem.own_priors.push_back({next, {.mean = 0.0, .deviation = deviation}});
+    problem.own_priors.emplace_back(next, Prior{.mean = 0.0, .deviation = deviation});
     return next++;
   };
   if (wanted.scale) camera.scale = add(*wanted.scale);

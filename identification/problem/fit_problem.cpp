@@ -10,6 +10,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/identification/problem/camera.h"
+#include "samara/identification/problem/charts.h"
 #include "samara/identification/problem/joins.h"
 #include "samara/identification/problem/noise_scales.h"
 #include "samara/identification/problem/segments.h"
@@ -251,12 +252,6 @@ void family_point(const FitProblem& problem, const Motion& motion, const double*
   }
 }
 
-double SharedCombination::residual(const double* shared) const {
-  double sum = -mean;
-  for (const auto& [index, weight] : terms) sum += weight * shared[index];
-  return sum / deviation;
-}
-
 Eigen::Vector4d start_attitude(const FitProblem& problem, const Segment& segment) {
   if (!segment.attitudes.empty()) return Eigen::Vector4d(segment.attitudes.front().q_WB.data());
   Eigen::Vector4d middle;
@@ -271,12 +266,6 @@ Eigen::Vector4d unit_attitude(const Eigen::Vector4d& q) {
   constexpr double kShort = 0.1;
   const double length = q.norm();
   return length < kShort ? Eigen::Vector4d(1.0, 0.0, 0.0, 0.0) : Eigen::Vector4d(q / length);
-}
-
-PriorResidual prior_residual(const Prior& prior, double value) {
-  if (prior.logarithmic)
-    return {std::log(value / prior.mean) / prior.deviation, 1.0 / (value * prior.deviation)};
-  return {(value - prior.mean) / prior.deviation, 1.0 / prior.deviation};
 }
 
 double period_of(const FitOutput& output, const FitOptions& options) {

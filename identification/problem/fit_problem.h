@@ -5,7 +5,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -13,6 +12,7 @@
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/problem/chart.h"
 #include "samara/identification/problem/fit_options.h"
+#include "samara/identification/problem/priors.h"
 #include "samara/identification/trajectories/trajectory_source.h"
 
 /// A fit with all names resolved; internal to identification/.
@@ -114,33 +114,6 @@ struct Camera {
   int count() const { return static_cast<int>(deviations.size()); }
 };
 
-struct SharedPrior {
-  int shared = 0;
-  Prior prior;
-};
-
-/// (sum of weight * value - mean)/deviation, as a residual.
-struct SharedCombination {
-  std::vector<std::pair<int, double>> terms = {};  ///< shared coordinate, weight
-  double mean = 0.0;
-  double deviation = 1.0;
-
-  double residual(const double* shared) const;
-};
-
-/// Of the start of every motion.
-struct OwnPrior {
-  int own = 0;
-  Prior prior;
-};
-
-/// A prior as a residual: how many deviations from the mean, and the derivative of that.
-struct PriorResidual {
-  double value = 0.0;
-  double derivative = 0.0;
-};
-PriorResidual prior_residual(const Prior& prior, double value);
-
 struct FitProblem {
   LossKind loss = LossKind::huber;
   std::vector<CoordinateSlot> slots;  ///< per coordinate of the family
@@ -150,10 +123,9 @@ struct FitProblem {
   Chart shared_chart, own_chart;
   std::optional<std::size_t> own_attitude;  ///< the first of its four own unknowns
   std::optional<std::size_t> clock;         ///< the slot that holds the start of a segment, if there is one
-  std::vector<SharedPrior> priors;
-  std::vector<SharedCombination> combinations;
-  std::vector<OwnPrior> own_priors;
-  Eigen::VectorXd initial;  ///< of the shared coordinates, at the first start
+  std::vector<PriorTerm> priors;            ///< of shared unknowns
+  std::vector<PriorTerm> own_priors;        ///< of own ones, at the start of every motion
+  Eigen::VectorXd initial;                  ///< of the shared coordinates, at the first start
   std::vector<ComparedOutput> outputs;
   std::optional<double> attitude_scale;  ///< if attitudes are compared
   int averaged_frames = 1;               ///< in the mean behind each frame

@@ -1,7 +1,6 @@
 #include "samara/identification/problem/joins.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
@@ -12,18 +11,6 @@
 namespace samara::identification {
 
 namespace {
-
-/// Where the four initial values of the attitude begin among the own coordinates, if all are there, one after
-/// the other. What is free of an attitude in part (the tilt alone, in codebooks) moves as any coordinate.
-std::optional<std::size_t> own_attitude(const FamilyInfo& family, const FitProblem& problem) {
-  if (family.attitude.empty()) return {};
-  const std::optional<std::size_t> first = position(problem.own, family.attitude[0] + "(0)");
-  if (!first || *first + family.attitude.size() > problem.own.size()) return {};
-  for (std::size_t k = 0; k < family.attitude.size(); ++k) {
-    if (problem.own[*first + k].name != family.attitude[k] + "(0)") return {};
-  }
-  return first;
-}
 
 int requested_column(FitProblem& problem, const std::string& output) {
   const auto found = std::ranges::find(problem.requested, output);
@@ -71,7 +58,7 @@ void check_states(const FamilyInfo& family, const FitProblem& problem) {
                     "free coordinate of each capture; a box for it was expected",
                     state));
   }
-  if (!family.attitude.empty() && !own_attitude(family, problem)) {
+  if (!family.attitude.empty() && !problem.own_attitude) {
     throw ArgumentError(
         fmt::format("segments start with the attitude in which the one before them ends, whose parts are not "
                     "free one after the other; the order {} was expected",
@@ -81,102 +68,9 @@ void check_states(const FamilyInfo& family, const FitProblem& problem) {
 
 }  // namespace
 
-void add_charts(const FamilyInfo& family, const FitOptions& options, FitProblem& problem) {
-  std::vector<Chart::Kind> kinds(problem.shared.size(), Chart::Kind::linear);
-  for (const std::string& name : options.log_scale) {
-    const std::optional<std::size_t> at = position(problem.shared, name);
-    if (!at) {
-      throw ArgumentError(fmt::format("log_scale: \"{}\" is not a shared coordinate{}", name,
-                                      suggestion(name, names_of(problem.shared))));
-    }
-    if (!(problem.shared[*at].lower > 0.0)) {
-      throw ArgumentError(
-          fmt::format("log_scale: the box of \"{}\" begins at {}; a positive number was expected", name,
-                      problem.shared[*at].lower));
-    }
-    kinds[*at] = Chart::Kind::logarithmic;
-  }
-  problem.shared_chart = Chart(kinds);
-
-  const std::optional<std::size_t> attitude = own_attitude(family, problem);
-  problem.own_attitude = attitude;
-  const Chart::Kind turns = options.round_body ? Chart::Kind::axis : Chart::Kind::quaternion;
-  std::vector<Chart::Kind> own;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(problem.own_count()); ++k) {
-    if (attitude && k > *attitude && k < *attitude + 4) continue;
-    own.push_back(attitude && k == *attitude ? turns : Chart::Kind::linear);
-  }
-  problem.own_chart = Chart(own);
-}
-
-void add_priors(const FitOptions& options, FitProblem& problem) {
-  for (const auto& [name, prior] : options.priors) {
-    if (options.known.contains(name)) continue;
-    const std::optional<std::size_t> shared = position(problem.shared, name);
-    const std::optional<std::size_t> own = position(problem.own, name);
-    if (!shared && !own) {
-      std::vector<std::string> known = names_of(problem.shared);
-      for (const std::string& other : names_of(problem.own)) known.push_back(other);
-      throw ArgumentError(
-          fmt::format("priors: \"{}\" is not a free coordinate{}", name, suggestion(name, known)));
-    }
-    if (own && problem.own_chart.is_part_of_quaternion(static_cast<int>(*own))) {
-      throw ArgumentError(fmt::format(
-          "priors: \"{}\" is a part of an attitude; a coordinate that moves by itself was expected", name));
-    }
-    const FitCoordinate& c = shared ? problem.shared[*shared] : problem.own[*own];
-    if (prior.logarithmic && !(c.lower > 0.0)) {
-      throw ArgumentError(
-          fmt::format("priors: \"{}\" has a logarithmic prior, but its box begins at {}; a positive number "
-                      "was expected",
-                      name, c.lower));
-    }
-    if (shared) {
-      problem.priors.push_back({static_cast<int>(*shared), prior});
-    } else {
-      problem.own_priors.push_back({static_cast<int>(*own), prior});
-    }
-  }
-  for (const CombinationPrior& prior : options.combinations) {
-    SharedCombination combination{.mean = prior.mean, .deviation = prior.deviation};
-    for (const auto& [name, weight] : prior.weights) {
-      const std::optional<std::size_t> shared = position(problem.shared, name);
-      if (!shared) {
-        throw ArgumentError(fmt::format("combinations: \"{}\" is not a shared coordinate{}", name,
-                                        suggestion(name, names_of(problem.shared))));
-      }
-      combination.terms.emplace_back(static_cast<int>(*shared), weight);
-    }
-    problem.combinations.push_back(std::move(combination));
-  }
-}
-
-void set_initial(const FitOptions& options, FitProblem& problem) {
-  problem.initial.resize(problem.shared_count());
-  for (std::size_t k = 0; k < problem.shared.size(); ++k) {
-    const FitCoordinate& c = problem.shared[k];
-    problem.initial[static_cast<Eigen::Index>(k)] = problem.shared_chart.is_logarithmic(static_cast<int>(k))
-                                                        ? std::sqrt(c.lower * c.upper)
-                                                        : 0.5 * (c.lower + c.upper);
-  }
-  for (const auto& [name, value] : options.initial) {
-    const std::optional<std::size_t> at = position(problem.shared, name);
-    if (!at) {
-      throw ArgumentError(fmt::format("initial: \"{}\" is not a shared coordinate{}", name,
-                                      suggestion(name, names_of(problem.shared))));
-    }
-    const FitCoordinate& c = problem.shared[*at];
-    if (!(value >= c.lower && value <= c.upper)) {
-      throw ArgumentError(fmt::format("initial: \"{}\" is {}; a value in its box, {} to {}, was expected",
-                                      name, value, c.lower, c.upper));
-    }
-    problem.initial[static_cast<Eigen::Index>(*at)] = value;
-  }
-}
-
 void add_joins(const FamilyInfo& family, FitProblem& problem) {
   check_states(family, problem);
-  const std::optional<std::size_t> attitude = own_attitude(family, problem);
+  const std::optional<std::size_t> attitude = problem.own_attitude;
   for (std::size_t k = 0; k < problem.own.size(); ++k) {
     const auto own = static_cast<int>(k);
     if (attitude && k == *attitude) {

@@ -225,10 +225,12 @@ void SegmentResidual::compare_attitudes(bool with_derivatives) {
 
 void SegmentResidual::add_priors(const double* own, bool with_derivatives) {
   for (int k = 0; k < prior_size_; ++k) {
-    const OwnPrior& known = problem_->own_priors[static_cast<std::size_t>(k)];
-    const PriorResidual prior = prior_residual(known.prior, own[known.own]);
-    residual_[data_size_ + k] = prior.value;
-    if (with_derivatives) by_own_(data_size_ + k, known.own) = prior.derivative;
+    const PriorTerm& prior = problem_->own_priors[static_cast<std::size_t>(k)];
+    residual_[data_size_ + k] = prior.residual(own);
+    if (!with_derivatives) continue;
+    for (const auto& [unknown, weight] : prior.weights()) {
+      by_own_(data_size_ + k, unknown) = weight * prior.slope(own);
+    }
   }
 }
 

@@ -114,11 +114,11 @@ void check_sliding(const FamilyInfo& family, const SeriesWindows& windows, const
     throw ArgumentError(
         "series.stride: the camera of a capture would be another one in each window; no camera was expected");
   }
-  for (const OwnPrior& prior : problem.own_priors) {
+  for (const PriorTerm& prior : problem.own_priors) {
     throw ArgumentError(fmt::format(
         "series.stride: the prior of \"{}\" is of where a capture starts, not of each window; no prior "
         "was expected",
-        problem.own[static_cast<std::size_t>(prior.own)].name));
+        problem.own[static_cast<std::size_t>(prior.weights().front().unknown)].name));
   }
 }
 

@@ -90,27 +90,21 @@ bool SegmentCost::Evaluate(double const* const* /*parameters*/, double* residual
   return true;
 }
 
-PriorCost::PriorCost(const FitProblem& problem)
-    : priors_(problem.priors), combinations_(problem.combinations) {
-  set_num_residuals(static_cast<int>(priors_.size() + combinations_.size()));
+PriorCost::PriorCost(const FitProblem& problem) : priors_(problem.priors) {
+  set_num_residuals(static_cast<int>(priors_.size()));
   mutable_parameter_block_sizes()->push_back(problem.shared_count());
 }
 
 bool PriorCost::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
   const int shared = parameter_block_sizes()[0];
-  if (jacobians && jacobians[0]) std::fill_n(jacobians[0], num_residuals() * shared, 0.0);
-  for (std::size_t k = 0; k < priors_.size(); ++k) {
-    const PriorResidual prior = prior_residual(priors_[k].prior, parameters[0][priors_[k].shared]);
-    residuals[k] = prior.value;
-    if (jacobians && jacobians[0]) {
-      jacobians[0][static_cast<int>(k) * shared + priors_[k].shared] = prior.derivative;
-    }
-  }
-  for (std::size_t k = 0; k < combinations_.size(); ++k) {
-    const auto row = static_cast<int>(priors_.size() + k);
-    residuals[row] = combinations_[k].residual(parameters[0]);
-    for (const auto& [index, weight] : combinations_[k].terms) {
-      if (jacobians && jacobians[0]) jacobians[0][row * shared + index] = weight / combinations_[k].deviation;
+  const bool with_derivatives = jacobians && jacobians[0];
+  if (with_derivatives) std::fill_n(jacobians[0], num_residuals() * shared, 0.0);
+  for (int row = 0; row < num_residuals(); ++row) {
+    const PriorTerm& prior = priors_[static_cast<std::size_t>(row)];
+    residuals[row] = prior.residual(parameters[0]);
+    if (!with_derivatives) continue;
+    for (const auto& [unknown, weight] : prior.weights()) {
+      jacobians[0][row * shared + unknown] = weight * prior.slope(parameters[0]);
     }
   }
   return true;

@@ -82,8 +82,7 @@ class PriorCost final : public ceres::CostFunction {
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
  private:
-  std::vector<SharedPrior> priors_;
-  std::vector<SharedCombination> combinations_;
+  std::vector<PriorTerm> priors_;
 };
 
 /// A chart as Ceres takes it.

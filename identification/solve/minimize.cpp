@@ -113,7 +113,7 @@ class Descent {
       if (residuals[k].segment().joined) blocks.push_back(unknowns.own(k + 1));
       ceres_.AddResidualBlock(costs_.back().get(), nullptr, blocks);
     }
-    if (!problem_.priors.empty() || !problem_.combinations.empty()) {
+    if (!problem_.priors.empty()) {
       costs_.push_back(std::make_unique<PriorCost>(problem_));
       ceres_.AddResidualBlock(costs_.back().get(), nullptr, unknowns.shared());
     }

@@ -153,20 +153,13 @@ PriorTerms prior_terms(const FitProblem& problem, const FitPoint& point) {
   const Eigen::Index count = problem.shared_count();
   PriorTerms sum{.gradient = Eigen::VectorXd::Zero(count),
                  .information = Eigen::MatrixXd::Zero(count, count)};
-  for (const SharedPrior& prior : problem.priors) {
-    const PriorResidual residual = prior_residual(prior.prior, point.shared[prior.shared]);
-    sum.cost += 0.5 * residual.value * residual.value;
-    sum.gradient[prior.shared] += residual.value * residual.derivative;
-    sum.information(prior.shared, prior.shared) += residual.derivative * residual.derivative;
-  }
-  for (const SharedCombination& combination : problem.combinations) {
-    const double residual = combination.residual(point.shared.data());
+  for (const PriorTerm& prior : problem.priors) {
+    const double residual = prior.residual(point.shared.data());
+    const double slope = prior.slope(point.shared.data());
     sum.cost += 0.5 * residual * residual;
-    for (const auto& [row, a] : combination.terms) {
-      sum.gradient[row] += residual * a / combination.deviation;
-      for (const auto& [column, b] : combination.terms) {
-        sum.information(row, column) += a * b / (combination.deviation * combination.deviation);
-      }
+    for (const auto& [row, a] : prior.weights()) {
+      sum.gradient[row] += residual * a * slope;
+      for (const auto& [column, b] : prior.weights()) sum.information(row, column) += a * b * slope * slope;
     }
   }
   return sum;

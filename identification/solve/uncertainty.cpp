@@ -1,5 +1,6 @@
 #include "samara/identification/solve/uncertainty.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -195,7 +196,9 @@ Uncertainty estimate_uncertainty(const FitProblem& problem, std::vector<SegmentR
   const DeterminedInverse whole = invert_determined(normal, floor);
   result.determined = whole.determined;
   result.undetermined_sets = whole.undetermined_sets;
-  if (whole.all_determined() && !problem.priors.empty() && problem.combinations.empty()) {
+  const bool are_of_one =
+      std::ranges::all_of(problem.priors, [](const PriorTerm& prior) { return prior.weights().size() == 1; });
+  if (whole.all_determined() && !problem.priors.empty() && are_of_one) {
     result.sets_held_by_priors = invert_determined(sum.normal, floor).undetermined_sets;
   }
   result.at_bound = at_bounds(problem.shared, problem.shared_chart, point.shared);

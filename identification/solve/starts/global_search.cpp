@@ -65,12 +65,7 @@ class SharedCost {
       costs_[k] = minimize_own(problem_, residuals_[k], shared, own, frames, kIterationsOfOwn);
     });
     double sum = std::accumulate(costs_.begin(), costs_.end(), 0.0);
-    for (const SharedPrior& prior : problem_.priors) {
-      sum += 0.5 * std::pow(prior_residual(prior.prior, shared[prior.shared]).value, 2);
-    }
-    for (const SharedCombination& combination : problem_.combinations) {
-      sum += 0.5 * std::pow(combination.residual(shared.data()), 2);
-    }
+    for (const PriorTerm& prior : problem_.priors) sum += 0.5 * std::pow(prior.residual(shared.data()), 2);
     return std::isfinite(sum) ? std::min(sum, kNoTrajectory) : kNoTrajectory;
   }
 
