@@ -1,6 +1,7 @@
 #include "table_tennis.h"
 
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include <Eigen/Geometry>
@@ -112,6 +113,13 @@ Eigen::Vector3d labelled_spin(const Capture& flight) {
   return spin;
 }
 
+/// As a rotation vector. Half a turn about y after one about x is half a turn about an axis between y and z.
+Eigen::Vector3d turn_of(const RotationStart& start) {
+  if (!start.half_turned) return {start.about_x, 0.0, 0.0};
+  return std::numbers::pi *
+         Eigen::Vector3d(0.0, std::cos(0.5 * start.about_x), -std::sin(0.5 * start.about_x));
+}
+
 /// The part of a flight that predictors see, and the frame that they predict.
 struct Question {
   Capture seen;
@@ -157,12 +165,13 @@ FitResult fit_labelled(const std::vector<Capture>& flights, const RotationStart&
   for (const char* name : {"spin_frame_x", "spin_frame_y", "spin_frame_z"}) box[name] = {-4.0, 4.0};
   FitOptions options = coefficient_options();
   options.known = labels();
+  const Eigen::Vector3d turn = turn_of(start);
   options.initial = {{"C_D", 0.5},
                      {"C_M", start.C_M},
                      {"magnus_saturation", 1.0},
-                     {"spin_frame_x", start.about_x},
-                     {"spin_frame_y", 0.0},
-                     {"spin_frame_z", 0.0}};
+                     {"spin_frame_x", turn.x()},
+                     {"spin_frame_y", turn.y()},
+                     {"spin_frame_z", turn.z()}};
   if (spin_drag == SpinDrag::fitted) {
     box["spin_drag"] = {-1.0, 1.0};
     options.initial["spin_drag"] = 0.0;

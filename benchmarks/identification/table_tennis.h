@@ -35,6 +35,7 @@ Flights read_flights(const std::filesystem::path& folder, const std::filesystem:
 struct RotationStart {
   double about_x = 0.0;  ///< rad, of the turn R
   double C_M = 0.5;
+  bool half_turned = false;  ///< and half a turn about the table's y axis, along which balls fly
 };
 
 enum class SpinDrag { none, fitted };  ///< c

@@ -34,9 +34,9 @@ std::pair<RotationStart, FitResult> optima(const std::vector<Capture>& flights) 
   const std::vector<std::pair<std::string, RotationStart>> starts = {
       {"minus81", kRotationStarts[0]},
       {"minus7", kRotationStarts[1]},
-      // A half turn about the axis about which balls spin least, and the opposite force.
-      {"mirror_minus81", {99.0 * kDegree, -0.5}},
-      {"mirror_minus7", {173.0 * kDegree, -0.5}},
+      // Half a turn about the axis about which balls spin least, and the opposite force.
+      {"mirror_minus81", {-81.0 * kDegree, -0.5, true}},
+      {"mirror_minus7", {-7.0 * kDegree, -0.5, true}},
   };
   std::pair<RotationStart, FitResult> best;
   for (const auto& [name, start] : starts) {
