@@ -25,7 +25,7 @@ Command kept(std::vector<std::string> run, double timeout = 20.0) {
 }
 
 /// The shell, after it has read a batch: its number of points in $n, its lines no longer needed.
-Command shell(const std::string& then, double timeout = 20.0) {
+Command kept_shell(const std::string& then, double timeout = 20.0) {
   return kept(
       {"/bin/sh", "-c",
        "while read n; do i=0; while [ $i -lt $n ]; do read line; i=$((i+1)); done\n" + then + "\ndone"},
@@ -150,21 +150,23 @@ for head in sys.stdin:
 
 TEST_CASE("whatever a program that is kept does wrong is told") {
   const auto told = [](const Command& command) { return complaint(command_function(command)); };
-  CHECK_THAT(told(shell("echo gone >&2; exit 3")), Contains("ended with the code 3; it said \"gone\""));
-  CHECK_THAT(told(shell("echo 1; exit 0")), Contains("ended after 1 lines for 3 points"));
-  CHECK_THAT(told(shell("kill -TERM $$")), Contains("was ended by signal 15"));
+  CHECK_THAT(told(kept_shell("echo gone >&2; exit 3")), Contains("ended with the code 3; it said \"gone\""));
+  CHECK_THAT(told(kept_shell("echo 1; exit 0")), Contains("ended after 1 lines for 3 points"));
+  CHECK_THAT(told(kept_shell("kill -TERM $$")), Contains("was ended by signal 15"));
   CHECK_THAT(told(kept({"/no/such/program"})), Contains("cannot be started: No such file"));
-  CHECK_THAT(told(shell("sleep 600", 0.3)),
+  CHECK_THAT(told(kept_shell("sleep 600", 0.3)),
              Contains("did not answer within 0.3 s and was killed after 0 lines"));
-  CHECK_THAT(told(shell("echo 1; echo 2", 0.3)), Contains("after 2 lines for 3 points"));
-  CHECK_THAT(told(shell("printf '1\\n2\\n3'", 0.3)), Contains("within 0.3 s"));  // no line yet: it may go on
-  CHECK_THAT(told(shell("printf '1\\n2\\n3\\n4\\n'")), Contains("printed 4 lines for 3 points"));
-  CHECK_THAT(told(shell("printf '1\\n2\\n3\\n4'")), Contains("printed 4 lines for 3 points"));
-  CHECK_THAT(told(shell("printf '1\\none\\n3\\n'")), Contains("printed \"one\", expected numbers"));
-  CHECK_THAT(told(shell("printf '1\\n2 2\\n3\\n'")), Contains("\"2 2\" with 2 numbers, expected 1"));
-  CHECK_THAT(told(shell("printf '\\001\\377\\n1\\n1\\n'")), Contains("printed \"\\x01\\xff\""));
-  CHECK_THAT(told(shell("trap '' PIPE; yes ''")), Contains("prints far more"));
-  CHECK_THAT(told(shell("exec >&-; sleep 600")), Contains("closed its output after 0 lines for 3 points"));
+  CHECK_THAT(told(kept_shell("echo 1; echo 2", 0.3)), Contains("after 2 lines for 3 points"));
+  CHECK_THAT(told(kept_shell("printf '1\\n2\\n3'", 0.3)),
+             Contains("within 0.3 s"));  // no line yet: it may go on
+  CHECK_THAT(told(kept_shell("printf '1\\n2\\n3\\n4\\n'")), Contains("printed 4 lines for 3 points"));
+  CHECK_THAT(told(kept_shell("printf '1\\n2\\n3\\n4'")), Contains("printed 4 lines for 3 points"));
+  CHECK_THAT(told(kept_shell("printf '1\\none\\n3\\n'")), Contains("printed \"one\", expected numbers"));
+  CHECK_THAT(told(kept_shell("printf '1\\n2 2\\n3\\n'")), Contains("\"2 2\" with 2 numbers, expected 1"));
+  CHECK_THAT(told(kept_shell("printf '\\001\\377\\n1\\n1\\n'")), Contains("printed \"\\x01\\xff\""));
+  CHECK_THAT(told(kept_shell("trap '' PIPE; yes ''")), Contains("prints far more"));
+  CHECK_THAT(told(kept_shell("exec >&-; sleep 600")),
+             Contains("closed its output after 0 lines for 3 points"));
   CHECK_THAT(told(kept({"/bin/sh", "-c", "exec <&-; sleep 600"})), Contains("closed its input"));
   CHECK_THAT(told(kept({"/bin/sh", "-c", "exit 0"})), Contains("ended after 0 lines"));
   // One that is not made for it takes the number of points for a point, or waits for the end of its input.
@@ -173,8 +175,8 @@ TEST_CASE("whatever a program that is kept does wrong is told") {
 }
 
 TEST_CASE("what a program that is kept prints beyond its answers is told with the next batch") {
-  const samara::pgd::PointsFunction function =
-      command_function(shell("i=0; while [ $i -lt $n ]; do echo 7; i=$((i+1)); done; sleep 0.1; echo 8"));
+  const samara::pgd::PointsFunction function = command_function(
+      kept_shell("i=0; while [ $i -lt $n ]; do echo 7; i=$((i+1)); done; sleep 0.1; echo 8"));
   CHECK(complaint(function) == "no exception");
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   CHECK_THAT(complaint(function), Contains("printed \"8\" before it was asked for the next points"));
@@ -185,7 +187,7 @@ TEST_CASE("what a program that is kept prints beyond its answers is told with th
 
 TEST_CASE("empty lines, carriage returns and words on the standard error are no answers") {
   const samara::pgd::PointsFunction function = command_function(
-      shell("echo; i=0; while [ $i -lt $n ]; do printf '7\\r\\n\\n'; echo ok >&2; i=$((i+1)); done"));
+      kept_shell("echo; i=0; while [ $i -lt $n ]; do printf '7\\r\\n\\n'; echo ok >&2; i=$((i+1)); done"));
   for (int i = 0; i < 3; ++i) CHECK(complaint(function, 4) == "no exception");
 }
 
@@ -193,7 +195,7 @@ TEST_CASE("a program that is kept is killed with all that it started, when it fa
   const TemporaryDirectory directory;
   const auto file = directory / "pids";
   const std::string start = "sleep 600 & echo $! >> " + file.string() + "; echo $$ >> " + file.string() + ";";
-  CHECK_THAT(complaint(command_function(shell(start + "sleep 600", 0.3))), Contains("did not answer"));
+  CHECK_THAT(complaint(command_function(kept_shell(start + "sleep 600", 0.3))), Contains("did not answer"));
   REQUIRE(numbers_in(file).size() == 2);
   for (const int process : numbers_in(file)) CHECK(is_gone(process));
   // It leaves a process behind, and does not care for signals or the end of its input.
