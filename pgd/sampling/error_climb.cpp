@@ -7,8 +7,6 @@
 #include <numeric>
 #include <vector>
 
-#include "samara/pgd/sampling/descending_order.h"
-
 namespace samara::pgd {
 
 namespace {
@@ -130,6 +128,13 @@ void step(const std::vector<Climb*>& climbs, const Box& box, const ErrorsAt& err
     climb.step = climb.error > kGain * before[i].error ? std::clamp(0.5 * moved, kLeastStep, kFirstStep)
                                                        : 0.3 * climb.step;
   }
+}
+
+std::vector<Eigen::Index> descending_order(const Eigen::VectorXd& values) {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(values.size()));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  std::ranges::stable_sort(order, [&](Eigen::Index a, Eigen::Index b) { return values[a] > values[b]; });
+  return order;
 }
 
 }  // namespace

@@ -4,13 +4,18 @@
 #include <cmath>
 #include <numeric>
 
-#include "samara/pgd/sampling/descending_order.h"
-
 namespace samara::pgd {
 
 namespace {
 
 constexpr int kCandidates = 4000;
+
+std::vector<Eigen::Index> largest_first(const Eigen::VectorXd& values) {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(values.size()));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  std::ranges::sort(order, [&](Eigen::Index a, Eigen::Index b) { return values[a] > values[b]; });
+  return order;
+}
 
 std::span<const double> column(const Eigen::MatrixXd& points, Eigen::Index j) {
   return {points.col(j).data(), static_cast<std::size_t>(points.rows())};
@@ -46,7 +51,7 @@ void append_columns(Eigen::MatrixXd& matrix, const Eigen::MatrixXd& more) {
 }  // namespace
 
 std::vector<Eigen::Index> PointErrors::descending() const {
-  return descending_order(largest);
+  return largest_first(largest);
 }
 
 Eigen::MatrixXd OffGridCheck::random_points(int count) {
@@ -81,7 +86,7 @@ Eigen::MatrixXd OffGridCheck::suspicious_points(int count, const TrainField& lat
                                                 const Eigen::MatrixXd& pivots) {
   const Eigen::MatrixXd pool = candidates(std::max(kCandidates, 2 * count), pivots);
   const std::vector<Eigen::Index> order =
-      descending_order(disagreement(latest, before, pool, function_.scale()));
+      largest_first(disagreement(latest, before, pool, function_.scale()));
   Eigen::MatrixXd points(pool.rows(), count);
   // Candidates beyond the box were moved to its border: many are the same corner.
   std::set<std::string> taken = called_;
