@@ -8,7 +8,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/limits.h"
 #include "samara/base/names.h"
-#include "samara/io/units.h"
+#include "samara/base/units.h"
 
 namespace samara::apps {
 
@@ -24,7 +24,7 @@ double any_number_or_quantity(const std::string& what, const std::string& text, 
     return value;
   }
   try {
-    return io::quantity_to_si(text, unit);
+    return quantity_to_si(text, unit);
   } catch (const ArgumentError& error) {
     throw ArgumentError(fmt::format("{}: {}", what, error.what()));
   }

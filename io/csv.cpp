@@ -4,8 +4,9 @@
 #include <cmath>
 
 #include "samara/base/errors.h"
+#include "samara/base/number_text.h"
+#include "samara/base/text.h"
 #include "samara/io/atomic_file.h"
-#include "samara/io/text.h"
 
 namespace samara::io {
 
@@ -27,7 +28,7 @@ std::string number_cell(double value, Eigen::Index row, const std::string& colum
     throw ArgumentError("row " + std::to_string(row) + " of column " + in_quotes(column) +
                         " is infinite, which a table cannot hold");
   }
-  return shortest_decimal(value);
+  return number_text(value);
 }
 
 void check_header(const std::vector<std::string>& header, Eigen::Index columns) {

@@ -6,7 +6,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
-#include "samara/io/text.h"
+#include "samara/base/text.h"
 #include "samara/io/text_file.h"
 
 namespace samara::io {

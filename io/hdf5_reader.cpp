@@ -7,10 +7,11 @@
 #include <string_view>
 #include <system_error>
 
+#include "samara/base/number_text.h"
+#include "samara/base/text.h"
 #include "samara/io/hdf5_dataset.h"
 #include "samara/io/hdf5_driver.h"
 #include "samara/io/hdf5_library.h"
-#include "samara/io/text.h"
 
 namespace samara::io {
 
@@ -74,7 +75,7 @@ void check_finite(const hdf5::File& file, const Source& source, std::span<const 
   const auto bad =
       std::find_if_not(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
   if (bad == values.end()) return;
-  file.fail(source.what, "expected finite numbers, found " + shortest_decimal(*bad) + " as element " +
+  file.fail(source.what, "expected finite numbers, found " + number_text(*bad) + " as element " +
                              std::to_string(bad - values.begin()));
 }
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "samara/base/errors.h"
-#include "samara/io/text.h"
+#include "samara/base/text.h"
 #include "samara/io/text_file.h"
 
 namespace samara::io {

@@ -12,8 +12,9 @@
 #include <sys/stat.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/number_text.h"
+#include "samara/base/text.h"
 #include "samara/io/descriptor.h"
-#include "samara/io/text.h"
 
 namespace samara::io {
 
@@ -32,7 +33,7 @@ void await_data(const std::string& name, int descriptor, double silence) {
   const auto milliseconds = static_cast<int>(std::ceil(1e3 * std::min(silence, kLongest)));
   const int ready = ::poll(&event, 1, milliseconds);
   if (ready == 0) {
-    throw InputError(name, "gave nothing to read for " + shortest_decimal(silence) + " s, expected a text");
+    throw InputError(name, "gave nothing to read for " + number_text(silence) + " s, expected a text");
   }
   if (ready < 0 && errno != EINTR) throw InputError(name, std::strerror(errno));
 }

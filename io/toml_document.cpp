@@ -7,9 +7,10 @@
 #include <toml++/toml.h>
 
 #include "samara/base/names.h"
-#include "samara/io/text.h"
+#include "samara/base/number_text.h"
+#include "samara/base/text.h"
+#include "samara/base/units.h"
 #include "samara/io/text_file.h"
-#include "samara/io/units.h"
 
 namespace samara::io {
 
@@ -46,7 +47,7 @@ std::string description(const toml::node& value) {
     case toml::node_type::integer:
       return "the integer " + std::to_string(value.as_integer()->get());
     case toml::node_type::floating_point:
-      return "the number " + shortest_decimal(value.as_floating_point()->get());
+      return "the number " + number_text(value.as_floating_point()->get());
     case toml::node_type::boolean:
       return value.as_boolean()->get() ? "the boolean true" : "the boolean false";
     case toml::node_type::array:

@@ -8,9 +8,9 @@
 #include <fmt/ranges.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/units.h"
 #include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/source/call_memory.h"
-#include "samara/io/units.h"
 
 // Whether a plan's command may stand for the one that a codebook was sampled from, and the comparison.
 
@@ -31,7 +31,7 @@ void check_same(const std::string& what, const std::string& of_plan, const std::
 }
 
 void check_unit(const std::string& name, const std::string& of_plan, const std::string& of_book) {
-  if (io::same_dimension(of_plan, of_book)) return;
+  if (same_dimension(of_plan, of_book)) return;
   throw ArgumentError(
       fmt::format("{} is in \"{}\" in the plan and in \"{}\" in the codebook", name, of_plan, of_book));
 }

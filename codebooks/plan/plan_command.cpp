@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/io/units.h"
+#include "samara/base/units.h"
 
 namespace samara::codebooks {
 
@@ -26,9 +26,9 @@ void check_name(const TomlTable& table, const std::string& name, std::set<std::s
 }
 
 void check_unit(const TomlTable& table, const std::string& name, const std::string& text) {
-  io::Unit unit;
+  Unit unit;
   try {
-    unit = io::parse_unit(text);
+    unit = parse_unit(text);
   } catch (const ArgumentError& error) {
     throw table.error(name, error.what());
   }

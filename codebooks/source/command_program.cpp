@@ -6,7 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "samara/io/text.h"
+#include "samara/base/number_text.h"
+#include "samara/base/text.h"
 
 namespace samara::codebooks {
 
@@ -16,7 +17,7 @@ std::string input_of(const Eigen::MatrixXd& points) {
   std::string text;
   for (Eigen::Index j = 0; j < points.cols(); ++j) {
     for (Eigen::Index k = 0; k < points.rows(); ++k) {
-      text += io::shortest_decimal(points(k, j));
+      text += number_text(points(k, j));
       text += k + 1 == points.rows() ? '\n' : ' ';
     }
   }

@@ -7,13 +7,13 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/text.h"
 #include "samara/identification/captures/capture_cleaning.h"
 #include "samara/identification/captures/capture_table.h"
 #include "samara/identification/captures/exports/export_formats.h"
 #include "samara/identification/captures/frame_grid.h"
 #include "samara/identification/captures/impact.h"
 #include "samara/identification/captures/sidecar.h"
-#include "samara/io/text.h"
 #include "samara/io/text_file.h"
 
 namespace samara::identification {
@@ -78,9 +78,9 @@ std::vector<Capture> read_table(const Sidecar& sidecar) {
 
 /// Whether a cell names the same as a label: as a text, or as a number ("7" and "007").
 bool is_same_name(const std::string& cell, const std::string& label) {
-  const io::NumberPrefix a = io::read_number(cell);
-  const io::NumberPrefix b = io::read_number(label);
-  const bool numbers = a.problem == io::NumberProblem::none && b.problem == io::NumberProblem::none &&
+  const NumberPrefix a = read_number(cell);
+  const NumberPrefix b = read_number(label);
+  const bool numbers = a.problem == NumberProblem::none && b.problem == NumberProblem::none &&
                        a.length == cell.size() && b.length == label.size();
   return numbers ? a.value == b.value : cell == label;
 }

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/names.h"
-#include "samara/io/units.h"
+#include "samara/base/units.h"
 
 namespace samara::identification {
 
@@ -31,7 +31,7 @@ ColumnMeaning canonical_meaning(const io::DelimitedTable& table, const std::stri
   }
   try {
     const std::string_view unit = std::string_view(header).substr(open + 1, header.size() - open - 2);
-    return {header, std::string(name), io::parse_unit(unit)};
+    return {header, std::string(name), parse_unit(unit)};
   } catch (const ArgumentError& error) {
     throw InputError(table.file(), table.line_of_header(),
                      fmt::format("column \"{}\": {}", header, error.what()));
@@ -80,11 +80,11 @@ std::vector<ColumnMeaning> meanings_of(const io::DelimitedTable& table, const Si
 /// Time in s, from seconds or from frame numbers.
 Column time_column(const io::DelimitedTable& table, const Sidecar& sidecar, const ColumnMeaning& meaning) {
   Column column{meaning.column, meaning.quantity, "s", table.numbers(meaning.column)};
-  const bool in_frames = meaning.unit.dimension == io::Dimension{.frame = 1};
-  if (!in_frames && meaning.unit.dimension != io::Dimension{.second = 1}) {
+  const bool in_frames = meaning.unit.dimension == Dimension{.frame = 1};
+  if (!in_frames && meaning.unit.dimension != Dimension{.second = 1}) {
     throw meaning_error(table, sidecar, meaning.column,
                         fmt::format("time has a unit of dimension {}; a time, or \"frame\", was expected",
-                                    io::to_string(meaning.unit.dimension)));
+                                    to_string(meaning.unit.dimension)));
   }
   if (in_frames && !sidecar.frame_rate) {
     throw meaning_error(table, sidecar, meaning.column,
@@ -99,7 +99,7 @@ Column time_column(const io::DelimitedTable& table, const Sidecar& sidecar, cons
 }
 
 Column measured_column(const io::DelimitedTable& table, const ColumnMeaning& meaning) {
-  Column column{meaning.column, meaning.quantity, io::to_string(meaning.unit.dimension),
+  Column column{meaning.column, meaning.quantity, to_string(meaning.unit.dimension),
                 table.numbers(meaning.column)};
   for (double& value : column.values) value = meaning.unit.to_si(value);
   return column;

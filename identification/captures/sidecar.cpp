@@ -10,8 +10,8 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/text.h"
 #include "samara/io/delimited_table.h"
-#include "samara/io/text.h"
 
 namespace samara::identification {
 
@@ -32,9 +32,9 @@ Value choice(const TomlTable& table, const std::string& key,
   throw table.error(key, fmt::format("\"{}\" is none of its words{}", word, suggestion(word, known)));
 }
 
-io::Unit unit_of(const TomlTable& table, const std::string& key) {
+Unit unit_of(const TomlTable& table, const std::string& key) {
   try {
-    return io::parse_unit(table.string(key));
+    return parse_unit(table.string(key));
   } catch (const ArgumentError& error) {
     throw table.error(key, error.what());
   }
@@ -55,14 +55,14 @@ bool is_comparison(const std::string& text) {
 }
 
 std::optional<double> number_of(std::string_view text) {
-  const io::NumberPrefix number = io::read_number(text);
-  if (number.problem != io::NumberProblem::none || number.length != text.size()) return {};
+  const NumberPrefix number = read_number(text);
+  if (number.problem != NumberProblem::none || number.length != text.size()) return {};
   return number.value;
 }
 
 /// Of "< 2".
 std::optional<double> bound_of(const std::string& text) {
-  return number_of(io::trimmed(std::string_view(text).substr(1)));
+  return number_of(trimmed(std::string_view(text).substr(1)));
 }
 
 std::map<std::string, std::vector<std::string>> read_where(const TomlTable& where) {
@@ -206,7 +206,7 @@ CleaningSteps read_cleaning(const TomlTable& clean) {
 }
 
 std::string read_length_unit(const TomlTable& root) {
-  if (unit_of(root, "length_unit").dimension != io::Dimension{.metre = 1})
+  if (unit_of(root, "length_unit").dimension != Dimension{.metre = 1})
     throw root.error("length_unit", fmt::format("\"{}\" is no unit of length", root.string("length_unit")));
   return root.string("length_unit");
 }

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "samara/base/units.h"
 #include "samara/identification/captures/exports/column_meaning.h"
 #include "samara/io/toml_document.h"
-#include "samara/io/units.h"
 
 /// What the columns of a table mean; internal to identification/.
 namespace samara::identification {
@@ -30,7 +30,7 @@ enum class CaptureStart { first_visible, as_given };
 struct EulerColumns {
   std::vector<std::string> columns;
   std::string order;  ///< of "x", "y", "z"; no axis twice in a row
-  io::Unit unit;
+  Unit unit;
 };
 
 /// Steps of capture_cleaning.h, in this order.

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/names.h"
+#include "samara/base/units.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/identification/problem/fit_config.h"
 #include "samara/identification/report/fit_file.h"
@@ -16,7 +17,6 @@
 #include "samara/identification/trajectories/codebook_trajectories.h"
 #include "samara/identification/trajectories/reference_trajectories.h"
 #include "samara/identification/trajectories/step_trajectories.h"
-#include "samara/io/units.h"
 #include "samara/models/laws/registry.h"
 #include "terminal.h"
 
@@ -57,7 +57,7 @@ void take_over(const FitArguments& arguments, const id::ConfigNames& names,
                        fmt::format("\"{}\" has no coordinate \"{}\"{}", arguments.source, c.name,
                                    suggestion(c.name, known)));
     }
-    if (!io::same_dimension(unit->second, c.unit)) {
+    if (!same_dimension(unit->second, c.unit)) {
       throw InputError(arguments.coefficients,
                        fmt::format("\"{}\" is in {}; {} was expected", c.name, c.unit, unit->second));
     }

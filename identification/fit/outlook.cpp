@@ -7,13 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/units.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/fit/fitted_motion.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/known_values.h"
 #include "samara/identification/smoothing/medians.h"
 #include "samara/identification/smoothing/rotation_vectors.h"
-#include "samara/io/units.h"
 
 namespace samara::identification {
 

@@ -12,13 +12,13 @@
 #include <tbb/parallel_for.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/units.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/fit/outlook.h"
 #include "samara/identification/fit/prediction_tally.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/segments.h"
 #include "samara/identification/solve/held_noise.h"
-#include "samara/io/units.h"
 #include "samara/pgd/tensors/random.h"
 
 namespace samara::identification {
@@ -90,7 +90,7 @@ PredictedOutputs predicted_outputs(const FamilyInfo& family, std::span<const Cap
     predicted.outputs.push_back({output.name, output.unit});
   const auto is_measured = [&](const FitOutput& output) {
     return std::ranges::any_of(left_out, [&](const Capture& capture) {
-      return capture.has(output.name) && io::same_dimension(capture.channel(output.name).unit, output.unit);
+      return capture.has(output.name) && same_dimension(capture.channel(output.name).unit, output.unit);
     });
   };
   for (const FitOutput& output : family.outputs) {

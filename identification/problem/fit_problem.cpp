@@ -9,13 +9,13 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/units.h"
 #include "samara/identification/problem/camera.h"
 #include "samara/identification/problem/charts.h"
 #include "samara/identification/problem/joins.h"
 #include "samara/identification/problem/noise_scales.h"
 #include "samara/identification/problem/segments.h"
 #include "samara/identification/trajectories/coordinate_names.h"
-#include "samara/io/units.h"
 
 namespace samara::identification {
 
@@ -160,7 +160,7 @@ std::vector<FitOutput> choose_outputs(const FamilyInfo& family, std::span<const 
 }
 
 double loss_scale(const FitOutput& output, const LossOptions& loss, bool is_only_output) {
-  if (io::same_dimension(output.unit, "m")) return loss.length_scale;
+  if (same_dimension(output.unit, "m")) return loss.length_scale;
   if (loss.kind == LossKind::none && is_only_output) return 1.0;
   throw ArgumentError(
       fmt::format("output \"{}\" [{}] has no loss scale; the size of a large residual was expected in "
@@ -200,7 +200,7 @@ void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures,
     }
     compared.scale_is_stated =
         options.loss.kind != LossKind::none || options.loss.scales.contains(output.name) ||
-        (io::same_dimension(output.unit, "m") && options.loss.length_scale != LossOptions{}.length_scale);
+        (same_dimension(output.unit, "m") && options.loss.length_scale != LossOptions{}.length_scale);
     problem.outputs.push_back(compared);
     problem.requested.push_back(compared.name);
   }

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/io/text.h"
+#include "samara/base/text.h"
 
 namespace samara::identification {
 
@@ -21,8 +21,8 @@ double stated_number(const Capture& capture, const std::string& coordinate, cons
                        capture.id, what, label, text, coordinate));
   };
   if (const auto found = capture.labels.find(label); found != capture.labels.end()) {
-    const io::NumberPrefix value = io::read_number(found->second);
-    if (value.problem != io::NumberProblem::none || value.length != found->second.size())
+    const NumberPrefix value = read_number(found->second);
+    if (value.problem != NumberProblem::none || value.length != found->second.size())
       refuse_text("label", found->second);
     return value.value;
   }

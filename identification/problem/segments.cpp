@@ -10,9 +10,9 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/units.h"
 #include "samara/identification/problem/known_values.h"
 #include "samara/identification/smoothing/medians.h"
-#include "samara/io/units.h"
 
 namespace samara::identification {
 
@@ -27,7 +27,7 @@ const Channel& compared_channel(const Capture& capture, const std::string& name,
                                      suggestion(name, known)));
   }
   const Channel& channel = capture.channel(name);
-  if (!io::same_dimension(channel.unit, unit)) {
+  if (!same_dimension(channel.unit, unit)) {
     refuse(capture.file,
            fmt::format("capture \"{}\" measures \"{}\" in {}; {} was expected{}", capture.id, name,
                        channel.unit, unit, channel.unit == "px" ? ", from a [scale] in its sidecar" : ""));

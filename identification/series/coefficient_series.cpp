@@ -9,13 +9,13 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/text.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/series/series_fits.h"
 #include "samara/identification/series/series_knots.h"
 #include "samara/identification/series/series_windows.h"
 #include "samara/identification/trajectories/reference_trajectories.h"
 #include "samara/identification/trajectories/step_trajectories.h"
-#include "samara/io/text.h"
 
 namespace samara::identification {
 

@@ -8,13 +8,13 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/units.h"
 #include "samara/identification/problem/box_bounds.h"
 #include "samara/identification/problem/noise_scales.h"
 #include "samara/identification/smoothing/medians.h"
 #include "samara/identification/smoothing/smoothing.h"
 #include "samara/identification/solve/motion_terms.h"
 #include "samara/identification/statistics/loss.h"
-#include "samara/io/units.h"
 
 namespace samara::identification {
 
@@ -111,7 +111,7 @@ NoiseLevels::NoiseLevels(const NoiseOptions& options, FitProblem& problem) : los
     if (is_new) levels_.emplace_back();
     Level& level = levels_[place->second];
     if (is_new) level.result.unit = unit;
-    if (!io::same_dimension(level.result.unit, unit)) {
+    if (!same_dimension(level.result.unit, unit)) {
       throw ArgumentError(
           fmt::format("noise: \"{}\" [{}] and \"{}\" [{}] share the level \"{}\"; outputs of one "
                       "unit were expected",

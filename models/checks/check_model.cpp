@@ -7,10 +7,10 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/number_text.h"
+#include "samara/base/unit_labels.h"
 #include "samara/models/checks/check_parts.h"
 #include "samara/models/checks/check_physics.h"
 #include "samara/models/checks/check_units.h"
-#include "samara/models/checks/unit_dimension.h"
 
 namespace samara::models {
 
@@ -52,7 +52,7 @@ void check_names_and_units(const ModelInfo& info, Findings& findings) {
       findings.push_back("name " + quoted(name) + " is not made of letters, digits and _, a letter first");
     }
     if (std::ranges::count(seen, name) > 0) findings.push_back("name " + quoted(name) + " is used twice");
-    if (!looks_like_a_unit(unit)) {
+    if (!reads_as_unit(unit)) {
       findings.push_back("unit " + quoted(unit) + " of " + quoted(name) + " does not read as a unit");
     }
     if (description.empty()) findings.push_back(quoted(name) + " has no description");

@@ -1,45 +1,55 @@
 #include "samara/models/checks/check_units.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
-#include "samara/models/checks/unit_dimension.h"
+#include "samara/base/unit_labels.h"
+#include "samara/base/units.h"
 
 namespace samara::models {
 
 namespace {
 
-constexpr std::array<const char*, kBaseQuantities> kBaseNames = {"length", "mass", "time"};
+/// A base quantity whose unit is changed. Kelvin, ampere, mole and candela are left as they are.
+struct ChangedQuantity {
+  int Dimension::*exponent;
+  const char* name;
+};
+constexpr std::array<ChangedQuantity, 3> kChangedQuantities = {
+    {{&Dimension::metre, "length"}, {&Dimension::kilogram, "mass"}, {&Dimension::second, "time"}}};
 
 /// A change of the unit of one base quantity: numbers of that dimension are multiplied by `factor`.
 struct UnitChange {
-  BaseQuantity base;
+  ChangedQuantity quantity;
   double factor;
 
-  double of(const Dimension& dimension) const { return std::pow(factor, dimension[base]); }
+  double of(const Dimension& dimension) const { return std::pow(factor, dimension.*(quantity.exponent)); }
+  double of(const std::string& unit) const { return of(parse_unit(unit).dimension); }
+  double of_time() const { return of(Dimension{.second = 1}); }
 };
 
 bool all_units_known(const ModelInfo& info) {
-  const auto known = [](const auto& item) { return dimension_of(item.unit).has_value(); };
+  const auto known = [](const auto& item) { return is_coherent_si(item.unit); };
   return std::ranges::all_of(info.states, known) && std::ranges::all_of(info.parameters, known);
 }
 
-std::string not_followed(const std::string& what, const std::string& unit, BaseQuantity base) {
-  return what + " does not follow its unit, " + unit + ", when the unit of " + kBaseNames[base] +
+std::string not_followed(const std::string& what, const std::string& unit, const UnitChange& change) {
+  return what + " does not follow its unit, " + unit + ", when the unit of " + change.quantity.name +
          " is changed: a unit is wrong, or a constant has one that is not said";
 }
 
 /// t, x and p of a point whose parameters are all given, in changed units; nothing else.
 Point in_changed_units(const ModelInfo& info, const Point& point, const UnitChange& change) {
   Point changed;
-  changed.t = point.t * change.of({0, 0, 1});
+  changed.t = point.t * change.of_time();
   changed.x = point.x;
   changed.p = point.p;
   for (std::size_t i = 0; i < changed.x.size(); ++i) {
-    changed.x[i] *= change.of(*dimension_of(info.states[i].unit));
+    changed.x[i] *= change.of(info.states[i].unit);
   }
   for (std::size_t j = 0; j < changed.p.value.size(); ++j) {
-    changed.p.value[j] *= change.of(*dimension_of(info.parameters[j].unit));
+    changed.p.value[j] *= change.of(info.parameters[j].unit);
   }
   return changed;
 }
@@ -52,11 +62,11 @@ void check_rates(const Model& model, const Point& point, const Point& changed, c
   const Eigen::VectorXd sizes = term_sizes(point);
   for (std::size_t i = 0; i < f.size(); ++i) {
     const std::string& unit = info.states[i].unit;
-    const double back = f[i] * change.of({0, 0, 1}) / change.of(*dimension_of(unit));
+    const double back = f[i] * change.of_time() / change.of(unit);
     const double bound = kEqualRates * sizes[static_cast<Eigen::Index>(i)];
     if (std::abs(back - point.f[i]) <= bound) continue;
     findings.push_back(
-        not_followed("the rate of " + quoted(info.states[i].name), quoted(unit) + " per s", change.base));
+        not_followed("the rate of " + quoted(info.states[i].name), quoted(unit) + " per s", change));
   }
 }
 
@@ -69,9 +79,9 @@ void check_force_units(const Model& model, const Point& point, const Point& chan
   model.forces(point.t, point.x, point.p, before);
   model.forces(changed.t, changed.x, changed.p, after);
   const auto look = [&](const std::string& what, const std::string& unit, double difference, double size) {
-    if (difference > kEqualRates * size) findings.push_back(not_followed(what, quoted(unit), change.base));
+    if (difference > kEqualRates * size) findings.push_back(not_followed(what, quoted(unit), change));
   };
-  const auto factor = [&](const std::string& unit) { return change.of(*dimension_of(unit)); };
+  const auto factor = [&](const std::string& unit) { return change.of(unit); };
   // Terms may be small differences of larger things; all terms together say how large.
   double force = 0.0;
   double torque = 0.0;
@@ -106,15 +116,15 @@ void check_derived(const Model& model, const Point& point, const UnitChange& cha
   }
   const std::vector<double> before = model.completed(p);
   for (std::size_t j = 0; j < p.value.size(); ++j) {
-    p.value[j] *= change.of(*dimension_of(info.parameters[j].unit));
+    p.value[j] *= change.of(info.parameters[j].unit);
   }
   const std::vector<double> after = model.completed(p);
   for (std::size_t j = 0; j < p.value.size(); ++j) {
     const std::string& unit = info.parameters[j].unit;
-    const double expected = before[j] * change.of(*dimension_of(unit));
+    const double expected = before[j] * change.of(unit);
     if (std::abs(after[j] - expected) <= kEqualRates * std::abs(expected)) continue;
     findings.push_back(
-        not_followed("the derived default of " + quoted(info.parameters[j].name), quoted(unit), change.base));
+        not_followed("the derived default of " + quoted(info.parameters[j].name), quoted(unit), change));
   }
 }
 
@@ -122,7 +132,7 @@ void check_derived(const Model& model, const Point& point, const UnitChange& cha
 
 void check_known_units(const ModelInfo& info, Findings& findings) {
   const auto look = [&](const auto& item) {
-    if (!looks_like_a_unit(item.unit) || dimension_of(item.unit)) return;
+    if (!reads_as_unit(item.unit) || is_coherent_si(item.unit)) return;
     findings.push_back("unit " + quoted(item.unit) + " of " + quoted(item.name) +
                        " is not made of base units of SI, rad, N, J, W, Pa and Hz");
   };
@@ -135,8 +145,8 @@ void check_dimensions(const Model& model, const Point& point, std::mt19937& rand
   if (!all_units_known(info) || time_unit(info) == "1") return;
   const Point all = with_all_given(model, point);
   std::uniform_real_distribution<double> factor(1.5, 3.0);
-  for (const BaseQuantity base : {kLength, kMass, kTime}) {
-    const UnitChange change = {base, factor(random)};
+  for (const ChangedQuantity& quantity : kChangedQuantities) {
+    const UnitChange change = {quantity, factor(random)};
     const Point changed = in_changed_units(info, all, change);
     check_rates(model, all, changed, change, findings);
     check_force_units(model, all, changed, change, findings);

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/unit_labels.h"
 #include "samara/pgd/cross/nodal_approximation.h"
 #include "samara/pgd/fields/field_check.h"
-#include "samara/pgd/fields/unit_algebra.h"
 #include "samara/pgd/tensors/random.h"
 
 namespace samara::pgd {

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/unit_labels.h"
 #include "samara/pgd/fields/field_check.h"
-#include "samara/pgd/fields/unit_algebra.h"
 #include "samara/pgd/tensors/compression.h"
 #include "samara/pgd/tensors/tensor_algebra.h"
 #include "samara/pgd/tensors/tensor_train.h"

@@ -5,7 +5,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "../io/error_text.h"
+#include "../error_text.h"
 #include "../models/scalar_model.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/models/laws/registry.h"

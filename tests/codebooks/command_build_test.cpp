@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "../io/error_text.h"
+#include "../error_text.h"
 #include "../io/temporary_directory.h"
 #include "samara/codebooks/build/build.h"
 #include "samara/codebooks/certify/certify.h"

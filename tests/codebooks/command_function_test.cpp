@@ -8,7 +8,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "../io/error_text.h"
+#include "../error_text.h"
 #include "../io/temporary_directory.h"
 #include "samara/base/errors.h"
 

@@ -5,7 +5,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "../io/error_text.h"
+#include "../error_text.h"
 #include "sample_books.h"
 
 using namespace samara::codebooks;

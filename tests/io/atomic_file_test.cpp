@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <unistd.h>
 
-#include "error_text.h"
+#include "../error_text.h"
 #include "temporary_directory.h"
 
 using Catch::Matchers::Contains;

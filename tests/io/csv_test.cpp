@@ -8,7 +8,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "error_text.h"
+#include "../error_text.h"
 #include "samara/io/delimited_table.h"
 #include "temporary_directory.h"
 

@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 #include <sys/resource.h>
 
-#include "error_text.h"
+#include "../error_text.h"
 #include "samara/io/hdf5_reader.h"
 #include "samara/io/hdf5_writer.h"
 #include "temporary_directory.h"

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "error_text.h"
+#include "../error_text.h"
 #include "temporary_directory.h"
 
 using Catch::Matchers::Contains;

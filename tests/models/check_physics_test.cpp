@@ -5,7 +5,6 @@
 
 #include "function_model.h"
 #include "samara/models/checks/check_model.h"
-#include "samara/models/checks/unit_dimension.h"
 
 using namespace samara::models;
 
@@ -70,19 +69,6 @@ FunctionModel gliding(FunctionModel::Rates rates) {
 }
 
 }  // namespace
-
-TEST_CASE("units are read as lengths, masses and times") {
-  CHECK(dimension_of("1") == Dimension{0, 0, 0});
-  CHECK(dimension_of("rad/s") == Dimension{0, 0, -1});
-  CHECK(dimension_of("kg/m^3") == Dimension{-3, 1, 0});
-  CHECK(dimension_of("N m") == Dimension{2, 1, -2});
-  CHECK(dimension_of("W/m") == Dimension{1, 1, -3});
-  CHECK(dimension_of("1/s^2") == Dimension{0, 0, -2});
-  CHECK(dimension_of("Pa s") == Dimension{-1, 1, -1});
-  CHECK(dimension_of("J/kg/K") == Dimension{2, 0, -2});
-  CHECK(dimension_of("m^-1") == Dimension{-1, 0, 0});
-  for (const char* other : {"cm", "lb", "kg^x", "", "m^", "1/"}) CHECK_FALSE(dimension_of(other));
-}
 
 TEST_CASE("a weight against linear drag passes every check") {
   CHECK(findings(falling(falling_rates)).empty());

@@ -8,7 +8,6 @@
 #include "field_fixture.h"
 #include "samara/base/errors.h"
 #include "samara/pgd/axes/quadrature.h"
-#include "samara/pgd/fields/unit_algebra.h"
 
 using namespace samara::pgd;
 using Catch::Contains;
@@ -185,18 +184,6 @@ TEST_CASE("a compressed field is within the tolerance of every output's own norm
   }
   const FieldCompression impossible = compress(random_mixed_field(1, 3, 50), 1e-30);
   CHECK_FALSE(impossible.tolerance_met);
-}
-
-TEST_CASE("units of labels multiply and divide as symbols do") {
-  CHECK(unit_quotient("m/s", "s") == "m/s^2");
-  CHECK(unit_product("m/s", "s") == "m");
-  CHECK(unit_product("1", "kg") == "kg");
-  CHECK(unit_quotient("1", "s") == "1/s");
-  CHECK(unit_quotient("m", "m") == "1");
-  CHECK(unit_product("kg m s^-1", "1/s") == "kg m/s^2");
-  CHECK(unit_quotient("kg", "m s") == "kg m^-1 s^-1");
-  CHECK(unit_quotient("W/(m K)", "s") == "(W/(m K))/(s)");
-  CHECK(unit_product("W/(m K)", "1") == "W/(m K)");
 }
 
 TEST_CASE("fields that do not fit, unknown axes and points outside are refused by name") {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "samara/io/units.h"
+#include "samara/base/units.h"
 
 namespace samara::identification {
 
@@ -13,7 +13,7 @@ inline constexpr const char* kTimeQuantity = "t";
 struct ColumnMeaning {
   std::string column;
   std::string quantity;
-  io::Unit unit;
+  Unit unit;
 };
 
 }  // namespace samara::identification

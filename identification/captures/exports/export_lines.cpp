@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "samara/io/text.h"
+#include "samara/base/text.h"
 
 namespace samara::identification {
 
@@ -43,13 +43,13 @@ std::vector<std::string> cells_of(std::string_view line, char delimiter) {
     if (c == '"') {
       inside_quotes = !inside_quotes;
     } else if (c == delimiter && !inside_quotes) {
-      cells.emplace_back(io::trimmed(cell));
+      cells.emplace_back(trimmed(cell));
       cell.clear();
     } else {
       cell += c;
     }
   }
-  cells.emplace_back(io::trimmed(cell));
+  cells.emplace_back(trimmed(cell));
   return cells;
 }
 

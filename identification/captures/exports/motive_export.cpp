@@ -53,15 +53,15 @@ ColumnRows column_rows(const std::vector<std::string>& lines, std::size_t header
   return result;
 }
 
-io::Unit length_unit(const std::map<std::string, std::string>& preamble, const ExportHints& hints) {
-  if (hints.length_unit) return io::parse_unit(*hints.length_unit);
+Unit length_unit(const std::map<std::string, std::string>& preamble, const ExportHints& hints) {
+  if (hints.length_unit) return parse_unit(*hints.length_unit);
   const std::map<std::string, std::string> symbols = {
       {"Meters", "m"}, {"Centimeters", "cm"}, {"Millimeters", "mm"}, {"m", "m"}, {"cm", "cm"}, {"mm", "mm"}};
   for (const std::string key : {"Length Units", "Export Units", "Units"}) {
     const auto entry = preamble.find(key);
     if (entry == preamble.end()) continue;
     const auto symbol = symbols.find(entry->second);
-    if (symbol != symbols.end()) return io::parse_unit(symbol->second);
+    if (symbol != symbols.end()) return parse_unit(symbol->second);
     throw InputError(hints.file, 1,
                      fmt::format("lengths are in \"{}\"; Meters, Centimeters or Millimeters were expected",
                                  entry->second));
@@ -91,16 +91,16 @@ std::string quantity_of(const std::string& component, std::string axis) {
 
 /// Bodies of a kind, in the order in which they appear.
 std::vector<ExportedBody> bodies_of(const std::string& kind, const ColumnRows& rows, const Cells& header,
-                                    const Cells& names, const io::Unit& length) {
+                                    const Cells& names, const Unit& length) {
   std::vector<ExportedBody> bodies;
-  const io::Unit one = io::parse_unit("1");
+  const Unit one = parse_unit("1");
   for (std::size_t k = 2; k < header.size(); ++k) {
     const std::string quantity = quantity_of(rows.component[k], header[k]);
     if (rows.kind[k] != kind || quantity.empty()) continue;
     // The columns of a body stand together; one name may stand for several bodies.
     const bool goes_on = !bodies.empty() && bodies.back().name == rows.name[k] &&
                          std::ranges::count(bodies.back().columns, quantity, &ColumnMeaning::quantity) == 0;
-    if (!goes_on) bodies.push_back({rows.name[k], {{names[1], kTimeQuantity, io::parse_unit("s")}}});
+    if (!goes_on) bodies.push_back({rows.name[k], {{names[1], kTimeQuantity, parse_unit("s")}}});
     bodies.back().columns.push_back({names[k], quantity, rows.component[k] == "Rotation" ? one : length});
   }
   return bodies;
@@ -147,7 +147,7 @@ Export read_motive_export(const std::vector<std::string>& lines, const ExportHin
                 "y",
                 rows_read,
                 short_rows};
-  const io::Unit length = length_unit(preamble, hints);
+  const Unit length = length_unit(preamble, hints);
   for (const std::string kind : {"Rigid Body", "Bone", "Marker"}) {
     result.bodies = bodies_of(kind, rows, header, names, length);
     if (!result.bodies.empty()) return result;

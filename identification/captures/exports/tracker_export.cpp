@@ -66,7 +66,7 @@ ExportedBody body_of(const TrackerCells& names, const TrackerCells& header, cons
   const auto add = [&](std::size_t column) {
     for (const TrackerQuantity& known : tracker_quantities()) {
       if (plain_name(names[column]) == known.name)
-        body.columns.push_back({header[column], known.quantity, io::parse_unit(unit_text(known, length))});
+        body.columns.push_back({header[column], known.quantity, parse_unit(unit_text(known, length))});
     }
   };
   for (std::size_t column = 0; column < end; ++column) {

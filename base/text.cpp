@@ -1,4 +1,4 @@
-#include "samara/io/text.h"
+#include "samara/base/text.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <system_error>
 
-namespace samara::io {
+namespace samara {
 
 NumberPrefix read_number(std::string_view text) {
   NumberPrefix number;
@@ -25,12 +25,6 @@ NumberPrefix read_number(std::string_view text) {
   return number;
 }
 
-std::string shortest_decimal(double value) {
-  std::array<char, 32> buffer;
-  const auto [end, code] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
-  return std::string(buffer.data(), end);
-}
-
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t");
   if (first == std::string_view::npos) return {};
@@ -46,8 +40,8 @@ std::string lower_case(std::string_view text) {
 }
 
 std::string in_quotes(std::string_view text) {
-  constexpr std::size_t kLongest = 60;
-  std::size_t shown = std::min(text.size(), kLongest);
+  constexpr std::size_t kLongestQuote = 60;
+  std::size_t shown = std::min(text.size(), kLongestQuote);
   while (shown < text.size() && (static_cast<unsigned char>(text[shown]) & 0xC0) == 0x80)
     --shown;  // within a character
   std::string quote = "\"";
@@ -65,4 +59,4 @@ std::string in_quotes(std::string_view text) {
   return quote.append(shown == text.size() ? "\"" : "...\"");
 }
 
-}  // namespace samara::io
+}  // namespace samara

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-/// Locale-independent reading and writing of text; internal to io/.
-namespace samara::io {
+/// Locale-independent reading and writing of text; internal to Samara.
+namespace samara {
 
 enum class NumberProblem {
   none,
@@ -24,9 +24,6 @@ struct NumberPrefix {
 /// Reads a decimal number (`1`, `+1.5`, `-2e-3`) from the beginning of `text`.
 NumberPrefix read_number(std::string_view text);
 
-/// The shortest decimal text that reads back as exactly `value`.
-std::string shortest_decimal(double value);
-
 /// Without blanks and tabs at both ends.
 std::string_view trimmed(std::string_view text);
 
@@ -36,4 +33,4 @@ std::string lower_case(std::string_view text);
 /// The text in double quotes for a message: cut when it is long, control characters as \x0a.
 std::string in_quotes(std::string_view text);
 
-}  // namespace samara::io
+}  // namespace samara

@@ -11,11 +11,11 @@
 /// as superscripts. A product after a slash (`W/m K`) is refused as ambiguous: parentheses say what is meant.
 ///
 /// Symbols: m, g, s, K, Hz, N, Pa, J, W, l or L, rad, bar (these take the SI prefixes from f to T), and
-/// min, h, deg (or a degree sign), rev, rpm, %, px, frame, 1. Angles are dimensionless (rad = 1, deg =
+/// min, h, deg (or a degree sign), rev, rpm, %, px, frame, A, mol, cd, 1. Angles are dimensionless (rad = 1, deg =
 /// pi/180, rev = 2 pi, rpm = 2 pi/60 s^-1); Hz is plainly 1/s, so "2 Hz" given for rad/s means 2 rad/s.
 /// Pixels and video frames count as dimensions of their own, so that a length in px is never taken for one in
 /// m. Temperatures are in K: scales with an offset are refused.
-namespace samara::io {
+namespace samara {
 
 /// Exponents of the base quantities.
 struct Dimension {
@@ -23,6 +23,9 @@ struct Dimension {
   int kilogram = 0;
   int second = 0;
   int kelvin = 0;
+  int ampere = 0;
+  int mole = 0;
+  int candela = 0;
   int pixel = 0;
   int frame = 0;
 
@@ -53,6 +56,10 @@ struct Unit {
 /// ambiguous.
 Unit parse_unit(std::string_view text);
 
+/// Whether the text is a unit whose size in SI is 1, such as N s/m or rad/s, and that holds neither pixels nor
+/// video frames: numbers in such units may be put into an equation as they are.
+bool is_coherent_si(std::string_view text);
+
 /// @throws ArgumentError if either is not a unit.
 bool same_dimension(std::string_view first_unit, std::string_view second_unit);
 
@@ -62,4 +69,4 @@ bool same_dimension(std::string_view first_unit, std::string_view second_unit);
 /// missing, unknown, or of another dimension.
 double quantity_to_si(std::string_view text, std::string_view expected_unit);
 
-}  // namespace samara::io
+}  // namespace samara

@@ -1,4 +1,4 @@
-#include "samara/io/units.h"
+#include "samara/base/units.h"
 
 #include <clocale>
 #include <numbers>
@@ -7,14 +7,15 @@
 
 #include <catch2/catch.hpp>
 
-#include "error_text.h"
+#include "../error_text.h"
 
 using Catch::Matchers::Contains;
 using samara::ArgumentError;
-using samara::io::Dimension;
-using samara::io::parse_unit;
-using samara::io::quantity_to_si;
-using samara::io::same_dimension;
+using samara::Dimension;
+using samara::is_coherent_si;
+using samara::parse_unit;
+using samara::quantity_to_si;
+using samara::same_dimension;
 
 namespace {
 std::string unit_error(const std::string& text) {
@@ -69,9 +70,25 @@ TEST_CASE("dimensions multiply as exponents add") {
   CHECK(same_dimension("Pa", "N/m^2"));
   CHECK(same_dimension("l", "m^3"));
   CHECK(same_dimension("rpm", "rad/s"));
+  CHECK(same_dimension("W/m", "kg m/s^3"));
+  CHECK(same_dimension("Pa s", "kg/(m s)"));
+  CHECK(same_dimension("J/kg/K", "m^2 s^-2 K^-1"));
+  CHECK_FALSE(same_dimension("A", "mol"));
   CHECK_FALSE(same_dimension("px", "m"));
   CHECK_FALSE(same_dimension("frame", "s"));
   CHECK_FALSE(same_dimension("kg", "N"));
+}
+
+TEST_CASE("coherent units of SI are told from scaled ones and from those of a camera") {
+  for (const char* unit :
+       {"1", "rad/s", "kg/m^3", "N m", "W/m", "1/s^2", "Pa s", "J/kg/K", "m^-1", "A", "mol", "cd"}) {
+    INFO(unit);
+    CHECK(is_coherent_si(unit));
+  }
+  for (const char* other : {"cm", "deg", "%", "min", "px", "m/frame", "lb", "kg^x", "", "m^", "1/"}) {
+    INFO(other);
+    CHECK_FALSE(is_coherent_si(other));
+  }
 }
 
 TEST_CASE("a decimal in a scaled unit gives the double nearest to the product") {
@@ -85,7 +102,7 @@ TEST_CASE("a decimal in a scaled unit gives the double nearest to the product") 
 
 TEST_CASE("a value converted to SI and back is the same to round-off") {
   for (const char* text : {"mm", "deg", "km/h", "rpm", "g/cm^3", "kPa", "%"}) {
-    const samara::io::Unit unit = parse_unit(text);
+    const samara::Unit unit = parse_unit(text);
     CHECK(unit.from_si(unit.to_si(1.7)) == Approx(1.7).epsilon(1e-15));
   }
 }

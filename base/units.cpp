@@ -1,8 +1,7 @@
-#include "samara/io/units.h"
+#include "samara/base/units.h"
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
@@ -12,9 +11,10 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
-#include "samara/io/text.h"
+#include "samara/base/text.h"
+#include "samara/base/unit_factors.h"
 
-namespace samara::io {
+namespace samara {
 
 namespace {
 
@@ -27,7 +27,7 @@ struct Symbol {
 constexpr double kPi = std::numbers::pi;
 
 // In the order in which a suggestion prefers them.
-const std::array<Symbol, 22> kSymbols = {{
+const std::array<Symbol, 25> kSymbols = {{
     {"m", {1.0, 0, {.metre = 1}}, true},
     {"s", {1.0, 0, {.second = 1}}, true},
     {"g", {1.0, -3, {.kilogram = 1}}, true},
@@ -50,6 +50,10 @@ const std::array<Symbol, 22> kSymbols = {{
     {"L", {1.0, -3, {.metre = 3}}, true},
     {"bar", {1.0, 5, {.metre = -1, .kilogram = 1, .second = -2}}, true},
     {"\u00B0", {kPi / 180.0, 0, {}}},
+    // Without prefixes: pA is more often a slip for Pa.
+    {"A", {1.0, 0, {.ampere = 1}}},
+    {"mol", {1.0, 0, {.mole = 1}}},
+    {"cd", {1.0, 0, {.candela = 1}}},
 }};
 
 // With their powers of ten, in the order in which a suggestion prefers them.
@@ -70,11 +74,14 @@ constexpr std::array<std::pair<std::string_view, int>, 15> kPrefixes = {{{"k", 3
                                                                          {"f", -15}}};
 
 using Exponent = int Dimension::*;
-constexpr std::array<std::pair<Exponent, std::string_view>, 6> kBaseQuantities = {
+constexpr std::array<std::pair<Exponent, std::string_view>, 9> kBaseQuantities = {
     {{&Dimension::kilogram, "kg"},
      {&Dimension::metre, "m"},
      {&Dimension::second, "s"},
      {&Dimension::kelvin, "K"},
+     {&Dimension::ampere, "A"},
+     {&Dimension::mole, "mol"},
+     {&Dimension::candela, "cd"},
      {&Dimension::pixel, "px"},
      {&Dimension::frame, "frame"}}};
 
@@ -132,134 +139,25 @@ std::string unit_suggestion(std::string_view text) {
   return nearest.empty() ? suggestion(text, plain) : "; did you mean \"" + nearest + "\"?";
 }
 
-std::string replace_all(std::string text, std::string_view from, std::string_view to) {
-  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
-    text.replace(at, from.size(), to);
+/// @param what the text to name in errors, quoted
+Unit parse(std::string_view text, std::string_view what) {
+  const std::string where = std::string(what) + ": ";
+  Unit unit;
+  for (const UnitFactor& factor : unit_factors(text, what)) {
+    const std::optional<Unit> known = find_symbol(factor.symbol);
+    if (!known) {
+      throw ArgumentError(where + "unknown unit " + in_quotes(factor.symbol) +
+                          unit_suggestion(factor.symbol));
+    }
+    unit = times_power(unit, *known, factor.exponent);
   }
-  return text;
+  constexpr int kLargest = 300;
+  bool small = std::abs(unit.power_of_ten) <= kLargest && std::isnormal(unit.coefficient);
+  for (const auto& [base, name] : kBaseQuantities)
+    small = small && std::abs(unit.dimension.*base) <= kLargest;
+  if (!small) throw ArgumentError(where + "the unit is beyond any use");
+  return unit;
 }
-
-/// Typographic forms in plain ASCII.
-std::string plain_form(std::string_view text) {
-  std::string plain(text);
-  for (const auto& [typographic, ascii] :
-       {std::pair<std::string_view, std::string_view>{"\u207B\u00B9", "^-1"},
-        {"\u207B\u00B2", "^-2"},
-        {"\u207B\u00B3", "^-3"},
-        {"\u207B\u2074", "^-4"},
-        {"\u00B2", "^2"},
-        {"\u00B3", "^3"},
-        {"\u2074", "^4"},
-        {"\u00B7", "*"},
-        {"\u22C5", "*"},
-        {"**", "^"}}) {
-    plain = replace_all(std::move(plain), typographic, ascii);
-  }
-  return plain;
-}
-
-/// Recursive descent over
-///   expression = factor { ("*" | blank | "/") factor }
-///   factor     = ( "1" | symbol | "(" expression ")" ) [ ["^"] integer ]
-class UnitParser {
- public:
-  /// @param what the text to name in errors, quoted
-  UnitParser(std::string_view text, std::string what) : text_(plain_form(text)), what_(std::move(what)) {
-    constexpr std::size_t kLongest = 200;  // bounds the recursion
-    if (text_.size() > kLongest) fail("the unit is longer than 200 characters");
-  }
-
-  Unit parse() {
-    skip_blanks();
-    if (at_end()) fail("the unit is empty; write 1 for a dimensionless one");
-    const Unit unit = expression();
-    if (!at_end()) fail("unexpected " + in_quotes(std::string_view(text_).substr(at_)) + " in the unit");
-    return unit;
-  }
-
- private:
-  [[noreturn]] void fail(const std::string& sentence) const { throw ArgumentError(what_ + ": " + sentence); }
-  bool at_end() const { return at_ == text_.size(); }
-  char next() const { return at_end() ? '\0' : text_[at_]; }
-  void skip_blanks() {
-    while (next() == ' ' || next() == '\t') ++at_;
-  }
-
-  Unit expression() {
-    Unit unit = times_power(Unit{}, factor(), 1);
-    bool divided = false;
-    for (skip_blanks(); !at_end() && next() != ')'; skip_blanks()) {
-      const bool divide = next() == '/';
-      if (divide || next() == '*') {
-        ++at_;
-        skip_blanks();
-      }
-      if (divided && !divide) fail("a product after a slash is ambiguous; write parentheses, as in W/(m K)");
-      divided = divided || divide;
-      unit = bounded(times_power(unit, factor(), divide ? -1 : 1));
-    }
-    return unit;
-  }
-
-  Unit factor() {
-    skip_blanks();
-    if (next() == '(') {
-      ++at_;
-      const Unit inner = expression();
-      if (next() != ')') fail("a closing parenthesis is missing in the unit");
-      ++at_;
-      return bounded(times_power(Unit{}, inner, exponent()));
-    }
-    if (next() == '1') {
-      ++at_;
-      return Unit{};
-    }
-    const Unit unit = symbol();
-    return bounded(times_power(Unit{}, unit, exponent()));
-  }
-
-  /// Nested powers could overflow.
-  Unit bounded(const Unit& unit) const {
-    constexpr int kLargest = 300;
-    bool small = std::abs(unit.power_of_ten) <= kLargest && std::isnormal(unit.coefficient);
-    for (const auto& [base, name] : kBaseQuantities)
-      small = small && std::abs(unit.dimension.*base) <= kLargest;
-    if (!small) fail("the unit is beyond any use");
-    return unit;
-  }
-
-  Unit symbol() {
-    const std::size_t begin = at_;
-    while (!at_end() && std::string_view(" \t*/^()+-.,0123456789").find(next()) == std::string_view::npos)
-      ++at_;
-    const std::string_view name = std::string_view(text_).substr(begin, at_ - begin);
-    if (name.empty() && at_end()) fail("the unit ends where a symbol was expected");
-    if (name.empty()) fail("expected a unit symbol, found " + in_quotes(std::string_view(text_).substr(at_)));
-    const std::optional<Unit> unit = find_symbol(name);
-    if (!unit) fail("unknown unit " + in_quotes(name) + unit_suggestion(name));
-    return *unit;
-  }
-
-  int exponent() {
-    const bool caret = next() == '^';
-    if (caret) ++at_;
-    const bool negative = next() == '-';
-    if (negative || next() == '+') ++at_;
-    const std::size_t begin = at_;
-    int value = 0;
-    while (std::isdigit(static_cast<unsigned char>(next())) != 0 && value < 100)
-      value = 10 * value + (text_[at_++] - '0');
-    if (at_ == begin && !caret && !negative) return 1;
-    if (at_ == begin || next() == '.') fail("an exponent in the unit is not a whole number");
-    constexpr int kLargest = 12;
-    if (value > kLargest) fail("an exponent in the unit is beyond " + std::to_string(kLargest));
-    return negative ? -value : value;
-  }
-
-  std::string text_;
-  std::string what_;
-  std::size_t at_ = 0;
-};
 
 /// 10^n for n >= 0; exact up to n = 22.
 double power_of_ten(int n) {
@@ -284,18 +182,27 @@ std::string to_string(const Dimension& dimension) {
 
 double Unit::to_si(double value) const {
   const double scaled = value * coefficient;
-  return power_of_ten >= 0 ? scaled * io::power_of_ten(power_of_ten)
-                           : scaled / io::power_of_ten(-power_of_ten);
+  return power_of_ten >= 0 ? scaled * samara::power_of_ten(power_of_ten)
+                           : scaled / samara::power_of_ten(-power_of_ten);
 }
 
 double Unit::from_si(double value) const {
   const double scaled = value / coefficient;
-  return power_of_ten >= 0 ? scaled / io::power_of_ten(power_of_ten)
-                           : scaled * io::power_of_ten(-power_of_ten);
+  return power_of_ten >= 0 ? scaled / samara::power_of_ten(power_of_ten)
+                           : scaled * samara::power_of_ten(-power_of_ten);
 }
 
 Unit parse_unit(std::string_view text) {
-  return UnitParser(text, "unit " + in_quotes(text)).parse();
+  return parse(text, "unit " + in_quotes(text));
+}
+
+bool is_coherent_si(std::string_view text) {
+  try {
+    const Unit unit = parse(text, "");
+    return unit.factor() == 1.0 && unit.dimension.pixel == 0 && unit.dimension.frame == 0;
+  } catch (const ArgumentError&) {
+    return false;
+  }
 }
 
 bool same_dimension(std::string_view first_unit, std::string_view second_unit) {
@@ -321,7 +228,7 @@ double quantity_to_si(std::string_view text, std::string_view expected_unit) {
     if (expected.is_dimensionless()) return number.value;
     throw ArgumentError(what + ": the unit is missing, expected one like " + std::string(expected_unit));
   }
-  const Unit unit = UnitParser(rest, what).parse();
+  const Unit unit = parse(rest, what);
   if (unit.dimension != expected) {
     const std::string wanted = to_string(expected);
     throw ArgumentError(what + " has the dimension " + to_string(unit.dimension) + ", expected " +
@@ -335,4 +242,4 @@ double quantity_to_si(std::string_view text, std::string_view expected_unit) {
   return value;
 }
 
-}  // namespace samara::io
+}  // namespace samara
