@@ -5,9 +5,7 @@
 #include <map>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "samara/base/errors.h"
+#include "samara/base/require.h"
 
 namespace samara::codebooks {
 
@@ -161,12 +159,10 @@ class TimeRefinement {
 
 TimeMesh mesh_time(const pgd::Axis::Label& label, double end, const PilotTrajectories& pilots,
                    const TimeMeshOptions& options) {
-  if (!(end > 0.0) || !(options.tolerance > 0.0) || options.degree < 2 || options.max_elements < 2) {
-    throw ArgumentError(fmt::format(
-        "a mesh of time to {} with the tolerance {}, degree {} and {} elements, expected positive numbers, a "
-        "degree and elements of at least 2",
-        end, options.tolerance, options.degree, options.max_elements));
-  }
+  require(end > 0.0, "the end of time [s]", end, "more than 0", "mesh_time");
+  require(options.tolerance > 0.0, "tolerance", options.tolerance, "more than 0", "mesh_time");
+  require(options.degree >= 2, "degree", options.degree, "at least 2", "mesh_time");
+  require(options.max_elements >= 2, "max_elements", options.max_elements, "at least 2", "mesh_time");
   return TimeRefinement(label, options).run(end, pilots);
 }
 

@@ -13,6 +13,7 @@
 #include <tbb/task_arena.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/certify/point_errors.h"
 #include "samara/models/integrators/integrate.h"
@@ -180,8 +181,7 @@ void check_fits(const Codebook& book, const models::ParametricModel& model) {
 }
 
 void check_points(const CertifyOptions& options) {
-  if (options.points < 1)
-    throw ArgumentError(fmt::format("certificate points are {}, expected at least 1", options.points));
+  require(options.points >= 1, "points", options.points, "at least 1", "certify");
 }
 
 }  // namespace

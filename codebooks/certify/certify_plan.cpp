@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/base/units.h"
 #include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/source/call_memory.h"
@@ -92,7 +93,7 @@ void check_time(const Codebook& book, const Plan& plan) {
 }
 
 void check_points(const Plan& plan, int points) {
-  if (points < 1) throw ArgumentError(fmt::format("certificate points are {}, expected at least 1", points));
+  require(points >= 1, "points", points, "at least 1", "certify");
   const long allowed = plan.builder.max_calls > 0 ? plan.builder.max_calls : kMostSampledCalls;
   if (points <= allowed) return;
   throw ArgumentError(

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/codebooks/source/command_program.h"
 
 namespace samara::codebooks {
@@ -14,13 +15,11 @@ namespace samara::codebooks {
 pgd::PointsFunction command_function(Command command) {
   if (command.run.empty() || command.run.front().empty())
     throw ArgumentError("the command is empty, expected a program and its arguments");
-  if (command.inputs < 1 || command.outputs < 1 || command.largest_batch < 1 || !(command.timeout > 0.0) ||
-      !std::isfinite(command.timeout)) {
-    throw ArgumentError(fmt::format(
-        "a command with {} inputs, {} outputs, batches of {} points and a timeout of {} s, expected "
-        "positive numbers",
-        command.inputs, command.outputs, command.largest_batch, command.timeout));
-  }
+  constexpr std::string_view kWhere = "command_function";
+  require(command.inputs >= 1, "inputs", command.inputs, "at least 1", kWhere);
+  require(command.outputs >= 1, "outputs", command.outputs, "at least 1", kWhere);
+  require(command.largest_batch >= 1, "largest_batch", command.largest_batch, "at least 1", kWhere);
+  require_positive(command.timeout, "timeout [s]", kWhere);
   const int inputs = command.inputs, outputs = command.outputs;
   return [inputs, outputs, program = std::make_shared<CommandProgram>(std::move(command))](
              const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {

@@ -32,19 +32,19 @@ std::vector<std::string> known_names(const TomlTable& table, const std::string& 
   return names;
 }
 
-void require_positive(const TomlTable& table, const std::string& key, double value) {
+void require_positive_key(const TomlTable& table, const std::string& key, double value) {
   if (!(value > 0.0)) throw table.error(key, fmt::format("the value is {}; more than 0 was expected", value));
 }
 
 double positive_quantity(const TomlTable& table, const std::string& key, const std::string& unit) {
   const double value = table.quantity(key, unit);
-  require_positive(table, key, value);
+  require_positive_key(table, key, value);
   return value;
 }
 
 int positive_integer(const TomlTable& table, const std::string& key) {
   const std::int64_t value = table.integer(key);
-  require_positive(table, key, static_cast<double>(value));
+  require_positive_key(table, key, static_cast<double>(value));
   if (value > std::numeric_limits<int>::max()) throw table.error(key, fmt::format("{} is too large", value));
   return static_cast<int>(value);
 }
@@ -103,7 +103,7 @@ SegmentOptions read_segments(const TomlTable& root) {
   segments.stages = table.numbers("stages");
   if (segments.stages.empty())
     throw table.error("stages", "the list is empty; one weight or more was expected");
-  for (const double stage : segments.stages) require_positive(table, "stages", stage);
+  for (const double stage : segments.stages) require_positive_key(table, "stages", stage);
   return segments;
 }
 
@@ -169,7 +169,7 @@ CameraOptions read_camera(const TomlTable& root, const Units& outputs) {
   }
   if (table.has("scale")) {
     camera.scale = table.number("scale");
-    require_positive(table, "scale", *camera.scale);
+    require_positive_key(table, "scale", *camera.scale);
   }
   if (table.has("rotation")) camera.rotation = positive_quantity(table, "rotation", "rad");
   if (table.has("axes")) camera.axes = known_names(table, "axes", outputs);
@@ -204,8 +204,8 @@ std::map<std::string, Prior> read_priors(const TomlTable& root, const Units& coo
                 .logarithmic = table.optional_boolean("logarithmic").value_or(false)};
     prior.deviation =
         prior.logarithmic ? table.number("deviation") : table.quantity("deviation", coordinates.at(name));
-    require_positive(table, "deviation", prior.deviation);
-    if (prior.logarithmic) require_positive(table, "mean", prior.mean);
+    require_positive_key(table, "deviation", prior.deviation);
+    if (prior.logarithmic) require_positive_key(table, "mean", prior.mean);
     priors[name] = prior;
   }
   return priors;

@@ -8,18 +8,14 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/require.h"
 
 namespace samara::identification {
 
 namespace {
 
-void require_positive(const std::string& field, double value) {
-  if (std::isfinite(value) && value > 0.0) return;
-  throw ArgumentError(fmt::format("{} is {}; a positive number was expected", field, value));
-}
-
-void require_at_least_one(const std::string& field, int value) {
-  if (value < 1) throw ArgumentError(fmt::format("{} is {}; at least 1 was expected", field, value));
+void require_at_least_one(std::string_view field, int value) {
+  require(value >= 1, field, value, "at least 1");
 }
 
 constexpr std::array kGlobalNames = {
@@ -42,19 +38,18 @@ GlobalMethod global_method_from_string(const std::string& name) {
 }
 
 void validate(const FitOptions& options) {
-  if (options.window) require_positive("window", *options.window);
+  if (options.window) require_positive(*options.window, "window");
   if (options.stride) {
-    require_positive("stride", *options.stride);
+    require_positive(*options.stride, "stride");
     if (!options.window)
       throw ArgumentError("stride is set without window; the length of a window was expected");
   }
-  require_positive("loss.length_scale", options.loss.length_scale);
+  require_positive(options.loss.length_scale, "loss.length_scale");
   for (const auto& [output, scale] : options.loss.scales) {
-    require_positive(fmt::format("the loss scale of \"{}\"", output), scale);
+    require_positive(scale, fmt::format("the loss scale of \"{}\"", output));
   }
   for (const auto& [name, value] : options.fixed) {
-    if (!std::isfinite(value))
-      throw ArgumentError(fmt::format("\"{}\" is fixed at {}; a finite number was expected", name, value));
+    require(std::isfinite(value), fmt::format("the fixed value of \"{}\"", name), value, "a finite number");
   }
   for (const auto& [name, interval] : options.box) {
     if (interval.width() > 0.0 && std::isfinite(interval.width())) continue;
@@ -62,48 +57,39 @@ void validate(const FitOptions& options) {
         fmt::format("the box of \"{}\" goes from {} to {}; an interval with a length was expected", name,
                     interval.lower, interval.upper));
   }
-  if (options.step) require_positive("step", *options.step);
-  if (options.segments.length) require_positive("segments.length", *options.segments.length);
+  if (options.step) require_positive(*options.step, "step");
+  if (options.segments.length) require_positive(*options.segments.length, "segments.length");
   if (options.segments.stages.empty()) {
     throw ArgumentError("segments.stages is empty; one weight or more was expected");
   }
-  for (const double stage : options.segments.stages) require_positive("a weight of segments.stages", stage);
-  require_positive("attitude_scale", options.attitude_scale);
+  for (const double stage : options.segments.stages) require_positive(stage, "a weight of segments.stages");
+  require_positive(options.attitude_scale, "attitude_scale");
   require_at_least_one("noise.rounds", options.noise.rounds);
-  if (options.camera.scale) require_positive("camera.scale", *options.camera.scale);
-  if (options.camera.rotation) require_positive("camera.rotation", *options.camera.rotation);
+  if (options.camera.scale) require_positive(*options.camera.scale, "camera.scale");
+  if (options.camera.rotation) require_positive(*options.camera.rotation, "camera.rotation");
   for (const auto& [name, prior] : options.priors) {
-    require_positive(fmt::format("the deviation of the prior of \"{}\"", name), prior.deviation);
-    if (prior.logarithmic) require_positive(fmt::format("the mean of the prior of \"{}\"", name), prior.mean);
-    if (!std::isfinite(prior.mean)) {
-      throw ArgumentError(fmt::format("the mean of the prior of \"{}\" is {}; a finite number was expected",
-                                      name, prior.mean));
-    }
+    require_positive(prior.deviation, fmt::format("the deviation of the prior of \"{}\"", name));
+    if (prior.logarithmic) require_positive(prior.mean, fmt::format("the mean of the prior of \"{}\"", name));
+    require(std::isfinite(prior.mean), fmt::format("the mean of the prior of \"{}\"", name), prior.mean,
+            "a finite number");
   }
   for (const CombinationPrior& prior : options.combinations) {
-    require_positive("the deviation of a combination", prior.deviation);
+    require_positive(prior.deviation, "the deviation of a combination");
   }
   for (const auto& [name, period] : options.periods) {
-    if (!(std::isfinite(period) && period >= 0.0)) {
-      throw ArgumentError(fmt::format("the period of \"{}\" is {}; 0 or more was expected", name, period));
-    }
+    require(std::isfinite(period) && period >= 0.0, fmt::format("the period of \"{}\"", name), period,
+            "0 or more");
   }
   require_at_least_one("global.budget", options.global.budget);
   require_at_least_one("starts", options.starts);
   constexpr int kMostStarts = 10000;
-  if (options.starts > kMostStarts) {
-    throw ArgumentError(fmt::format("starts is {}; at most {} was expected", options.starts, kMostStarts));
-  }
+  require(options.starts <= kMostStarts, "starts", options.starts, fmt::format("at most {}", kMostStarts));
   require_at_least_one("max_iterations", options.max_iterations);
-  if (options.bootstrap.replicates < 0) {
-    throw ArgumentError(
-        fmt::format("bootstrap.replicates is {}; 0 or more was expected", options.bootstrap.replicates));
-  }
+  require(options.bootstrap.replicates >= 0, "bootstrap.replicates", options.bootstrap.replicates,
+          "0 or more");
   require_at_least_one("rounds", options.rounds);
-  if (options.averaged_frames < 1 || options.averaged_frames % 2 == 0) {
-    throw ArgumentError(fmt::format("averaged_frames is {}; an odd number, at least 1, was expected",
-                                    options.averaged_frames));
-  }
+  require(options.averaged_frames >= 1 && options.averaged_frames % 2 == 1, "averaged_frames",
+          options.averaged_frames, "an odd number, at least 1,");
 }
 
 }  // namespace samara::identification

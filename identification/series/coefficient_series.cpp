@@ -9,6 +9,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/require.h"
 #include "samara/base/text.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/series/series_fits.h"
@@ -249,22 +250,17 @@ void validate(const SeriesOptions& options) {
     throw ArgumentError(
         fmt::format("series.coefficients names \"{}\" twice; each coefficient once was expected", name));
   }
-  const auto require_positive = [](const std::string& field, double value) {
-    if (!(value > 0.0 && std::isfinite(value)))
-      throw ArgumentError(fmt::format("{} is {}; more than 0 was expected", field, value));
-  };
-  require_positive("series.window", options.window);
-  if (options.stride) require_positive("series.stride", *options.stride);
+  require_positive(options.window, "series.window");
+  if (options.stride) require_positive(*options.stride, "series.stride");
   if (options.stride && *options.stride > options.window) {
     throw ArgumentError(
         fmt::format("series.stride is {}, and series.window {}; a stride of at most the window "
                     "was expected",
                     *options.stride, options.window));
   }
-  if (options.order != 1 && options.order != 2)
-    throw ArgumentError(fmt::format("series.order is {}; 1 or 2 was expected", options.order));
+  require(options.order == 1 || options.order == 2, "series.order", options.order, "1 or 2");
   for (const auto& [name, scale] : options.scales) {
-    require_positive(fmt::format("the smoothness of \"{}\" in series", name), scale);
+    require_positive(scale, fmt::format("the smoothness of \"{}\" in series", name));
     if (std::ranges::count(options.coefficients, name) > 0) continue;
     throw ArgumentError(fmt::format("series has a smoothness of \"{}\", which is none of its coefficients{}",
                                     name, suggestion(name, options.coefficients)));

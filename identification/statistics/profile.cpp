@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 
 namespace samara::identification {
 
@@ -154,20 +155,12 @@ void check(const ProfileTarget& target, const ProfileOptions& options) {
     throw ArgumentError(fmt::format("the profile of \"{}\" begins at {}, outside its box, {} to {}",
                                     target.name, target.best, target.lower, target.upper));
   }
-  if (!(options.confidence > 0.0 && options.confidence < 1.0)) {
-    throw ArgumentError(
-        fmt::format("confidence is {}; a number between 0 and 1 was expected", options.confidence));
-  }
-  if (!(options.dispersion > 0.0 && std::isfinite(options.dispersion))) {
-    throw ArgumentError(fmt::format("dispersion is {}; a positive number was expected", options.dispersion));
-  }
-  if (!(options.degrees_of_freedom > 0.0)) {
-    throw ArgumentError(
-        fmt::format("degrees_of_freedom is {}; a positive number was expected", options.degrees_of_freedom));
-  }
-  if (options.max_points < 1) {
-    throw ArgumentError(fmt::format("max_points is {}; at least 1 was expected", options.max_points));
-  }
+  require(options.confidence > 0.0 && options.confidence < 1.0, "confidence", options.confidence,
+          "a number between 0 and 1");
+  require_positive(options.dispersion, "dispersion");
+  require(options.degrees_of_freedom > 0.0, "degrees_of_freedom", options.degrees_of_freedom,
+          "a positive number");
+  require(options.max_points >= 1, "max_points", options.max_points, "at least 1");
 }
 
 /// The nodes of both sides by ascending value, the optimum once.

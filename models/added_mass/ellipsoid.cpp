@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/base/positive.h"
+#include "samara/base/require.h"
 #include "samara/models/added_mass/ellipsoid_integrals.h"
 
 namespace samara::models {

@@ -9,7 +9,7 @@
 #include <tbb/task_arena.h>
 
 #include "samara/base/errors.h"
-#include "samara/base/positive.h"
+#include "samara/base/require.h"
 #include "samara/base/shared_progress.h"
 #include "samara/models/added_mass/panel_gmres.h"
 #include "samara/models/added_mass/panel_system.h"

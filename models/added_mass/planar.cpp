@@ -1,6 +1,6 @@
 #include "samara/models/added_mass/planar.h"
 
-#include "samara/base/positive.h"
+#include "samara/base/require.h"
 #include "samara/models/added_mass/planar_sections.h"
 
 namespace samara::models {

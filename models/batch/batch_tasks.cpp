@@ -6,6 +6,7 @@
 #include <tbb/info.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/models/integrators/trajectory_tools.h"
 
 namespace samara::models {
@@ -38,7 +39,7 @@ bool are_too_many(std::span<const double> times, double step, long max_steps) {
 }
 
 tbb::task_arena arena_of(int threads) {
-  if (threads < 0) throw ArgumentError(fmt::format("threads is {}; 0 or more was expected", threads));
+  require(threads >= 0, "threads", threads, "0 or more");
   const int cores = tbb::info::default_concurrency();
   return tbb::task_arena(threads > 0 ? std::min(threads, cores) : cores);
 }

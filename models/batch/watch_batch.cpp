@@ -1,7 +1,7 @@
 #include "samara/models/batch/watch_batch.h"
 
 #include "samara/base/errors.h"
-#include "samara/base/positive.h"
+#include "samara/base/require.h"
 #include "samara/models/batch/batch_tasks.h"
 #include "samara/models/batch/lanes.h"
 #include "samara/models/integrators/trajectory_tools.h"

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/base/positive.h"
+#include "samara/base/require.h"
 #include "samara/models/bodies/size_check.h"
 #include "samara/models/checks/parameter_warnings.h"
 

@@ -6,7 +6,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/number_text.h"
-#include "samara/base/positive.h"
+#include "samara/base/require.h"
 
 namespace samara::models {
 

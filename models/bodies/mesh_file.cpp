@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/base/positive.h"
+#include "samara/base/require.h"
 #include "samara/models/bodies/ply_check.h"
 
 namespace samara::models {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "samara/base/positive.h"
+#include "samara/base/require.h"
 
 namespace samara::models {
 

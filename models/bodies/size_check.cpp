@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "samara/base/positive.h"
+#include "samara/base/require.h"
 
 namespace samara::models {
 

@@ -5,8 +5,8 @@
 #include <random>
 #include <string_view>
 
-#include "samara/base/errors.h"
 #include "samara/base/number_text.h"
+#include "samara/base/require.h"
 #include "samara/base/unit_labels.h"
 #include "samara/models/checks/check_parts.h"
 #include "samara/models/checks/check_physics.h"
@@ -265,12 +265,8 @@ void remove_repetitions(Findings& findings) {
 }  // namespace
 
 ModelCheck check_model(const Model& model, const CheckModelOptions& options) {
-  if (options.points < 1) {
-    throw ArgumentError("points is " + std::to_string(options.points) + "; 1 or more was expected");
-  }
-  if (!(options.tolerance > 0.0)) {
-    throw ArgumentError("tolerance is " + number_text(options.tolerance) + "; a positive value was expected");
-  }
+  require(options.points >= 1, "points", options.points, "1 or more");
+  require(options.tolerance > 0.0, "tolerance", options.tolerance, "a positive value");
   ModelCheck check;
   check_texts(model.info(), check.findings);
   check_names_and_units(model.info(), check.findings);

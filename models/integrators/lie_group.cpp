@@ -9,6 +9,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/number_text.h"
+#include "samara/base/require.h"
 #include "samara/models/integrators/rotations.h"
 #include "samara/models/integrators/trajectory_tools.h"
 
@@ -168,12 +169,8 @@ LieGroupIntegrator::LieGroupIntegrator(const Eigen::Ref<const Eigen::MatrixXd>& 
                                        const LieGroupOptions& options, BodyWrench wrench) {
   check_step(options.step);
   check_max_steps(options.max_steps);
-  if (options.order != 2 && options.order != 4) {
-    throw ArgumentError(fmt::format("order is {}; 2 or 4 was expected", options.order));
-  }
-  if (options.max_iterations < 1) {
-    throw ArgumentError(fmt::format("max_iterations is {}; 1 or more was expected", options.max_iterations));
-  }
+  require(options.order == 2 || options.order == 4, "order", options.order, "2 or 4");
+  require(options.max_iterations >= 1, "max_iterations", options.max_iterations, "1 or more");
   impl_ = std::make_shared<const Impl>(inertia, options, std::move(wrench));
 }
 

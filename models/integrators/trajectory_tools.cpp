@@ -6,7 +6,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/number_text.h"
-#include "samara/base/positive.h"
+#include "samara/base/require.h"
 
 namespace samara::models {
 
@@ -29,15 +29,12 @@ void check_step(double step) {
 }
 
 void check_relative_tolerance(double relative_tolerance) {
-  if (relative_tolerance > 0.0 && relative_tolerance < 1.0) return;
-  throw ArgumentError("relative_tolerance is " + number_text(relative_tolerance) +
-                      "; a value between 0 and 1 was expected");
+  require(relative_tolerance > 0.0 && relative_tolerance < 1.0, "relative_tolerance", relative_tolerance,
+          "a value between 0 and 1");
 }
 
 void check_max_steps(long max_steps) {
-  if (max_steps < 1) {
-    throw ArgumentError("max_steps is " + std::to_string(max_steps) + "; 1 or more was expected");
-  }
+  require(max_steps >= 1, "max_steps", max_steps, "1 or more");
   if (max_steps > 1L << 53) {
     throw ArgumentError("max_steps is " + std::to_string(max_steps) + "; 2^53 or less was expected");
   }

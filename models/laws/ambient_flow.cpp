@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "samara/base/errors.h"
-#include "samara/base/positive.h"
+#include "samara/base/require.h"
 #include "samara/models/laws/immersed_body.h"
 
 namespace samara::models {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/pgd/cross/entry_table.h"
 #include "samara/pgd/cross/max_volume.h"
 #include "samara/pgd/tensors/random.h"
@@ -233,19 +234,16 @@ void add_entries(CrossPivots& pivots, const IndexBatch& entries, int max_rank) {
 
 CrossResult interpolate(const EntryFunction& function, int outputs, const std::vector<int>& sizes,
                         const CrossOptions& options) {
-  if (outputs < 1 || sizes.empty() || *std::min_element(sizes.begin(), sizes.end()) < 1) {
-    throw ArgumentError(
-        fmt::format("cross interpolation of {} outputs on a grid of {} modes ({} nodes), expected at "
-                    "least one of each",
-                    outputs, sizes.size(), fmt::join(sizes, " x ")));
+  constexpr std::string_view kWhere = "cross interpolation";
+  require(outputs >= 1, "the number of outputs", outputs, "at least 1", kWhere);
+  require(!sizes.empty(), "the number of modes", sizes.size(), "at least 1", kWhere);
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    require(sizes[k] >= 1, fmt::format("the size of mode {}", k), sizes[k], "at least 1", kWhere);
   }
-  if (!(options.tolerance > 0.0) || options.max_rank < 1 || options.max_sweeps < 1 ||
-      options.guard_entries < 1) {
-    throw ArgumentError(
-        fmt::format("cross interpolation with tolerance {}, rank {}, {} sweeps, {} guard entries, "
-                    "expected positive numbers",
-                    options.tolerance, options.max_rank, options.max_sweeps, options.guard_entries));
-  }
+  require(options.tolerance > 0.0, "tolerance", options.tolerance, "more than 0", kWhere);
+  require(options.max_rank >= 1, "max_rank", options.max_rank, "at least 1", kWhere);
+  require(options.max_sweeps >= 1, "max_sweeps", options.max_sweeps, "at least 1", kWhere);
+  require(options.guard_entries >= 1, "guard_entries", options.guard_entries, "at least 1", kWhere);
   check_pivots(options.start, sizes);
   return Cross(function, outputs, sizes, options).run();
 }

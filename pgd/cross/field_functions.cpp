@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/base/unit_labels.h"
 #include "samara/pgd/cross/nodal_approximation.h"
 #include "samara/pgd/fields/field_check.h"
@@ -17,10 +18,8 @@ namespace samara::pgd {
 namespace {
 
 void validate(const FieldReferences& fields, const std::vector<OutputLabel>& outputs) {
-  if (fields.empty() || outputs.empty()) {
-    throw ArgumentError(fmt::format("a function of {} fields with {} outputs, expected at least one of each",
-                                    fields.size(), outputs.size()));
-  }
+  require(!fields.empty(), "the number of fields", fields.size(), "at least 1", "function of fields");
+  require(!outputs.empty(), "the number of outputs", outputs.size(), "at least 1", "function of fields");
   for (const SeparatedField& field : fields) {
     require_same_axes("function", fields.front().get().axes(), field.axes());
   }

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/pgd/fields/field_algebra.h"
 #include "samara/pgd/tensors/separation.h"
 
@@ -203,15 +203,12 @@ class Build {
 };
 
 void validate(const FunctionOptions& o) {
-  const auto require = [](bool holds, const char* field, double value) {
-    if (!holds)
-      throw ArgumentError(fmt::format("FunctionOptions::{} is {}, expected more than 0", field, value));
-  };
-  require(o.tolerance > 0.0, "tolerance", o.tolerance);
-  require(o.check_nodes > 0, "check_nodes", o.check_nodes);
-  require(o.max_rank > 0, "max_rank", o.max_rank);
-  require(o.max_terms > 0, "max_terms", o.max_terms);
-  require(o.max_evaluations > 0, "max_evaluations", static_cast<double>(o.max_evaluations));
+  constexpr std::string_view kWhere = "function of fields";
+  require(o.tolerance > 0.0, "tolerance", o.tolerance, "more than 0", kWhere);
+  require(o.check_nodes > 0, "check_nodes", o.check_nodes, "at least 1", kWhere);
+  require(o.max_rank > 0, "max_rank", o.max_rank, "at least 1", kWhere);
+  require(o.max_terms > 0, "max_terms", o.max_terms, "at least 1", kWhere);
+  require(o.max_evaluations > 0, "max_evaluations", o.max_evaluations, "at least 1", kWhere);
 }
 
 }  // namespace

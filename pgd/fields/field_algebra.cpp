@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/base/unit_labels.h"
 #include "samara/pgd/fields/field_check.h"
 #include "samara/pgd/tensors/compression.h"
@@ -156,9 +157,7 @@ SeparatedField derivative(const SeparatedField& f, const std::string& axis) {
 }
 
 FieldCompression compress(const SeparatedField& f, double tolerance) {
-  if (!(tolerance > 0.0)) {
-    throw ArgumentError(fmt::format("compression to a tolerance of {}, expected more than 0", tolerance));
-  }
+  require(tolerance > 0.0, "tolerance", tolerance, "more than 0", "compress");
   // Every output divided by its norm: the error of all together bounds that of each one.
   const Eigen::VectorXd sizes = l2_norm(f);
   const Eigen::VectorXd divisors = (sizes.array() > 0.0).select(sizes, 1.0);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/pgd/tensors/random.h"
 #include "samara/pgd/tensors/tensor_train.h"
 #include "samara/pgd/tensors/train_algebra.h"
@@ -74,8 +75,7 @@ RoundedField rounded(const TrainField& field, const Eigen::VectorXd& scale, doub
     throw ArgumentError(fmt::format("rounding of {} outputs by {} scales, expected as many positive ones",
                                     field.output_count(), scale.size()));
   }
-  if (!(tolerance >= 0.0 && tolerance < 1.0))
-    throw ArgumentError(fmt::format("rounding to {}, expected a tolerance from 0 to 1", tolerance));
+  require(tolerance >= 0.0 && tolerance < 1.0, "tolerance", tolerance, "a number from 0 to 1", "rounded");
   if (centres.size() > 0 && centres.rows() != field.axis_count()) {
     throw ArgumentError(fmt::format("rounding with centres of {} coordinates, expected those of {} axes",
                                     centres.rows(), field.axis_count()));

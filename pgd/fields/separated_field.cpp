@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/pgd/fields/field_check.h"
 
 namespace samara::pgd {
@@ -16,13 +17,13 @@ SeparatedField::SeparatedField(std::vector<Axis> axes, std::vector<OutputLabel> 
       outputs_(std::move(outputs)),
       factors_(std::move(factors)),
       weights_(std::move(weights)) {
-  if (axes_.empty() || outputs_.empty())
-    throw ArgumentError("a separated field needs at least one axis and one output");
-  if (factors_.size() != axes_.size() || weights_.rows() != static_cast<Eigen::Index>(outputs_.size())) {
-    throw ArgumentError(
-        fmt::format("a separated field has {} axes, {} factor matrices, {} outputs and {} rows of weights",
-                    axes_.size(), factors_.size(), outputs_.size(), weights_.rows()));
-  }
+  constexpr std::string_view kWhere = "a separated field";
+  require(!axes_.empty(), "the number of axes", axes_.size(), "at least 1", kWhere);
+  require(!outputs_.empty(), "the number of outputs", outputs_.size(), "at least 1", kWhere);
+  require(factors_.size() == axes_.size(), "the number of factor matrices", factors_.size(),
+          fmt::format("{}, one per axis,", axes_.size()), kWhere);
+  require(weights_.rows() == static_cast<Eigen::Index>(outputs_.size()), "the number of rows of weights",
+          weights_.rows(), fmt::format("{}, one per output,", outputs_.size()), kWhere);
   if (!weights_.allFinite()) throw ArgumentError("a weight of a separated field is not finite");
   for (std::size_t k = 0; k < axes_.size(); ++k) {
     const Eigen::MatrixXd& factor = factors_[k];

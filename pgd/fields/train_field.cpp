@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/pgd/fields/field_check.h"
 
 namespace samara::pgd {
@@ -27,13 +28,11 @@ void interpolate_slices(const TrainCore& core, int first, const Eigen::VectorXd&
 
 void check_train(const std::vector<Axis>& axes, const std::vector<OutputLabel>& outputs,
                  const TensorTrain& train) {
-  if (axes.empty() || outputs.empty()) {
-    throw ArgumentError("a train of fields needs at least one axis and one output");
-  }
-  if (train.cores.size() != axes.size() + 1) {
-    throw ArgumentError(fmt::format("a train of fields has {} axes and {} cores, expected one more",
-                                    axes.size(), train.cores.size()));
-  }
+  constexpr std::string_view kWhere = "a train of fields";
+  require(!axes.empty(), "the number of axes", axes.size(), "at least 1", kWhere);
+  require(!outputs.empty(), "the number of outputs", outputs.size(), "at least 1", kWhere);
+  require(train.cores.size() == axes.size() + 1, "the number of cores", train.cores.size(),
+          fmt::format("{}, one for the outputs and one per axis,", axes.size() + 1), kWhere);
   int left = 1;
   for (std::size_t k = 0; k < train.cores.size(); ++k) {
     const TrainCore& core = train.cores[k];
@@ -46,7 +45,7 @@ void check_train(const std::vector<Axis>& axes, const std::vector<OutputLabel>& 
     if (!core.data.allFinite()) throw ArgumentError(fmt::format("core {} of a train is not finite", k));
     left = core.right;
   }
-  if (left != 1) throw ArgumentError(fmt::format("the last rank of a train is {}, expected 1", left));
+  require(left == 1, "the last rank", left, "1", kWhere);
 }
 
 }  // namespace

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/pgd/linear/factor_update.h"
 #include "samara/pgd/linear/fixed_point.h"
 #include "samara/pgd/linear/residual.h"
@@ -26,22 +28,20 @@ double seconds_since(Clock::time_point start) {
 constexpr int kMostGuesses = 1000;
 
 void validate(const EnrichOptions& o) {
-  const auto require = [](bool holds, const char* field, double value, const char* expected) {
-    if (!holds)
-      throw ArgumentError(fmt::format("EnrichOptions::{} is {}, expected {}", field, value, expected));
-  };
-  require(o.residual_tolerance > 0.0, "residual_tolerance", o.residual_tolerance, "more than 0");
-  require(o.amplitude_tolerance >= 0.0, "amplitude_tolerance", o.amplitude_tolerance, "at least 0");
-  require(o.max_rank >= 1, "max_rank", o.max_rank, "at least 1");
-  require(o.stagnation_terms >= 1, "stagnation_terms", o.stagnation_terms, "at least 1");
+  constexpr std::string_view kWhere = "enrich";
+  require(o.residual_tolerance > 0.0, "residual_tolerance", o.residual_tolerance, "more than 0", kWhere);
+  require(o.amplitude_tolerance >= 0.0, "amplitude_tolerance", o.amplitude_tolerance, "at least 0", kWhere);
+  require(o.max_rank >= 1, "max_rank", o.max_rank, "at least 1", kWhere);
+  require(o.stagnation_terms >= 1, "stagnation_terms", o.stagnation_terms, "at least 1", kWhere);
   require(o.max_fixed_point_iterations >= 1, "max_fixed_point_iterations", o.max_fixed_point_iterations,
-          "at least 1");
-  require(o.fixed_point_tolerance > 0.0, "fixed_point_tolerance", o.fixed_point_tolerance, "more than 0");
-  require(o.update_sweeps >= 0, "update_sweeps", o.update_sweeps, "at least 0");
-  require(o.update_tolerance >= 0.0, "update_tolerance", o.update_tolerance, "at least 0");
+          "at least 1", kWhere);
+  require(o.fixed_point_tolerance > 0.0, "fixed_point_tolerance", o.fixed_point_tolerance, "more than 0",
+          kWhere);
+  require(o.update_sweeps >= 0, "update_sweeps", o.update_sweeps, "at least 0", kWhere);
+  require(o.update_tolerance >= 0.0, "update_tolerance", o.update_tolerance, "at least 0", kWhere);
   require(o.first_guesses >= 1 && o.first_guesses <= kMostGuesses, "first_guesses", o.first_guesses,
-          "1 to 1000");
-  require(o.max_seconds >= 0.0, "max_seconds", o.max_seconds, "at least 0");
+          "1 to 1000", kWhere);
+  require(o.max_seconds >= 0.0, "max_seconds", o.max_seconds, "at least 0", kWhere);
 }
 
 /// One solve: the problem, its projection, and what has been found so far.

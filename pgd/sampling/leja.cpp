@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "samara/base/errors.h"
+#include "samara/base/require.h"
 
 namespace samara::pgd {
 
@@ -59,9 +59,8 @@ Eigen::VectorXd make_points() {
 
 Eigen::VectorXd leja_points(int count) {
   static const Eigen::VectorXd points = make_points();
-  if (count < 1 || count > kMostLejaPoints) {
-    throw ArgumentError(fmt::format("{} Leja points, expected 1 to {}", count, kMostLejaPoints));
-  }
+  require(count >= 1 && count <= kMostLejaPoints, "the number of Leja points", count,
+          fmt::format("1 to {}", kMostLejaPoints));
   return points.head(count);
 }
 

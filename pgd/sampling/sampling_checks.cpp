@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/pgd/sampling/leja.h"
 
 namespace samara::pgd {
@@ -14,11 +15,9 @@ void check_sampling(const std::vector<SampledCoordinate>& coordinates,
                     const std::vector<OutputLabel>& outputs, const PointsFunction& function,
                     const SamplingOptions& o) {
   if (!function) throw ArgumentError("sampling of no function: an empty one was given");
-  if (coordinates.empty() || outputs.empty()) {
-    throw ArgumentError(
-        fmt::format("sampling of {} coordinates and {} outputs, expected at least one of each",
-                    coordinates.size(), outputs.size()));
-  }
+  constexpr std::string_view kWhere = "sample";
+  require(!coordinates.empty(), "the number of coordinates", coordinates.size(), "at least 1", kWhere);
+  require(!outputs.empty(), "the number of outputs", outputs.size(), "at least 1", kWhere);
   std::set<std::string> names;
   for (const SampledCoordinate& c : coordinates) {
     if (!(std::isfinite(c.upper - c.lower) && c.lower < c.upper)) {
@@ -33,18 +32,15 @@ void check_sampling(const std::vector<SampledCoordinate>& coordinates,
       throw ArgumentError(fmt::format("two coordinates are named \"{}\"", c.label.name));
     }
   }
-  const auto require = [](bool holds, const char* field, double value, const char* expected) {
-    if (!holds)
-      throw ArgumentError(fmt::format("SamplingOptions::{} is {}, expected {}", field, value, expected));
-  };
-  require(o.tolerance > 0.0 && o.tolerance < 1.0, "tolerance", o.tolerance, "between 0 and 1");
-  require(o.max_calls >= 1, "max_calls", static_cast<double>(o.max_calls), "at least 1");
-  require(o.max_seconds >= 0.0, "max_seconds", o.max_seconds, "at least 0");
-  require(o.max_rank >= 1, "max_rank", o.max_rank, "at least 1");
-  require(o.max_nodes >= kFewestNodes && o.max_nodes <= kMostLejaPoints, "max_nodes", o.max_nodes,
-          "3 to 128");
-  require(o.guard_points >= 10, "guard_points", o.guard_points, "at least 10");
-  require(o.exploration_points >= 0, "exploration_points", o.exploration_points, "at least 0");
+  require(o.tolerance > 0.0 && o.tolerance < 1.0, "tolerance", o.tolerance, "a number between 0 and 1",
+          kWhere);
+  require(o.max_calls >= 1, "max_calls", o.max_calls, "at least 1", kWhere);
+  require(o.max_seconds >= 0.0, "max_seconds", o.max_seconds, "at least 0", kWhere);
+  require(o.max_rank >= 1, "max_rank", o.max_rank, "at least 1", kWhere);
+  require(o.max_nodes >= kFewestNodes && o.max_nodes <= kMostLejaPoints, "max_nodes", o.max_nodes, "3 to 128",
+          kWhere);
+  require(o.guard_points >= 10, "guard_points", o.guard_points, "at least 10", kWhere);
+  require(o.exploration_points >= 0, "exploration_points", o.exploration_points, "at least 0", kWhere);
   const auto rows = static_cast<Eigen::Index>(coordinates.size());
   if (o.start.size() > 0 && (o.start.rows() != rows || !o.start.allFinite())) {
     throw ArgumentError(fmt::format("SamplingOptions::start has {} coordinates, expected {} finite ones",

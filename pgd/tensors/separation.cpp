@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "samara/base/errors.h"
+#include "samara/base/require.h"
 #include "samara/pgd/tensors/sum_fit.h"
 #include "samara/pgd/tensors/train_algebra.h"
 
@@ -145,12 +145,9 @@ void report(Separation& result, double tolerance, int max_terms) {
 }  // namespace
 
 Separation separate(const TensorTrain& train, double tolerance, int max_terms) {
-  if (train.cores.empty() || !(tolerance >= 0.0) || max_terms < 0) {
-    throw ArgumentError(
-        fmt::format("a train of {} modes as a sum of {} terms within {}, expected at least one mode and "
-                    "numbers that are not negative",
-                    train.modes(), max_terms, tolerance));
-  }
+  require(!train.cores.empty(), "the number of modes", train.modes(), "at least 1", "separate");
+  require(tolerance >= 0.0, "tolerance", tolerance, "at least 0", "separate");
+  require(max_terms >= 0, "max_terms", max_terms, "at least 0", "separate");
   Separation result;
   for (const TrainCore& core : train.cores) result.tensor.factors.emplace_back(core.size, 0);
   result.error = norm(train);

@@ -94,7 +94,11 @@ TEST_CASE("trajectories that rest need two elements") {
 
 TEST_CASE("a mesh of time without time or tolerance is refused") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THROWS_AS(mesh_time(kTimeAxis, 0.0, decays({1.0}), {}), samara::ArgumentError);
-  CHECK_THROWS_AS(mesh_time(kTimeAxis, nan, decays({1.0}), {}), samara::ArgumentError);
-  CHECK_THROWS_AS(mesh_time(kTimeAxis, 1.0, decays({1.0}), {.tolerance = 0.0}), samara::ArgumentError);
+  using Catch::Matchers::Contains;
+  CHECK_THROWS_WITH(mesh_time(kTimeAxis, 0.0, decays({1.0}), {}), Contains("end of time [s] is 0"));
+  CHECK_THROWS_WITH(mesh_time(kTimeAxis, nan, decays({1.0}), {}), Contains("end of time [s] is nan"));
+  CHECK_THROWS_WITH(mesh_time(kTimeAxis, 1.0, decays({1.0}), {.tolerance = 0.0}), Contains("tolerance is 0"));
+  CHECK_THROWS_WITH(mesh_time(kTimeAxis, 1.0, decays({1.0}), {.degree = 1}), Contains("degree is 1"));
+  CHECK_THROWS_WITH(mesh_time(kTimeAxis, 1.0, decays({1.0}), {.max_elements = 1}),
+                    Contains("max_elements is 1"));
 }

@@ -355,18 +355,18 @@ TEST_CASE("the same seed gives the same train to the last bit, another one other
 
 TEST_CASE("cross interpolation refuses what it cannot work on") {
   const EntryFunction one = [](const IndexBatch&, Eigen::MatrixXd& values) { values.setOnes(); };
-  const auto refused = [&](int outputs, const std::vector<int>& sizes, const CrossOptions& options) {
-    CHECK_THROWS_AS(interpolate(one, outputs, sizes, options), samara::ArgumentError);
+  const auto refused = [&](int outputs, const std::vector<int>& sizes, const CrossOptions& options,
+                           const std::string& field) {
+    CHECK_THROWS_WITH(interpolate(one, outputs, sizes, options), Contains(": " + field + " is "));
   };
-  refused(0, {3, 3}, {});
-  refused(1, {}, {});
-  refused(1, {3, 0}, {});
-  refused(1, {3, 3}, {.tolerance = 0.0});
-  refused(1, {3, 3}, {.tolerance = std::numeric_limits<double>::quiet_NaN()});
-  refused(1, {3, 3}, {.max_rank = 0});
-  refused(1, {3, 3}, {.max_sweeps = 0});
-  refused(1, {3, 3}, {.guard_entries = 0});
-  CHECK_THROWS_WITH(interpolate(one, 1, {3, 0}, {}), Contains("3 x 0"));
+  refused(0, {3, 3}, {}, "the number of outputs");
+  refused(1, {}, {}, "the number of modes");
+  refused(1, {3, 0}, {}, "the size of mode 1");
+  refused(1, {3, 3}, {.tolerance = 0.0}, "tolerance");
+  refused(1, {3, 3}, {.tolerance = std::numeric_limits<double>::quiet_NaN()}, "tolerance");
+  refused(1, {3, 3}, {.max_rank = 0}, "max_rank");
+  refused(1, {3, 3}, {.max_sweeps = 0}, "max_sweeps");
+  refused(1, {3, 3}, {.guard_entries = 0}, "guard_entries");
 }
 
 TEST_CASE("pivots of another grid are refused") {

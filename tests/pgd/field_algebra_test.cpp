@@ -209,6 +209,6 @@ TEST_CASE("fields that do not fit, unknown axes and points outside are refused b
   CHECK_THROWS_WITH(restricted(f, "t", 2.5), Contains("t = 2.5 s") && Contains("[0, 2]"));
   CHECK_THROWS_WITH(restricted(f, "t", std::numeric_limits<double>::quiet_NaN()), Contains("finite"));
   CHECK_THROWS_WITH(mean(mean(mean(f, "t"), "x"), "C_D"), Contains("\"C_D\" is the only axis"));
-  CHECK_THROWS_WITH(compress(f, 0.0), Contains("tolerance of 0"));
+  CHECK_THROWS_WITH(compress(f, 0.0), Contains("tolerance is 0"));
   CHECK_THROWS_AS(field_from_nodal_values(axes, f.outputs(), SeparatedTensor{}), samara::ArgumentError);
 }

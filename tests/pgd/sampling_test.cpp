@@ -294,7 +294,7 @@ TEST_CASE("a smooth function is called in large batches, few of them") {
 
 TEST_CASE("calls that make no sense are refused by name") {
   const PointsFunction f = one_output([](std::span<const double>) { return 0.0; });
-  CHECK_THROWS_WITH(sample({}, {{"f"}}, f), Contains("0 coordinates"));
+  CHECK_THROWS_WITH(sample({}, {{"f"}}, f), Contains("number of coordinates is 0"));
   CHECK_THROWS_WITH(sample({{{"a"}, 1.0, 1.0}}, {{"f"}}, f), Contains("a goes from 1 to 1"));
   CHECK_THROWS_WITH(sample({{{"a"}, 0.0, std::nan("")}}, {{"f"}}, f), Contains("expected an interval"));
   CHECK_THROWS_WITH(sample({{{"a"}, 0.0, 1.0}, {{"a"}, 0.0, 1.0}}, {{"f"}}, f), Contains("two coordinates"));

@@ -335,9 +335,9 @@ TEST_CASE("parts of a field that do not fit together are refused") {
   CHECK_THROWS_AS(make({}, good.outputs(), {}, good.weights()), samara::ArgumentError);
   CHECK_THROWS_AS(make(axes, {}, good.factors(), Eigen::MatrixXd(0, 3)), samara::ArgumentError);
   CHECK_THROWS_WITH(make(axes, {{"u"}}, good.factors(), good.weights()),
-                    Contains("1 outputs") && Contains("2 rows"));
+                    Contains("rows of weights is 2; 1, one per output"));
   CHECK_THROWS_WITH(make({axes[0], axes[1]}, good.outputs(), good.factors(), good.weights()),
-                    Contains("2 axes") && Contains("3 factor"));
+                    Contains("factor matrices is 3; 2, one per axis"));
   std::vector<Eigen::MatrixXd> factors = good.factors();
   factors[1].conservativeResize(5, Eigen::NoChange);
   CHECK_THROWS_WITH(make(axes, good.outputs(), factors, good.weights()),

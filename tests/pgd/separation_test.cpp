@@ -138,8 +138,8 @@ TEST_CASE("sums with noise compress to the number of terms they were made of") {
 
 TEST_CASE("separation of nothing, or to a tolerance that is none, is refused") {
   const TensorTrain train = random_train({4, 5}, 2, 4);
-  CHECK_THROWS_WITH(separate(TensorTrain{}, 1e-3), Contains("0 modes"));
+  CHECK_THROWS_WITH(separate(TensorTrain{}, 1e-3), Contains("number of modes is 0"));
   CHECK_THROWS_AS(separate(train, -1.0), samara::ArgumentError);
   CHECK_THROWS_AS(separate(train, std::numeric_limits<double>::quiet_NaN()), samara::ArgumentError);
-  CHECK_THROWS_WITH(separate(train, 1e-3, -2), Contains("-2 terms"));
+  CHECK_THROWS_WITH(separate(train, 1e-3, -2), Contains("max_terms is -2"));
 }

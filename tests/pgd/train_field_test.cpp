@@ -70,8 +70,9 @@ TEST_CASE("trains that do not fit their axes, and points outside them, are refus
   const Pair pair = random_pair(2, 2, 3);
   TensorTrain train = pair.train.train();
   const std::vector<OutputLabel>& labels = pair.train.outputs();
-  CHECK_THROWS_WITH(TrainField({}, labels, train), Contains("at least one axis"));
-  CHECK_THROWS_WITH(TrainField({mixed_axes()[0]}, labels, train), Contains("1 axes and 4 cores"));
+  CHECK_THROWS_WITH(TrainField({}, labels, train), Contains("number of axes is 0"));
+  CHECK_THROWS_WITH(TrainField({mixed_axes()[0]}, labels, train),
+                    Contains("number of cores is 4; 2, one for"));
   CHECK_THROWS_WITH(TrainField(mixed_axes(), {{"u"}}, train), Contains("core 0"));
   train.cores[1].data[0] = std::nan("");
   CHECK_THROWS_WITH(TrainField(mixed_axes(), labels, train), Contains("core 1") && Contains("not finite"));
