@@ -15,8 +15,7 @@ std::vector<double> listed_values(const Codebook& book, std::size_t coordinate) 
   std::set<double> values;
   for (const Piece& piece : book.pieces()) {
     const pgd::Axis& axis = piece.groups().front().axes()[coordinate];
-    if (axis.basis() == pgd::Basis::discrete || axis.basis() == pgd::Basis::imported)
-      values.insert(axis.nodes().begin(), axis.nodes().end());
+    if (axis.is_list()) values.insert(axis.nodes().begin(), axis.nodes().end());
   }
   return {values.begin(), values.end()};
 }

@@ -21,9 +21,9 @@ Eigen::MatrixXd random_points(const std::vector<pgd::Axis>& axes, int count, pgd
   for (Eigen::Index j = 0; j < count; ++j) {
     for (std::size_t k = 0; k < axes.size(); ++k) {
       const pgd::Axis& axis = axes[k];
-      const bool is_list = !axis.has_elements() && axis.basis() != pgd::Basis::fourier;
-      points(static_cast<Eigen::Index>(k), j) =
-          is_list ? axis.nodes()[random.below(axis.size())] : axis.lower() + axis.length() * random.uniform();
+      points(static_cast<Eigen::Index>(k), j) = axis.is_list()
+                                                    ? axis.nodes()[random.below(axis.size())]
+                                                    : axis.lower() + axis.length() * random.uniform();
     }
   }
   return points;

@@ -22,9 +22,9 @@ std::span<const double> as_span(const Eigen::VectorXd& v) {
 }
 
 void write_axis(Hdf5Writer& file, const std::string& path, int index, const pgd::Axis& axis) {
-  if (axis.basis() == pgd::Basis::imported) {
-    throw ArgumentError(
-        fmt::format("axis \"{}\" is imported, which a codebook file cannot hold", axis.name()));
+  if (!pgd::basis_traits(axis.basis()).storable) {
+    throw ArgumentError(fmt::format("axis \"{}\" is {}, which a codebook file cannot hold", axis.name(),
+                                    to_string(axis.basis())));
   }
   file.write_vector(path, axis.nodes());
   file.make_scale(path, axis.name());
@@ -127,14 +127,14 @@ void check_ends(const Hdf5Reader& file, const std::string& path, const std::vect
 /// The tables of one element, or of a fourier axis, take degree^2 numbers of memory: no plan makes such.
 constexpr Eigen::Index kLargestDegree = 4096;
 
-pgd::Axis read_fourier_axis(const Hdf5Reader& file, const std::string& path, pgd::Axis::Label label,
-                            Eigen::Index size) {
+pgd::Axis read_periodic_axis(const Hdf5Reader& file, const std::string& path, pgd::Axis::Label label,
+                             const pgd::BasisTraits& basis, Eigen::Index size) {
   if (size > kLargestDegree) {
-    throw file.error(
-        path, fmt::format("has {} nodes, expected at most {} on a fourier axis", size, kLargestDegree));
+    throw file.error(path, fmt::format("has {} nodes, expected at most {} on a {} axis", size, kLargestDegree,
+                                       basis.name));
   }
-  return pgd::Axis::fourier(std::move(label), file.number_attribute(path, "lower"),
-                            file.number_attribute(path, "upper"), static_cast<int>(size));
+  return basis.over_interval(std::move(label), file.number_attribute(path, "lower"),
+                             file.number_attribute(path, "upper"), static_cast<int>(size));
 }
 
 pgd::Axis read_axis_of_elements(const Hdf5Reader& file, const std::string& path, pgd::Axis::Label label,
@@ -150,12 +150,20 @@ pgd::Axis read_axis_of_elements(const Hdf5Reader& file, const std::string& path,
     throw file.error(path, fmt::format("{} nodes do not fit {} borders and degree {}", nodes.size(),
                                        borders.size(), degree));
   }
-  const auto points = static_cast<int>(degree);
-  return basis == pgd::Basis::p1          ? pgd::Axis::p1(std::move(label), borders)
-         : basis == pgd::Basis::p2        ? pgd::Axis::p2(std::move(label), borders)
-         : basis == pgd::Basis::chebyshev ? pgd::Axis::chebyshev(std::move(label), borders, points)
-         : basis == pgd::Basis::legendre  ? pgd::Axis::legendre(std::move(label), borders, points)
-                                          : pgd::Axis::radau(std::move(label), borders, points);
+  return pgd::Axis::of_elements(std::move(label), basis, borders, static_cast<int>(degree));
+}
+
+pgd::Axis read_axis_of_basis(const Hdf5Reader& file, const std::string& path, pgd::Axis::Label label,
+                             const pgd::BasisTraits& basis, const Eigen::VectorXd& nodes) {
+  switch (basis.family) {
+    case pgd::AxisFamily::elements:
+      return read_axis_of_elements(file, path, std::move(label), basis.basis, nodes);
+    case pgd::AxisFamily::periodic:
+      return read_periodic_axis(file, path, std::move(label), basis, nodes.size());
+    case pgd::AxisFamily::list:
+      break;
+  }
+  return pgd::Axis::discrete(std::move(label), nodes);
 }
 
 /// Axes are rebuilt from their attributes; the nodes in the file must be the ones that follow.
@@ -165,17 +173,15 @@ pgd::Axis read_axis(const Hdf5Reader& file, const std::string& path, const std::
     pgd::Axis::Label label{name, file.text_attribute(path, "units"),
                            pgd::role_from_string(file.text_attribute(path, "role")),
                            pgd::transform_from_string(file.text_attribute(path, "transform"))};
-    const pgd::Basis basis = pgd::basis_from_string(file.text_attribute(path, "basis"));
-    if (basis == pgd::Basis::imported)
-      throw file.error(path, "basis is \"imported\", which a codebook file cannot hold");
-    const pgd::Axis axis = basis == pgd::Basis::discrete ? pgd::Axis::discrete(std::move(label), nodes)
-                           : basis == pgd::Basis::fourier
-                               ? read_fourier_axis(file, path, std::move(label), nodes.size())
-                               : read_axis_of_elements(file, path, std::move(label), basis, nodes);
+    const pgd::BasisTraits& basis =
+        pgd::basis_traits(pgd::basis_from_string(file.text_attribute(path, "basis")));
+    if (!basis.storable)
+      throw file.error(path, fmt::format("basis is \"{}\", which a codebook file cannot hold", basis.name));
+    const pgd::Axis axis = read_axis_of_basis(file, path, std::move(label), basis, nodes);
     const bool fits =
         axis.size() == nodes.size() && (axis.nodes() - nodes).cwiseAbs().maxCoeff() <=
                                            1e-12 * std::max(axis.length(), nodes.cwiseAbs().maxCoeff());
-    if (!fits) throw file.error(path, fmt::format("the nodes are not those of a {} axis", to_string(basis)));
+    if (!fits) throw file.error(path, fmt::format("the nodes are not those of a {} axis", basis.name));
     check_ends(file, path, {axis.lower()}, {axis.upper()});
     return axis;
   } catch (const ArgumentError& error) {

@@ -112,24 +112,24 @@ std::string one_of(const TomlTable& table, const std::string& key, const std::ve
 
 /// Basis and transform of a free coordinate.
 void read_axis_kind(const TomlTable& table, BoxEntry& entry) {
-  entry.basis =
-      pgd::basis_from_string(one_of(table, "basis", {"chebyshev", "legendre", "fourier", "p1", "p2"}));
+  entry.basis = pgd::basis_from_string(one_of(table, "basis", pgd::parameter_basis_names()));
   entry.transform =
       pgd::transform_from_string(one_of(table, "transform", {"none", "log", "reciprocal", "square_root"}));
-  const bool finite_elements = entry.basis == pgd::Basis::p1 || entry.basis == pgd::Basis::p2;
-  if (finite_elements && !entry.nodes)
+  const pgd::BasisTraits& basis = pgd::basis_traits(entry.basis);
+  if (!basis.tells_resolution && !entry.nodes)
     throw table.error("basis", fmt::format("is \"{}\", whose nodes the builder cannot choose: expected a key "
                                            "nodes beside it",
                                            to_string(entry.basis)));
-  const bool odd = entry.basis == pgd::Basis::p2 || entry.basis == pgd::Basis::fourier;
-  if (odd && entry.nodes && *entry.nodes % 2 == 0) {
+  if (basis.odd_nodes && entry.nodes && *entry.nodes % 2 == 0) {
     throw table.error("nodes", fmt::format("is {}, expected an odd number of nodes on a {} axis",
                                            *entry.nodes, to_string(entry.basis)));
   }
-  if (entry.basis == pgd::Basis::fourier && entry.name.ends_with("(0)"))
-    throw table.error("basis", "is \"fourier\", but a solution is not periodic in an initial value");
-  if (entry.basis == pgd::Basis::fourier && entry.transform != pgd::Transform::none)
-    throw table.error("transform", "is not \"none\", which a fourier axis cannot have");
+  const bool periodic = basis.family == pgd::AxisFamily::periodic;
+  if (periodic && entry.name.ends_with("(0)"))
+    throw table.error(
+        "basis", fmt::format("is \"{}\", but a solution is not periodic in an initial value", basis.name));
+  if (periodic && entry.transform != pgd::Transform::none)
+    throw table.error("transform", fmt::format("is not \"none\", which a {} axis cannot have", basis.name));
   if (!in_domain(entry.transform, entry.lower)) {
     throw table.error("transform", fmt::format("is \"{}\", which is not defined at the lower end {}",
                                                to_string(entry.transform), entry.lower));

@@ -11,14 +11,6 @@ namespace samara::codebooks {
 
 using kernels::PackedField;
 
-namespace {
-
-bool is_list(const pgd::Axis& axis) {
-  return !axis.has_elements() && axis.basis() != pgd::Basis::fourier;
-}
-
-}  // namespace
-
 PreparedFields::PreparedFields(const Codebook& book, const Choice& choice) : choice_(choice) {
   const auto outputs = static_cast<int>(choice.outputs.size());
   rows_ = outputs * (choice.times ? static_cast<int>(choice.times->size()) : 1);
@@ -29,7 +21,8 @@ PreparedFields::PreparedFields(const Codebook& book, const Choice& choice) : cho
   }
   // Pieces that a file has not given yet wait until a point falls into them. Times meet them all; of lists
   // the box does not tell what is inside.
-  const bool may_wait = !choice.times && std::ranges::none_of(book.pieces().front().outline().axes, is_list);
+  const bool may_wait =
+      !choice.times && std::ranges::none_of(book.pieces().front().outline().axes, &pgd::Axis::is_list);
   std::vector<PieceFinder::Box> boxes;
   all_hold_the_box_ = has_one_cell_ = true;
   for (const codebooks::Piece& piece : book.pieces()) {
@@ -66,7 +59,7 @@ PieceFinder::Box PreparedFields::box_of(const codebooks::Piece& piece, bool by_b
     if (!is_free(k)) continue;
     box.intervals.push_back({piece.lower()[k], piece.upper()[k]});
     box.lists.emplace_back();
-    if (!by_box && is_list(piece.groups().front().axes()[k]))
+    if (!by_box && piece.groups().front().axes()[k].is_list())
       box.lists.back() = piece.groups().front().axes()[k];
   }
   return box;
@@ -89,7 +82,7 @@ void PreparedFields::look_at(int piece) {
         [&](const auto& packed) {
           for (int k = 0; k < packed.axis_count(); ++k) {
             const pgd::Axis& axis = packed.axis(k).axis();
-            has_one_cell_ = has_one_cell_ && (axis.has_elements() ? axis.elements() == 1 : !is_list(axis));
+            has_one_cell_ = has_one_cell_ && (axis.has_elements() ? axis.elements() == 1 : !axis.is_list());
           }
         },
         part.packed);

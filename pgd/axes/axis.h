@@ -3,42 +3,15 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
 
-#include "samara/pgd/axes/axis_transform.h"
-#include "samara/pgd/axes/lagrange.h"
+#include "samara/pgd/axes/axis_tables.h"
 
 namespace samara::pgd {
 
-using SparseMatrix = Eigen::SparseMatrix<double>;
-
-/// How functions of one coordinate are represented.
-enum class Basis {
-  p1,         ///< continuous piecewise linear finite elements on any mesh; order 2
-  chebyshev,  ///< elements through their Chebyshev-Lobatto points; one element converges geometrically
-  radau,  ///< time elements: degree s through the start of the element and its s right Radau points; order s
-          ///< + 1 between the nodes, 2s - 1 at the ends of the elements when used for collocation
-  p2,     ///< continuous piecewise quadratic finite elements on any mesh; order 3
-  legendre,  ///< elements through their Gauss-Legendre-Lobatto points; one element converges geometrically
-  fourier,   ///< trigonometric polynomials of one period on equidistant nodes; converges geometrically
-  discrete,  ///< a list of values, each counting one; nothing between them
-  imported,  ///< nodes of somebody else's discretisation, known by its mass matrix only
-};
-
-enum class AxisRole { time, space, parameter, initial, boundary };
-
-/// Weights of the nodes that a point touches: u(x) = sum_j value[j] u[first + j], likewise for du/dx.
-struct InterpolationStencil {
-  int first = 0;
-  Eigen::VectorXd value;
-  Eigen::VectorXd derivative;
-};
-
 /// One coordinate: its interval and its discretisation by a nodal basis N_i with N_i(node j) = 1 if i = j,
-/// else 0. There are three families:
+/// else 0. There are three families (axis_traits.h):
 ///
 ///  - elements (p1, p2, chebyshev, legendre, radau): continuous piecewise polynomials; every element has the
 ///    same reference nodes, both ends included and shared with its neighbours. They are polynomials in
@@ -51,12 +24,7 @@ struct InterpolationStencil {
 /// Cheap to copy: the tables are shared and immutable.
 class Axis {
  public:
-  struct Label {
-    std::string name;
-    std::string unit = "1";
-    AxisRole role = AxisRole::parameter;
-    Transform transform = Transform::none;  ///< of the kinds with elements
-  };
+  using Label = AxisLabel;
 
   /// Finite elements on the mesh `nodes` (strictly increasing, at least two).
   /// @throws ArgumentError if nodes are not finite or not increasing, if they leave the domain of the
@@ -76,6 +44,9 @@ class Axis {
   static Axis legendre(Label label, double lower, double upper, int count);
   /// Elements of degree `degree` >= 1 between the given borders.
   static Axis legendre(Label label, const Eigen::VectorXd& borders, int degree);
+  /// Elements of a basis that has them, of degree `degree` >= 1 (p1 and p2 have their own), between the given
+  /// borders. @throws ArgumentError also if the basis has no elements.
+  static Axis of_elements(Label label, Basis basis, const Eigen::VectorXd& borders, int degree);
   /// Collocation elements of degree `points` >= 1 between the given borders.
   static Axis radau(Label label, const Eigen::VectorXd& borders, int points);
   /// The same with `elements` elements, equal in s.
@@ -98,6 +69,9 @@ class Axis {
   AxisRole role() const { return tables_->label.role; }
   Transform transform() const { return tables_->label.transform; }
   Basis basis() const { return tables_->basis; }
+  AxisFamily family() const { return tables_->family; }
+  /// Whether there are values at the nodes only.
+  bool is_list() const { return family() == AxisFamily::list; }
   /// Ends of the interval: of the period if periodic, else the first and last node.
   double lower() const { return tables_->lower; }
   double upper() const { return tables_->upper; }
@@ -150,38 +124,11 @@ class Axis {
   bool contains(double x) const;
 
  private:
-  struct Tables {
-    Label label;
-    Basis basis = Basis::p1;
-    double lower = 0.0, upper = 0.0, measure = 0.0;
-    Eigen::VectorXd borders;
-    std::optional<LagrangeBasis> local;
-    Eigen::VectorXd nodes;
-    Eigen::VectorXd weights;
-    SparseMatrix mass;
-    std::optional<SparseMatrix> gradient, stiffness, derivative;
-  };
-  /// Elements between `borders`.
-  static Axis make(Label label, Basis basis, const Eigen::VectorXd& borders,
-                   const Eigen::VectorXd& reference_nodes);
-  static Axis make_list(Label label, Basis basis, const Eigen::VectorXd& nodes, const SparseMatrix& mass);
-  explicit Axis(std::shared_ptr<const Tables> tables) : tables_(std::move(tables)) {}
+  explicit Axis(AxisTables tables);
 
-  bool is_list() const { return basis() == Basis::discrete || basis() == Basis::imported; }
   const SparseMatrix& existing(const std::optional<SparseMatrix>& matrix, const char* what) const;
-  int nearest_node(double x) const;
-  void interpolate_element(double x, InterpolationStencil& stencil, bool with_derivative) const;
-  void interpolate_fourier(double x, InterpolationStencil& stencil, bool with_derivative) const;
 
-  std::shared_ptr<const Tables> tables_;
+  std::shared_ptr<const AxisTables> tables_;
 };
-
-/// The names used in files: "p1", "chebyshev", "radau", "p2", "legendre", "fourier", "discrete", "imported"
-/// and "time", "space", "parameter", "initial", "boundary".
-std::string to_string(Basis basis);
-std::string to_string(AxisRole role);
-/// @throws ArgumentError for an unknown name.
-Basis basis_from_string(const std::string& name);
-AxisRole role_from_string(const std::string& name);
 
 }  // namespace samara::pgd

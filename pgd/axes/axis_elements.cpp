@@ -1,4 +1,4 @@
-// The kinds of axes that are made of elements: p1, p2, chebyshev, legendre, radau.
+#include "samara/pgd/axes/axis_elements.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/pgd/axes/axis.h"
+#include "samara/base/require.h"
 #include "samara/pgd/axes/axis_checks.h"
 #include "samara/pgd/axes/quadrature.h"
 
@@ -15,7 +15,7 @@ namespace samara::pgd {
 
 namespace {
 
-void check_borders(const Axis::Label& label, const Eigen::VectorXd& borders) {
+void check_borders(const AxisLabel& label, const Eigen::VectorXd& borders) {
   check_increasing(label, borders, 2);
   if (in_domain(label.transform, borders[0])) return;
   throw ArgumentError(fmt::format("axis \"{}\" begins at {} with the transform \"{}\", expected {} 0",
@@ -35,21 +35,6 @@ double place_in_element(Transform transform, double left, double right, double p
   const double half = 0.5 * transformed_distance(transform, left, right);
   return place <= 0.0 ? transformed_advance(transform, left, half * (1.0 + place))
                       : transformed_advance(transform, right, -half * (1.0 - place));
-}
-
-/// Borders of elements that are equal in s.
-Eigen::VectorXd equal_elements(const Axis::Label& label, double lower, double upper, int elements) {
-  if (elements < 1) {
-    throw ArgumentError(
-        fmt::format("axis \"{}\" has {} elements, expected at least 1", label.name, elements));
-  }
-  check_borders(label, Eigen::Vector2d(lower, upper));
-  Eigen::VectorXd borders = Eigen::VectorXd::LinSpaced(elements + 1, lower, upper);
-  if (label.transform == Transform::none) return borders;
-  for (int e = 1; e < elements; ++e) {
-    borders[e] = place_in_element(label.transform, lower, upper, (2.0 * e - elements) / elements);
-  }
-  return borders;
 }
 
 /// Integrals over one element.
@@ -157,37 +142,26 @@ Eigen::VectorXd place_nodes(Transform transform, const Eigen::VectorXd& borders,
   return nodes;
 }
 
-int checked_degree(const Axis::Label& label, int degree) {
-  if (degree >= 1) return degree;
-  throw ArgumentError(
-      fmt::format("axis \"{}\" has elements of degree {}, expected at least 1", label.name, degree));
-}
-
-int checked_count(const Axis::Label& label, int count) {
-  if (count >= 2) return count;
-  throw ArgumentError(fmt::format("axis \"{}\" has {} nodes, expected at least 2", label.name, count));
-}
-
 }  // namespace
 
-Axis Axis::make(Label label, Basis basis, const Eigen::VectorXd& borders,
-                const Eigen::VectorXd& reference_nodes) {
+AxisTables element_tables(AxisLabel label, Basis basis, const Eigen::VectorXd& borders,
+                          const Eigen::VectorXd& reference_nodes) {
   check_borders(label, borders);
-  auto tables = std::make_shared<Tables>();
-  tables->label = std::move(label);
-  tables->basis = basis;
-  tables->borders = borders;
-  tables->lower = borders[0];
-  tables->upper = borders[borders.size() - 1];
-  tables->measure = tables->upper - tables->lower;
-  tables->local.emplace(reference_nodes);
-  const Transform transform = tables->label.transform;
-  tables->nodes = place_nodes(transform, borders, reference_nodes);
-  const LagrangeBasis& local = *tables->local;
+  AxisTables tables;
+  tables.label = std::move(label);
+  tables.basis = basis;
+  tables.borders = borders;
+  tables.lower = borders[0];
+  tables.upper = borders[borders.size() - 1];
+  tables.measure = tables.upper - tables.lower;
+  tables.local.emplace(reference_nodes);
+  const Transform transform = tables.label.transform;
+  tables.nodes = place_nodes(transform, borders, reference_nodes);
+  const LagrangeBasis& local = *tables.local;
   const ElementMatrices reference = integrate_reference(local);
   const Eigen::Index degree = local.size() - 1;
-  const Eigen::Index n = tables->nodes.size();
-  tables->weights = Eigen::VectorXd::Zero(n);
+  const Eigen::Index n = tables.nodes.size();
+  tables.weights = Eigen::VectorXd::Zero(n);
   Triplets mass, gradient, stiffness, derivative;
   for (Eigen::Index e = 0; e + 1 < borders.size(); ++e) {
     const double half = 0.5 * transformed_distance(transform, borders[e], borders[e + 1]);
@@ -196,100 +170,58 @@ Axis Axis::make(Label label, Basis basis, const Eigen::VectorXd& borders,
             ? scaled(reference, half)
             : integrate_transformed(local, reference, transform, borders[e], borders[e + 1]);
     const Eigen::Index first = e * degree;
-    tables->weights.segment(first, degree + 1) += element.weights;
+    tables.weights.segment(first, degree + 1) += element.weights;
     scatter(mass, first, element.mass);
     scatter(gradient, first, element.gradient);
     scatter(stiffness, first, element.stiffness);
     // The first node of an element belongs to the element on its left, except on the very first.
     for (Eigen::Index i = e == 0 ? 0 : 1; i <= degree; ++i) {
-      const double ds_dx = transform_slope(transform, tables->nodes[first + i]);
+      const double ds_dx = transform_slope(transform, tables.nodes[first + i]);
       for (Eigen::Index j = 0; j <= degree; ++j) {
         derivative.emplace_back(first + i, first + j, local.differentiation()(i, j) / half * ds_dx);
       }
     }
   }
-  tables->mass = assemble(n, mass);
-  tables->gradient = assemble(n, gradient);
+  tables.mass = assemble(n, mass);
+  tables.gradient = assemble(n, gradient);
   // Under the square root from 0, du/dx = u'(s) / (2 s) is neither finite nor square integrable.
-  if (transform != Transform::square_root || tables->lower > 0.0) {
-    tables->stiffness = assemble(n, stiffness);
-    tables->derivative = assemble(n, derivative);
+  if (transform != Transform::square_root || tables.lower > 0.0) {
+    tables.stiffness = assemble(n, stiffness);
+    tables.derivative = assemble(n, derivative);
   }
-  return Axis(std::move(tables));
+  return tables;
 }
 
-Axis Axis::p1(Label label, const Eigen::VectorXd& nodes) {
-  return make(std::move(label), Basis::p1, nodes, Eigen::Vector2d(-1.0, 1.0));
-}
-
-Axis Axis::p1(Label label, double lower, double upper, int count) {
-  const Eigen::VectorXd nodes = equal_elements(label, lower, upper, count - 1);
-  return p1(std::move(label), nodes);
-}
-
-Axis Axis::p2(Label label, const Eigen::VectorXd& borders) {
-  return make(std::move(label), Basis::p2, borders, Eigen::Vector3d(-1.0, 0.0, 1.0));
-}
-
-Axis Axis::p2(Label label, double lower, double upper, int elements) {
-  const Eigen::VectorXd borders = equal_elements(label, lower, upper, elements);
-  return p2(std::move(label), borders);
-}
-
-Axis Axis::chebyshev(Label label, double lower, double upper, int count) {
-  const Eigen::VectorXd reference = chebyshev_lobatto_nodes(checked_count(label, count));
-  return make(std::move(label), Basis::chebyshev, Eigen::Vector2d(lower, upper), reference);
-}
-
-Axis Axis::chebyshev(Label label, const Eigen::VectorXd& borders, int degree) {
-  const Eigen::VectorXd reference = chebyshev_lobatto_nodes(checked_degree(label, degree) + 1);
-  return make(std::move(label), Basis::chebyshev, borders, reference);
-}
-
-Axis Axis::legendre(Label label, double lower, double upper, int count) {
-  const Eigen::VectorXd reference = legendre_lobatto_nodes(checked_count(label, count));
-  return make(std::move(label), Basis::legendre, Eigen::Vector2d(lower, upper), reference);
-}
-
-Axis Axis::legendre(Label label, const Eigen::VectorXd& borders, int degree) {
-  const Eigen::VectorXd reference = legendre_lobatto_nodes(checked_degree(label, degree) + 1);
-  return make(std::move(label), Basis::legendre, borders, reference);
-}
-
-Axis Axis::radau(Label label, const Eigen::VectorXd& borders, int points) {
-  if (points < 1) {
-    throw ArgumentError(
-        fmt::format("axis \"{}\" has {} points per element, expected at least 1", label.name, points));
+Eigen::VectorXd equal_elements(const AxisLabel& label, double lower, double upper, int elements) {
+  require(elements >= 1, "the number of elements", elements, "at least 1", axis_text(label));
+  check_borders(label, Eigen::Vector2d(lower, upper));
+  Eigen::VectorXd borders = Eigen::VectorXd::LinSpaced(elements + 1, lower, upper);
+  if (label.transform == Transform::none) return borders;
+  for (int e = 1; e < elements; ++e) {
+    borders[e] = place_in_element(label.transform, lower, upper, (2.0 * e - elements) / elements);
   }
-  Eigen::VectorXd reference(points + 1);
-  reference << -1.0, gauss_radau_right(points).nodes;
-  return make(std::move(label), Basis::radau, borders, reference);
+  return borders;
 }
 
-Axis Axis::radau(Label label, double lower, double upper, int elements, int points) {
-  const Eigen::VectorXd borders = equal_elements(label, lower, upper, elements);
-  return radau(std::move(label), borders, points);
-}
-
-int Axis::element_of(double x) const {
-  if (!has_elements()) return 0;
-  const Eigen::VectorXd& borders = tables_->borders;
+int element_of(const AxisTables& tables, double x) {
+  const Eigen::VectorXd& borders = tables.borders;
   const double* begin = borders.data() + 1;
   const double* end = borders.data() + borders.size() - 1;
   return static_cast<int>(std::lower_bound(begin, end, x) - begin);
 }
 
-void Axis::interpolate_element(double x, InterpolationStencil& stencil, bool with_derivative) const {
-  const int e = element_of(x);
-  const double left = tables_->borders[e];
-  const double right = tables_->borders[e + 1];
-  const LagrangeBasis& local = *tables_->local;
+void interpolate_element(const AxisTables& tables, double x, InterpolationStencil& stencil,
+                         bool with_derivative) {
+  const int e = element_of(tables, x);
+  const Transform transform = tables.label.transform;
+  const double left = tables.borders[e];
+  const double right = tables.borders[e + 1];
+  const LagrangeBasis& local = *tables.local;
   stencil.first = e * (local.size() - 1);
-  local.values(reference_place(transform(), left, right, x), stencil.value);
+  local.values(reference_place(transform, left, right, x), stencil.value);
   if (with_derivative) {
     stencil.derivative.noalias() = local.differentiation().transpose() * stencil.value;
-    stencil.derivative *=
-        2.0 / transformed_distance(transform(), left, right) * transform_slope(transform(), x);
+    stencil.derivative *= 2.0 / transformed_distance(transform, left, right) * transform_slope(transform, x);
   }
 }
 

@@ -1,4 +1,4 @@
-// The kinds of axes that are lists of nodes without anything between them: discrete, imported.
+#include "samara/pgd/axes/axis_list.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/pgd/axes/axis.h"
 #include "samara/pgd/axes/axis_checks.h"
 
 namespace samara::pgd {
@@ -56,31 +55,31 @@ void check_positive(const std::string& name, const SparseMatrix& mass) {
   }
 }
 
-}  // namespace
-
-Axis Axis::make_list(Label label, Basis basis, const Eigen::VectorXd& nodes, const SparseMatrix& mass) {
-  auto tables = std::make_shared<Tables>();
-  tables->label = std::move(label);
-  tables->basis = basis;
-  tables->lower = nodes[0];
-  tables->upper = nodes[nodes.size() - 1];
-  tables->nodes = nodes;
-  tables->mass = mass;
-  tables->mass.makeCompressed();
-  tables->weights = mass * Eigen::VectorXd::Ones(nodes.size());
-  tables->measure = tables->weights.sum();
-  return Axis(std::move(tables));
+AxisTables list_tables(AxisLabel label, Basis basis, const Eigen::VectorXd& nodes, const SparseMatrix& mass) {
+  AxisTables tables;
+  tables.label = std::move(label);
+  tables.basis = basis;
+  tables.lower = nodes[0];
+  tables.upper = nodes[nodes.size() - 1];
+  tables.nodes = nodes;
+  tables.mass = mass;
+  tables.mass.makeCompressed();
+  tables.weights = mass * Eigen::VectorXd::Ones(nodes.size());
+  tables.measure = tables.weights.sum();
+  return tables;
 }
 
-Axis Axis::discrete(Label label, const Eigen::VectorXd& values) {
+}  // namespace
+
+AxisTables discrete_tables(AxisLabel label, const Eigen::VectorXd& values) {
   check_increasing(label, values, 1);
   check_no_transform(label, "discrete");
   SparseMatrix identity(values.size(), values.size());
   identity.setIdentity();
-  return make_list(std::move(label), Basis::discrete, values, identity);
+  return list_tables(std::move(label), Basis::discrete, values, identity);
 }
 
-Axis Axis::imported(Label label, const SparseMatrix& mass) {
+AxisTables imported_tables(AxisLabel label, const SparseMatrix& mass) {
   check_no_transform(label, "imported");
   if (mass.rows() != mass.cols() || mass.rows() == 0) {
     throw ArgumentError(
@@ -91,12 +90,12 @@ Axis Axis::imported(Label label, const SparseMatrix& mass) {
   check_positive(label.name, mass);
   const Eigen::Index n = mass.rows();
   const Eigen::VectorXd indices = Eigen::VectorXd::LinSpaced(n, 0.0, static_cast<double>(n - 1));
-  return make_list(std::move(label), Basis::imported, indices, mass);
+  return list_tables(std::move(label), Basis::imported, indices, mass);
 }
 
-int Axis::nearest_node(double x) const {
-  const double* begin = nodes().data();
-  const double* last = begin + nodes().size() - 1;
+int nearest_node(const AxisTables& tables, double x) {
+  const double* begin = tables.nodes.data();
+  const double* last = begin + tables.nodes.size() - 1;
   const double* above = std::lower_bound(begin, last, x);
   const bool below_is_nearer = above != begin && x - above[-1] <= *above - x;
   return static_cast<int>(above - begin) - (below_is_nearer ? 1 : 0);

@@ -12,10 +12,8 @@ namespace samara::pgd {
 namespace {
 
 void check_axis(const AdaptiveAxis& axis) {
-  const bool elements = axis.basis == Basis::p1 || axis.basis == Basis::p2;
-  const bool refined =
-      axis.basis == Basis::chebyshev || axis.basis == Basis::legendre || axis.basis == Basis::fourier;
-  if (refined || (elements && axis.nodes)) return;
+  const BasisTraits& basis = basis_traits(axis.basis);
+  if (basis.discretises_parameters() && (basis.tells_resolution || axis.nodes)) return;
   throw ArgumentError(
       fmt::format("axis \"{}\" is {}, expected chebyshev, legendre, fourier, or p1 or p2 with "
                   "a number of nodes",
@@ -25,18 +23,9 @@ void check_axis(const AdaptiveAxis& axis) {
 }  // namespace
 
 Axis make_axis(const AdaptiveAxis& axis, int nodes) {
-  switch (axis.basis) {
-    case Basis::p1:
-      return Axis::p1(axis.label, axis.lower, axis.upper, nodes);
-    case Basis::p2:
-      return Axis::p2(axis.label, axis.lower, axis.upper, nodes / 2);
-    case Basis::legendre:
-      return Axis::legendre(axis.label, axis.lower, axis.upper, nodes);
-    case Basis::fourier:
-      return Axis::fourier(axis.label, axis.lower, axis.upper, nodes / 2 * 2 + 1);
-    default:
-      return Axis::chebyshev(axis.label, axis.lower, axis.upper, nodes);
-  }
+  const BasisTraits& basis = basis_traits(axis.basis);
+  const int count = basis.odd_nodes ? nodes / 2 * 2 + 1 : nodes;
+  return basis.over_interval(axis.label, axis.lower, axis.upper, count);
 }
 
 void check_problem(const AdaptiveProblem& problem) {

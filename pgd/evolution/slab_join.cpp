@@ -39,18 +39,7 @@ std::optional<Axis> common_axis(const Axis& a, const Axis& b) {
 
 Axis time_with_borders(const Axis& like, const Eigen::VectorXd& borders) {
   const Axis::Label label{like.name(), like.unit(), like.role(), like.transform()};
-  switch (like.basis()) {
-    case Basis::radau:
-      return Axis::radau(label, borders, like.degree());
-    case Basis::chebyshev:
-      return Axis::chebyshev(label, borders, like.degree());
-    case Basis::legendre:
-      return Axis::legendre(label, borders, like.degree());
-    case Basis::p2:
-      return Axis::p2(label, borders);
-    default:
-      return Axis::p1(label, borders);
-  }
+  return Axis::of_elements(label, like.basis(), borders, like.degree());
 }
 
 /// Axes of both fields as one, time first; none if they do not fit together.
@@ -124,7 +113,7 @@ Eigen::MatrixXd trial_points(const std::vector<Axis>& axes, Random& random) {
       const Axis& axis = axes[k];
       double x = axis.lower() + axis.length() * random.uniform();
       if (j % 2 == 1 && k > 0) x = random.below(2) == 1 ? axis.upper() : axis.lower();
-      if (!axis.has_elements() && axis.basis() != Basis::fourier) x = axis.nodes()[random.below(axis.size())];
+      if (axis.is_list()) x = axis.nodes()[random.below(axis.size())];
       points(static_cast<Eigen::Index>(k), j) = x;
     }
   }

@@ -93,8 +93,8 @@ SlabMarch::Outcome SlabMarch::refine(SlabCell& cell, const TensorTrain& train, c
     resample(cell, problem_, nodes);
     return Outcome::refined;
   }
-  const Basis basis = problem_.parameters[coarsest].basis;
-  if (cells() < options_.max_cells && basis != Basis::fourier) {
+  const BasisTraits& basis = basis_traits(problem_.parameters[coarsest].basis);
+  if (cells() < options_.max_cells && basis.can_be_split()) {
     std::vector<SlabCell> parts =
         halves(cell, problem_, static_cast<int>(coarsest), options_.guards, random_);
     parts[0].number = cell.number;

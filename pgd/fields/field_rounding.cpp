@@ -43,7 +43,7 @@ Eigen::MatrixXd trial_points(const std::vector<Axis>& axes, const Eigen::MatrixX
     for (std::size_t k = 0; k < axes.size(); ++k) {
       const Axis& axis = axes[k];
       double x = axis.lower() + axis.length() * random.uniform();
-      if (!axis.has_elements() && axis.basis() != Basis::fourier) x = axis.nodes()[random.below(axis.size())];
+      if (axis.is_list()) x = axis.nodes()[random.below(axis.size())];
       if (j % 2 == 1 && random.below(2) == 1) x = random.below(2) == 1 ? axis.upper() : axis.lower();
       points(static_cast<Eigen::Index>(k), j) = x;
     }

@@ -51,9 +51,8 @@ Eigen::MatrixXd highest_coefficient_rows(const Eigen::VectorXd& nodes) {
 }  // namespace
 
 Eigen::MatrixXd highest_coefficient_rows(const Axis& axis) {
-  if (axis.basis() == Basis::fourier) return highest_harmonics(axis.size());
-  if (!axis.has_elements() || axis.basis() == Basis::p1 || axis.basis() == Basis::p2)
-    return Eigen::MatrixXd(0, axis.size());
+  if (!basis_traits(axis.basis()).tells_resolution) return Eigen::MatrixXd(0, axis.size());
+  if (axis.family() == AxisFamily::periodic) return highest_harmonics(axis.size());
   const Eigen::MatrixXd element = highest_coefficient_rows(axis.element_basis().nodes());
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(element.rows() * axis.elements(), axis.size());
   for (int e = 0; e < axis.elements(); ++e) {

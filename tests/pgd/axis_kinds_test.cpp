@@ -13,6 +13,7 @@
 #include "samara/base/errors.h"
 #include "samara/pgd/axes/axis.h"
 #include "samara/pgd/axes/quadrature.h"
+#include "samara/pgd/fields/resolution.h"
 #include "samara/pgd/tensors/random.h"
 
 using namespace samara::pgd;
@@ -287,17 +288,44 @@ TEST_CASE("an axis without elements says so instead of naming a degree") {
 
 TEST_CASE("arguments that make no quadratic, spectral or Fourier axis are refused by name") {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THROWS_WITH(Axis::p2({"x"}, Eigen::VectorXd::Zero(1)), Contains("\"x\" has 1 nodes"));
-  CHECK_THROWS_WITH(Axis::p2({"x"}, 0.0, 1.0, 0), Contains("0 elements"));
+  CHECK_THROWS_WITH(Axis::p2({"x"}, Eigen::VectorXd::Zero(1)),
+                    Contains("axis \"x\": the number of nodes is 1"));
+  CHECK_THROWS_WITH(Axis::p2({"x"}, 0.0, 1.0, 0), Contains("number of elements is 0"));
   CHECK_THROWS_WITH(Axis::p2({"x"}, Eigen::Vector3d(0.0, 2.0, 1.0)), Contains("from 2 to 1"));
-  CHECK_THROWS_WITH(Axis::legendre({"x"}, 0.0, 1.0, 1), Contains("1 nodes"));
+  CHECK_THROWS_WITH(Axis::legendre({"x"}, 0.0, 1.0, 1), Contains("number of nodes is 1"));
   CHECK_THROWS_WITH(Axis::legendre({"x"}, 0.0, kNan, 5), Contains("not finite"));
-  CHECK_THROWS_WITH(Axis::legendre({"x"}, equal(2), 0), Contains("degree 0"));
-  CHECK_THROWS_WITH(Axis::chebyshev({"x"}, equal(2), -1), Contains("degree -1"));
-  CHECK_THROWS_WITH(Axis::fourier({"x"}, 0.0, 1.0, 4), Contains("4 nodes, expected an odd number"));
-  CHECK_THROWS_WITH(Axis::fourier({"x"}, 0.0, 1.0, 1), Contains("1 nodes"));
+  CHECK_THROWS_WITH(Axis::legendre({"x"}, equal(2), 0), Contains("degree of its elements is 0"));
+  CHECK_THROWS_WITH(Axis::chebyshev({"x"}, equal(2), -1), Contains("degree of its elements is -1"));
+  CHECK_THROWS_WITH(Axis::fourier({"x"}, 0.0, 1.0, 4), Contains("number of nodes is 4; an odd number"));
+  CHECK_THROWS_WITH(Axis::fourier({"x"}, 0.0, 1.0, 1), Contains("number of nodes is 1"));
   CHECK_THROWS_WITH(Axis::fourier({"x"}, 1.0, 1.0, 3), Contains("increasing"));
   CHECK_THROWS_WITH(Axis::fourier({"x"}, 0.0, kNan, 3), Contains("not finite"));
   CHECK_THROWS_WITH(Axis::fourier({"x", "1", AxisRole::parameter, Transform::logarithm}, 1.0, 2.0, 3),
                     Contains("transform \"log\", which a fourier axis cannot have"));
+}
+
+TEST_CASE("the table of bases says what axes of each do") {
+  for (const Basis basis : {Basis::p1, Basis::chebyshev, Basis::radau, Basis::p2, Basis::legendre,
+                            Basis::fourier, Basis::discrete, Basis::imported}) {
+    const BasisTraits& traits = basis_traits(basis);
+    INFO(traits.name);
+    CHECK(traits.basis == basis);
+    CHECK((traits.element_nodes != nullptr) == (traits.family == AxisFamily::elements));
+    if (traits.element_nodes != nullptr) {
+      const Axis axis = Axis::of_elements({"x"}, basis, Eigen::Vector3d(0.0, 1.0, 3.0), 2);
+      CHECK(axis.basis() == basis);
+      CHECK(axis.elements() == 2);
+      CHECK(axis.family() == AxisFamily::elements);
+    } else {
+      CHECK_THROWS_WITH(Axis::of_elements({"x"}, basis, Eigen::Vector2d(0.0, 1.0), 2), Contains(traits.name));
+    }
+    if (!traits.discretises_parameters()) continue;
+    const int nodes = traits.odd_nodes ? 9 : 8;
+    const Axis axis = traits.over_interval({"x"}, 1.0, 2.0, nodes);
+    CHECK(axis.basis() == basis);
+    CHECK(axis.size() == nodes);
+    CHECK(axis.family() == traits.family);
+    CHECK((highest_coefficient_rows(axis).rows() > 0) == traits.tells_resolution);
+  }
+  CHECK(parameter_basis_names() == std::vector<std::string>{"chebyshev", "legendre", "fourier", "p1", "p2"});
 }

@@ -139,7 +139,8 @@ TEST_CASE("the highest coefficients on a Fourier axis are those of its two highe
 
 TEST_CASE("values that make no list are refused by name") {
   const double nan = std::nan("");
-  CHECK_THROWS_WITH(Axis::discrete({"plies"}, Eigen::VectorXd()), Contains("\"plies\" has 0 nodes"));
+  CHECK_THROWS_WITH(Axis::discrete({"plies"}, Eigen::VectorXd()),
+                    Contains("axis \"plies\": the number of nodes is 0"));
   CHECK_THROWS_WITH(Axis::discrete({"plies"}, Eigen::Vector2d(2.0, 2.0)), Contains("increasing"));
   CHECK_THROWS_WITH(Axis::discrete({"plies"}, Eigen::Vector2d(1.0, nan)), Contains("not finite"));
   CHECK_THROWS_WITH(

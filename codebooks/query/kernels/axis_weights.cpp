@@ -41,7 +41,7 @@ AxisWeights::AxisWeights(pgd::Axis axis) : axis_(std::move(axis)), size_(axis_.s
       distance_.push_back(
           pgd::transformed_distance(axis_.transform(), axis_.borders()[e], axis_.borders()[e + 1]));
     }
-  } else if (axis_.basis() == pgd::Basis::fourier) {
+  } else if (axis_.family() == pgd::AxisFamily::periodic) {
     slopes = Eigen::MatrixXd(axis_.derivative());
   }
   lead_ = padded<double>(size_);
@@ -65,7 +65,7 @@ int AxisWeights::cell(double x) const {
     // The element on the left at a border, as Axis::element_of.
     return static_cast<int>(std::lower_bound(left_.begin() + 1, left_.end(), x) - left_.begin()) - 1;
   }
-  if (axis_.basis() == pgd::Basis::fourier) return 0;
+  if (axis_.family() == pgd::AxisFamily::periodic) return 0;
   const Eigen::VectorXd& nodes = axis_.nodes();
   return static_cast<int>(std::lower_bound(nodes.begin(), nodes.end(), x) - nodes.begin());
 }
@@ -99,7 +99,7 @@ int AxisWeights::at(double x, int order, Workspace& workspace) const {
     axis_.interpolate(x, workspace.stencil, order > 0);
     std::copy(workspace.stencil.value.begin(), workspace.stencil.value.end(), value);
     if (order > 0) std::copy(workspace.stencil.derivative.begin(), workspace.stencil.derivative.end(), first);
-    if (order > 1 && axis_.basis() == pgd::Basis::fourier) {
+    if (order > 1 && axis_.family() == pgd::AxisFamily::periodic) {
       differentiate(first, second);
     } else if (order > 1) {
       std::fill_n(second, size_, std::numeric_limits<double>::quiet_NaN());
