@@ -1,9 +1,10 @@
-#include "fit_source.h"
+#include "samara/identification/files/fit_source.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <map>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -17,14 +18,12 @@
 #include "samara/identification/trajectories/codebook_trajectories.h"
 #include "samara/identification/trajectories/reference_trajectories.h"
 #include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/checks/parameter_warnings.h"
 #include "samara/models/laws/registry.h"
-#include "terminal.h"
 
-namespace samara::apps {
+namespace samara::identification {
 
 namespace {
-
-namespace id = samara::identification;
 
 /// A name that is no file, and has no dot or slash that would make it one, is the name of a model.
 bool is_model_name(const std::string& text) {
@@ -33,45 +32,47 @@ bool is_model_name(const std::string& text) {
 }
 
 /// Whether nothing is fitted: coefficients come from another fit, and there are only captures to predict.
-bool predicts_only(const FitArguments& arguments) {
-  return arguments.captures.empty() && !arguments.coefficients.empty();
+bool predicts_only(const FitRequest& request) {
+  return request.captures.empty() && !request.coefficients.empty();
 }
 
 /// Takes coefficients of another fit over: held, or where this one begins.
 /// @param box of what the source leaves free
-void take_over(const FitArguments& arguments, const id::ConfigNames& names,
-               std::map<std::string, id::Interval> box, FitSource& source) {
-  if (arguments.coefficients.empty()) return;
-  source.coefficients = id::read_fit(arguments.coefficients);
-  const id::FitResult& fitted = *source.coefficients;
-  if (fitted.status == id::FitStatus::failed || fitted.coefficients.empty()) {
-    throw InputError(arguments.coefficients, fmt::format("it holds no coefficients: {}", fitted.message));
+void take_over(const FitRequest& request, const ConfigNames& names, std::map<std::string, Interval> box,
+               FitSource& source, std::vector<std::string>& warnings) {
+  if (request.coefficients.empty()) return;
+  source.coefficients = read_fit(request.coefficients);
+  const FitResult& fitted = *source.coefficients;
+  if (fitted.status == FitStatus::failed || fitted.coefficients.empty()) {
+    throw InputError(request.coefficients.string(),
+                     fmt::format("it holds no coefficients: {}", fitted.message));
   }
-  if (!fitted.is_usable()) warn(fmt::format("{}: {}", arguments.coefficients, fitted.message));
+  if (!fitted.is_usable())
+    warnings.push_back(fmt::format("{}: {}", request.coefficients.string(), fitted.message));
   std::vector<std::string> known;
   for (const auto& [name, unit] : names.coordinates) known.push_back(name);
-  for (const id::Coefficient& c : fitted.coefficients) {
+  for (const Coefficient& c : fitted.coefficients) {
     const auto unit = names.coordinates.find(c.name);
     if (unit == names.coordinates.end()) {
-      throw InputError(arguments.coefficients,
-                       fmt::format("\"{}\" has no coordinate \"{}\"{}", arguments.source, c.name,
+      throw InputError(request.coefficients.string(),
+                       fmt::format("\"{}\" has no coordinate \"{}\"{}", request.source, c.name,
                                    suggestion(c.name, known)));
     }
     if (!same_dimension(unit->second, c.unit)) {
-      throw InputError(arguments.coefficients,
+      throw InputError(request.coefficients.string(),
                        fmt::format("\"{}\" is in {}; {} was expected", c.name, c.unit, unit->second));
     }
-    id::FitOptions& options = source.options;
+    FitOptions& options = source.options;
     if (options.fixed.contains(c.name)) {
       throw InputError(
-          arguments.coefficients,
+          request.coefficients.string(),
           fmt::format("it holds \"{}\", which [fixed] of {} holds, too; one of the two was expected", c.name,
-                      arguments.config));
+                      request.config.string()));
     }
-    if (const auto free = box.find(c.name); !predicts_only(arguments) && free != box.end()) {
+    if (const auto free = box.find(c.name); !predicts_only(request) && free != box.end()) {
       const auto& [lower, upper] = free->second;
       if (!(c.value >= lower && c.value <= upper)) {
-        throw InputError(arguments.coefficients,
+        throw InputError(request.coefficients.string(),
                          fmt::format("\"{}\" is {}; a value in its box, {} to {}, was expected", c.name,
                                      c.value, lower, upper));
       }
@@ -88,75 +89,75 @@ void take_over(const FitArguments& arguments, const id::ConfigNames& names,
   }
 }
 
-void open_model(const FitArguments& arguments, FitSource& source) {
-  const auto model = models::find_model(arguments.source);
-  if (arguments.reference) {
+void open_model(const FitRequest& request, FitSource& source, std::vector<std::string>& warnings) {
+  const auto model = models::find_model(request.source);
+  if (request.reference) {
     throw ArgumentError(fmt::format(
-        "--reference says how to fit a codebook; the model \"{}\" is integrated anyway", arguments.source));
+        "--reference says how to fit a codebook; the model \"{}\" is integrated anyway", request.source));
   }
-  if (arguments.config.empty()) {
+  if (request.config.empty()) {
     throw ArgumentError(fmt::format("the fit of the model \"{}\" needs --config with a [box] of what is free",
-                                    arguments.source));
+                                    request.source));
   }
-  const id::ConfigNames names = id::config_names(model->info());
-  source.options = id::read_fit_config(arguments.config, names);
-  take_over(arguments, names, source.options.box, source);
+  const ConfigNames names = config_names(model->info());
+  source.options = read_fit_config(request.config, names);
+  take_over(request, names, source.options.box, source, warnings);
   std::map<std::string, double> values = source.options.fixed;
   for (const auto& [name, interval] : source.options.box)
     values.emplace(name, 0.5 * (interval.lower + interval.upper));
-  warn_of_parameters(*model, values);
+  for (std::string& sentence : models::parameter_warnings(*model, values))
+    warnings.push_back(std::move(sentence));
   source.model = model;
-  source.series = id::read_series_config(arguments.config, names);
-  source.family = of_file(arguments.config, [&] {
-    const id::FitOptions& options = source.options;
+  source.series = read_series_config(request.config, names);
+  source.family = of_file(request.config, [&] {
+    const FitOptions& options = source.options;
     for (const auto& [name, value] : options.known) {
       if (options.box.contains(name)) continue;
       throw ArgumentError(fmt::format(
           "[known] \"{}\" has no entry in [box]; an interval that holds its values was expected", name));
     }
-    return options.step ? id::step_trajectories(model, options.fixed, options.box, *options.step)
-                        : id::reference_trajectories(model, options.fixed, options.box);
+    return options.step ? step_trajectories(model, options.fixed, options.box, *options.step)
+                        : reference_trajectories(model, options.fixed, options.box);
   });
 }
 
-void open_codebook(const FitArguments& arguments, FitSource& source) {
-  source.book = codebooks::load(arguments.source);
-  const id::ConfigNames names = id::config_names(*source.book);
-  if (!arguments.config.empty()) {
-    source.options = id::read_fit_config(arguments.config, names);
-    if (id::read_series_config(arguments.config, names)) {
-      throw InputError(arguments.config,
+void open_codebook(const FitRequest& request, FitSource& source, std::vector<std::string>& warnings) {
+  source.book = codebooks::load(request.source);
+  const ConfigNames names = config_names(*source.book);
+  if (!request.config.empty()) {
+    source.options = read_fit_config(request.config, names);
+    if (read_series_config(request.config, names)) {
+      throw InputError(request.config.string(),
                        fmt::format("[series] needs equations whose coefficients may change, and \"{}\" is a "
                                    "codebook; the name of its model, \"{}\", was expected",
-                                   arguments.source, source.book->model().name));
+                                   request.source, source.book->model().name));
     }
   }
-  std::map<std::string, id::Interval> box;
+  std::map<std::string, Interval> box;
   for (const codebooks::Coordinate& c : source.book->coordinates()) {
     const auto narrowed = source.options.box.find(c.name);
-    box[c.name] = narrowed == source.options.box.end() ? id::Interval{c.lower, c.upper} : narrowed->second;
+    box[c.name] = narrowed == source.options.box.end() ? Interval{c.lower, c.upper} : narrowed->second;
   }
-  take_over(arguments, names, box, source);
+  take_over(request, names, box, source, warnings);
   if (!source.book->certificate() || !source.book->certificate()->met) {
-    warn(fmt::format("{} has no certificate that meets its tolerance", arguments.source));
+    warnings.push_back(fmt::format("{} has no certificate that meets its tolerance", request.source));
   }
-  source.family = of_file(arguments.source, [&] {
-    return arguments.reference ? id::reference_trajectories(*source.book)
-                               : id::codebook_trajectories(*source.book);
+  source.family = of_file(request.source, [&] {
+    return request.reference ? reference_trajectories(*source.book) : codebook_trajectories(*source.book);
   });
 }
 
 }  // namespace
 
-FitSource open_fit_source(const FitArguments& arguments) {
+FitSource open_fit_source(const FitRequest& request, std::vector<std::string>& warnings) {
   FitSource source;
-  if (!arguments.config.empty()) source.prediction = id::read_prediction_config(arguments.config);
-  if (is_model_name(arguments.source)) {
-    open_model(arguments, source);
+  if (!request.config.empty()) source.prediction = read_prediction_config(request.config);
+  if (is_model_name(request.source)) {
+    open_model(request, source, warnings);
   } else {
-    open_codebook(arguments, source);
+    open_codebook(request, source, warnings);
   }
   return source;
 }
 
-}  // namespace samara::apps
+}  // namespace samara::identification

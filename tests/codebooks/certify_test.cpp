@@ -294,7 +294,7 @@ TEST_CASE("a model that does not fit the codebook is refused") {
              }),
              Contains("output \"E\" of the codebook is not a state"));
   CHECK_THAT(error_text<ArgumentError>([&] { certificate_of(book, {.points = 0}); }),
-             Contains("points are 0"));
+             Contains("points is 0"));
 }
 
 TEST_CASE("the free coordinates of a model must come in the order of the codebook") {

@@ -24,7 +24,7 @@ SUB_ROOMS = {
     ],
     "identification": [
         "smoothing", "captures/exports", "captures", "statistics", "trajectories", "problem", "report",
-        "solve/starts", "solve", "fit", "series",
+        "solve/starts", "solve", "fit", "series", "files",
     ],
 }
 MOST_FILES = 40

@@ -1,0 +1,296 @@
+#include "samara/identification/files/fit_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "samara/base/errors.h"
+#include "samara/identification/captures/capture_file.h"
+#include "samara/identification/captures/capture_suspicions.h"
+#include "samara/identification/captures/gravity_check.h"
+#include "samara/identification/files/fit_source.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/mass_check.h"
+#include "samara/identification/fit/prediction.h"
+#include "samara/identification/trajectories/reference_trajectories.h"
+#include "samara/models/laws/registry.h"
+
+namespace samara::identification {
+
+namespace {
+
+bool is_table(const std::filesystem::path& path) {
+  return path.extension() != ".toml";
+}
+
+/// @param sidecar of every table; empty: those beside them
+std::vector<Capture> read_all(const std::vector<std::filesystem::path>& files,
+                              const std::filesystem::path& sidecar) {
+  std::vector<Capture> captures;
+  for (const std::filesystem::path& path : files) {
+    auto read = !sidecar.empty() && is_table(path) ? read_captures(path, sidecar) : read_captures(path);
+    for (Capture& capture : read) captures.push_back(std::move(capture));
+  }
+  return captures;
+}
+
+/// How captures left out are predicted, if there are any.
+std::optional<PredictionOptions> prediction_of(const FitRequest& request, const FitSource& source) {
+  const PredictionConfig& config = source.prediction;
+  if (request.left_out.empty() && config.left_out.empty() && !config.folds) {
+    if (!request.ahead && !request.left_out_window) return {};
+    throw ArgumentError(
+        fmt::format("{} says how to predict captures; --left-out, with their files, was expected",
+                    request.ahead ? "--ahead" : "--left-out-window"));
+  }
+  if (config.folds && !request.left_out.empty()) {
+    throw ArgumentError(
+        "--left-out names captures to predict, and the config has folds, where every capture is left out "
+        "once; one of the two was expected");
+  }
+  PredictionOptions prediction{.stride = config.stride, .hidden = config.hidden};
+  const std::optional<double> ahead = request.ahead ? request.ahead : config.ahead;
+  if (!ahead) {
+    throw ArgumentError(
+        "--left-out needs --ahead, or `ahead` in [prediction]: the time beyond the window that is to be "
+        "predicted");
+  }
+  prediction.ahead = *ahead;
+  for (const std::optional<double>& window :
+       {request.left_out_window, config.window, request.window, source.options.window}) {
+    if (!window) continue;
+    prediction.window = *window;
+    return prediction;
+  }
+  throw ArgumentError(
+      "--left-out needs --left-out-window or --window, or a window in the config: what is seen of each "
+      "capture");
+}
+
+void check_times(const FitRequest& request) {
+  const std::pair<const char*, std::optional<double>> times[] = {
+      {"--window", request.window},
+      {"--left-out-window", request.left_out_window},
+      {"--ahead", request.ahead}};
+  for (const auto& [name, time] : times) {
+    if (time && !(*time > 0.0 && std::isfinite(*time)))
+      throw ArgumentError(fmt::format("{} is {} s; more than 0 was expected", name, *time));
+  }
+}
+
+/// A sidecar that no table needs would do nothing.
+void check_sidecar(const FitRequest& request) {
+  if (request.sidecar.empty() || std::ranges::any_of(request.captures, is_table) ||
+      std::ranges::any_of(request.left_out, is_table)) {
+    return;
+  }
+  throw ArgumentError(
+      fmt::format("--sidecar \"{}\" says what the columns of tables are, and every capture given is a "
+                  "sidecar itself; a table was expected",
+                  request.sidecar.string()));
+}
+
+/// Tells each sentence once.
+class Warnings {
+ public:
+  explicit Warnings(const FitRequest& request) : request_(request) {}
+
+  void say(const std::vector<std::string>& sentences) {
+    for (const std::string& sentence : sentences) {
+      if (said_.insert(sentence).second && request_.warning) request_.warning(sentence);
+    }
+  }
+
+ private:
+  const FitRequest& request_;
+  std::set<std::string> said_;
+};
+
+/// The family as equations have it; a program that was sampled, or a model of the user's own, has none here.
+std::unique_ptr<TrajectoryFamily> behind_codebook(const FitSource& source) {
+  const std::vector<std::string> known = models::model_names();
+  if (!source.book || std::ranges::count(known, source.book->model().name) == 0) return {};
+  return reference_trajectories(*source.book);
+}
+
+std::vector<std::string> doubts_of_mass(const FitSource& source, const std::vector<Capture>& captures,
+                                        const FitResult& fitted) {
+  if (source.family->equations() != nullptr)
+    return mass_doubts(*source.family, captures, source.options, fitted);
+  const auto family = behind_codebook(source);
+  if (!family) return {};
+  return mass_doubts(*family, captures, source.options, fitted);
+}
+
+/// Whether an axis of the captures seems to point the other way.
+std::vector<std::string> doubts_of_gravity(const FitSource& source, const std::vector<Capture>& captures) {
+  const auto behind = source.family->equations() == nullptr ? behind_codebook(source) : nullptr;
+  const TrajectoryFamily& family = behind ? *behind : *source.family;
+  if (family.equations() == nullptr) return {};
+  std::vector<double> middle;
+  for (const FitCoordinate& c : family.info().coordinates) middle.push_back(0.5 * (c.lower + c.upper));
+  return gravity_doubts(*family.equations(), middle, captures);
+}
+
+/// Coefficients that change in time.
+FitReport series_of(const FitRequest& request, const FitSource& source, const std::vector<Capture>& captures,
+                    Warnings& warnings) {
+  if (!request.left_out.empty()) {
+    throw ArgumentError(
+        "--left-out asks for predictions, and a series holds for the captures it was fitted to; a config "
+        "without [series] was expected");
+  }
+  if (request.profiles) {
+    throw ArgumentError(
+        "--profiles are of coefficients that stay constant; a config without [series] was expected");
+  }
+  FitReport report;
+  report.series = of_file(request.config,
+                          [&] { return fit_series(source.model, captures, source.options, *source.series); });
+  warnings.say(report.series->warnings);
+  report.fit = report.series->fit;
+  report.is_usable = report.series->status == FitStatus::converged;
+  report.message = report.series->message;
+  return report;
+}
+
+std::vector<std::string> texts_of(const std::vector<std::filesystem::path>& paths) {
+  std::vector<std::string> texts;
+  for (const std::filesystem::path& path : paths) texts.push_back(path.string());
+  return texts;
+}
+
+/// All that is fitted, and all that is left out.
+CaptureSplit read_split(const FitRequest& request, const FitSource& source) {
+  if (request.captures.empty() && request.left_out.empty())
+    throw ArgumentError(
+        "there is no CAPTURE; files to fit, or with --coefficients --left-out and files to predict, were "
+        "expected");
+  if (request.captures.empty() && request.coefficients.empty()) {
+    throw ArgumentError(fmt::format(
+        "there is no CAPTURE to fit: all files given stand behind --left-out ({}); captures before it, "
+        "or --coefficients, were expected",
+        fmt::join(texts_of(request.left_out), ", ")));
+  }
+  return of_file(request.config, [&] {
+    const std::vector<Capture> given = read_all(request.captures, request.sidecar);
+    std::vector<Capture> left_out = read_all(request.left_out, request.sidecar);
+    if (given.empty() && !source.prediction.left_out.empty())
+      return CaptureSplit{{}, split(left_out, source.prediction).left_out};
+    CaptureSplit captures = split(given, source.prediction);
+    for (Capture& capture : left_out) captures.left_out.push_back(std::move(capture));
+    if (!request.captures.empty() && captures.fitted.empty())
+      throw ArgumentError("no capture is left to fit; sidecar and [prediction] leave out all of them");
+    return captures;
+  });
+}
+
+/// Nothing is fitted but what is each capture's own.
+FitResult predicted(const FitRequest& request, const FitSource& source, const std::vector<Capture>& left_out,
+                    const PredictionOptions& prediction) {
+  FitResult result = *source.coefficients;
+  add_predictions(*source.family, left_out, source.options, prediction, result);
+  result.status = FitStatus::converged;
+  result.message = fmt::format("nothing was fitted; coefficients from {}", request.coefficients.string());
+  result.source = source.family->info().source;
+  result.loss = to_string(source.options.loss.kind);
+  result.fixed = source.family->info().fixed;
+  for (const Coefficient& c : result.coefficients) result.fixed[c.name] = c.value;
+  result.coefficients.clear();
+  result.captures.clear();
+  result.noise.clear();
+  return result;
+}
+
+FitResult fit_and_predict(const FitSource& source, const CaptureSplit& captures,
+                          const std::optional<PredictionOptions>& prediction) {
+  FitResult result = fit(*source.family, captures.fitted, source.options);
+  for (const std::string& doubt : doubts_of_mass(source, captures.fitted, result))
+    result.warnings.push_back(doubt);
+  if (!prediction) return result;
+  if (source.prediction.folds) {
+    cross_validate(*source.family, captures.fitted, source.options, *prediction, *source.prediction.folds,
+                   result);
+  } else {
+    add_predictions(*source.family, captures.left_out, source.options, *prediction, result);
+  }
+  return result;
+}
+
+/// The window of the request holds in place of the config's.
+void take_window(const FitRequest& request, FitSource& source, std::vector<Capture>& captures) {
+  if (!request.window) return;
+  if (source.options.stride || source.prediction.folds) {
+    source.options.window = request.window;
+    return;
+  }
+  for (Capture& capture : captures) capture = first(capture, *request.window);
+  source.options.window.reset();
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> files_read(const FitRequest& request) {
+  check_sidecar(request);
+  std::vector<std::filesystem::path> files;
+  for (const auto& paths : {request.captures, request.left_out}) {
+    for (const std::filesystem::path& path : paths) {
+      const bool has_sidecar = !request.sidecar.empty() && is_table(path);
+      const auto read = has_sidecar ? capture_files(path, request.sidecar) : capture_files(path);
+      files.insert(files.end(), read.begin(), read.end());
+    }
+  }
+  for (const std::filesystem::path& path :
+       {std::filesystem::path(request.source), request.config, request.coefficients})
+    if (!path.empty()) files.push_back(path);
+  return files;
+}
+
+FitReport fit_files(const FitRequest& request) {
+  check_times(request);
+  check_sidecar(request);
+  Warnings warnings(request);
+  std::vector<std::string> of_source;
+  FitSource source = open_fit_source(request, of_source);
+  warnings.say(of_source);
+  source.options.profiles = source.options.profiles || request.profiles;
+  const std::optional<PredictionOptions> prediction = prediction_of(request, source);
+  CaptureSplit captures = read_split(request, source);
+  take_window(request, source, captures.fitted);
+  // A fit may take long: what is strange about the captures should not have to wait for it.
+  const bool fits = !captures.fitted.empty();
+  const std::vector<Capture>& looked_at = fits ? captures.fitted : captures.left_out;
+  warnings.say(suspicions_of_all(looked_at));
+  const std::vector<std::string> upside_down = doubts_of_gravity(source, looked_at);
+  warnings.say(upside_down);
+  if (source.series) return series_of(request, source, captures.fitted, warnings);
+  if (request.needs_series)
+    throw ArgumentError(
+        "--series writes coefficients that change in time; a model and a config with [series] were expected");
+  if (prediction && fits) {
+    of_file(request.config, [&] {
+      if (source.prediction.folds)
+        return check_folds(captures.fitted, source.options, *prediction, *source.prediction.folds);
+      check_left_out(*source.family, captures.fitted, captures.left_out, source.options, *prediction);
+    });
+  }
+  source.options.progress = request.progress;
+  FitReport report;
+  report.fit = of_file(request.config, [&] {
+    return fits ? fit_and_predict(source, captures, prediction)
+                : predicted(request, source, captures.left_out, *prediction);
+  });
+  report.fit.warnings.insert(report.fit.warnings.end(), upside_down.begin(), upside_down.end());
+  warnings.say(report.fit.warnings);
+  report.is_usable = fits ? report.fit.is_usable() : !report.fit.predictions.empty();
+  report.message =
+      report.is_usable || fits ? report.fit.message : "no capture that was left out could be predicted";
+  return report;
+}
+
+}  // namespace samara::identification
