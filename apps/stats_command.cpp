@@ -8,9 +8,8 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/io/csv.h"
-#include "samara/pgd/fields/field_algebra.h"
+#include "samara/pgd/fields/field.h"
 #include "samara/pgd/fields/statistics.h"
-#include "samara/pgd/tensors/train_algebra.h"
 #include "terminal.h"
 
 namespace samara::apps {
@@ -46,8 +45,7 @@ bool has_whole_pieces(const Codebook& book) {
 
 pgd::Statistics statistics_of(const codebooks::FieldGroup& group, bool has_time) {
   const pgd::StatisticsOptions options{.free_axis = has_time ? group.axes().front().name() : ""};
-  return group.train() != nullptr ? pgd::statistics(group.train()->train(), group.axes(), options)
-                                  : pgd::statistics(*group.sum(), options);
+  return pgd::statistics(group, options);
 }
 
 /// Puts the columns from `from` on behind the rows that are there.
@@ -90,15 +88,7 @@ BookStatistics statistics_of_slabs(const Codebook& book) {
 
 /// Of a group at one time, over its own part of the box.
 pgd::Statistics statistics_at(const codebooks::FieldGroup& group, double t) {
-  if (const pgd::SeparatedField* sum = group.sum())
-    return pgd::statistics(pgd::restricted(*sum, sum->axes().front().name(), t));
-  const pgd::Axis& time = group.axes().front();
-  pgd::InterpolationStencil stencil = time.make_stencil();
-  time.interpolate(t, stencil, false);
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(time.size());
-  weights.segment(stencil.first, stencil.value.size()) = stencil.value;
-  return pgd::statistics(pgd::contracted(group.train()->train(), 1, weights),
-                         {group.axes().begin() + 1, group.axes().end()});
+  return pgd::statistics(pgd::restricted(group, group.axes().front().name(), t));
 }
 
 /// Times of all pieces, each once.

@@ -139,7 +139,7 @@ PieceOutline Piece::outline() const {
   }
   if (of_file) return of_file();
   PieceOutline result{axes_of(*this), {}};
-  for (const FieldGroup& group : groups()) result.groups.push_back(group.outline());
+  for (const FieldGroup& group : groups()) result.groups.push_back(outline_of(group));
   return result;
 }
 

@@ -51,12 +51,7 @@ double output_norm(const SeparatedTensor& tensor, int output) {
 /// The field without an axis whose factors were reduced to one number per term.
 SeparatedField without_axis(const SeparatedField& f, int axis, const Eigen::VectorXd& values,
                             std::vector<OutputLabel> outputs) {
-  if (f.axis_count() == 1) {
-    throw ArgumentError(
-        fmt::format("\"{}\" is the only axis of the field and cannot go: evaluate the field "
-                    "or use its weights",
-                    f.axes()[0].name()));
-  }
+  require_another_axis(f.axes());
   std::vector<Axis> axes = f.axes();
   std::vector<Eigen::MatrixXd> factors = f.factors();
   axes.erase(axes.begin() + axis);
@@ -88,7 +83,7 @@ SeparatedField field_from_nodal_values(std::vector<Axis> axes, std::vector<Outpu
 
 SeparatedField sum(const SeparatedField& f, const SeparatedField& g, double scale_g) {
   require_same_axes("sum", f.axes(), g.axes());
-  require_same_outputs("sum", f, g);
+  require_same_outputs("sum", f.outputs(), g.outputs());
   return field_from_nodal_values(f.axes(), f.outputs(), sum(nodal_values(f), nodal_values(g), scale_g));
 }
 
@@ -98,7 +93,7 @@ SeparatedField scaled(const SeparatedField& f, double factor) {
 
 Eigen::VectorXd l2_inner(const SeparatedField& f, const SeparatedField& g) {
   require_same_axes("inner product", f.axes(), g.axes());
-  require_same_outputs("inner product", f, g);
+  require_same_outputs("inner product", f.outputs(), g.outputs());
   Eigen::MatrixXd products = Eigen::MatrixXd::Ones(f.rank(), g.rank());
   for (std::size_t k = 0; k < f.axes().size(); ++k) {
     products.array() *= (f.factors()[k].transpose() * (f.axes()[k].mass() * g.factors()[k])).array();
@@ -119,11 +114,7 @@ Eigen::VectorXd root_mean_square(const SeparatedField& f) {
 SeparatedField restricted(const SeparatedField& f, const std::string& axis, double x) {
   const int k = axis_index(f, axis);
   const Axis& gone = f.axes()[static_cast<std::size_t>(k)];
-  if (!std::isfinite(x)) throw ArgumentError(fmt::format("{} is {}, expected a finite number", axis, x));
-  if (!gone.contains(x)) {
-    throw OutsideBoxError(fmt::format("{} = {} {} is outside the box [{}, {}]", axis, x, gone.unit(),
-                                      gone.lower(), gone.upper()));
-  }
+  require_on_axis(gone, x);
   InterpolationStencil stencil = gone.make_stencil();
   Eigen::VectorXd values(f.rank());
   f.factor_values(k, x, stencil, values);

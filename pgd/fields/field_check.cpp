@@ -48,19 +48,37 @@ void require_same_axes(const char* what, const std::vector<Axis>& a, const std::
   }
 }
 
-void require_same_outputs(const char* what, const SeparatedField& f, const SeparatedField& g) {
-  if (f.output_count() != g.output_count()) {
-    throw ArgumentError(fmt::format("{} of fields of {} and {} outputs, expected the same number", what,
-                                    f.output_count(), g.output_count()));
+void require_same_outputs(const char* what, const std::vector<OutputLabel>& f,
+                          const std::vector<OutputLabel>& g) {
+  if (f.size() != g.size()) {
+    throw ArgumentError(
+        fmt::format("{} of fields of {} and {} outputs, expected the same number", what, f.size(), g.size()));
   }
-  for (std::size_t m = 0; m < f.outputs().size(); ++m) {
-    const OutputLabel& a = f.outputs()[m];
-    const OutputLabel& b = g.outputs()[m];
+  for (std::size_t m = 0; m < f.size(); ++m) {
+    const OutputLabel& a = f[m];
+    const OutputLabel& b = g[m];
     if (a.unit != b.unit) {
       throw ArgumentError(
           fmt::format("{} of the outputs \"{}\" in {} and \"{}\" in {}, expected the same unit", what, a.name,
                       a.unit, b.name, b.unit));
     }
+  }
+}
+
+void require_another_axis(const std::vector<Axis>& axes) {
+  if (axes.size() > 1) return;
+  throw ArgumentError(
+      fmt::format("\"{}\" is the only axis of the field and cannot go: evaluate the field, or read its "
+                  "numbers",
+                  axes.front().name()));
+}
+
+void require_on_axis(const Axis& axis, double x) {
+  if (!std::isfinite(x))
+    throw ArgumentError(fmt::format("{} is {}, expected a finite number", axis.name(), x));
+  if (!axis.contains(x)) {
+    throw OutsideBoxError(fmt::format("{} = {} {} is outside the box [{}, {}]", axis.name(), x, axis.unit(),
+                                      axis.lower(), axis.upper()));
   }
 }
 

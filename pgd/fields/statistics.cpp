@@ -137,21 +137,11 @@ Statistics statistics(const SeparatedField& field, const StatisticsOptions& opti
   return s;
 }
 
-Statistics statistics(const TensorTrain& values, const std::vector<Axis>& axes,
-                      const StatisticsOptions& options) {
-  bool fits = values.cores.size() == axes.size() + 1;
-  for (std::size_t k = 0; fits && k < axes.size(); ++k) fits = values.cores[k + 1].size == axes[k].size();
-  if (!fits || axes.empty()) {
-    std::vector<int> sizes;
-    std::vector<int> nodes;
-    for (const TrainCore& core : values.cores) sizes.push_back(core.size);
-    for (const Axis& axis : axes) nodes.push_back(axis.size());
-    throw ArgumentError(
-        fmt::format("a train of {} nodes on axes of {} nodes, expected outputs, then the axes",
-                    fmt::join(sizes, " x "), fmt::join(nodes, " x ")));
-  }
+Statistics statistics(const TrainField& field, const StatisticsOptions& options) {
+  const std::vector<Axis>& axes = field.axes();
+  const TensorTrain& values = field.train();
   const Request request = read(axes, options);
-  Statistics s = prepare(axes, options, request, values.cores.front().size);
+  Statistics s = prepare(axes, options, request, field.output_count());
   std::vector<Axis> inputs;
   for (const int k : request.inputs) inputs.push_back(axes[static_cast<std::size_t>(k)]);
   for (Eigen::Index i = 0; i < s.mean.cols(); ++i) {
@@ -160,6 +150,10 @@ Statistics statistics(const TensorTrain& values, const std::vector<Axis>& axes,
     }
   }
   return s;
+}
+
+Statistics statistics(const Field& field, const StatisticsOptions& options) {
+  return field.train() != nullptr ? statistics(*field.train(), options) : statistics(*field.sum(), options);
 }
 
 }  // namespace samara::pgd

@@ -6,8 +6,7 @@
 #include <Eigen/Core>
 
 #include "samara/pgd/axes/axis.h"
-#include "samara/pgd/fields/separated_field.h"
-#include "samara/pgd/tensors/tensor_train.h"
+#include "samara/pgd/fields/field.h"
 
 /// Mean, variance and Sobol' indices of separated functions whose coordinates are independent and uniform
 /// over the box.
@@ -63,10 +62,10 @@ struct Statistics {
 /// empty, names an axis twice, or holds the free axis.
 Statistics statistics(const SeparatedField& field, const StatisticsOptions& options = {});
 
-/// The same of a train of nodal values, whose first mode are the outputs and whose others are the axes, as
-/// cross interpolation gives it. O(M T Q d n r^3) for ranks r.
-/// @throws ArgumentError also if the train's modes are not outputs and axes.
-Statistics statistics(const TensorTrain& values, const std::vector<Axis>& axes,
-                      const StatisticsOptions& options = {});
+/// The same of a train. O(M T Q d n r^3) for ranks r.
+Statistics statistics(const TrainField& field, const StatisticsOptions& options = {});
+
+/// Of either.
+Statistics statistics(const Field& field, const StatisticsOptions& options = {});
 
 }  // namespace samara::pgd

@@ -6,6 +6,9 @@
 
 #include "random_tensor.h"
 #include "samara/base/errors.h"
+#include "samara/pgd/fields/field.h"
+#include "samara/pgd/fields/field_algebra.h"
+#include "samara/pgd/fields/train_field_algebra.h"
 
 using namespace samara::pgd;
 using Catch::Contains;
@@ -39,6 +42,30 @@ Pair random_pair(int outputs, int rank, std::uint64_t seed) {
 
 const std::vector<std::vector<double>> kPoints = {
     {0.5, -1.0, 0.0}, {2.0, 1.0, 3.0}, {0.7123, 0.31, 1.77}, {1.9, -0.75, 0.75}, {1.111, 0.9999, 2.5}};
+
+/// Both fields have these outputs over these axes, and these values at points of theirs.
+template <AnyField First, AnyField Second>
+void check_same(const First& first, const Second& second) {
+  REQUIRE(first.axis_count() == second.axis_count());
+  for (int k = 0; k < first.axis_count(); ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    CHECK(first.axes()[at].name() == second.axes()[at].name());
+  }
+  for (int m = 0; m < first.output_count(); ++m) {
+    const auto at = static_cast<std::size_t>(m);
+    CHECK(first.outputs()[at].unit == second.outputs()[at].unit);
+  }
+  auto first_workspace = first.make_workspace();
+  auto second_workspace = second.make_workspace();
+  Eigen::VectorXd a(first.output_count()), b(first.output_count());
+  for (const double part : {0.0, 0.31, 0.77, 1.0}) {
+    std::vector<double> x;
+    for (const Axis& axis : first.axes()) x.push_back(axis.lower() + part * axis.length());
+    first.evaluate(x, a, first_workspace);
+    second.evaluate(x, b, second_workspace);
+    CHECK((a - b).norm() < 1e-11 * (1.0 + a.norm()));
+  }
+}
 
 }  // namespace
 
@@ -79,4 +106,35 @@ TEST_CASE("trains that do not fit their axes, and points outside them, are refus
   CHECK_THROWS_AS(pair.train(std::vector<double>{3.0, 0.0, 0.0}), samara::OutsideBoxError);
   CHECK_THROWS_WITH(pair.train(std::vector<double>{1.0, 0.0}), Contains("2 coordinates, expected 3"));
   CHECK_THROWS_WITH(pair.train(std::vector<double>{1.0, std::nan(""), 0.0}), Contains("b is nan"));
+}
+
+TEST_CASE("the algebra of trains is that of sums, and fields of either kind keep theirs") {
+  const Pair pair = random_pair(2, 3, 7);
+  const Pair other = random_pair(2, 2, 8);
+  check_same(sum(pair.sum, other.sum, -0.5), sum(pair.train, other.train, -0.5));
+  check_same(scaled(pair.sum, 3.0), scaled(pair.train, 3.0));
+  for (const Axis& axis : mixed_axes()) {
+    const std::string& name = axis.name();
+    CAPTURE(name);
+    const double x = axis.lower() + 0.37 * axis.length();
+    check_same(restricted(pair.sum, name, x), restricted(pair.train, name, x));
+    check_same(integral(pair.sum, name), integral(pair.train, name));
+    check_same(mean(pair.sum, name), mean(pair.train, name));
+    check_same(derivative(pair.sum, name), derivative(pair.train, name));
+    const Field of_sum = pair.sum, of_train = pair.train;
+    CHECK(restricted(of_sum, name, x).sum() != nullptr);
+    CHECK(integral(of_train, name).train() != nullptr);
+    check_same(mean(of_sum, name), mean(of_train, name));
+    check_same(derivative(of_sum, name), derivative(of_train, name));
+    check_same(scaled(of_sum, -2.0), scaled(of_train, -2.0));
+  }
+}
+
+TEST_CASE("trains refuse what sums refuse, by name") {
+  const TrainField field = random_pair(1, 2, 9).train;
+  CHECK_THROWS_WITH(restricted(field, "b", 1.5), Contains("b = 1.5 kg") && Contains("[-1, 1]"));
+  CHECK_THROWS_AS(restricted(field, "b", 1.5), samara::OutsideBoxError);
+  CHECK_THROWS_WITH(integral(field, "c"), Contains("no axis \"c\""));
+  CHECK_THROWS_WITH(mean(mean(mean(field, "a"), "b"), "t"), Contains("\"t\" is the only axis"));
+  CHECK_THROWS_WITH(sum(field, mean(field, "a")), Contains("3 and 2 axes"));
 }
