@@ -106,10 +106,10 @@ Json to_json(const Codebook& book, const std::string& path) {
   object["model"] = {{"name", model.name},     {"title", model.title},   {"equations", model.equations},
                      {"frames", model.frames}, {"source", model.source}, {"fixed", model.fixed}};
   const codebooks::BuildRecord& build = book.build();
-  object["build"] = {{"builder", build.builder},         {"strategy", build.strategy},
-                     {"status", build.status},           {"message", build.message},
-                     {"evaluations", build.evaluations}, {"grid_size", build.grid_size},
-                     {"iterations", build.iterations},   {"rounds", build.rounds}};
+  object["build"] = {{"builder", build.builder},          {"strategy", build.strategy},
+                     {"status", to_string(build.status)}, {"message", build.message},
+                     {"evaluations", build.evaluations},  {"grid_size", build.grid_size},
+                     {"iterations", build.iterations},    {"rounds", build.rounds}};
   object["certificate"] = book.certificate() ? apps::to_json(*book.certificate(), book) : Json(nullptr);
   const codebooks::Provenance& p = book.provenance();
   object["provenance"] = {{"generator", p.generator},
@@ -185,8 +185,8 @@ std::string describe(const Codebook& book, const std::string& path) {
       "size: {:.0f} bytes, {:.3g} of the {:.3g} of a table of all nodes; {:.0f} numbers for {:.3g}\n", bytes,
       bytes / table_bytes, table_bytes, numbers.stored, numbers.table);
   const codebooks::BuildRecord& build = book.build();
-  text += fmt::format("build: {} ({}), {}: {}\n  {}\n", build.builder, build.strategy, build.status,
-                      build.message, effort(book));
+  text += fmt::format("build: {} ({}), {}: {}\n  {}\n", build.builder, build.strategy,
+                      to_string(build.status), build.message, effort(book));
   text += book.certificate() ? to_table(*book.certificate(), book) : std::string("no certificate\n");
   text += fmt::format("made by {} on {} in {:.1f} s\n", book.provenance().generator,
                       book.provenance().created, book.provenance().build_seconds);

@@ -78,8 +78,9 @@ std::string miss_of(const codebooks::Codebook& book) {
   }
   if (c.max_error > c.tolerance)
     return fmt::format("largest error {:.3g} > {:.3g} ({})", c.max_error, c.tolerance, book.build().message);
-  if (book.build().status == "converged") return "its certificate is marked so";
-  return fmt::format("the builder ended with \"{}\": {}", book.build().status, book.build().message);
+  if (book.build().status == Termination::converged) return "its certificate is marked so";
+  return fmt::format("the builder ended with \"{}\": {}", to_string(book.build().status),
+                     book.build().message);
 }
 
 void warn_of_missed_tolerance(const codebooks::Codebook& book, const std::string& path) {

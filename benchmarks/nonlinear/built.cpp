@@ -34,7 +34,7 @@ Built build_and_measure(const codebooks::Plan& plan, int certificate_points) {
     built.time = book.provenance().build_seconds;
     built.evaluation_fraction = book.build().evaluations / book.build().grid_size;
     built.met = result.met;
-    built.status = book.build().status;
+    built.status = to_string(book.build().status);
     built.message = book.build().message;
     std::set<std::vector<double>> corners;
     double nodes = 0.0, nodes_14 = 0.0;

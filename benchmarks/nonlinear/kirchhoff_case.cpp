@@ -41,7 +41,7 @@ void run_kirchhoff7(const Options& options) {
   print({kNonlinear, kName, "time", result.seconds, "s"});
   print({kNonlinear, kName, "evaluation_fraction",
          static_cast<double>(result.evaluations) / result.grid_evaluations});
-  print({kNonlinear, kName, "met", result.status == SlabStatus::converged ? 1.0 : 0.0});
+  print({kNonlinear, kName, "met", result.status == samara::Termination::converged ? 1.0 : 0.0});
 }
 
 }  // namespace samara::benchmarks

@@ -75,7 +75,7 @@ void run_decoupling(const Options& options) {
   for (const Variant& variant : variants(options.quick)) {
     const DecouplingResult result = decoupled(problem, 20, variant.options);
     double error = HUGE_VAL;
-    if (result.status == DecouplingStatus::converged) {
+    if (result.status == samara::Termination::converged) {
       const auto value = [&](std::span<const double> x) { return result.value_at(x); };
       error = errors_of(problem, value, kEnd, options.quick ? 100 : 500).largest.maxCoeff();
     }
@@ -116,7 +116,7 @@ void run_blowup() {
   adaptive.scale_floors = {0.0, 0.0, 0.0};
   adaptive.initial = grid.initial;
   const SlabResult result = solve_by_slabs(adaptive, {.tolerance = 1e-3, .max_cells = 64});
-  print({kNonlinear, kName, "ceases", result.status == SlabStatus::ceases ? 1.0 : 0.0});
+  print({kNonlinear, kName, "ceases", result.status == samara::Termination::ceases ? 1.0 : 0.0});
   print({kNonlinear, kName, "reported_time", result.reached});
   const std::array names = {"reported_u1", "reported_u2", "reported_u3"};
   for (std::size_t k = 0; k < std::min(names.size(), result.where.size()); ++k)

@@ -61,7 +61,7 @@ void run(const StrategyProblem& at, Strategy& strategy, const std::string& name,
                            ? std::nan("")
                            : errors_of(at.problem, value, result.reached, points).largest.maxCoeff();
   // What converges to other equations, or with too few nodes, has missed.
-  const bool missed = result.status == StrategyStatus::converged && !(error <= at.tolerance);
+  const bool missed = result.status == samara::Termination::converged && !(error <= at.tolerance);
   // The status by its number and, as the unit, its word.
   print({kNonlinear, test_case, name + "_status", static_cast<double>(result.status),
          missed ? "missed" : to_string(result.status)});

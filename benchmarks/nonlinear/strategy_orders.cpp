@@ -20,7 +20,7 @@ constexpr const char* kName = "strategy_orders";
 constexpr double kTolerance = 1e-7;  ///< of a slab
 
 double error_of(const Problem& problem, const StrategyResult& result, int points) {
-  if (result.status != StrategyStatus::converged) return std::nan("");
+  if (result.status != samara::Termination::converged) return std::nan("");
   const auto value = [&](std::span<const double> x) { return result.value_at(x); };
   return errors_of(problem, value, problem.end, points).largest.maxCoeff();
 }
@@ -58,7 +58,7 @@ void by_tilt(const Options& options) {
     const StrategyResult result = solve_by_strategy(grid, *strategy, {.tolerance = 1e-9});
     const auto value = [&](std::span<const double> x) { return result.value_at(x); };
     const Eigen::VectorXd scales = Eigen::Map<const Eigen::VectorXd>(grid.scales.data(), 4);
-    errors[halved] = result.status == StrategyStatus::converged
+    errors[halved] = result.status == samara::Termination::converged
                          ? errors_of(problem, value, problem.end, options.quick ? 30 : 100)
                                .absolute.cwiseQuotient(scales)
                                .maxCoeff()

@@ -55,8 +55,9 @@ Verdict judged(const GuardedFunction& f, std::uint64_t seed, long max_calls, int
   };
   const codebooks::BuildResult result = codebooks::build(plan_of(f, seed, max_calls), function);
   const codebooks::Certificate& certificate = *result.book.certificate();
-  Verdict verdict{
-      .met = result.met, .calls = result.book.build().evaluations, .status = result.book.build().status};
+  Verdict verdict{.met = result.met,
+                  .calls = result.book.build().evaluations,
+                  .status = to_string(result.book.build().status)};
   verdict.stated = codebooks::share_above(*certificate.wrong_points, certificate.points);
   if (!result.met) return verdict;
   codebooks::Query query(result.book);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "samara/base/termination.h"
 #include "samara/codebooks/book/certificate.h"
 #include "samara/codebooks/book/field_group.h"
 
@@ -47,9 +48,9 @@ struct Provenance {
 
 /// How the builder went; the same on every machine and after every resume.
 struct BuildRecord {
-  std::string builder;     ///< "pgd", "sampling", or "fit": of a series of coefficients
-  std::string strategy;    ///< "slabs", "newton", another name of the plan's strategies, or "cross"
-  std::string status;      ///< "converged", or why not
+  std::string builder;   ///< "pgd", "sampling", or "fit": of a series of coefficients
+  std::string strategy;  ///< "slabs", "newton", another name of the plan's strategies, or "cross"
+  Termination status = Termination::failed;
   std::string message;     ///< in one sentence
   double evaluations = 0;  ///< of the right-hand side and its Jacobian; of sampling: trajectories, or calls
   /// Nodes of time x parameters of the last round; of slabs and their like: what evaluations at all nodes of

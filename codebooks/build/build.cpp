@@ -88,7 +88,7 @@ std::string sentence(const BuildRecord& record, const Certificate& certificate, 
     return fmt::format("the certificate is incomplete, a climb failed with: {}", certificate.failure);
   const std::string error = fmt::format("largest error {:.3g} at {} points, tolerance {:.3g}",
                                         certificate.max_error, certificate.points, certificate.tolerance);
-  if (record.status != "converged")
+  if (record.status != Termination::converged)
     return fmt::format("the build missed its tolerance: {}; {}", record.message, error);
   return fmt::format("the build missed its tolerance: {}", error);
 }
@@ -201,15 +201,15 @@ struct Build {
   BuildResult finished(const Codebook& book, double residual, const ErrorBudget& spent,
                        Certificate certificate) const {
     const BuildRecord& record = book.build();
-    certificate.met = certificate.met && record.status == "converged";
+    certificate.met = certificate.met && record.status == Termination::converged;
     certificate.residual = residual;
     certificate.spent = spent;
-    if (record.status == "failed") certificate.failure = record.message;
+    if (record.status == Termination::failed) certificate.failure = record.message;
     const bool met = certificate.met;
     const bool of_command = book.is_of_command();
     std::string message = sentence(record, certificate, of_command, cancelled);
-    const bool has_failed = of_command && (record.status == "failed" || certificate.failed_points > 0 ||
-                                           !certificate.failure.empty());
+    const bool has_failed = of_command && (record.status == Termination::failed ||
+                                           certificate.failed_points > 0 || !certificate.failure.empty());
     return {book.with_certificate(std::move(certificate)), met, std::move(message), cancelled || has_failed};
   }
 };
@@ -236,17 +236,17 @@ Solution solve_by_trial(Build& build, const models::ParametricModel& model) {
   }
   CallMemory calls = calls_of(plan, model_source(plan, model), build.options);
   Solution first = build.solve_by_sampling(calls, at_most(plan, kTrialTrajectories));
-  const std::string& status = first.record.status;
-  if (status == "converged")
+  const Termination status = first.record.status;
+  if (status == Termination::converged)
     return chosen(std::move(first),
                   fmt::format("it needed no more than the {} trajectories of its trial", kTrialTrajectories));
   // Where there is no trajectory, no builder finds a solution.
-  if (build.cancelled || status == "failed" || status == "not_finite") return first;
+  if (build.cancelled || status == Termination::failed || status == Termination::not_finite) return first;
   std::optional<Solution> second = engine_trial(build, model);
-  const std::string failed = fmt::format("sampling did not converge ({})", status);
-  if (second && second->record.status == "converged") return chosen(std::move(*second), failed);
+  const std::string failed = fmt::format("sampling did not converge ({})", to_string(status));
+  if (second && second->record.status == Termination::converged) return chosen(std::move(*second), failed);
   const std::string neither = "neither builder converged in its trial, and the calls of sampling are bounded";
-  if (build.cancelled || status != "max_calls") return chosen(std::move(first), neither);
+  if (build.cancelled || status != Termination::max_calls) return chosen(std::move(first), neither);
   return chosen(build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls)), neither);
 }
 
@@ -311,7 +311,7 @@ BuildResult build_of_command(const Plan& plan, const pgd::PointsFunction& functi
                  return measure(book, calls, certify_by, extent);
                }}};
   Solution solved = build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls));
-  if (solved.record.status == "failed")
+  if (solved.record.status == Termination::failed)
     build.certifier.options().progress = [](const Progress&) { return false; };
   BuildResult result = build.certified(std::move(solved));
   calls.save();

@@ -156,7 +156,7 @@ long entries(const std::vector<Piece>& pieces) {
 std::optional<Solution> compacted(const Solution& solution, const CompactionRequest& request) {
   // Errors of the builder are those of a few points: the certificate sees somewhat larger ones.
   const double tolerance = request.share * (request.tolerance - 1.5 * solution.spent.total());
-  if (solution.record.status != "converged" || !(tolerance > 0.0)) return std::nullopt;
+  if (solution.record.status != Termination::converged || !(tolerance > 0.0)) return std::nullopt;
   Solution result = solution;
   if (solution.record.strategy == "slabs") {
     result.pieces = joined(solution.pieces, tolerance, request);

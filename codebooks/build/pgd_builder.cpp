@@ -59,11 +59,10 @@ BuildRecord record_of(const pgd::AdaptiveResult& result) {
   BuildRecord record;
   record.builder = "pgd";
   record.strategy = "newton";
-  record.status = result.status == pgd::AdaptiveStatus::converged      ? "converged"
-                  : result.status == pgd::AdaptiveStatus::not_resolved ? "not_resolved"
-                  : result.status == pgd::AdaptiveStatus::max_evaluations
-                      ? "max_calls"
-                      : to_string(result.evolution.status);
+  record.status = result.status == pgd::AdaptiveStatus::converged         ? Termination::converged
+                  : result.status == pgd::AdaptiveStatus::not_resolved    ? Termination::not_resolved
+                  : result.status == pgd::AdaptiveStatus::max_evaluations ? Termination::max_calls
+                                                                          : result.evolution.status;
   record.message = result.message;
   record.evaluations = static_cast<double>(result.state.rhs_evaluations + result.state.jacobian_evaluations);
   record.grid_size = result.evolution.grid_size;
@@ -76,7 +75,7 @@ BuildRecord record_of(const pgd::SlabResult& result) {
   BuildRecord record;
   record.builder = "pgd";
   record.strategy = "slabs";
-  record.status = result.status == pgd::SlabStatus::max_evaluations ? "max_calls" : to_string(result.status);
+  record.status = result.status;
   record.message = result.message;
   record.evaluations = static_cast<double>(result.evaluations);
   record.grid_size = result.grid_evaluations;
@@ -162,7 +161,7 @@ pgd::AdaptiveResult adaptive_result(const pgd::AdaptiveProblem& problem, const p
                                     pgd::SolverState start) {
   try {
     pgd::AdaptiveResult result = solve_adaptively(problem, options, std::move(start));
-    if (result.evolution.status == pgd::EvolutionStatus::rank_limit && result.state.iterations == 0)
+    if (result.evolution.status == Termination::rank_limit && result.state.iterations == 0)
       cannot_solve(result.message);
     return result;
   } catch (const ArgumentError& error) {

@@ -25,12 +25,6 @@ constexpr double kRoundingShare = 0.1;  // and what the cross did not use of its
 
 using SamplingChallenge = std::function<Eigen::MatrixXd(const pgd::SamplingResult&)>;
 
-/// Ends a build from inside, before there is a field.
-struct BuildStopped {
-  std::string status;
-  std::string message;
-};
-
 /// Corners of the box (all of them for up to three coordinates) and random points.
 Eigen::MatrixXd pilot_points(const Plan& plan) {
   constexpr int kCorners = 8, kInside = 8;
@@ -74,35 +68,39 @@ struct PilotedMesh {
   long calls = 0;
 };
 
-PilotedMesh mesh_by_pilots(const Plan& plan, CallMemory& calls, long max_calls,
-                           const ProgressCallback& progress) {
+Outcome<PilotedMesh> mesh_by_pilots(const Plan& plan, CallMemory& calls, long max_calls,
+                                    const ProgressCallback& progress) {
   const Eigen::MatrixXd points = pilot_points(plan);
   const SampledSource& source = calls.source();
   const auto outputs = static_cast<Eigen::Index>(source.outputs.size());
   long used = 0;
-  const PilotTrajectories pilots = [&](const std::vector<double>& times) {
+  using Trajectories = std::vector<Eigen::MatrixXd>;
+  const PilotTrajectories pilots = [&](const std::vector<double>& times) -> Outcome<Trajectories> {
     if (used + points.cols() > max_calls) {
-      throw BuildStopped{"max_calls", fmt::format("{} calls of the {} allowed were used, {} more were "
-                                                  "needed for the axis of time",
-                                                  used, max_calls, points.cols())};
+      return Ending{Termination::max_calls, fmt::format("{} calls of the {} allowed were used, {} more were "
+                                                        "needed for the axis of time",
+                                                        used, max_calls, points.cols())};
     }
-    if (progress && !progress({"pilots", 0.0})) throw BuildStopped{"cancelled", "cancelled"};
+    if (progress && !progress({"pilots", 0.0})) return Ending{Termination::cancelled, "cancelled"};
     used += points.cols();
-    std::vector<Eigen::MatrixXd> answers;
-    try {
-      const Eigen::MatrixXd values = calls(points, times);
-      for (Eigen::Index j = 0; j < values.cols(); ++j)
-        answers.push_back(values.col(j).reshaped(outputs, values.rows() / outputs).transpose());
-    } catch (const CallFailed& failed) {
-      throw BuildStopped{"failed", fmt::format("no {} at {}: {}", source.answers_name,
-                                               described(source, failed.point), failed.what())};
+    const CalledAnswers answered = calls(points, times);
+    if (!answered.failure.empty()) {
+      return Ending{Termination::failed, fmt::format("no {} at {}: {}", source.answers_name,
+                                                     described(source, answered.point), answered.failure)};
     }
-    return answers;
+    Trajectories trajectories;
+    for (Eigen::Index j = 0; j < answered.values.cols(); ++j) {
+      trajectories.push_back(
+          answered.values.col(j).reshaped(outputs, answered.values.rows() / outputs).transpose());
+    }
+    return trajectories;
   };
   TimeMeshOptions options;
   options.tolerance = kTimeShare * plan.relative;
   options.floors = floors_of(plan, source);
-  return {mesh_time({"t", source.time_unit, pgd::AxisRole::time}, plan.end, pilots, options), used};
+  Outcome<TimeMesh> mesh = mesh_time({"t", source.time_unit, pgd::AxisRole::time}, plan.end, pilots, options);
+  if (!mesh) return mesh.ending();
+  return PilotedMesh{std::move(*mesh), used};
 }
 
 /// What the sampler is told of the outputs: with time, all at every node.
@@ -141,7 +139,9 @@ pgd::SamplingResult sample_calls(const Plan& plan, CallMemory& calls, const std:
   options.progress = progress;
   options.challenge = challenge;
   const auto function = [&](const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
-    values = calls(points, outputs.times);
+    CalledAnswers answered = calls(points, outputs.times);
+    if (!answered.failure.empty()) throw Error(answered.failure);
+    values = std::move(answered.values);
   };
   return pgd::sample(coordinates, outputs.labels, function, options);
 }
@@ -216,9 +216,9 @@ Solution without_field(const Plan& plan, const SampledSource& source, BuildRecor
   return {{Piece{{stand_in(plan, source)}}}, std::move(record), {}, 0.0};
 }
 
-std::string status_of(const pgd::SamplingResult& result, bool mesh_is_resolved) {
-  if (!result.tolerance_met()) return to_string(result.status);
-  return mesh_is_resolved ? "converged" : "not_resolved";
+Termination status_of(const pgd::SamplingResult& result, bool mesh_is_resolved) {
+  if (!result.tolerance_met()) return result.status;
+  return mesh_is_resolved ? Termination::converged : Termination::not_resolved;
 }
 
 std::string described(const TimeMesh& mesh, long pilots, double tolerance) {
@@ -235,15 +235,14 @@ Solution solve(const Plan& plan, CallMemory& calls, long max_calls, const Progre
   std::optional<TimeMesh> mesh;
   long pilots = 0;
   if (plan.end > 0.0) {
-    try {
-      PilotedMesh piloted = mesh_by_pilots(plan, calls, max_calls, progress);
-      mesh.emplace(std::move(piloted.mesh));
-      pilots = piloted.calls;
-    } catch (const BuildStopped& stopped) {
-      record.status = stopped.status;
-      record.message = stopped.message;
+    Outcome<PilotedMesh> piloted = mesh_by_pilots(plan, calls, max_calls, progress);
+    if (!piloted) {
+      record.status = piloted.ending().status;
+      record.message = piloted.ending().message;
       return without_field(plan, calls.source(), std::move(record));
     }
+    mesh.emplace(std::move(piloted->mesh));
+    pilots = piloted->calls;
   }
   std::optional<pgd::RoundedField> claimed;
   std::optional<Certificate> certificate;

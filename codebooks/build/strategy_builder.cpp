@@ -22,7 +22,6 @@ namespace {
 using pgd::Strategy;
 using pgd::StrategyMarchOptions;
 using pgd::StrategyResult;
-using pgd::StrategyStatus;
 
 using Factory = std::unique_ptr<Strategy> (*)();
 
@@ -59,13 +58,8 @@ double total_defect(const StrategyResult& result) {
   return sum;
 }
 
-/// The word a build's record has for it.
-std::string word_for(StrategyStatus status) {
-  return status == StrategyStatus::max_evaluations ? "max_calls" : to_string(status);
-}
-
-bool is_cut(StrategyStatus status) {
-  return status == StrategyStatus::cancelled || status == StrategyStatus::max_evaluations;
+bool is_cut(Termination status) {
+  return status == Termination::cancelled || status == Termination::max_calls;
 }
 
 /// Slabs and nodes of a round.
@@ -98,7 +92,7 @@ class Rounds {
       const bool better = is_better(result);
       if (better) take(std::move(result));
       if (is_cut(last_)) break;
-      if (last_ == StrategyStatus::converged) {
+      if (last_ == Termination::converged) {
         // The first round only finds the ranges of the states: tolerances are shares of them.
         if (rounds_ == 1) continue;
         if (!better || defect <= kDefectShare * plan_.relative) break;
@@ -176,9 +170,9 @@ class Rounds {
   }
 
   /// What failed asks for shorter slabs; what converged to a defect, for more nodes too.
-  bool refine(StrategyStatus status) {
+  bool refine(Termination status) {
     bool finer = false;
-    if (status == StrategyStatus::converged) {
+    if (status == Termination::converged) {
       for (std::size_t k = 0; k < grid_.nodes.size(); ++k) {
         if (problem_.parameters[k].nodes || grid_.nodes[k] >= kMostNodes) continue;
         grid_.nodes[k] = std::min(kMostNodes, grid_.nodes[k] * 3 / 2);
@@ -202,18 +196,18 @@ class Rounds {
     BuildRecord& record = solution.record;
     record.builder = "pgd";
     record.strategy = plan_.builder.strategy;
-    record.status = word_for(best_.status);
+    record.status = best_.status;
     record.message = best_.message;
     if (is_cut(last_) && best_round_ < rounds_) {
-      record.status = word_for(last_);
+      record.status = last_;
       record.message =
           fmt::format("{}; the result is that of round {} of {}", last_message_, best_round_, rounds_);
-    } else if (best_.status == StrategyStatus::converged && best_round_ == 1) {
-      record.status = "missed";
+    } else if (best_.status == Termination::converged && best_round_ == 1) {
+      record.status = Termination::missed;
       record.message =
           fmt::format("no round but the first, at a coarse tolerance, gets as far: {}", last_message_);
-    } else if (best_.status == StrategyStatus::converged && defect > kDefectShare * plan_.relative) {
-      record.status = "missed";
+    } else if (best_.status == Termination::converged && defect > kDefectShare * plan_.relative) {
+      record.status = Termination::missed;
       record.message =
           fmt::format("{} leaves a defect of {:.3g} of the ranges in the equations, {:.3g} is wanted",
                       strategy_->name(), defect, kDefectShare * plan_.relative);
@@ -236,7 +230,7 @@ class Rounds {
   Grid grid_;
   StrategyResult best_;  ///< of the rounds so far
   int best_round_ = 0;
-  StrategyStatus last_ = StrategyStatus::max_iterations;  ///< of the last round
+  Termination last_ = Termination::max_iterations;  ///< of the last round
   std::string last_message_;
   int rounds_ = 0;
   int iterations_ = 0;  ///< largest of a slab

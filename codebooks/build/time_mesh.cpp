@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "samara/base/require.h"
@@ -26,12 +27,12 @@ class TimeRefinement {
   TimeRefinement(const pgd::Axis::Label& label, const TimeMeshOptions& options)
       : label_(label), options_(options) {}
 
-  TimeMesh run(double end, const PilotTrajectories& pilots) {
+  Outcome<TimeMesh> run(double end, const PilotTrajectories& pilots) {
     constexpr int kGenerations = 4;
     std::vector<Element> open = {{0.0, 0.5 * end}, {0.5 * end, end}};
     int passes = 0;
     while (!open.empty()) {
-      ask(open, kGenerations, pilots);
+      if (std::optional<Ending> ending = ask(open, kGenerations, pilots)) return std::move(*ending);
       ++passes;
       std::vector<Element> rough;
       for (const Element& element : open) settle(element, kGenerations, rough);
@@ -55,8 +56,8 @@ class TimeRefinement {
       worst = std::max(worst, relative(error));
     }
     borders[e] = end;
-    return {pgd::Axis::chebyshev(label_, borders, options_.degree), worst, scale(),
-            worst <= options_.tolerance, passes};
+    return TimeMesh{pgd::Axis::chebyshev(label_, borders, options_.degree), worst, scale(),
+                    worst <= options_.tolerance, passes};
   }
 
  private:
@@ -84,18 +85,22 @@ class TimeRefinement {
     collect(second, generations - 1, times);
   }
 
-  void ask(const std::vector<Element>& open, int generations, const PilotTrajectories& pilots) {
+  std::optional<Ending> ask(const std::vector<Element>& open, int generations,
+                            const PilotTrajectories& pilots) {
     times_.clear();
     for (const Element& element : open) collect(element, generations, times_);
     std::sort(times_.begin(), times_.end());
     times_.erase(std::unique(times_.begin(), times_.end()), times_.end());
-    states_ = pilots(times_);
+    Outcome<std::vector<Eigen::MatrixXd>> answers = pilots(times_);
+    if (!answers) return answers.ending();
+    states_ = std::move(*answers);
     for (const Eigen::MatrixXd& states : states_) {
       const Eigen::VectorXd low = states.colwise().minCoeff().transpose();
       const Eigen::VectorXd high = states.colwise().maxCoeff().transpose();
       smallest_ = smallest_.size() == 0 ? low : smallest_.cwiseMin(low).eval();
       largest_ = largest_.size() == 0 ? high : largest_.cwiseMax(high).eval();
     }
+    return std::nullopt;
   }
 
   Eigen::Index row_of(double time) const {
@@ -157,8 +162,8 @@ class TimeRefinement {
 
 }  // namespace
 
-TimeMesh mesh_time(const pgd::Axis::Label& label, double end, const PilotTrajectories& pilots,
-                   const TimeMeshOptions& options) {
+Outcome<TimeMesh> mesh_time(const pgd::Axis::Label& label, double end, const PilotTrajectories& pilots,
+                            const TimeMeshOptions& options) {
   require(end > 0.0, "the end of time [s]", end, "more than 0", "mesh_time");
   require(options.tolerance > 0.0, "tolerance", options.tolerance, "more than 0", "mesh_time");
   require(options.degree >= 2, "degree", options.degree, "at least 2", "mesh_time");

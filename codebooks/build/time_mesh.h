@@ -5,12 +5,15 @@
 
 #include <Eigen/Core>
 
+#include "samara/base/termination.h"
 #include "samara/pgd/axes/axis.h"
 
 namespace samara::codebooks {
 
-/// Some trajectories, the pilots, at given times (ascending): one matrix, times x outputs, per trajectory.
-using PilotTrajectories = std::function<std::vector<Eigen::MatrixXd>(const std::vector<double>& times)>;
+/// Some trajectories, the pilots, at given times (ascending): one matrix, times x outputs, per trajectory; or
+/// why there are none.
+using PilotTrajectories =
+    std::function<Outcome<std::vector<Eigen::MatrixXd>>(const std::vector<double>& times)>;
 
 struct TimeMeshOptions {
   /// Largest interpolation error of an output between the nodes, over its scale, see TimeMesh.
@@ -32,8 +35,9 @@ struct TimeMesh {
 /// A mesh of time for a family of trajectories: elements are halved until polynomials through their nodes
 /// follow every pilot, at points between the nodes, to the tolerance. Several halvings are looked at for one
 /// pass over the pilots.
-/// @throws ArgumentError if end or an option is not positive.
-TimeMesh mesh_time(const pgd::Axis::Label& label, double end, const PilotTrajectories& pilots,
-                   const TimeMeshOptions& options);
+/// @returns why the pilots have no trajectories, if they have none. @throws ArgumentError if end or an option is
+/// not positive.
+Outcome<TimeMesh> mesh_time(const pgd::Axis::Label& label, double end, const PilotTrajectories& pilots,
+                            const TimeMeshOptions& options);
 
 }  // namespace samara::codebooks

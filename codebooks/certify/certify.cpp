@@ -221,13 +221,10 @@ Measured measure(const Codebook& book, CallMemory& calls, const CertifyOptions& 
     std::vector<PointErrors> errors;
     // A program that has failed may be dear to ask again.
     if (!failure.empty()) return errors;
-    Eigen::MatrixXd exact;
-    try {
-      exact = calls(q, times);
-    } catch (const CallFailed& failed) {
-      failure = failed.what();
-      return errors;
-    }
+    CalledAnswers answered = calls(q, times);
+    failure = std::move(answered.failure);
+    if (!failure.empty()) return errors;
+    const Eigen::MatrixXd& exact = answered.values;
     for (Eigen::Index j = 0; j < q.cols(); ++j) {
       const Eigen::MatrixXd reference =
           exact.col(j).reshaped(book.output_count(), exact.rows() / book.output_count()).transpose();

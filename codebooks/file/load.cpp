@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -13,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/termination.h"
 #include "samara/codebooks/file/store_format.h"
 #include "samara/codebooks/file/store_piece.h"
 #include "samara/io/hdf5_reader.h"
@@ -165,12 +167,25 @@ ModelDescription read_model(const Hdf5Reader& file) {
   return model;
 }
 
+/// Older files have words of their own for some.
+Termination read_status(const Hdf5Reader& file, const std::string& path) {
+  static const std::map<std::string, Termination> older = {{"", Termination::failed},
+                                                           {"iteration limit", Termination::max_iterations},
+                                                           {"not determined", Termination::not_determined},
+                                                           {"stalled", Termination::stagnated},
+                                                           {"max_evaluations", Termination::max_calls}};
+  const std::string word = file.text_attribute(path, "status");
+  if (const std::optional<Termination> status = termination_of(word)) return *status;
+  if (const auto known = older.find(word); known != older.end()) return known->second;
+  throw file.error(path, fmt::format("status is \"{}\", which is no status of a build", word));
+}
+
 BuildRecord read_build(const Hdf5Reader& file) {
   const std::string path = "/build";
   BuildRecord build;
   build.builder = file.text_attribute(path, "builder");
   build.strategy = file.text_attribute(path, "strategy");
-  build.status = file.text_attribute(path, "status");
+  build.status = read_status(file, path);
   build.message = file.text_attribute(path, "message");
   build.evaluations = file.number_attribute(path, "evaluations");
   build.grid_size = file.number_attribute(path, "grid_size");

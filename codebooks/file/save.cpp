@@ -84,7 +84,7 @@ void write_build(Hdf5Writer& file, const BuildRecord& build) {
   file.create_group(path);
   file.write_text_attribute(path, "builder", build.builder);
   file.write_text_attribute(path, "strategy", build.strategy);
-  file.write_text_attribute(path, "status", build.status);
+  file.write_text_attribute(path, "status", to_string(build.status));
   file.write_text_attribute(path, "message", build.message);
   file.write_number_attribute(path, "evaluations", build.evaluations);
   file.write_number_attribute(path, "grid_size", build.grid_size);

@@ -58,7 +58,7 @@ std::size_t CallMemory::sheet_of(const std::vector<double>& times) {
   return sheets_.size() - 1;
 }
 
-Eigen::MatrixXd CallMemory::operator()(const Eigen::MatrixXd& points, const std::vector<double>& times) {
+CalledAnswers CallMemory::operator()(const Eigen::MatrixXd& points, const std::vector<double>& times) {
   const std::size_t sheet = sheet_of(times);
   const std::size_t coordinates = source_.coordinates.size();
   const auto key = [&](Eigen::Index j) { return key_of(points.col(j).data(), coordinates); };
@@ -71,7 +71,8 @@ Eigen::MatrixXd CallMemory::operator()(const Eigen::MatrixXd& points, const std:
     end = std::min(first + next_batch(), missing.size());
     const std::vector<Eigen::Index> chosen(missing.begin() + static_cast<std::ptrdiff_t>(first),
                                            missing.begin() + static_cast<std::ptrdiff_t>(end));
-    ask(points(Eigen::all, chosen), sheet);
+    CalledAnswers asked_now = ask(points(Eigen::all, chosen), sheet);
+    if (!asked_now.failure.empty()) return asked_now;
     save_if_cheap();
   }
   const std::size_t rows = rows_of(source_, times);
@@ -80,7 +81,7 @@ Eigen::MatrixXd CallMemory::operator()(const Eigen::MatrixXd& points, const std:
     const std::size_t place = places_[sheet].at(key(j));
     std::copy_n(&sheets_[sheet].values[place * rows], rows, values.col(j).begin());
   }
-  return values;
+  return {std::move(values), {}, {}};
 }
 
 double CallMemory::seconds_per_call() const {
@@ -100,11 +101,11 @@ std::size_t CallMemory::next_batch() const {
   return static_cast<std::size_t>(std::clamp(expected, 1.0, static_cast<double>(source_.batch)));
 }
 
-void CallMemory::ask(const Eigen::MatrixXd& points, std::size_t sheet) {
+CalledAnswers CallMemory::ask(const Eigen::MatrixXd& points, std::size_t sheet) {
   const std::size_t coordinates = source_.coordinates.size();
   for (Eigen::Index j = 0; j < points.cols(); ++j) {
     const auto failed = failures_.find(key_of(points.col(j).data(), coordinates));
-    if (failed != failures_.end()) throw CallFailed(failed->second, points.col(j));
+    if (failed != failures_.end()) return {{}, failed->second, points.col(j)};
   }
   const Clock::time_point begin = Clock::now();
   SampledAnswers answers = source_.answers(points, sheets_[sheet].times);
@@ -118,9 +119,9 @@ void CallMemory::ask(const Eigen::MatrixXd& points, std::size_t sheet) {
   }
   const Eigen::Index good = answers.values.cols();
   remember(points.leftCols(good), answers.values, sheet);
-  if (answers.failure.empty()) return;
+  if (answers.failure.empty()) return {};
   failures_[key_of(points.col(good).data(), coordinates)] = answers.failure;
-  throw CallFailed(answers.failure, points.col(good));
+  return {{}, answers.failure, points.col(good)};
 }
 
 void CallMemory::remember(const Eigen::MatrixXd& points, const Eigen::MatrixXd& values, std::size_t sheet) {

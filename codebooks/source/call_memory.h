@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -14,10 +13,11 @@
 
 namespace samara::codebooks {
 
-/// A point without an answer. Not of the family of errors: builders turn it into a status.
-struct CallFailed : std::runtime_error {
-  CallFailed(const std::string& what, Eigen::VectorXd at) : std::runtime_error(what), point(std::move(at)) {}
-  Eigen::VectorXd point;
+/// What calls at some points gave.
+struct CalledAnswers {
+  Eigen::MatrixXd values;  ///< a column per point: outputs fastest, then times; empty if there is a failure
+  std::string failure;     ///< of the first point without an answer, or one that is not finite; empty: none
+  Eigen::VectorXd point;   ///< where
 };
 
 /// A source that is never asked twice: it keeps all answers, and stores them for a build that is taken up
@@ -33,9 +33,8 @@ class CallMemory {
 
   const SampledSource& source() const { return source_; }
 
-  /// A column per point: outputs fastest, then times. Answers are stored from time to time.
-  /// @throws CallFailed for the first point without an answer, or one that is not finite
-  Eigen::MatrixXd operator()(const Eigen::MatrixXd& points, const std::vector<double>& times);
+  /// Answers are stored from time to time.
+  CalledAnswers operator()(const Eigen::MatrixXd& points, const std::vector<double>& times);
 
   /// What a call took on average, in an earlier build, too; 0 before the first.
   double seconds_per_call() const;
@@ -51,7 +50,8 @@ class CallMemory {
   using Places = std::unordered_map<std::string, std::size_t>;
 
   std::size_t sheet_of(const std::vector<double>& times);
-  void ask(const Eigen::MatrixXd& points, std::size_t sheet);
+  /// @returns the failure, without values
+  CalledAnswers ask(const Eigen::MatrixXd& points, std::size_t sheet);
   void remember(const Eigen::MatrixXd& points, const Eigen::MatrixXd& values, std::size_t sheet);
   void save_if_cheap();
 

@@ -39,5 +39,5 @@ int main() {
     largest = std::max(largest, std::abs(result.solution.entry(index) - direct[i]));
   }
   std::printf("largest difference from the direct solution at m = %.1f: %.1e\n", m.nodes()[last], largest);
-  return result.termination == Termination::residual && largest < 1e-8 ? 0 : 1;
+  return result.termination == EnrichTermination::residual && largest < 1e-8 ? 0 : 1;
 }

@@ -18,6 +18,21 @@ namespace samara::identification {
 
 namespace {
 
+/// The word that the codebook's record has for it.
+Termination termination_of(FitStatus status) {
+  switch (status) {
+    case FitStatus::converged:
+      return Termination::converged;
+    case FitStatus::not_determined:
+      return Termination::not_determined;
+    case FitStatus::iteration_limit:
+      return Termination::max_iterations;
+    case FitStatus::failed:
+      break;
+  }
+  return Termination::failed;
+}
+
 /// Begins the name of what a series belongs to: it is no solution of the model.
 constexpr std::string_view kSeriesOf = "coefficients of ";
 
@@ -147,7 +162,7 @@ codebooks::Codebook series_codebook(const CoefficientSeries& series) {
       .fixed_units = series.replay_units};
   codebooks::BuildRecord build{.builder = "fit",
                                .strategy = "series",
-                               .status = to_string(series.status),
+                               .status = termination_of(series.status),
                                .message = series.message,
                                .evaluations = static_cast<double>(series.fit.evaluations),
                                .grid_size = static_cast<double>(times.size()),

@@ -103,8 +103,8 @@ class AdaptiveSolver {
   /// Newton step.
   EvolutionResult solve_with_a_step(double tolerance) {
     EvolutionResult carried = solve(tolerance);
-    if (carried.status != EvolutionStatus::converged || carried.history.size() > 1 ||
-        !refined(carried.field) || carried.residual <= kRounding) {
+    if (carried.status != Termination::converged || carried.history.size() > 1 || !refined(carried.field) ||
+        carried.residual <= kRounding) {
       return carried;
     }
     evaluations_of_round_ = carried.rhs_evaluations + carried.jacobian_evaluations;
@@ -112,12 +112,11 @@ class AdaptiveSolver {
     evaluations_of_round_ = 0;
     stepped.rhs_evaluations += carried.rhs_evaluations;
     stepped.jacobian_evaluations += carried.jacobian_evaluations;
-    if (stepped.status == EvolutionStatus::converged || stepped.status == EvolutionStatus::cancelled)
-      return stepped;
+    if (stepped.status == Termination::converged || stepped.status == Termination::cancelled) return stepped;
     // Near rounding a step cannot do what was asked of it; it need not have done harm.
     const bool good_enough = stepped.residual <= tolerance && stepped.nonlinearity_error <= tolerance;
     EvolutionResult& kept = good_enough ? stepped : carried;
-    kept.status = EvolutionStatus::converged;
+    kept.status = Termination::converged;
     kept.message = fmt::format("residual {:.3g} <= {:.3g} after {} iterations", kept.residual, tolerance,
                                kept.history.size());
     kept.rhs_evaluations = stepped.rhs_evaluations;
@@ -227,7 +226,7 @@ class AdaptiveSolver {
       return end(AdaptiveStatus::max_evaluations, fmt::format("{} evaluations used, no more than {} allowed",
                                                               evaluations, options_.max_evaluations));
     }
-    if (result.evolution.status != EvolutionStatus::converged) {
+    if (result.evolution.status != Termination::converged) {
       return end(AdaptiveStatus::evolution_failed, result.evolution.message);
     }
     if (coarsest == nullptr && final_tolerance) {

@@ -134,7 +134,7 @@ class Newton {
     if (products <= options_.max_terms) return to_separated(train);
     Separation separation = separate(train, tolerance, options_.max_terms);
     if (separation.status == SeparationStatus::met) return std::move(separation.tensor);
-    stop(EvolutionStatus::rank_limit,
+    stop(Termination::rank_limit,
          fmt::format("{} takes more than the {} products allowed, a train of ranks {} in all {:.3g}; slabs "
                      "need no such sums and may go further",
                      what, options_.max_terms, fmt::join(train.ranks(), ", "), separation.chains));
@@ -168,7 +168,7 @@ class Newton {
     if (stopped_) return false;  // cancelled on the way
     // A step too long may leave the domain of f: the caller shortens it before this counts.
     if (shorten_step()) return false;
-    stop(EvolutionStatus::not_finite,
+    stop(Termination::not_finite,
          fmt::format("{} is not finite at {}", what, grid_.describe(result.bad_entry)));
     return false;
   }
@@ -178,12 +178,12 @@ class Newton {
   bool converged() {
     if (!(residual_ <= options_.tolerance)) return false;
     if (nonlinearity_error_ > options_.tolerance) {
-      return stop(EvolutionStatus::stalled,
+      return stop(Termination::stagnated,
                   fmt::format("residual {:.3g}, but f is approximated only to {:.3g} > {:.3g}", residual_,
                               nonlinearity_error_, options_.tolerance));
     }
-    return stop(EvolutionStatus::converged, fmt::format("residual {:.3g} <= {:.3g} after {} iterations",
-                                                        residual_, options_.tolerance, history_.size()));
+    return stop(Termination::converged, fmt::format("residual {:.3g} <= {:.3g} after {} iterations",
+                                                    residual_, options_.tolerance, history_.size()));
   }
 
   /// A residual that grew asks for a shorter step, and ends the iteration when steps are short already.
@@ -193,12 +193,12 @@ class Newton {
       return false;
     }
     if (residual_ < 10.0 * options_.tolerance) {
-      return stop(EvolutionStatus::stalled,
+      return stop(Termination::stagnated,
                   fmt::format("the residual stays at {:.3g} > {:.3g}", residual_, options_.tolerance));
     }
     if (shorten_step()) return true;
     return stop(
-        EvolutionStatus::diverged,
+        Termination::diverged,
         fmt::format(
             "the residual grew from {:.3g} to {:.3g} even with a step of {:.3g}: the solution may not "
             "exist on the whole box",
@@ -218,7 +218,7 @@ class Newton {
 
   bool out_of_iterations() {
     if (static_cast<int>(history_.size()) < options_.max_iterations) return false;
-    return stop(EvolutionStatus::max_iterations,
+    return stop(Termination::max_iterations,
                 fmt::format("residual {:.3g} > {:.3g} after all {} iterations allowed", residual_,
                             options_.tolerance, options_.max_iterations));
   }
@@ -228,9 +228,9 @@ class Newton {
     const double known = std::isfinite(residual_) ? residual_ : 1.0;
     const double fraction = std::clamp(std::log(known) / std::log(options_.tolerance), 0.0, 1.0);
     if (options_.progress({"Newton", fraction})) return false;
-    return stop(EvolutionStatus::cancelled, std::isfinite(residual_)
-                                                ? fmt::format("cancelled at residual {:.3g}", residual_)
-                                                : std::string("cancelled before the first residual"));
+    return stop(Termination::cancelled, std::isfinite(residual_)
+                                            ? fmt::format("cancelled at residual {:.3g}", residual_)
+                                            : std::string("cancelled before the first residual"));
   }
 
   /// J(x0 + W), to the accuracy the inexact iteration needs. @returns false if it is not finite.
@@ -285,7 +285,7 @@ class Newton {
     record_.linear = result.termination;
     record_.linear_residual = result.residual / linear.residual_tolerance * wanted;
     if (record_.linear_residual > 0.9 * residual_) {
-      stop(EvolutionStatus::stalled,
+      stop(Termination::stagnated,
            fmt::format("the linear solve of iteration {} failed: {}", history_.size() + 1, result.message));
       return;
     }
@@ -301,7 +301,7 @@ class Newton {
     return scaled_modes(std::move(result.tensor), inverse(grid_.root_weights()));
   }
 
-  bool stop(EvolutionStatus status, std::string message) {
+  bool stop(Termination status, std::string message) {
     status_ = status;
     message_ = std::move(message);
     stopped_ = true;
@@ -315,7 +315,7 @@ class Newton {
   CrossPivots rhs_pivots_, jacobian_pivots_;
   EvolutionRecord record_;
   std::vector<EvolutionRecord> history_;
-  EvolutionStatus status_ = EvolutionStatus::diverged;
+  Termination status_ = Termination::diverged;
   std::string message_;
   bool stopped_ = false;
   double step_ = 1.0;
@@ -393,26 +393,6 @@ EvolutionResult solve_evolution(const EvolutionProblem& problem, const Evolution
         options.max_terms));
   }
   return Newton(problem, options, guess).run();
-}
-
-std::string to_string(EvolutionStatus status) {
-  switch (status) {
-    case EvolutionStatus::converged:
-      return "converged";
-    case EvolutionStatus::max_iterations:
-      return "max_iterations";
-    case EvolutionStatus::diverged:
-      return "diverged";
-    case EvolutionStatus::not_finite:
-      return "not_finite";
-    case EvolutionStatus::stalled:
-      return "stalled";
-    case EvolutionStatus::rank_limit:
-      return "rank_limit";
-    case EvolutionStatus::cancelled:
-      return "cancelled";
-  }
-  return "unknown";
 }
 
 }  // namespace samara::pgd

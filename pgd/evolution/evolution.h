@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "samara/base/progress.h"
+#include "samara/base/termination.h"
 #include "samara/pgd/axes/axis.h"
 #include "samara/pgd/fields/separated_field.h"
 #include "samara/pgd/linear/enrichment.h"
@@ -81,23 +82,13 @@ struct EvolutionOptions {
   ProgressCallback progress = {};
 };
 
-enum class EvolutionStatus {
-  converged,
-  max_iterations,
-  diverged,    ///< the residual grows even with shortened steps: the solution may not exist on the whole box
-  not_finite,  ///< f or its Jacobian is not finite somewhere; the message says where
-  stalled,     ///< the linear solves no longer reduce the residual
-  rank_limit,  ///< f or its Jacobian takes more products than max_terms
-  cancelled,
-};
-
 struct EvolutionRecord {
   double residual = 0.0;  ///< before the step, in scales
   double step = 1.0;      ///< fraction of the Newton step that led here
   int rank = 0;           ///< of the iterate
   int rhs_terms = 0;      ///< of the linear problem
   int jacobian_terms = 0;
-  Termination linear = Termination::residual;
+  EnrichTermination linear = EnrichTermination::residual;
   double linear_residual = 0.0;  ///< in scales
   long evaluations = 0;          ///< of f and J in this iteration
   double seconds = 0.0;
@@ -105,7 +96,10 @@ struct EvolutionRecord {
 
 struct EvolutionResult {
   SeparatedField field;  ///< axes: time, then the parameters; outputs: the states, SI
-  EvolutionStatus status = EvolutionStatus::diverged;
+  /// converged, max_iterations, diverged (the residual grows even with shortened steps: the solution may not
+  /// exist on the whole box), not_finite, stagnated (the linear solves no longer reduce the residual),
+  /// rank_limit (f or its Jacobian takes more products than max_terms) or cancelled.
+  Termination status = Termination::diverged;
   std::string message;
   std::vector<EvolutionRecord> history;
   /// Last one, in scales: what the truncation to finitely many terms leaves of the equations; 1 if the solve
@@ -122,7 +116,5 @@ struct EvolutionResult {
 /// @throws ArgumentError if problem or options do not validate, or the guess has other axes or outputs.
 EvolutionResult solve_evolution(const EvolutionProblem& problem, const EvolutionOptions& options = {},
                                 const SeparatedField* guess = nullptr);
-
-std::string to_string(EvolutionStatus status);
 
 }  // namespace samara::pgd

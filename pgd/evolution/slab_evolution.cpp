@@ -166,7 +166,7 @@ class Marches {
     const Eigen::VectorXd ranges = scales_of(problem_, scales_.cwiseProduct(march.ranges()), first_scales_);
     // Errors of this march in the ranges it has found.
     const double error = march.carried_error() * scales_.cwiseQuotient(ranges).maxCoeff();
-    const bool complete = march.status() == SlabStatus::converged;
+    const bool complete = march.status() == Termination::converged;
     const bool met = complete && error <= kSeen * options_.tolerance;
     // The first march is too coarse to be of any use but for ranges, unless it happens to do.
     if (complete && (met || local_.wanted <= local_.largest) && !(error >= best_.error))
@@ -176,7 +176,7 @@ class Marches {
       scales_ = ranges;
       return false;
     }
-    const bool cut = !complete && march.status() != SlabStatus::cancelled;
+    const bool cut = !complete && march.status() != Termination::cancelled;
     if (!best_.state.empty() && (complete || cut)) {
       take_best(cut ? march.message() : std::string());
     } else {
@@ -187,8 +187,8 @@ class Marches {
 
   /// Where a second march ends early, a third would end there too.
   bool is_last(const SlabMarch& march) const {
-    return march.status() == SlabStatus::cancelled || march.status() == SlabStatus::max_evaluations ||
-           (march.status() != SlabStatus::converged && result_.marches > 1) ||
+    return march.status() == Termination::cancelled || march.status() == Termination::max_calls ||
+           (march.status() != Termination::converged && result_.marches > 1) ||
            result_.marches >= options_.max_marches;
   }
 
@@ -211,7 +211,7 @@ class Marches {
     take(march, result_);
     result_.error = best_.error;
     result_.ranges.assign(best_.ranges.begin(), best_.ranges.end());
-    result_.status = best_.error <= kSeen * options_.tolerance ? SlabStatus::converged : SlabStatus::missed;
+    result_.status = best_.error <= kSeen * options_.tolerance ? Termination::converged : Termination::missed;
     result_.message = fmt::format("error {:.3g} of the range at the guard points after {} marches",
                                   best_.error, result_.marches);
     if (!cut_by.empty()) result_.message += fmt::format("; the last, at smaller tolerances: {}", cut_by);
@@ -224,8 +224,8 @@ class Marches {
     result_.where = march.where();
     result_.status = march.status();
     result_.message = march.message();
-    if (march.status() != SlabStatus::converged) return;
-    result_.status = SlabStatus::missed;
+    if (march.status() != Termination::converged) return;
+    result_.status = Termination::missed;
     result_.message = fmt::format(
         "error {:.3g} of the range at the guard points after one march at a "
         "tolerance of {:.3g}, which finds the ranges",
@@ -288,12 +288,6 @@ SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& opt
   validate(problem);
   validate(options);
   return Marches(problem, options).run(state);
-}
-
-std::string to_string(SlabStatus status) {
-  static constexpr std::array names = {"converged",    "missed",          "ceases",   "no_contraction",
-                                       "not_resolved", "max_evaluations", "cancelled"};
-  return names[static_cast<std::size_t>(status)];
 }
 
 }  // namespace samara::pgd

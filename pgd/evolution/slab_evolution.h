@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "samara/base/progress.h"
+#include "samara/base/termination.h"
 #include "samara/pgd/cross/cross_interpolation.h"
 #include "samara/pgd/evolution/adaptive_problem.h"
 #include "samara/pgd/fields/train_field.h"
@@ -54,16 +55,6 @@ struct SlabOptions {
   std::function<void(const std::vector<double>& state)> checkpoint = {};
 };
 
-enum class SlabStatus {
-  converged,
-  missed,          ///< solved to the end, but the error at the guard points is above the tolerance
-  ceases,          ///< somewhere the solution grows beyond all bounds
-  no_contraction,  ///< somewhere the equations of the shortest slab have no solution that was found
-  not_resolved,    ///< neighbours part: nodes, ranks and cells are used up
-  max_evaluations,
-  cancelled,
-};
-
 /// What one slab of one cell took.
 struct SlabRecord {
   int cell = 0;
@@ -85,7 +76,9 @@ struct SlabResult {
   /// One field per slab and cell, over time and the parameters, outputs the states, SI; ascending in time
   /// within a cell. If the march ended early, all cells reach the same time `reached`.
   std::vector<TrainField> pieces;
-  SlabStatus status = SlabStatus::missed;
+  /// converged; missed: solved to the end, but the error at the guard points is above the tolerance; ceases,
+  /// no_contraction, not_resolved, max_calls or cancelled: the march ended at `reached`.
+  Termination status = Termination::missed;
   std::string message;
   double reached = 0.0;
   std::vector<SlabRecord> history;  ///< of the last march
@@ -105,7 +98,5 @@ struct SlabResult {
 /// options.
 SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& options = {},
                           std::span<const double> state = {});
-
-std::string to_string(SlabStatus status);
 
 }  // namespace samara::pgd

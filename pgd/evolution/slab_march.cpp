@@ -75,7 +75,7 @@ bool SlabMarch::may_go_on(const SlabCell& first) {
   const std::string stage = cells() == 1 ? fmt::format("slab {}", history_.size() + 1)
                                          : fmt::format("slab {}, {} cells", history_.size() + 1, cells());
   if (!options_.progress || options_.progress({stage, done})) return true;
-  status_ = SlabStatus::cancelled;
+  status_ = Termination::cancelled;
   message_ = fmt::format("cancelled at t = {:.6g}", first.time);
   return false;
 }
@@ -93,7 +93,7 @@ void SlabMarch::out_of_evaluations(const SlabCell& cell) {
                        record->end - record->begin, record->evaluations,
                        *std::max_element(record->ranks.begin(), record->ranks.end()));
   }
-  end(SlabStatus::max_evaluations,
+  end(Termination::max_calls,
       fmt::format("{} evaluations used, {} allowed, at t = {:.6g} in {} about {}{}", evaluations(),
                   evaluations_left_, cell.time,
                   cells() == 1 ? std::string("the box") : fmt::format("one of {} cells,", cells()),
@@ -101,7 +101,7 @@ void SlabMarch::out_of_evaluations(const SlabCell& cell) {
       middle);
 }
 
-SlabMarch::Outcome SlabMarch::end(SlabStatus status, std::string message, const Eigen::VectorXd& q) {
+SlabMarch::Outcome SlabMarch::end(Termination status, std::string message, const Eigen::VectorXd& q) {
   status_ = status;
   message_ = std::move(message);
   where_.assign(q.begin(), q.end());

@@ -48,7 +48,7 @@ class SlabMarch {
   const std::vector<Piece>& pieces() const { return pieces_; }
   const std::vector<SlabRecord>& history() const { return history_; }
   /// converged if every cell has reached the end.
-  SlabStatus status() const { return status_; }
+  Termination status() const { return status_; }
   const std::string& message() const { return message_; }
   const std::vector<double>& where() const { return where_; }
   /// Time that all cells have reached.
@@ -77,7 +77,7 @@ class SlabMarch {
   double carry_on(SlabCell& cell, const TensorTrain& train);
   bool may_go_on(const SlabCell& first);
   void out_of_evaluations(const SlabCell& cell);
-  Outcome end(SlabStatus status, std::string message, const Eigen::VectorXd& q);
+  Outcome end(Termination status, std::string message, const Eigen::VectorXd& q);
   /// What iterations may leave, in scales.
   double iteration_tolerance() const { return 0.01 * tolerance_; }
 
@@ -91,7 +91,7 @@ class SlabMarch {
   Outcome shorten(SlabCell& cell, const std::vector<int>& bad_entry);
   Outcome give_up(const SlabCell& cell, double length, const SlabPoints& points, const Eigen::MatrixXd& q);
   Outcome give_up_on_time(const SlabCell& cell, double length, const Eigen::VectorXd& q);
-  Outcome end_at(const SlabCell& cell, SlabStatus status, const char* what, double length,
+  Outcome end_at(const SlabCell& cell, Termination status, const char* what, double length,
                  const Eigen::VectorXd& q);
   bool moves_by_its_size(double t, const Eigen::VectorXd& start, const Eigen::VectorXd& q,
                          double length) const;
@@ -125,7 +125,7 @@ class SlabMarch {
 
   std::vector<Piece> pieces_;
   std::vector<SlabRecord> history_;
-  SlabStatus status_ = SlabStatus::converged;
+  Termination status_ = Termination::converged;
   std::string message_;
   std::vector<double> where_;
   double reached_ = 0.0;

@@ -111,7 +111,7 @@ SlabMarch::Outcome SlabMarch::refine(SlabCell& cell, const TensorTrain& train, c
                                   : fmt::format("{} nodes on the axis {} do not suffice", nodes[coarsest],
                                                 cell.axes[coarsest].name());
   return end(
-      SlabStatus::not_resolved,
+      Termination::not_resolved,
       fmt::format("neighbours part: after t = {:.6g} {}{}, the error at {} is {:.3g} of the range", cell.time,
                   limit, options_.max_cells > 1 ? fmt::format(" in {} cells", cells()) : std::string(),
                   described(cell.axes, {at.begin(), at.end()}), error),

@@ -158,21 +158,21 @@ SlabMarch::Outcome SlabMarch::give_up(const SlabCell& cell, double length, const
   const bool unsolved = failed &&
                         points.status[static_cast<std::size_t>(worst)] == SlabPointStatus::no_contraction &&
                         !moves_by_its_size(cell.time, start, q.col(worst), length);
-  return unsolved ? end_at(cell, SlabStatus::no_contraction, "the equations could not be solved", length,
+  return unsolved ? end_at(cell, Termination::no_contraction, "the equations could not be solved", length,
                            q.col(worst))
-                  : end_at(cell, SlabStatus::ceases, kGrows, length, q.col(worst));
+                  : end_at(cell, Termination::ceases, kGrows, length, q.col(worst));
 }
 
 /// At a point that was solved, but that no polynomial follows.
 SlabMarch::Outcome SlabMarch::give_up_on_time(const SlabCell& cell, double length, const Eigen::VectorXd& q) {
   const Eigen::VectorXd start = values_at(cell.start, cell.axes, q).col(0);
   return start.cwiseAbs().maxCoeff() > 1.0 && moves_by_its_size(cell.time, start, q, length)
-             ? end_at(cell, SlabStatus::ceases, kGrows, length, q)
-             : end_at(cell, SlabStatus::not_resolved, "no polynomial follows the solution", length, q);
+             ? end_at(cell, Termination::ceases, kGrows, length, q)
+             : end_at(cell, Termination::not_resolved, "no polynomial follows the solution", length, q);
 }
 
-SlabMarch::Outcome SlabMarch::end_at(const SlabCell& cell, SlabStatus status, const char* what, double length,
-                                     const Eigen::VectorXd& q) {
+SlabMarch::Outcome SlabMarch::end_at(const SlabCell& cell, Termination status, const char* what,
+                                     double length, const Eigen::VectorXd& q) {
   return end(status,
              fmt::format("at t = {:.6g} and {} {} even in steps of {:.3g}", cell.time,
                          described(cell.axes, {q.begin(), q.end()}), what, length),

@@ -131,10 +131,11 @@ class Enrichment {
     if (found > 0) return best;
     best.amplitude = 0.0;
     if (singular) {
-      stop(Termination::singular,
+      stop(EnrichTermination::singular,
            fmt::format("a one-dimensional problem is singular at term {}", rank() + 1));
     } else {
-      stop(Termination::stagnation, fmt::format("no product lowers the residual {:.3g}", state_.residual));
+      stop(EnrichTermination::stagnation,
+           fmt::format("no product lowers the residual {:.3g}", state_.residual));
     }
     return best;
   }
@@ -205,29 +206,30 @@ class Enrichment {
 
   bool residual_reached() {
     if (!(state_.residual <= options_.residual_tolerance)) return false;
-    return stop(Termination::residual, fmt::format("residual {:.3g} <= {:.3g} with {} terms", state_.residual,
-                                                   options_.residual_tolerance, rank()));
+    return stop(EnrichTermination::residual,
+                fmt::format("residual {:.3g} <= {:.3g} with {} terms", state_.residual,
+                            options_.residual_tolerance, rank()));
   }
 
   bool amplitude_reached() {
     if (state_.history.empty()) return false;
     const double newest = state_.history.back().amplitude;
     if (!(newest < options_.amplitude_tolerance * state_.largest_amplitude)) return false;
-    return stop(Termination::amplitude,
+    return stop(EnrichTermination::amplitude,
                 fmt::format("term {} has amplitude {:.3g}, below {:.3g} of the largest", rank(), newest,
                             options_.amplitude_tolerance));
   }
 
   bool max_rank_reached() {
     if (rank() < options_.max_rank) return false;
-    return stop(Termination::max_rank,
+    return stop(EnrichTermination::max_rank,
                 fmt::format("residual {:.3g} > {:.3g} with all {} terms allowed", state_.residual,
                             options_.residual_tolerance, options_.max_rank));
   }
 
   bool time_is_up() {
     if (options_.max_seconds == 0.0 || seconds_since(start_) < options_.max_seconds) return false;
-    return stop(Termination::max_time,
+    return stop(EnrichTermination::max_time,
                 fmt::format("residual {:.3g} > {:.3g} with {} terms after the {} s allowed", state_.residual,
                             options_.residual_tolerance, rank(), options_.max_seconds));
   }
@@ -237,8 +239,9 @@ class Enrichment {
     const auto& history = state_.history;
     if (history.size() <= span) return false;
     if (state_.residual < 0.95 * history[history.size() - 1 - span].residual) return false;
-    return stop(Termination::stagnation, fmt::format("the last {} terms left the residual at {:.3g} > {:.3g}",
-                                                     span, state_.residual, options_.residual_tolerance));
+    return stop(EnrichTermination::stagnation,
+                fmt::format("the last {} terms left the residual at {:.3g} > {:.3g}", span, state_.residual,
+                            options_.residual_tolerance));
   }
 
   bool cancelled() {
@@ -247,11 +250,11 @@ class Enrichment {
     const double fraction =
         std::clamp(std::log(state_.residual) / std::log(options_.residual_tolerance), 0.0, 1.0);
     if (options_.progress({"enrichment", fraction})) return false;
-    return stop(Termination::cancelled,
+    return stop(EnrichTermination::cancelled,
                 fmt::format("cancelled with {} terms at residual {:.3g}", rank(), state_.residual));
   }
 
-  bool stop(Termination why, std::string message) {
+  bool stop(EnrichTermination why, std::string message) {
     why_ = why;
     message_ = std::move(message);
     return true;
@@ -265,7 +268,7 @@ class Enrichment {
   FixedPoint fixed_point_;
   Random random_;
   EnrichState state_;
-  Termination why_ = Termination::singular;
+  EnrichTermination why_ = EnrichTermination::singular;
   std::string message_;
 };
 
@@ -302,21 +305,21 @@ EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options, 
   return enrichment.run();
 }
 
-std::string to_string(Termination termination) {
+std::string to_string(EnrichTermination termination) {
   switch (termination) {
-    case Termination::residual:
+    case EnrichTermination::residual:
       return "residual";
-    case Termination::amplitude:
+    case EnrichTermination::amplitude:
       return "amplitude";
-    case Termination::max_rank:
+    case EnrichTermination::max_rank:
       return "max_rank";
-    case Termination::max_time:
+    case EnrichTermination::max_time:
       return "max_time";
-    case Termination::stagnation:
+    case EnrichTermination::stagnation:
       return "stagnation";
-    case Termination::singular:
+    case EnrichTermination::singular:
       return "singular";
-    case Termination::cancelled:
+    case EnrichTermination::cancelled:
       return "cancelled";
   }
   return "unknown";

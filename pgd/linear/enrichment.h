@@ -23,10 +23,10 @@
 /// Usage:
 ///   LinearProblem problem{op, rhs, {}};
 ///   EnrichResult result = enrich(problem, {.residual_tolerance = 1e-6});
-///   if (result.termination != Termination::residual) report(result.message);
+///   if (result.termination != EnrichTermination::residual) report(result.message);
 namespace samara::pgd {
 
-enum class Termination {
+enum class EnrichTermination {
   residual,    ///< the residual tolerance is met
   amplitude,   ///< new terms no longer matter by the amplitude tolerance
   max_rank,    ///< the allowed number of terms is used up
@@ -101,7 +101,7 @@ struct EnrichOptions {
 
 struct EnrichResult {
   SeparatedTensor solution;
-  Termination termination = Termination::singular;
+  EnrichTermination termination = EnrichTermination::singular;
   std::string message = "enrich() was not called";
   double residual = 1.0;  ///< relative, of `solution`
   std::vector<TermRecord> history;
@@ -109,7 +109,7 @@ struct EnrichResult {
 };
 
 /// Solves D(U) = G. A right-hand side without terms, or whose terms cancel to rounding, gives the solution
-/// without terms and Termination::residual. The solution returned is the one with the lowest residual of all
+/// without terms and EnrichTermination::residual. The solution returned is the one with the lowest residual of all
 /// that were met after a term.
 /// @param start a first approximation (warm start), whose terms are projected and updated first
 /// @throws ArgumentError if the problem does not validate, or an option is out of range.
@@ -120,6 +120,6 @@ EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options =
 /// @throws ArgumentError as above, or if the state's residual is not that of its solution in this problem.
 EnrichResult enrich(const LinearProblem& problem, const EnrichOptions& options, const EnrichState& state);
 
-std::string to_string(Termination termination);
+std::string to_string(EnrichTermination termination);
 
 }  // namespace samara::pgd

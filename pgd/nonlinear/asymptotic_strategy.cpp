@@ -64,34 +64,43 @@ class Asymptotic final : public Strategy {
         1.0 / ratio);
   }
 
-  void begin(const StrategySlab& slab) override {
+  std::optional<Ending> begin(const StrategySlab& slab) override {
     const TensorTrain centre = slab.start_at_points();
     const EntryFunction jacobian = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
       values = slab.jacobians(values_at(centre, entries), slab.parameters_at(entries));
     };
-    jacobian_ = slab.separate(jacobian, slab.states() * slab.rows(), kSourceShare * slab.tolerance(),
-                              jacobian_pivots_, "the Jacobian of f");
     terms_.clear();
     source_.reset();
+    Outcome<TensorTrain> separated =
+        slab.separate(jacobian, slab.states() * slab.rows(), kSourceShare * slab.tolerance(),
+                      jacobian_pivots_, "the Jacobian of f");
+    if (!separated) return separated.ending();
+    jacobian_ = std::move(*separated);
+    return std::nullopt;
   }
 
   /// With the sum X_0 + .. + X_m as the iterate, the problem for the sum of one more.
-  LinearSlab linearise(const StrategySlab& slab, const TensorTrain& iterate, std::optional<double>) override {
+  Outcome<LinearSlab> linearise(const StrategySlab& slab, const TensorTrain& iterate,
+                                std::optional<double>) override {
     const double tolerance = kSourceShare * slab.tolerance();
     if (!source_) {
-      source_ = slab.compressed(linear_part(slab), tolerance);
-      return {jacobian_, *source_};
+      Outcome<TensorTrain> linear = linear_part(slab);
+      if (!linear) return linear.ending();
+      source_ = slab.compressed(std::move(*linear), tolerance);
+      return LinearSlab{jacobian_, *source_};
     }
     const TensorTrain term = terms_.empty() ? iterate : sum(iterate, iterate_, -1.0);
     terms_.push_back(slab.compressed(slab.at_points(term), 0.1 * tolerance));
     iterate_ = iterate;
-    source_ = slab.compressed(sum(*source_, coefficient(slab)), tolerance);
-    return {jacobian_, *source_};
+    const Outcome<TensorTrain> next = coefficient(slab);
+    if (!next) return next.ending();
+    source_ = slab.compressed(sum(*source_, *next), tolerance);
+    return LinearSlab{jacobian_, *source_};
   }
 
  private:
   /// f - A x at the start: the equations for lambda = 0.
-  TensorTrain linear_part(const StrategySlab& slab) {
+  Outcome<TensorTrain> linear_part(const StrategySlab& slab) {
     const TensorTrain centre = slab.start_at_points();
     const EntryFunction function = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
       const Eigen::MatrixXd x = values_at(centre, entries);
@@ -103,7 +112,7 @@ class Asymptotic final : public Strategy {
 
   /// Taylor coefficient of the remainder f - (its linear part) at X_0 + lambda X_1 + .., of the order of the
   /// last term.
-  TensorTrain coefficient(const StrategySlab& slab) {
+  Outcome<TensorTrain> coefficient(const StrategySlab& slab) {
     const auto order = static_cast<int>(terms_.size()) - 1;
     const Eigen::VectorXd nodes = chebyshev_roots(2 * order + 5);
     const Eigen::RowVectorXd weights = taylor_weights(nodes, order);

@@ -22,13 +22,19 @@ class CrossStrategy final : public Strategy {
                            : "Picard's iteration with cross interpolation";
   }
 
-  void begin(const StrategySlab&) override { jacobian_.reset(); }
+  std::optional<Ending> begin(const StrategySlab&) override {
+    jacobian_.reset();
+    return std::nullopt;
+  }
 
-  LinearSlab linearise(const StrategySlab& slab, const TensorTrain& iterate,
-                       std::optional<double> correction) override {
-    if (!options_.newton) return {{}, separated_rates(slab, iterate, source_pivots_)};
-    if (!jacobian_ || !correction || *correction > kSettled)
-      jacobian_ = separated_jacobian(slab, iterate, kJacobianTolerance, jacobian_pivots_);
+  Outcome<LinearSlab> linearise(const StrategySlab& slab, const TensorTrain& iterate,
+                                std::optional<double> correction) override {
+    if (!options_.newton) return picard(slab, iterate);
+    if (!jacobian_ || !correction || *correction > kSettled) {
+      Outcome<TensorTrain> jacobian = separated_jacobian(slab, iterate, kJacobianTolerance, jacobian_pivots_);
+      if (!jacobian) return jacobian.ending();
+      jacobian_ = std::move(*jacobian);
+    }
     // The source goes with the separated Jacobian, whose errors then do not enter the solution.
     const TensorTrain at_points = slab.at_points(iterate);
     const EntryFunction source = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
@@ -36,11 +42,18 @@ class CrossStrategy final : public Strategy {
       values = source_at(slab, slab.rates(x, slab.parameters_at(entries)), x, values_at(*jacobian_, entries));
     };
     const double tolerance = kSourceShare * slab.tolerance();
-    TensorTrain b = slab.separate(source, slab.rows(), tolerance, source_pivots_, "f");
-    return {jacobian_, slab.compressed(std::move(b), tolerance)};
+    Outcome<TensorTrain> b = slab.separate(source, slab.rows(), tolerance, source_pivots_, "f");
+    if (!b) return b.ending();
+    return LinearSlab{jacobian_, slab.compressed(std::move(*b), tolerance)};
   }
 
  private:
+  Outcome<LinearSlab> picard(const StrategySlab& slab, const TensorTrain& iterate) {
+    Outcome<TensorTrain> rates = separated_rates(slab, iterate, source_pivots_);
+    if (!rates) return rates.ending();
+    return LinearSlab{{}, std::move(*rates)};
+  }
+
   CrossStrategyOptions options_;
   std::optional<TensorTrain> jacobian_;
   CrossPivots jacobian_pivots_, source_pivots_;

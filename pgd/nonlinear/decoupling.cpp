@@ -61,7 +61,7 @@ class SlabDecoupling {
     }
   }
 
-  DecouplingStatus run() {
+  Termination run() {
     while (!stopped_) {
       if (cancelled()) break;
       iterate();
@@ -214,7 +214,7 @@ class SlabDecoupling {
                          (ratio > 0.0 && ratio < 0.5 && last.correction * ratio / (1.0 - ratio) <= enough);
     if (!settled || too_long_ || std::max(last.accuracy, last.linear_residual) > enough) return false;
     return stop(
-        DecouplingStatus::converged,
+        Termination::converged,
         fmt::format("{} iterations, the last correction is {:.3g} of the scales, its ratio to the one "
                     "before {:.3g}",
                     iterations_, last.correction, ratio));
@@ -230,7 +230,7 @@ class SlabDecoupling {
     for (std::size_t k = 0; k < problem_.parameters.size(); ++k)
       coordinates.push_back(fmt::format("{} = {:.6g}", problem_.parameters[k].name(), result_.where[k + 1]));
     return stop(
-        DecouplingStatus::diverged,
+        Termination::diverged,
         fmt::format("contraction is lost: after {} iterations corrections grow, by {:.3g} from the last one "
                     "to {:.3g} of the scales, largest near {}; shorter times, Newton's iteration or slabs "
                     "may go further",
@@ -241,14 +241,14 @@ class SlabDecoupling {
   bool out_of_terms() {
     const DecouplingRecord& last = result_.history.back();
     if (too_long_) {
-      return stop(DecouplingStatus::rank_limit, fmt::format("a train takes ranks up to {}, {} are allowed",
-                                                            result_.largest_rank(), options_.max_rank));
+      return stop(Termination::rank_limit, fmt::format("a train takes ranks up to {}, {} are allowed",
+                                                       result_.largest_rank(), options_.max_rank));
     }
     if (last.linear_residual <= std::max(options_.tolerance, 1.1 * last.accuracy) ||
         last.correction > 3.0 * last.linear_residual)
       return false;
     return stop(
-        DecouplingStatus::rank_limit,
+        Termination::rank_limit,
         fmt::format("with {} terms, of at most {}, the linear problems keep a residual of {:.3g} of "
                     "the scales, {:.3g} is wanted",
                     result_.largest_rank(), options_.max_rank, last.linear_residual, options_.tolerance));
@@ -256,7 +256,7 @@ class SlabDecoupling {
 
   bool out_of_iterations() {
     if (iterations_ < options_.max_iterations) return false;
-    return stop(DecouplingStatus::max_iterations,
+    return stop(Termination::max_iterations,
                 fmt::format("{} iterations leave a correction of {:.3g} of the scales, {:.3g} is wanted",
                             iterations_, result_.history.back().correction, options_.tolerance));
   }
@@ -271,10 +271,10 @@ class SlabDecoupling {
     if (options_.progress({fmt::format("decoupling, slab {} of {}", slab_ + 1, options_.slabs),
                            (slab_ + done) / options_.slabs}))
       return false;
-    return stop(DecouplingStatus::cancelled, fmt::format("cancelled after {} iterations", iterations_));
+    return stop(Termination::cancelled, fmt::format("cancelled after {} iterations", iterations_));
   }
 
-  bool stop(DecouplingStatus status, std::string message) {
+  bool stop(Termination status, std::string message) {
     result_.status = status;
     result_.message = std::move(message);
     return stopped_ = true;
@@ -390,7 +390,7 @@ DecouplingResult solve_decoupled(const EvolutionProblem& problem, const Decoupli
     EvolutionProblem slab = problem;
     slab.time = slab_axis(problem.time, number, options.slabs);
     SlabDecoupling decoupling(slab, options, start, number, result);
-    if (decoupling.run() != DecouplingStatus::converged) {
+    if (decoupling.run() != Termination::converged) {
       result.message = fmt::format("between t = {:.6g} and {:.6g}: {}", slab.time.lower(), slab.time.upper(),
                                    result.message);
       break;

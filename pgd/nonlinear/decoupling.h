@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "samara/base/progress.h"
+#include "samara/base/termination.h"
 #include "samara/pgd/evolution/evolution.h"
 #include "samara/pgd/fields/separated_field.h"
 #include "samara/pgd/linear/enrichment.h"
@@ -26,7 +27,7 @@
 ///
 ///   const PolynomialSystem system(3, 3, {{0, 1.0}, {0, -1.0, {}, {0, 1, 1}}, ..});
 ///   const DecouplingResult result = solve_decoupled({&system, time, ..}, {.tolerance = 1e-7, .slabs = 4});
-///   if (result.status != DecouplingStatus::converged) report(result.message);
+///   if (result.status != Termination::converged) report(result.message);
 namespace samara::pgd {
 
 /// How unknowns are held between iterations.
@@ -57,14 +58,6 @@ struct DecouplingOptions {
   ProgressCallback progress = {};
 };
 
-enum class DecouplingStatus {
-  converged,
-  max_iterations,
-  diverged,    ///< contraction is lost: corrections grow
-  rank_limit,  ///< the linear problems are not solved well enough with the allowed terms
-  cancelled,
-};
-
 /// One iteration over all unknowns.
 struct DecouplingRecord {
   int slab = 0;
@@ -82,7 +75,9 @@ struct DecouplingRecord {
 struct DecouplingResult {
   /// Per slab that was solved, one field per unknown, over time and the parameters, SI.
   std::vector<std::vector<SeparatedField>> slabs;
-  DecouplingStatus status = DecouplingStatus::max_iterations;
+  /// converged, max_iterations, diverged, rank_limit (the linear problems are not solved well enough with the
+  /// allowed terms) or cancelled.
+  Termination status = Termination::max_iterations;
   std::string message = "solve_decoupled() was not called";
   /// Time and parameters of the largest last correction, if the iteration diverged.
   std::vector<double> where;
@@ -101,7 +96,5 @@ struct DecouplingResult {
 /// kind or has fewer elements than there are slabs, or the system is not a polynomial known term by term
 /// (EvolutionSystem::polynomial): of other systems products of fields do not make f.
 DecouplingResult solve_decoupled(const EvolutionProblem& problem, const DecouplingOptions& options = {});
-
-std::string to_string(DecouplingStatus status);
 
 }  // namespace samara::pgd

@@ -42,9 +42,4 @@ int DecouplingResult::largest_rank() const {
   return largest;
 }
 
-std::string to_string(DecouplingStatus status) {
-  static constexpr std::array names = {"converged", "max_iterations", "diverged", "rank_limit", "cancelled"};
-  return names[static_cast<std::size_t>(status)];
-}
-
 }  // namespace samara::pgd

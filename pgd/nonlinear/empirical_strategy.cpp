@@ -59,22 +59,27 @@ class Empirical final : public Strategy {
   std::string name() const override { return "discrete empirical interpolation"; }
   std::optional<StrategyDetail> detail() const override { return detail_; }
 
-  void begin(const StrategySlab& slab) override {
+  std::optional<Ending> begin(const StrategySlab& slab) override {
     training_ = slab.training_entries(options_.training_points);
+    return std::nullopt;
   }
 
-  LinearSlab linearise(const StrategySlab& slab, const TensorTrain& iterate, std::optional<double>) override {
+  Outcome<LinearSlab> linearise(const StrategySlab& slab, const TensorTrain& iterate,
+                                std::optional<double>) override {
     const TensorTrain at_points = slab.at_points(iterate);
     for (int training = 1;; ++training) {
-      const Interpolation basis = trained(slab, at_points);
-      TensorTrain source = applied(coefficients(slab, at_points, basis), 0, basis.from_rows);
+      const Outcome<Interpolation> basis = trained(slab, at_points);
+      if (!basis) return basis.ending();
+      Outcome<TensorTrain> found = coefficients(slab, at_points, *basis);
+      if (!found) return found.ending();
+      TensorTrain source = applied(std::move(*found), 0, basis->from_rows);
       const IndexBatch entries = slab.random_entries(kCheckPoints);
       const Eigen::MatrixXd exact = slab.rates(values_at(at_points, entries), slab.parameters_at(entries));
       const Eigen::RowVectorXd errors = (values_at(source, entries) - exact).cwiseAbs().colwise().maxCoeff();
-      detail_ = {"basis of f", static_cast<int>(basis.rows.size()), errors.maxCoeff()};
+      detail_ = {"basis of f", static_cast<int>(basis->rows.size()), errors.maxCoeff()};
       const double wanted = 3.0 * kSourceShare * slab.tolerance();
       if (!(errors.maxCoeff() > wanted) || training >= options_.max_retraining)
-        return {{}, slab.compressed(std::move(source), kSourceShare * slab.tolerance())};
+        return LinearSlab{{}, slab.compressed(std::move(source), kSourceShare * slab.tolerance())};
       for (Eigen::Index j = 0; j < entries.cols(); ++j) {
         if (!(errors[j] > wanted)) continue;
         training_.conservativeResize(Eigen::NoChange, training_.cols() + 1);
@@ -84,7 +89,7 @@ class Empirical final : public Strategy {
   }
 
  private:
-  Interpolation trained(const StrategySlab& slab, const TensorTrain& at_points) const {
+  Outcome<Interpolation> trained(const StrategySlab& slab, const TensorTrain& at_points) const {
     const Eigen::MatrixXd snapshots =
         slab.rates(values_at(at_points, training_), slab.parameters_at(training_));
     if (!snapshots.allFinite()) {
@@ -92,10 +97,10 @@ class Empirical final : public Strategy {
       while (snapshots.col(bad).allFinite()) ++bad;
       const Eigen::VectorXd q = slab.parameters_at(training_.col(bad));
       const std::vector<double> at(q.begin(), q.end());
-      throw StrategyFailure{StrategyStatus::not_finite,
-                            fmt::format("f is not finite between t = {:.6g} and {:.6g} at {}", slab.begin(),
-                                        slab.begin() + slab.length(), slab.described(at)),
-                            at};
+      return Ending{Termination::not_finite,
+                    fmt::format("f is not finite between t = {:.6g} and {:.6g} at {}", slab.begin(),
+                                slab.begin() + slab.length(), slab.described(at)),
+                    at};
     }
     const ThinSvd svd = thin_svd(snapshots);
     const double cut = 0.1 * kSourceShare * slab.tolerance();
@@ -118,8 +123,8 @@ class Empirical final : public Strategy {
   }
 
   /// f at the interpolation rows, over the parameters.
-  TensorTrain coefficients(const StrategySlab& slab, const TensorTrain& at_points,
-                           const Interpolation& basis) {
+  Outcome<TensorTrain> coefficients(const StrategySlab& slab, const TensorTrain& at_points,
+                                    const Interpolation& basis) {
     const Eigen::Index n = slab.states();
     const EntryFunction function = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
       const Eigen::MatrixXd x = values_at(at_points, entries);

@@ -55,10 +55,14 @@ class Incremental final : public Strategy {
  public:
   std::string name() const override { return "incremental linearisation"; }
 
-  LinearSlab linearise(const StrategySlab& slab, const TensorTrain& iterate, std::optional<double>) override {
+  Outcome<LinearSlab> linearise(const StrategySlab& slab, const TensorTrain& iterate,
+                                std::optional<double>) override {
     if (const PolynomialSystem* polynomial = slab.problem().system->polynomial())
-      return {{}, Products(slab, iterate, kSourceShare * slab.tolerance()).sum_of(polynomial->terms())};
-    return {{}, separated_rates(slab, iterate, pivots_)};
+      return LinearSlab{{},
+                        Products(slab, iterate, kSourceShare * slab.tolerance()).sum_of(polynomial->terms())};
+    Outcome<TensorTrain> rates = separated_rates(slab, iterate, pivots_);
+    if (!rates) return rates.ending();
+    return LinearSlab{{}, std::move(*rates)};
   }
 
  private:

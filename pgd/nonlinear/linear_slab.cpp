@@ -45,18 +45,16 @@ Eigen::MatrixXd solve_at(const StrategySlab& slab, const LinearSlab& linear, con
 
 }  // namespace
 
-TensorTrain solve(const StrategySlab& slab, const LinearSlab& linear, CrossPivots& pivots) {
-  TensorTrain solution;
-  if (linear.jacobian) {
-    const EntryFunction function = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
-      values = solve_at(slab, linear, entries);
-    };
-    solution = slab.separate(function, slab.states() * (slab.points() + 1), kCrossShare * slab.tolerance(),
-                             pivots, "the solution");
-  } else {
-    solution = integrate(slab, linear);
-  }
-  return slab.compressed(std::move(solution), kRoundingShare * slab.tolerance());
+Outcome<TensorTrain> solve(const StrategySlab& slab, const LinearSlab& linear, CrossPivots& pivots) {
+  const double rounding = kRoundingShare * slab.tolerance();
+  if (!linear.jacobian) return slab.compressed(integrate(slab, linear), rounding);
+  const EntryFunction function = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
+    values = solve_at(slab, linear, entries);
+  };
+  Outcome<TensorTrain> solution = slab.separate(function, slab.states() * (slab.points() + 1),
+                                                kCrossShare * slab.tolerance(), pivots, "the solution");
+  if (!solution) return solution;
+  return slab.compressed(std::move(*solution), rounding);
 }
 
 }  // namespace samara::pgd

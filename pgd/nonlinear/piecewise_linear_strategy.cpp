@@ -37,48 +37,59 @@ class PiecewiseLinear final : public Strategy {
   std::optional<StrategyDetail> detail() const override { return detail_; }
   StrategyCounts prepared() const override { return prepared_; }
 
-  void prepare(const EvolutionProblem& problem, double tolerance) override {
+  std::optional<Ending> prepare(const EvolutionProblem& problem, double tolerance) override {
     prepared_ = {};
     const TrainingStates training = train_along(problem, options_.samples, tolerance, prepared_.rhs);
+    if (training.x.cols() < options_.points) {
+      return Ending{
+          Termination::not_finite,
+          fmt::format("training trajectories end after {} states, {} points are to be picked from them",
+                      training.x.cols(), options_.points)};
+    }
     model_.emplace(*problem.system, training, options_.points, options_.beta);
     prepared_.rhs += model_->rhs_evaluations();
     prepared_.jacobian += model_->jacobian_evaluations();
+    return std::nullopt;
   }
 
-  void begin(const StrategySlab&) override {
+  std::optional<Ending> begin(const StrategySlab&) override {
     detail_ = {"weights", 0, 0.0};
     active_.clear();
+    return std::nullopt;
   }
 
-  LinearSlab linearise(const StrategySlab& slab, const TensorTrain& iterate, std::optional<double>) override {
+  Outcome<LinearSlab> linearise(const StrategySlab& slab, const TensorTrain& iterate,
+                                std::optional<double>) override {
     const TensorTrain at_points = slab.at_points(iterate);
-    const TensorTrain weights = separated_weights(slab, at_points);
+    const Outcome<TensorTrain> weights = separated_weights(slab, at_points);
+    if (!weights) return weights.ending();
     const double tolerance = kSourceShare * slab.tolerance();
     const Eigen::VectorXd of_rates = slab.length() * slab.scales().cwiseInverse();
     const Eigen::VectorXd of_jacobians = (of_rates * slab.scales().transpose()).reshaped();
     TensorTrain source, jacobian;
     for (int k = 0; k <= static_cast<int>(slab.sizes().size()); ++k) {
-      add(slab, weights, of_rates.asDiagonal() * model_->source(k)(Eigen::all, active_), k, tolerance,
+      add(slab, *weights, of_rates.asDiagonal() * model_->source(k)(Eigen::all, active_), k, tolerance,
           source);
-      add(slab, weights, of_jacobians.asDiagonal() * model_->jacobian(k)(Eigen::all, active_), k, tolerance,
+      add(slab, *weights, of_jacobians.asDiagonal() * model_->jacobian(k)(Eigen::all, active_), k, tolerance,
           jacobian);
     }
-    if (jacobian.cores.empty()) return {{}, source.cores.empty() ? scaled(at_points, 0.0) : source};
     if (source.cores.empty()) source = scaled(at_points, 0.0);
-    return {std::move(jacobian), std::move(source)};
+    if (jacobian.cores.empty()) return LinearSlab{{}, std::move(source)};
+    return LinearSlab{std::move(jacobian), std::move(source)};
   }
 
  private:
   /// Weights of the active points, row a + (active points) i: that of point a at Radau point i.
-  TensorTrain separated_weights(const StrategySlab& slab, const TensorTrain& at_points) {
+  Outcome<TensorTrain> separated_weights(const StrategySlab& slab, const TensorTrain& at_points) {
     find_active(slab, at_points);
     const EntryFunction function = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
       values = weights_at(slab, at_points, entries);
     };
     const double tolerance = options_.weight_tolerance > 0.0 ? options_.weight_tolerance : slab.tolerance();
     const int outputs = static_cast<int>(active_.size()) * slab.points();
-    TensorTrain weights =
-        slab.compressed(slab.separate(function, outputs, tolerance, pivots_, "a weight"), tolerance);
+    Outcome<TensorTrain> separated = slab.separate(function, outputs, tolerance, pivots_, "a weight");
+    if (!separated) return separated;
+    TensorTrain weights = slab.compressed(std::move(*separated), tolerance);
     const IndexBatch entries = slab.random_entries(kWeightCheckPoints);
     const double error =
         (values_at(weights, entries) - weights_at(slab, at_points, entries)).cwiseAbs().maxCoeff();

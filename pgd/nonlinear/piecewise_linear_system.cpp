@@ -87,10 +87,9 @@ PiecewiseLinearSystem::PiecewiseLinearSystem(const EvolutionSystem& system, cons
         fmt::format("PiecewiseLinearSystem: {} points, beta {}; expected positive numbers", points, beta));
   }
   if (training.x.cols() < points) {
-    throw StrategyFailure{StrategyStatus::not_finite,
-                          fmt::format("training trajectories end after {} states, {} points are to be picked "
-                                      "from them",
-                                      training.x.cols(), points)};
+    throw ArgumentError(
+        fmt::format("PiecewiseLinearSystem: {} points of {} training states, expected no more points", points,
+                    training.x.cols()));
   }
   const std::vector<Eigen::Index> picked = pick(system, training, points);
   sharpness_ *= beta;

@@ -31,8 +31,7 @@ TrainingStates train_along(const EvolutionProblem& problem, int samples, double 
 /// f is, else f_i by its slopes at the parameters of the training state, and J_i at them.
 class PiecewiseLinearSystem final : public EvolutionSystem {
  public:
-  /// @throws ArgumentError if points or beta are not positive. StrategyFailure if there are fewer training
-  /// states than points.
+  /// @throws ArgumentError if points or beta are not positive, or there are fewer training states than points.
   PiecewiseLinearSystem(const EvolutionSystem& system, const TrainingStates& training, int points,
                         double beta);
 

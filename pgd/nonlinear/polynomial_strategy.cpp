@@ -26,13 +26,13 @@ class Polynomial final : public Strategy {
   /// The first order does not depend on the iterate: the second iteration only confirms it.
   int max_iterations() const override { return options_.order == 1 ? 2 : 1000; }
 
-  void prepare(const EvolutionProblem& problem, double) override {
-    if (!options_.state || options_.state->size() == problem.system->state_count()) return;
+  std::optional<Ending> prepare(const EvolutionProblem& problem, double) override {
+    if (!options_.state || options_.state->size() == problem.system->state_count()) return std::nullopt;
     throw ArgumentError(fmt::format("polynomial_strategy: a state of {} numbers, expected {}",
                                     options_.state->size(), problem.system->state_count()));
   }
 
-  void begin(const StrategySlab& slab) override {
+  std::optional<Ending> begin(const StrategySlab& slab) override {
     centre_ = slab.start_at_points();
     if (options_.state) {
       centre_.cores[0] = TrainCore(1, slab.rows(), 1);
@@ -46,11 +46,15 @@ class Polynomial final : public Strategy {
       values = slab.jacobians(values_at(centre_, entries), slab.parameters_at(entries));
     };
     const double tolerance = kSourceShare * slab.tolerance();
-    jacobian_ = slab.separate(jacobian, slab.states() * slab.rows(), tolerance, jacobian_pivots_,
-                              "the Jacobian of f");
+    Outcome<TensorTrain> separated = slab.separate(jacobian, slab.states() * slab.rows(), tolerance,
+                                                   jacobian_pivots_, "the Jacobian of f");
+    if (!separated) return separated.ending();
+    jacobian_ = std::move(*separated);
+    return std::nullopt;
   }
 
-  LinearSlab linearise(const StrategySlab& slab, const TensorTrain& iterate, std::optional<double>) override {
+  Outcome<LinearSlab> linearise(const StrategySlab& slab, const TensorTrain& iterate,
+                                std::optional<double>) override {
     const TensorTrain at_points = slab.at_points(iterate);
     const EntryFunction source = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
       const Eigen::MatrixXd centre = values_at(centre_, entries);
@@ -59,8 +63,10 @@ class Polynomial final : public Strategy {
       if (options_.order == 2) values += quadratic(slab, centre, values_at(at_points, entries) - centre, q);
     };
     const double tolerance = kSourceShare * slab.tolerance();
-    TensorTrain b = slab.separate(source, slab.rows(), tolerance, source_pivots_, "the expansion of f");
-    return {jacobian_, slab.compressed(std::move(b), tolerance)};
+    Outcome<TensorTrain> b =
+        slab.separate(source, slab.rows(), tolerance, source_pivots_, "the expansion of f");
+    if (!b) return b.ending();
+    return LinearSlab{jacobian_, slab.compressed(std::move(*b), tolerance)};
   }
 
  private:

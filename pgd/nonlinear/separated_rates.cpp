@@ -1,26 +1,41 @@
 #include "samara/pgd/nonlinear/separated_rates.h"
 
+#include <utility>
+
 #include "samara/pgd/tensors/train_points.h"
 
 namespace samara::pgd {
 
-TensorTrain separated_rates(const StrategySlab& slab, const TensorTrain& iterate, CrossPivots& pivots) {
+namespace {
+
+/// Rounded to the tolerance it was separated to.
+Outcome<TensorTrain> rounded_if_found(const StrategySlab& slab, Outcome<TensorTrain> separated,
+                                      double tolerance) {
+  if (!separated) return separated;
+  return slab.compressed(std::move(*separated), tolerance);
+}
+
+}  // namespace
+
+Outcome<TensorTrain> separated_rates(const StrategySlab& slab, const TensorTrain& iterate,
+                                     CrossPivots& pivots) {
   const TensorTrain at_points = slab.at_points(iterate);
   const EntryFunction function = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
     values = slab.rates(values_at(at_points, entries), slab.parameters_at(entries));
   };
   const double tolerance = kSourceShare * slab.tolerance();
-  return slab.compressed(slab.separate(function, slab.rows(), tolerance, pivots, "f"), tolerance);
+  return rounded_if_found(slab, slab.separate(function, slab.rows(), tolerance, pivots, "f"), tolerance);
 }
 
-TensorTrain separated_jacobian(const StrategySlab& slab, const TensorTrain& iterate, double tolerance,
-                               CrossPivots& pivots) {
+Outcome<TensorTrain> separated_jacobian(const StrategySlab& slab, const TensorTrain& iterate,
+                                        double tolerance, CrossPivots& pivots) {
   const TensorTrain at_points = slab.at_points(iterate);
   const EntryFunction function = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
     values = slab.jacobians(values_at(at_points, entries), slab.parameters_at(entries));
   };
   const int outputs = slab.states() * slab.rows();
-  return slab.compressed(slab.separate(function, outputs, tolerance, pivots, "the Jacobian of f"), tolerance);
+  return rounded_if_found(slab, slab.separate(function, outputs, tolerance, pivots, "the Jacobian of f"),
+                          tolerance);
 }
 
 Eigen::MatrixXd source_at(const StrategySlab& slab, const Eigen::MatrixXd& rates, const Eigen::MatrixXd& x,

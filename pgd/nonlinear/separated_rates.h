@@ -9,11 +9,12 @@ namespace samara::pgd {
 inline constexpr double kSourceShare = 0.1;
 
 /// f(X) at the Radau points.
-TensorTrain separated_rates(const StrategySlab& slab, const TensorTrain& iterate, CrossPivots& pivots);
+Outcome<TensorTrain> separated_rates(const StrategySlab& slab, const TensorTrain& iterate,
+                                     CrossPivots& pivots);
 
 /// J(X) at the Radau points, for a first mode as in LinearSlab::jacobian.
-TensorTrain separated_jacobian(const StrategySlab& slab, const TensorTrain& iterate, double tolerance,
-                               CrossPivots& pivots);
+Outcome<TensorTrain> separated_jacobian(const StrategySlab& slab, const TensorTrain& iterate,
+                                        double tolerance, CrossPivots& pivots);
 
 /// Columns: the source f(X) - A X at entries, for X (from the first Radau point on) and A at these entries.
 Eigen::MatrixXd source_at(const StrategySlab& slab, const Eigen::MatrixXd& rates, const Eigen::MatrixXd& x,

@@ -43,17 +43,22 @@ class Strategy {
  public:
   virtual ~Strategy() = default;
   virtual std::string name() const = 0;
-  /// Called once before a march. @throws ArgumentError if the problem does not suit the strategy.
-  virtual void prepare(const EvolutionProblem& problem, double tolerance) {
+  /// Called once before a march. @returns why there is no march, or nothing. @throws ArgumentError if the
+  /// problem does not suit the strategy.
+  virtual std::optional<Ending> prepare(const EvolutionProblem& problem, double tolerance) {
     (void)problem;
     (void)tolerance;
+    return std::nullopt;
   }
-  /// Called at the start of every slab.
-  virtual void begin(const StrategySlab& slab) { (void)slab; }
+  /// Called at the start of every slab. @returns why it cannot be solved, or nothing
+  virtual std::optional<Ending> begin(const StrategySlab& slab) {
+    (void)slab;
+    return std::nullopt;
+  }
   /// The linear problem whose solution is the next iterate. `correction`: of the iteration before, root mean
   /// square in scales; none before the first.
-  virtual LinearSlab linearise(const StrategySlab& slab, const TensorTrain& iterate,
-                               std::optional<double> correction) = 0;
+  virtual Outcome<LinearSlab> linearise(const StrategySlab& slab, const TensorTrain& iterate,
+                                        std::optional<double> correction) = 0;
   /// Iterations after which the strategy has nothing to add.
   virtual int max_iterations() const { return 1000; }
   /// Corrections may grow this many times in a row before the march calls the iteration divergent.

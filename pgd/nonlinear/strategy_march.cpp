@@ -79,58 +79,59 @@ class SlabIteration {
         iterate_(slab.constant()) {}
 
   const TensorTrain& iterate() const { return iterate_; }
-  const std::string& message() const { return message_; }
-
   /// A few iterations of another strategy, whether they converge or not; one that fails leaves the start.
   void first_iterate(Strategy& strategy) {
-    try {
-      strategy.begin(slab_);
-      for (int k = 0; k < options_.first_iterations; ++k) (void)step(strategy);
-    } catch (const StrategyFailure&) {
-      iterate_ = slab_.constant();
-    }
+    bool fails = strategy.begin(slab_).has_value();
+    for (int k = 0; k < options_.first_iterations && !fails; ++k) fails = !step(strategy);
+    if (fails) iterate_ = slab_.constant();
     record_.corrections.clear();
     record_.source_ranks.clear();
     record_.jacobian_ranks.clear();
   }
 
-  StrategyStatus run(Strategy& strategy) {
-    strategy.begin(slab_);
+  /// @returns what ended the iteration before it has converged, or nothing
+  std::optional<Ending> run(Strategy& strategy) {
+    if (std::optional<Ending> failure = strategy.begin(slab_)) return failure;
     const int most = std::min(options_.max_iterations, strategy.max_iterations());
     double correction = 0.0;
     while (record_.iterations < most) {
       if (options_.progress && !options_.progress({fmt::format("slab {}", slab_.number() + 1), fraction()}))
-        return ended(StrategyStatus::cancelled, "cancelled");
+        return ended(Termination::cancelled, "cancelled");
       if (options_.max_evaluations > 0 &&
           evaluations_ + counts_.rhs + counts_.jacobian >= options_.max_evaluations) {
-        return ended(StrategyStatus::max_evaluations,
+        return ended(Termination::max_calls,
                      fmt::format("the {} evaluations of f and its Jacobian allowed are used up",
                                  options_.max_evaluations));
       }
-      correction = step(strategy);
+      const Outcome<double> corrected = step(strategy);
+      if (!corrected) return corrected.ending();
+      correction = *corrected;
       ++record_.iterations;
-      if (converged(correction)) return StrategyStatus::converged;
+      if (converged(correction)) return std::nullopt;
       if (diverges(strategy, correction)) {
-        return ended(StrategyStatus::diverged,
+        return ended(Termination::diverged,
                      fmt::format("{} after {} iterations, the last correction is {:.3g} of the scales",
                                  strategy.on_divergence(ratio_), record_.iterations, correction));
       }
     }
-    return ended(StrategyStatus::max_iterations,
+    return ended(Termination::max_iterations,
                  fmt::format("{} iterations leave a correction of {:.3g} of the scales", record_.iterations,
                              correction));
   }
 
  private:
-  double step(Strategy& strategy) {
+  /// @returns the correction
+  Outcome<double> step(Strategy& strategy) {
     const std::optional<double> last =
         record_.corrections.empty() ? std::nullopt : std::optional(record_.corrections.back());
-    const LinearSlab linear = strategy.linearise(slab_, iterate_, last);
-    raise(record_.source_ranks, linear.source.ranks());
-    if (linear.jacobian) raise(record_.jacobian_ranks, linear.jacobian->ranks());
-    TensorTrain next = solve(slab_, linear, pivots_);
-    const double correction = distance(next, iterate_) / std::sqrt(full_size(next));
-    iterate_ = std::move(next);
+    const Outcome<LinearSlab> linear = strategy.linearise(slab_, iterate_, last);
+    if (!linear) return linear.ending();
+    raise(record_.source_ranks, linear->source.ranks());
+    if (linear->jacobian) raise(record_.jacobian_ranks, linear->jacobian->ranks());
+    Outcome<TensorTrain> next = solve(slab_, *linear, pivots_);
+    if (!next) return next.ending();
+    const double correction = distance(*next, iterate_) / std::sqrt(full_size(*next));
+    iterate_ = std::move(*next);
     record_.corrections.push_back(correction);
     return correction;
   }
@@ -152,10 +153,9 @@ class SlabIteration {
     return !(correction < kLargest) || growths_ >= strategy.patience();
   }
 
-  StrategyStatus ended(StrategyStatus status, const std::string& why) {
-    message_ =
-        fmt::format("between t = {:.6g} and {:.6g}: {}", slab_.begin(), slab_.begin() + slab_.length(), why);
-    return status;
+  Ending ended(Termination status, const std::string& why) const {
+    return {status, fmt::format("between t = {:.6g} and {:.6g}: {}", slab_.begin(),
+                                slab_.begin() + slab_.length(), why)};
   }
 
   double fraction() const {
@@ -177,7 +177,6 @@ class SlabIteration {
   CrossPivots pivots_;
   double ratio_ = 0.0;
   int growths_ = 0;
-  std::string message_;
 };
 
 void validate(const EvolutionProblem& problem, const StrategyMarchOptions& options) {
@@ -204,48 +203,44 @@ double grid_evaluations(const StrategySlab& slab, int iterations) {
   return result;
 }
 
+void take(const Ending& ending, StrategyResult& result) {
+  result.status = ending.status;
+  result.message = ending.message;
+  result.where = ending.where;
+}
+
 /// One slab; the state at its end becomes the start of the next.
 void advance(const StrategySlab& slab, Strategy& strategy, const StrategyMarchOptions& options,
              const StrategyCounts& counts, TensorTrain& start, StrategyRecord& record,
              StrategyResult& result) {
   SlabIteration iteration(slab, options, result.rhs_evaluations + result.jacobian_evaluations, counts,
                           record);
-  try {
-    if (options.first != nullptr) iteration.first_iterate(*options.first);
-    record.status = iteration.run(strategy);
-    result.message = iteration.message();
-    record.detail = strategy.detail();
-    record.ranks = iteration.iterate().ranks();
-    if (record.status != StrategyStatus::converged) return;
-    record.defect = defect_off_grid(slab, iteration.iterate());
-    result.pieces.push_back(field(slab, iteration.iterate()));
-    result.reached = record.end;
-    start = end_of(slab, iteration.iterate());
-  } catch (const StrategyFailure& failure) {
-    record.status = failure.status;
-    result.message = failure.message;
-    result.where = failure.where;
-  }
+  if (options.first != nullptr) iteration.first_iterate(*options.first);
+  const std::optional<Ending> failure = iteration.run(strategy);
+  record.detail = strategy.detail();
+  record.ranks = iteration.iterate().ranks();
+  record.status = failure ? failure->status : Termination::converged;
+  if (failure) return take(*failure, result);
+  record.defect = defect_off_grid(slab, iteration.iterate());
+  result.pieces.push_back(field(slab, iteration.iterate()));
+  result.reached = record.end;
+  start = end_of(slab, iteration.iterate());
 }
 
 /// @returns false if a strategy fails already here, the result saying why
 bool prepare(const EvolutionProblem& problem, std::initializer_list<Strategy*> strategies, double tolerance,
              StrategyResult& result) {
   result.reached = problem.time.lower();
-  try {
-    for (Strategy* strategy : strategies) {
-      if (strategy == nullptr) continue;
-      strategy->prepare(problem, tolerance);
-      result.rhs_evaluations += strategy->prepared().rhs;
-      result.jacobian_evaluations += strategy->prepared().jacobian;
-    }
-    return true;
-  } catch (const StrategyFailure& failure) {
-    result.status = failure.status;
-    result.message = failure.message;
-    result.where = failure.where;
+  for (Strategy* strategy : strategies) {
+    if (strategy == nullptr) continue;
+    const std::optional<Ending> failure = strategy->prepare(problem, tolerance);
+    result.rhs_evaluations += strategy->prepared().rhs;
+    result.jacobian_evaluations += strategy->prepared().jacobian;
+    if (!failure) continue;
+    take(*failure, result);
     return false;
   }
+  return true;
 }
 
 }  // namespace
@@ -269,7 +264,7 @@ StrategyResult solve_by_strategy(const EvolutionProblem& problem, Strategy& stra
                     Eigen::Map<const Eigen::VectorXd>(problem.scales.data(),
                                                       static_cast<Eigen::Index>(problem.scales.size())),
                     problem.parameters);
-  result.status = StrategyStatus::converged;
+  result.status = Termination::converged;
   for (int number = 0; number < problem.time.elements(); ++number) {
     const Clock::time_point slab_begin = Clock::now();
     StrategyCounts counts;
@@ -285,9 +280,9 @@ StrategyResult solve_by_strategy(const EvolutionProblem& problem, Strategy& stra
     result.grid_evaluations += record.grid_evaluations;
     result.status = record.status;
     result.history.push_back(std::move(record));
-    if (result.status != StrategyStatus::converged) break;
+    if (result.status != Termination::converged) break;
   }
-  if (result.status == StrategyStatus::converged) {
+  if (result.status == Termination::converged) {
     result.message = fmt::format("{} slabs, at most {} iterations, defect {:.3g} of the scales",
                                  result.history.size(), result.largest_iterations(), result.largest_defect());
   }
@@ -327,12 +322,6 @@ Eigen::VectorXd StrategyResult::value_at(std::span<const double> x) const {
   }
   throw ArgumentError(fmt::format("the time {} is outside what the march has covered, up to {}",
                                   x.empty() ? 0.0 : x[0], reached));
-}
-
-std::string to_string(StrategyStatus status) {
-  static constexpr std::array names = {"converged",  "max_iterations",  "diverged", "not_finite",
-                                       "rank_limit", "max_evaluations", "cancelled"};
-  return names[static_cast<std::size_t>(status)];
 }
 
 }  // namespace samara::pgd

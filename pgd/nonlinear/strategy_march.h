@@ -13,7 +13,7 @@
 ///
 ///   const auto strategy = cross_strategy();
 ///   const StrategyResult result = solve_by_strategy(problem, *strategy, {.tolerance = 1e-6});
-///   if (result.status != StrategyStatus::converged) report(result.message);
+///   if (result.status != Termination::converged) report(result.message);
 ///   result.value_at(x);  // x: time, then the parameters
 namespace samara::pgd {
 
@@ -37,7 +37,7 @@ struct StrategyMarchOptions {
 struct StrategyRecord {
   double begin = 0.0;
   double end = 0.0;
-  StrategyStatus status = StrategyStatus::max_iterations;
+  Termination status = Termination::max_iterations;
   int iterations = 0;
   /// ||X_k+1 - X_k||, root mean square over the nodes of the box, in scales.
   std::vector<double> corrections = {};
@@ -60,7 +60,8 @@ struct StrategyRecord {
 struct StrategyResult {
   /// One per slab that was solved, over time and the parameters, outputs the states, SI.
   std::vector<TrainField> pieces;
-  StrategyStatus status = StrategyStatus::max_iterations;
+  /// converged, or what ended the march: max_iterations, diverged, not_finite, rank_limit, max_calls, cancelled.
+  Termination status = Termination::max_iterations;
   std::string message = "solve_by_strategy() was not called";
   std::vector<double> where;            ///< parameters at which the march failed, if it is known
   double reached = 0.0;                 ///< end of the last piece
@@ -83,7 +84,5 @@ struct StrategyResult {
 /// @throws ArgumentError if problem or options do not validate, or there is no parameter axis.
 StrategyResult solve_by_strategy(const EvolutionProblem& problem, Strategy& strategy,
                                  const StrategyMarchOptions& options = {});
-
-std::string to_string(StrategyStatus status);
 
 }  // namespace samara::pgd

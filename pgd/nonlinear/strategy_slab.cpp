@@ -144,8 +144,8 @@ Eigen::MatrixXd StrategySlab::jacobians(const Eigen::MatrixXd& x, const Eigen::M
   return result;
 }
 
-TensorTrain StrategySlab::separate(const EntryFunction& function, int outputs, double tolerance,
-                                   CrossPivots& pivots, const char* what) const {
+Outcome<TensorTrain> StrategySlab::separate(const EntryFunction& function, int outputs, double tolerance,
+                                            CrossPivots& pivots, const char* what) const {
   CrossOptions options;
   options.tolerance = tolerance;
   options.max_rank = max_rank_;
@@ -157,14 +157,14 @@ TensorTrain StrategySlab::separate(const EntryFunction& function, int outputs, d
   const double end = begin_ + length_;
   if (result.status == CrossStatus::not_finite) {
     const std::vector<double> at = coordinates(problem_.parameters, result.bad_entry);
-    throw StrategyFailure{
-        StrategyStatus::not_finite,
+    return Ending{
+        Termination::not_finite,
         fmt::format("{} is not finite between t = {:.6g} and {:.6g} at {}", what, begin_, end, described(at)),
         at};
   }
   if (!(result.guard_error <= kSlack * tolerance)) {
-    throw StrategyFailure{
-        StrategyStatus::rank_limit,
+    return Ending{
+        Termination::rank_limit,
         fmt::format("between t = {:.6g} and {:.6g} {} is separated to {:.3g} only with ranks up to {} of {} "
                     "after {} sweeps, {:.3g} is wanted",
                     begin_, end, what, result.guard_error, largest_rank(result.train), max_rank_,

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "samara/base/termination.h"
 #include "samara/pgd/cross/cross_interpolation.h"
 #include "samara/pgd/evolution/evolution.h"
 #include "samara/pgd/tensors/random.h"
@@ -12,23 +13,6 @@
 
 /// One slab of time as strategies see it.
 namespace samara::pgd {
-
-enum class StrategyStatus {
-  converged,
-  max_iterations,
-  diverged,    ///< corrections grow: the strategy does not contract on a slab of this length
-  not_finite,  ///< f or its Jacobian is not finite somewhere
-  rank_limit,  ///< a cross interpolation does not meet its tolerance within the allowed ranks
-  max_evaluations,
-  cancelled,
-};
-
-/// A numerical outcome that ends a march, thrown by strategies and caught by solve_by_strategy().
-struct StrategyFailure {
-  StrategyStatus status = StrategyStatus::not_finite;
-  std::string message;
-  std::vector<double> where = {};  ///< parameters; empty: not known
-};
 
 /// Evaluations of f and of its Jacobian, each at one time and one parameter point.
 struct StrategyCounts {
@@ -86,9 +70,9 @@ class StrategySlab {
   /// Cross interpolation of a function of the parameters.
   /// @param tolerance absolute, for every output @param what in words, for messages
   /// @param pivots taken up and left for the next interpolation of the like
-  /// @throws StrategyFailure if a value is not finite or the tolerance is not met.
-  TensorTrain separate(const EntryFunction& function, int outputs, double tolerance, CrossPivots& pivots,
-                       const char* what) const;
+  /// @returns not_finite if a value is not finite, rank_limit if the tolerance is not met.
+  Outcome<TensorTrain> separate(const EntryFunction& function, int outputs, double tolerance,
+                                CrossPivots& pivots, const char* what) const;
   /// Rounded so that errors stay well below `tolerance` at every entry.
   TensorTrain compressed(TensorTrain train, double tolerance) const;
 

@@ -52,16 +52,16 @@ Eigen::VectorXd SampledFunction::scale() const {
 
 void SampledFunction::check_limits(Eigen::Index more) {
   if (calls_ + more > options_.max_calls) {
-    throw SamplingStopped{SamplingStatus::max_calls,
-                          fmt::format("{} calls of the {} allowed were used, {} more were needed", calls_,
-                                      options_.max_calls, more)};
+    throw SamplingStopped(
+        {Termination::max_calls, fmt::format("{} calls of the {} allowed were used, {} more were needed",
+                                             calls_, options_.max_calls, more)});
   }
   if (options_.max_seconds > 0.0 && seconds() >= options_.max_seconds) {
-    throw SamplingStopped{SamplingStatus::max_seconds,
-                          fmt::format("the {} s allowed are used up", options_.max_seconds)};
+    throw SamplingStopped(
+        {Termination::max_seconds, fmt::format("the {} s allowed are used up", options_.max_seconds)});
   }
   if (options_.progress && !options_.progress({"sampling", fraction_})) {
-    throw SamplingStopped{SamplingStatus::cancelled, "the build was cancelled"};
+    throw SamplingStopped({Termination::cancelled, "the build was cancelled"});
   }
 }
 
@@ -69,9 +69,9 @@ void SampledFunction::call(const Eigen::MatrixXd& points, Eigen::MatrixXd& value
   values.setZero(outputs(), points.cols());
   function_(points, values);
   if (values.rows() == outputs() && values.cols() == points.cols()) return;
-  throw SamplingStopped{SamplingStatus::failed,
-                        fmt::format("the function made a table of {} x {} for {} outputs at {} points",
-                                    values.rows(), values.cols(), outputs(), points.cols())};
+  throw SamplingStopped(
+      {Termination::failed, fmt::format("the function made a table of {} x {} for {} outputs at {} points",
+                                        values.rows(), values.cols(), outputs(), points.cols())});
 }
 
 /// Finds the point from which an exception came.
@@ -92,9 +92,9 @@ void SampledFunction::call_one_by_one(const Eigen::MatrixXd& points, Eigen::Matr
       what = "an exception that is no std::exception";
     }
     const Eigen::VectorXd point = points.col(j);
-    throw SamplingStopped{SamplingStatus::failed,
-                          fmt::format("the function failed at {}: {}", described(point), what),
-                          {point.begin(), point.end()}};
+    throw SamplingStopped({Termination::failed,
+                           fmt::format("the function failed at {}: {}", described(point), what),
+                           {point.begin(), point.end()}});
   }
 }
 
@@ -104,10 +104,10 @@ void SampledFunction::check_values(const Eigen::MatrixXd& points, const Eigen::M
     Eigen::Index m = 0;
     while (std::isfinite(values(m, j))) ++m;
     const Eigen::VectorXd point = points.col(j);
-    throw SamplingStopped{SamplingStatus::not_finite,
-                          fmt::format("{} is {} at {}", outputs_[static_cast<std::size_t>(m)].name,
-                                      values(m, j), described(point)),
-                          {point.begin(), point.end()}};
+    throw SamplingStopped({Termination::not_finite,
+                           fmt::format("{} is {} at {}", outputs_[static_cast<std::size_t>(m)].name,
+                                       values(m, j), described(point)),
+                           {point.begin(), point.end()}});
   }
 }
 

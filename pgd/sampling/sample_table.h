@@ -3,20 +3,23 @@
 #include <chrono>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "samara/base/errors.h"
+#include "samara/base/termination.h"
 #include "samara/pgd/cross/cross_interpolation.h"
 #include "samara/pgd/sampling/sampling.h"
 
 namespace samara::pgd {
 
-/// Ends a build from inside, with its reason: thrown by SampledFunction, caught by sample().
-struct SamplingStopped {
-  SamplingStatus status;
-  std::string message;
-  std::vector<double> bad_point = {};
+/// Takes an ending from SampledFunction out of the searches under way, to sample(), which returns it.
+class SamplingStopped : public Error {
+ public:
+  explicit SamplingStopped(Ending why) : Error(why.message), ending(std::move(why)) {}
+  Ending ending;
 };
 
 /// A called function with its limits: counts calls, watches the clock, the values and the callback.

@@ -50,9 +50,9 @@ class Sampling {
       start();
       while (!round()) continue;
     } catch (const SamplingStopped& stopped) {
-      result_.status = stopped.status;
-      result_.message = stopped.message;
-      result_.bad_point = stopped.bad_point;
+      result_.status = stopped.ending.status;
+      result_.message = stopped.ending.message;
+      result_.bad_point = stopped.ending.where;
     }
     finish();
     return std::move(result_);
@@ -103,7 +103,7 @@ class Sampling {
     const bool finer = refine(rough);
     if (pivots == 0 && !finer) {
       if (cross_->ranks_are_exhausted() || nodes_are_exhausted()) {
-        return stop(SamplingStatus::exhausted, "the ranks or nodes allowed are used up");
+        return stop(Termination::exhausted, "the ranks or nodes allowed are used up");
       }
       be_stricter();
     }
@@ -151,8 +151,9 @@ class Sampling {
     if (!holds_where_called(field) || !holds_after_climbs(field)) return false;
     const double error = result_.error;
     if (!holds_against_challenge()) return is_refuted();
-    return stop(SamplingStatus::met, fmt::format("largest error {:.3g} <= {:.3g} at {} points of the check",
-                                                 error, options_.tolerance, result_.points_checked));
+    return stop(Termination::converged,
+                fmt::format("largest error {:.3g} <= {:.3g} at {} points of the check", error,
+                            options_.tolerance, result_.points_checked));
   }
 
   int exploration_points() const {
@@ -211,12 +212,12 @@ class Sampling {
 
   bool is_refuted() {
     if (refuted_elsewhere_ >= kMostElsewhere) {
-      return stop(SamplingStatus::refuted,
+      return stop(Termination::refuted,
                   fmt::format("fresh points found the field wrong {} times where the sample has it right",
                               refuted_elsewhere_));
     }
     if (refutations_ < kMostChallenges) return false;
-    return stop(SamplingStatus::refuted,
+    return stop(Termination::refuted,
                 fmt::format("fresh points found the field wrong {} times", refutations_));
   }
 
@@ -305,7 +306,7 @@ class Sampling {
   /// Pivots that follow noise spoil all others: the search begins again, and stays above the noise.
   bool restart_above_noise() {
     least_tolerance_ = kNoiseDeviations * *result_.noise;
-    if (attainable_error() > options_.tolerance) return stop(SamplingStatus::noise, noise_described());
+    if (attainable_error() > options_.tolerance) return stop(Termination::noise, noise_described());
     tolerance_ = std::max(kShare * options_.tolerance, least_tolerance_);
     latest_.reset();
     start_cross();
@@ -332,11 +333,11 @@ class Sampling {
       return false;
     const std::string sentence =
         fmt::format("three times as many calls did not lower the error of {:.3g}", result_.error);
-    if (is_noisy) return stop(SamplingStatus::noise, noise_described() + ", and " + sentence);
-    return stop(SamplingStatus::stagnated, sentence);
+    if (is_noisy) return stop(Termination::noise, noise_described() + ", and " + sentence);
+    return stop(Termination::stagnated, sentence);
   }
 
-  bool stop(SamplingStatus status, std::string message) {
+  bool stop(Termination status, std::string message) {
     result_.status = status;
     result_.message = std::move(message);
     return true;
@@ -351,7 +352,7 @@ class Sampling {
       for (const int n : cross_->nodes()) result_.grid_size *= n;
       result_.pivots = cross_->pivots();
     }
-    if (result_.status == SamplingStatus::met) {
+    if (result_.status == Termination::converged) {
       result_.message += fmt::format(", with {} calls", result_.calls);
     } else if (result_.field) {
       const bool small = result_.error <= options_.tolerance;
@@ -401,32 +402,6 @@ SamplingResult sample(const std::vector<SampledCoordinate>& coordinates,
                       const SamplingOptions& options) {
   check_sampling(coordinates, outputs, function, options);
   return Sampling(coordinates, outputs, function, options).run();
-}
-
-std::string to_string(SamplingStatus status) {
-  switch (status) {
-    case SamplingStatus::met:
-      return "met";
-    case SamplingStatus::max_calls:
-      return "max_calls";
-    case SamplingStatus::max_seconds:
-      return "max_seconds";
-    case SamplingStatus::exhausted:
-      return "exhausted";
-    case SamplingStatus::stagnated:
-      return "stagnated";
-    case SamplingStatus::noise:
-      return "noise";
-    case SamplingStatus::refuted:
-      return "refuted";
-    case SamplingStatus::not_finite:
-      return "not_finite";
-    case SamplingStatus::failed:
-      return "failed";
-    case SamplingStatus::cancelled:
-      return "cancelled";
-  }
-  return "unknown";
 }
 
 }  // namespace samara::pgd

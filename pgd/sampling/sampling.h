@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "samara/base/progress.h"
+#include "samara/base/termination.h"
 #include "samara/pgd/fields/train_field.h"
 
 /// Sampling: a train of fields for a function that can only be called, with few calls and a check that does
@@ -80,19 +81,6 @@ struct SamplingOptions {
   ProgressCallback progress = {};
 };
 
-enum class SamplingStatus {
-  met,        ///< all checks agree to the tolerance, and the challenge found nothing
-  max_calls,  ///< another batch would take more calls than allowed
-  max_seconds,
-  exhausted,   ///< ranks and nodes allowed are used up
-  stagnated,   ///< many more calls no longer lowered the error: a kink, a pole
-  noise,       ///< the function's values are not smooth enough for the tolerance: see SamplingResult::noise
-  refuted,     ///< the challenge found the field wrong again and again
-  not_finite,  ///< a value was infinite or not a number; bad_point says where
-  failed,      ///< the function threw an exception; bad_point says where, the message quotes it
-  cancelled,
-};
-
 struct SamplingRound {
   long calls = 0;      ///< so far
   double error = 0.0;  ///< largest at this round's guard points
@@ -102,7 +90,10 @@ struct SamplingRound {
 struct SamplingResult {
   /// The best so far, by the guard's error; empty only if not even the first round could be finished.
   std::optional<TrainField> field;
-  SamplingStatus status = SamplingStatus::failed;
+  /// converged: all checks agree to the tolerance, and the challenge found nothing. Else max_calls, max_seconds,
+  /// exhausted, stagnated, noise, refuted, not_finite (at bad_point), failed (the function threw an exception
+  /// there, the message quotes it) or cancelled.
+  Termination status = Termination::failed;
   std::string message = "sample() was not called";
   /// Largest and root mean square error over ranges, at points that the builder did not choose: the check
   /// points if it was met, else the guard points of the best round. Infinite without a field.
@@ -121,16 +112,14 @@ struct SamplingResult {
   std::vector<SamplingRound> history;
   double seconds = 0.0;
 
-  bool tolerance_met() const { return status == SamplingStatus::met; }
+  bool tolerance_met() const { return status == Termination::converged; }
 };
 
 /// @throws ArgumentError if there is no function, coordinate or output, an interval is empty or not finite,
 /// names repeat, or an option is out of range. What the function throws does not pass: see
-/// SamplingStatus::failed; what the progress callback throws does.
+/// SamplingResult::status; what the progress callback throws does.
 SamplingResult sample(const std::vector<SampledCoordinate>& coordinates,
                       const std::vector<OutputLabel>& outputs, const PointsFunction& function,
                       const SamplingOptions& options = {});
-
-std::string to_string(SamplingStatus status);
 
 }  // namespace samara::pgd

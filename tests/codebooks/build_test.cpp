@@ -83,7 +83,7 @@ void check_certificate(const BuildResult& result, double tolerance, int points =
   CHECK(certificate.failed_points == 0);
   CHECK(certificate.tolerance == tolerance);
   CHECK(certificate.max_error <= tolerance);
-  CHECK(result.book.build().status == "converged");
+  CHECK(result.book.build().status == samara::Termination::converged);
   CHECK(result.book.build().evaluations > 0.0);
   CHECK(result.book.build().grid_size > 0.0);
   CHECK(result.book.build().rounds > 0);
@@ -295,7 +295,7 @@ TEST_CASE("a build that may not evaluate more ends with the status max_calls") {
         built(fall_plan(kCoin, "C_D = [0.8, 1.6]\n'v(0)' = [0, 0.3]\n", "0.5", "1e-6") +
               "[builder]\nmax_calls = " + std::to_string(calls) + "\n");
     CHECK_FALSE(result.met);
-    CHECK(result.book.build().status == "max_calls");
+    CHECK(result.book.build().status == samara::Termination::max_calls);
     CHECK_THAT(result.message, Contains(std::to_string(calls) + " allowed") && Contains("largest error "));
     CHECK(result.book.build().evaluations <= calls);
     // A marked codebook is there, however coarse, and can be stored and read.
@@ -333,7 +333,7 @@ TEST_CASE(
   plan.builder.max_calls = 50'000;
   const BuildResult result = build(plan, {.certificate_points = 100});
   CHECK_FALSE(result.met);
-  CHECK(result.book.build().status == "max_calls");
+  CHECK(result.book.build().status == samara::Termination::max_calls);
   CHECK(result.book.build().evaluations <= 150'000);
   CHECK(result.book.build().strategy == "slabs");
 }
@@ -365,7 +365,8 @@ TEST_CASE("a build that is cancelled says so, asks no more, and gives what it ha
     CHECK_FALSE(result.met);
     CHECK_FALSE(result.book.certificate()->met);
     CHECK(result.message == "the build was cancelled; its certificate covers 0 of 100 points");
-    CHECK(result.book.build().status == (stage == "Newton" ? "cancelled" : "converged"));
+    CHECK(result.book.build().status ==
+          (stage == "Newton" ? samara::Termination::cancelled : samara::Termination::converged));
     Query query(result.book);
     Eigen::VectorXd values(2);
     CHECK_NOTHROW(query.values(std::vector{0.1, 1.0, 0.1}, values));
@@ -380,7 +381,7 @@ TEST_CASE("equations of too many products end a build by Newton's iteration with
                                              "1", "1e-5"),
                                    {.certificate_points = 20});
   CHECK_FALSE(result.met);
-  CHECK(result.book.build().status == "rank_limit");
+  CHECK(result.book.build().status == samara::Termination::rank_limit);
   CHECK_THAT(result.book.build().message, Contains("takes more than the 3000 products allowed"));
 }
 

@@ -153,7 +153,7 @@ TEST_CASE("a command that is not called often enough ends with the status max_ca
   INFO(result.book.build().message);
   CHECK_FALSE(result.met);
   CHECK_FALSE(result.resumable);
-  CHECK(result.book.build().status == "max_calls");
+  CHECK(result.book.build().status == samara::Termination::max_calls);
   CHECK(result.book.certificate()->failed_points == 0);
   CHECK_THAT(error_text<samara::NoResultError>([&] {
                Plan plan = plan_of(kTimeless);
@@ -174,7 +174,7 @@ TEST_CASE("a command that fails somewhere leaves what was found, marked, with th
   CHECK_FALSE(result.met);
   CHECK(result.resumable);
   CHECK(std::filesystem::exists(options.checkpoint));
-  CHECK(result.book.build().status == "failed");
+  CHECK(result.book.build().status == samara::Termination::failed);
   CHECK_THAT(result.book.build().message, Contains("the function failed at b = 0.6") &&
                                               Contains("\"awk\" ended with the code 3") &&
                                               Contains("; the best"));

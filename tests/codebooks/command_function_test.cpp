@@ -109,7 +109,7 @@ TEST_CASE("a command that fails at a point ends a sampling there, and what there
       {{{"a"}, 0.0, 1.0}, {{"b"}, 0.0, 1.0}}, {{"f"}},
       command_function(
           shell("awk '$1 > 0.97 { print \"too large\" > \"/dev/stderr\"; exit 4 } { print $1 }'")));
-  CHECK(result.status == samara::pgd::SamplingStatus::failed);
+  CHECK(result.status == samara::Termination::failed);
   REQUIRE(result.bad_point.size() == 2);
   CHECK(result.bad_point[0] > 0.97);
   CHECK_THAT(result.message, Contains("ended with the code 4; it said \"too large\""));

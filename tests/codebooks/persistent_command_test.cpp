@@ -230,7 +230,7 @@ for head in sys.stdin:
 )";
   const auto result = samara::pgd::sample({{{"a"}, 0.0, 1.0}, {{"b"}, 0.0, 1.0}}, {{"f"}},
                                           command_function(python(program, {(directory / "s").string()})));
-  CHECK(result.status == samara::pgd::SamplingStatus::failed);
+  CHECK(result.status == samara::Termination::failed);
   REQUIRE(result.bad_point.size() == 2);
   CHECK(result.bad_point[0] > 0.97);
   CHECK_THAT(result.message, Contains("ended with the code 1; it said \"too large\""));

@@ -203,7 +203,8 @@ ModelDescription sample_model() {
 }
 
 BuildRecord sample_build() {
-  return {"pgd", "newton", "not_resolved", "the axes do not resolve it", 1e17 / 3.0, 1e300, 7, 3};
+  return {"pgd", "newton", samara::Termination::not_resolved, "the axes do not resolve it", 1e17 / 3.0, 1e300,
+          7,     3};
 }
 
 Provenance sample_provenance() {

@@ -81,7 +81,7 @@ void check_sampled(const BuildResult& result, double tolerance) {
   const BuildRecord& record = result.book.build();
   CHECK(record.builder == "sampling");
   CHECK(record.strategy == "cross");
-  CHECK(record.status == "converged");
+  CHECK(record.status == samara::Termination::converged);
   CHECK(record.iterations == 0);
   CHECK(record.rounds > 0);
   // Fewer trajectories than points of the grid, of which each has all nodes of time.
@@ -179,7 +179,7 @@ TEST_CASE("a build by sampling that may not integrate more ends with the status 
               {.certificate_points = 20});
     INFO(calls << ": " << result.message);
     CHECK_FALSE(result.met);
-    CHECK(result.book.build().status == "max_calls");
+    CHECK(result.book.build().status == samara::Termination::max_calls);
     CHECK(result.book.build().evaluations <= calls);
     CHECK_THAT(result.message, Contains("allowed were used") && Contains("largest error "));
     const TemporaryDirectory directory;
@@ -194,7 +194,7 @@ TEST_CASE("a trajectory that cannot be integrated ends a build by sampling with 
   plan.replace(plan.find("end = 2"), 7, "end = 1e5");
   const BuildResult result = built(plan, {.certificate_points = 1});
   CHECK_FALSE(result.met);
-  CHECK(result.book.build().status == "failed");
+  CHECK(result.book.build().status == samara::Termination::failed);
   CHECK_THAT(result.book.build().message,
              Contains("no trajectory at C_T = 1.1, C_R = 2.9, A = 1.3: ") && Contains("steps"));
 }
@@ -225,7 +225,8 @@ TEST_CASE("a build by sampling that is cancelled says so, asks no more, and give
     CHECK(reports_after == 0);
     CHECK_FALSE(result.met);
     CHECK(result.message == "the build was cancelled; its certificate covers 0 of 50 points");
-    CHECK(result.book.build().status == (stage == "certificate" ? "converged" : "cancelled"));
+    CHECK(result.book.build().status ==
+          (stage == "certificate" ? samara::Termination::converged : samara::Termination::cancelled));
   }
 }
 
@@ -335,7 +336,7 @@ TEST_CASE(
   const BuildResult neither = built(coin_plan_of("kind = \"auto\"\nmax_calls = 40\n"));
   CHECK_FALSE(neither.met);
   CHECK(neither.book.build().builder == "sampling");
-  CHECK(neither.book.build().status == "max_calls");
+  CHECK(neither.book.build().status == samara::Termination::max_calls);
   CHECK(neither.book.build().evaluations <= 40);
   CHECK_THAT(neither.book.build().message, Contains("chosen because neither builder converged in its trial"));
 }
@@ -349,11 +350,11 @@ TEST_CASE("where the engine cannot solve a plan, what sampling found is not lost
   const BuildResult newton =
       built(plan + "kind = \"pgd\"\nstrategy = \"newton\"\n", {.certificate_points = 20});
   CHECK_FALSE(newton.met);
-  CHECK(newton.book.build().status == "rank_limit");
+  CHECK(newton.book.build().status == samara::Termination::rank_limit);
   const BuildResult result = built(plan + "kind = \"auto\"\nmax_calls = 300\n", {.certificate_points = 20});
   CHECK_FALSE(result.met);
   CHECK(result.book.build().builder == "sampling");
-  CHECK(result.book.build().status == "max_calls");
+  CHECK(result.book.build().status == samara::Termination::max_calls);
   CHECK_THAT(result.book.build().message, Contains("neither builder converged"));
 }
 

@@ -36,7 +36,7 @@ TEST_CASE("plans name the strategy that builds them, and the certificate agrees"
     CAPTURE(strategy, result.message, result.book.build().message);
     CHECK(result.met);
     CHECK(result.book.build().strategy == strategy);
-    CHECK(result.book.build().status == "converged");
+    CHECK(result.book.build().status == samara::Termination::converged);
     CHECK(result.book.certificate()->max_error <= 1e-4);
     CHECK(result.book.build().evaluations > 0);
   }
@@ -46,7 +46,7 @@ TEST_CASE("a strategy that solves other equations leaves its field, and misses")
   const BuildResult result = build(plate_plan("piecewise_linear", "1e-4", ", nodes = 7"), few_points());
   CAPTURE(result.message, result.book.build().message);
   CHECK_FALSE(result.met);
-  CHECK(result.book.build().status == "missed");
+  CHECK(result.book.build().status == samara::Termination::missed);
   CHECK_THAT(result.book.build().message, Contains("piecewise-linear") && Contains("defect"));
   CHECK(result.book.certificate()->max_error < 0.1);
 }
@@ -78,6 +78,6 @@ TEST_CASE("builds by a strategy end with their evaluations, report their slabs, 
   plan.builder.max_calls = 20'000;
   const BuildResult cut = build(plan, few_points());
   CAPTURE(cut.book.build().evaluations);
-  CHECK(cut.book.build().status == "max_calls");
+  CHECK(cut.book.build().status == samara::Termination::max_calls);
   CHECK_THAT(cut.book.build().message, Contains("allowed are used up; the result is that of round 1"));
 }

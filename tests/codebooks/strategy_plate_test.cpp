@@ -76,7 +76,7 @@ TEST_CASE("empirical interpolation and Newton with crosses meet 1e-6 on the refe
     const StrategyResult result =
         solve_by_strategy(problem_of(model, system, box, 2.0, 10, 11), *strategy, {.tolerance = 3e-7});
     CAPTURE(strategy->name(), result.message);
-    REQUIRE(result.status == StrategyStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     CHECK(error_of(result, model, box, 2.0) <= 1e-6);
     CHECK(static_cast<double>(result.rhs_evaluations) < result.grid_evaluations);
   }
@@ -103,7 +103,7 @@ TEST_CASE("expanded about broadside fall, a plate is solved to the power of its 
       const StrategyResult result =
           solve_by_strategy(problem_of(model, system, box, 1.0, 4, 8), *strategy, {.tolerance = 1e-9});
       CAPTURE(order, tilt, result.message);
-      REQUIRE(result.status == StrategyStatus::converged);
+      REQUIRE(result.status == samara::Termination::converged);
       errors.push_back(error_of(result, model, box, 1.0));
     }
     CAPTURE(order, errors[0], errors[1]);

@@ -36,7 +36,7 @@ PilotTrajectories decays(const std::vector<double>& rates) {
 TEST_CASE("a mesh of time follows all pilots between its nodes, with short elements where they are fast") {
   const PilotTrajectories pilots = decays({1.0, 300.0});
   const double tolerance = 1e-6;
-  const TimeMesh mesh = mesh_time(kTimeAxis, 4.0, pilots, {.tolerance = tolerance});
+  const TimeMesh mesh = *mesh_time(kTimeAxis, 4.0, pilots, {.tolerance = tolerance});
   CHECK(mesh.resolved);
   CHECK(mesh.error <= tolerance);
   CHECK(mesh.axis.lower() == 0.0);
@@ -47,7 +47,7 @@ TEST_CASE("a mesh of time follows all pilots between its nodes, with short eleme
   std::vector<double> times;
   for (int i = 0; i <= 5000; ++i) times.push_back(4.0 * i / 5000);
   const std::vector<double> nodes(mesh.axis.nodes().begin(), mesh.axis.nodes().end());
-  const auto at_nodes = pilots(nodes), exact = pilots(times);
+  const auto at_nodes = *pilots(nodes), exact = *pilots(times);
   samara::pgd::InterpolationStencil stencil = mesh.axis.make_stencil();
   double worst = 0.0;
   for (std::size_t j = 0; j < exact.size(); ++j) {
@@ -64,16 +64,16 @@ TEST_CASE("a mesh of time follows all pilots between its nodes, with short eleme
 
 TEST_CASE("errors on a mesh of time count by the range, and by the floor where that is larger") {
   const PilotTrajectories pilots = decays({50.0});
-  const TimeMesh fine = mesh_time(kTimeAxis, 1.0, pilots, {.tolerance = 1e-6});
+  const TimeMesh fine = *mesh_time(kTimeAxis, 1.0, pilots, {.tolerance = 1e-6});
   const TimeMesh coarse =
-      mesh_time(kTimeAxis, 1.0, pilots, {.tolerance = 1e-6, .floors = Eigen::Vector2d(1e4, 0.0)});
+      *mesh_time(kTimeAxis, 1.0, pilots, {.tolerance = 1e-6, .floors = Eigen::Vector2d(1e4, 0.0)});
   CHECK(coarse.axis.elements() < fine.axis.elements());
   CHECK(coarse.scale[0] == 1e4);
   CHECK(std::abs(fine.scale[0] - 1.0) < 1e-12);
 }
 
 TEST_CASE("a mesh of time that may have few elements says what error is left") {
-  const TimeMesh mesh = mesh_time(kTimeAxis, 1.0, decays({1e7}), {.tolerance = 1e-8, .max_elements = 12});
+  const TimeMesh mesh = *mesh_time(kTimeAxis, 1.0, decays({1e7}), {.tolerance = 1e-8, .max_elements = 12});
   CHECK_FALSE(mesh.resolved);
   CHECK(mesh.error > 1e-8);
   CHECK(mesh.axis.borders()[0] == 0.0);
@@ -81,15 +81,25 @@ TEST_CASE("a mesh of time that may have few elements says what error is left") {
 }
 
 TEST_CASE("trajectories that rest need two elements") {
-  const TimeMesh mesh = mesh_time(kTimeAxis, 1.0,
-                                  [](const std::vector<double>& times) {
-                                    return std::vector<Eigen::MatrixXd>{Eigen::MatrixXd::Constant(
-                                        static_cast<Eigen::Index>(times.size()), 1, 0.3)};
-                                  },
-                                  {});
+  const TimeMesh mesh = *mesh_time(kTimeAxis, 1.0,
+                                   [](const std::vector<double>& times) {
+                                     return std::vector<Eigen::MatrixXd>{Eigen::MatrixXd::Constant(
+                                         static_cast<Eigen::Index>(times.size()), 1, 0.3)};
+                                   },
+                                   {});
   CHECK(mesh.resolved);
   CHECK(mesh.axis.elements() == 2);
   CHECK(mesh.passes == 1);
+}
+
+TEST_CASE("pilots without trajectories end a mesh of time with their reason") {
+  const PilotTrajectories none = [](const std::vector<double>&) {
+    return samara::Ending{samara::Termination::max_calls, "all calls are used up"};
+  };
+  const auto mesh = mesh_time(kTimeAxis, 1.0, none, {});
+  REQUIRE_FALSE(mesh);
+  CHECK(mesh.ending().status == samara::Termination::max_calls);
+  CHECK(mesh.ending().message == "all calls are used up");
 }
 
 TEST_CASE("a mesh of time without time or tolerance is refused") {

@@ -12,7 +12,7 @@ TEST_CASE("a solution that ends inside the box is never reported as converged") 
     const EvolutionResult result =
         solve_evolution(explosion_problem(system, 0.5, 1.5), {.tolerance = 1e-6, .seed = seed});
     CAPTURE(report(result));
-    CHECK(result.status == EvolutionStatus::diverged);
+    CHECK(result.status == samara::Termination::diverged);
     CHECK(result.residual > 1e-6);
     CHECK_THAT(result.message, Contains("may not exist on the whole box"));
   }
@@ -24,7 +24,7 @@ TEST_CASE("a solution that ends inside the box is never reported as converged") 
       problem.time = Axis::radau({"t", "s", AxisRole::time}, 0.0, 1.0, elements, points);
       const EvolutionResult result = solve_evolution(problem, {.tolerance = 1e-6});
       CAPTURE(upper, elements, points, report(result));
-      CHECK(result.status != EvolutionStatus::converged);
+      CHECK(result.status != samara::Termination::converged);
       CHECK(result.residual > 1e-6);
     }
   }
@@ -34,7 +34,7 @@ TEST_CASE("close to where solutions end they are still found") {
   const TestSystem system = explosion();
   const EvolutionResult result = solve_evolution(explosion_problem(system, 0.5, 0.8), {.tolerance = 1e-7});
   CAPTURE(report(result));
-  CHECK(result.status == EvolutionStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   // The pole lies at t = 1.25: 10 elements of 5 points resolve it to 1e-5.
   for (const double t : {0.3, 0.77, 1.0}) {
     CHECK(result.field(std::vector<double>{t, 0.79})[0] == Approx(1.0 / (1.0 / 0.79 - t)).epsilon(1e-5));
@@ -58,7 +58,7 @@ TEST_CASE("where the right-hand side or its derivative is not finite is said in 
                                    {1.0},
                                    {{0.0, -1}}};
     const EvolutionResult result = solve_evolution(problem);
-    CHECK(result.status == EvolutionStatus::not_finite);
+    CHECK(result.status == samara::Termination::not_finite);
     CHECK_THAT(result.message,
                Contains(rate_is_bad ? "right-hand side is not finite" : "Jacobian is not finite"));
     CHECK_THAT(result.message, Contains("t = ") && Contains(" s, area = -") && Contains("m^2"));
@@ -73,7 +73,7 @@ TEST_CASE("a solution that leaves the domain of its right-hand side is not repor
   EvolutionProblem problem = explosion_problem(system, 0.2, 1.0);
   const EvolutionResult result = solve_evolution(problem);
   CAPTURE(report(result));
-  CHECK(result.status != EvolutionStatus::converged);
+  CHECK(result.status != samara::Termination::converged);
   CHECK_THAT(result.message, Contains("not finite at t = ") && Contains("u(0) = 0."));
 }
 
@@ -81,7 +81,7 @@ TEST_CASE("a rank that does not suffice is reported") {
   const Fall fall;
   const EvolutionResult result = solve_evolution(fall.problem(6, 5, 16), {.tolerance = 1e-8, .max_rank = 2});
   CAPTURE(report(result));
-  CHECK(result.status != EvolutionStatus::converged);
+  CHECK(result.status != samara::Termination::converged);
   CHECK(Fall::error(result.field) > 1e-6);
 }
 
@@ -96,10 +96,10 @@ TEST_CASE("a right-hand side that is approximated too coarsely is reported, howe
   CAPTURE(report(result));
   CHECK(result.residual <= 1e-8);
   CHECK(result.nonlinearity_error > 1e-8);
-  CHECK(result.status == EvolutionStatus::stalled);
+  CHECK(result.status == samara::Termination::stagnated);
   CHECK_THAT(result.message, Contains("f is approximated only to"));
   const EvolutionResult enough = solve_evolution(problem, {.tolerance = 1e-8});
-  CHECK(enough.status == EvolutionStatus::converged);
+  CHECK(enough.status == samara::Termination::converged);
   CHECK(enough.nonlinearity_error <= 1e-8);
 }
 
@@ -108,13 +108,13 @@ TEST_CASE("a former solution saves iterations, also from coarser axes") {
   const EvolutionOptions options{.tolerance = 1e-9};
   const EvolutionProblem fine = fall.problem(20, 7, 20);
   const EvolutionResult cold = solve_evolution(fine, options);
-  REQUIRE(cold.status == EvolutionStatus::converged);
+  REQUIRE(cold.status == samara::Termination::converged);
   const auto from = [&](const EvolutionProblem& coarse) {
     const EvolutionResult first = solve_evolution(coarse, {.tolerance = 1e-5});
-    REQUIRE(first.status == EvolutionStatus::converged);
+    REQUIRE(first.status == samara::Termination::converged);
     EvolutionResult second = solve_evolution(fine, options, &first.field);
     CAPTURE(report(first), report(second));
-    CHECK(second.status == EvolutionStatus::converged);
+    CHECK(second.status == samara::Termination::converged);
     CHECK(second.history.size() < cold.history.size());
     CHECK(second.history.front().residual < 0.1 * cold.history.front().residual);
     CHECK(second.rhs_evaluations < cold.rhs_evaluations);
@@ -124,7 +124,7 @@ TEST_CASE("a former solution saves iterations, also from coarser axes") {
   from(fall.problem(8, 4, 9));
   // The solution itself, of a looser tolerance than asked for, needs no step.
   const EvolutionResult again = solve_evolution(fine, {.tolerance = 1e-8}, &cold.field);
-  CHECK(again.status == EvolutionStatus::converged);
+  CHECK(again.status == samara::Termination::converged);
   CHECK(again.history.size() == 1);
 }
 
@@ -146,7 +146,7 @@ TEST_CASE("the allowed iterations end the solve with what was reached") {
   const Fall fall;
   const EvolutionResult result =
       solve_evolution(fall.problem(6, 5, 16), {.tolerance = 1e-9, .max_iterations = 3});
-  CHECK(result.status == EvolutionStatus::max_iterations);
+  CHECK(result.status == samara::Termination::max_iterations);
   CHECK_THAT(result.message, Contains("after all 3 iterations"));
   CHECK(result.history.size() == 4);  // the last one only measures
   CHECK(result.residual == result.history.back().residual);
@@ -166,14 +166,14 @@ TEST_CASE("progress is reported, also within an iteration, and may cancel at any
   };
   std::vector<double> whole;
   const EvolutionResult result = solved(1'000'000, whole);
-  REQUIRE(result.status == EvolutionStatus::converged);
+  REQUIRE(result.status == samara::Termination::converged);
   // Evaluations and terms of the linear problems lie between two iterations.
   CHECK(whole.size() > 5 * result.history.size());
   for (const double fraction : whole) CHECK((fraction >= 0.0 && fraction <= 1.0));
   for (std::size_t calls = 1; calls < whole.size(); ++calls) {
     std::vector<double> fractions;
     const EvolutionResult cancelled = solved(calls, fractions);
-    CHECK(cancelled.status == EvolutionStatus::cancelled);
+    CHECK(cancelled.status == samara::Termination::cancelled);
     CHECK_THAT(cancelled.message, Contains("cancelled"));
     CHECK(fractions.size() == calls);
     CHECK(std::isfinite(cancelled.residual));
@@ -183,14 +183,14 @@ TEST_CASE("progress is reported, also within an iteration, and may cancel at any
 TEST_CASE("sums of more products than are allowed end the solve, with what they would have taken") {
   const Fall fall;
   const EvolutionResult result = solve_evolution(fall.problem(6, 5, 12), {.tolerance = 1e-6, .max_terms = 2});
-  CHECK(result.status == EvolutionStatus::rank_limit);
+  CHECK(result.status == samara::Termination::rank_limit);
   CHECK_THAT(result.message, Contains("takes more than the 2 products allowed, a train of ranks"));
 }
 
 TEST_CASE("f is evaluated only where it is asked for, and every evaluation is counted") {
   const TestSystem system = explosion();
   const EvolutionResult result = solve_evolution(explosion_problem(system, 0.1, 0.6), {.tolerance = 1e-8});
-  REQUIRE(result.status == EvolutionStatus::converged);
+  REQUIRE(result.status == samara::Termination::converged);
   CHECK(result.grid_size == 10 * 5 * 20);
   const std::vector<long>& rhs = system.rhs_counts();
   const std::vector<long>& jacobian = system.jacobian_counts();
@@ -233,7 +233,7 @@ TEST_CASE("with more parameters the share of the grid that is evaluated falls") 
       {{0.0, -1}}};
   const EvolutionResult result = solve_evolution(problem, {.tolerance = 1e-5});
   CAPTURE(report(result));
-  CHECK(result.status == EvolutionStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   for (const EvolutionRecord& record : result.history) {
     CHECK(static_cast<double>(record.evaluations) < 0.1 * result.grid_size);
   }
@@ -251,7 +251,7 @@ TEST_CASE("the same seed gives the same field to the last bit") {
   for (std::size_t k = 0; k < 2; ++k) CHECK(a.field.factors()[k] == b.field.factors()[k]);
   CHECK(a.message == b.message);
   const EvolutionResult c = solve(4);
-  CHECK(c.status == EvolutionStatus::converged);
+  CHECK(c.status == samara::Termination::converged);
   CHECK((c.field.rank() != a.field.rank() || c.field.weights() != a.field.weights()));
 }
 

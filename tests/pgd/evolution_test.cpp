@@ -18,7 +18,7 @@ TEST_CASE("the parametric line (6.18) is one product, to 1e-12") {
                                      {{start, -1}}};
       const EvolutionResult result = solve_evolution(problem, {.tolerance = 1e-13, .projection = projection});
       CAPTURE(report(result));
-      CHECK(result.status == EvolutionStatus::converged);
+      CHECK(result.status == samara::Termination::converged);
       // The initial value is a term of its own.
       CHECK(result.field.rank() == (start == 0.0 ? 1 : 2));
       double error = 0.0;
@@ -39,7 +39,7 @@ TEST_CASE("quadratic drag (6.20) agrees with the exact solution to 1e-8") {
     const EvolutionResult result = solve_evolution(
         fall.problem(10, 9, 20), {.tolerance = 1e-10, .projection = projection, .linear_tolerance = 0.03});
     CAPTURE(report(result), Fall::error(result.field));
-    CHECK(result.status == EvolutionStatus::converged);
+    CHECK(result.status == samara::Termination::converged);
     CHECK(result.residual <= 1e-10);
     CHECK(Fall::error(result.field) <= 1e-8);
     CHECK(result.history.size() <= 12);
@@ -62,7 +62,7 @@ TEST_CASE("a linear oscillator with its initial values as axes is exact to 1e-8"
         {error, std::abs(u[0] - x[2] * c - x[3] / x[1] * s), std::abs(u[1] + x[1] * x[2] * s - x[3] * c)});
   }
   CAPTURE(report(result), error);
-  CHECK(result.status == EvolutionStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   CHECK(error <= 1e-8);
 }
 
@@ -73,7 +73,7 @@ TEST_CASE("the solution converges with the order of the time elements") {
     const auto errors = [&](int elements) {
       const EvolutionProblem problem = decay_problem(system, Axis::radau({"t", "s"}, 0.0, 1.0, elements, s));
       const EvolutionResult result = solve_evolution(problem, {.tolerance = 1e-12});
-      REQUIRE(result.status == EvolutionStatus::converged);
+      REQUIRE(result.status == samara::Termination::converged);
       Random random(6);
       double between = 0.0;
       for (int i = 0; i < 1000; ++i) {
@@ -97,7 +97,7 @@ TEST_CASE("every kind of axis serves for time and for parameters") {
     EvolutionProblem problem = decay_problem(system, time);
     problem.parameters = {parameter};
     const EvolutionResult result = solve_evolution(problem, {.tolerance = 1e-10});
-    REQUIRE(result.status == EvolutionStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     Random random(7);
     double largest = 0.0;
     for (int i = 0; i < 500; ++i) {
@@ -127,7 +127,7 @@ TEST_CASE("time enters in its own unit and from where the axis starts") {
                                  {0.1},
                                  {{0.0, -1}}};
   const EvolutionResult result = solve_evolution(problem, {.tolerance = 1e-9});
-  REQUIRE(result.status == EvolutionStatus::converged);
+  REQUIRE(result.status == samara::Termination::converged);
   CHECK(result.field.rank() == 1);
   for (const double t : {1.0, 1.3, 2.5, 4.0}) {
     CHECK(result.field(std::vector<double>{t, 1.7})[0] ==
@@ -159,6 +159,6 @@ TEST_CASE("a body that turns from rising to sinking agrees with Runge-Kutta to 1
     error = std::max({error, std::abs(u[0] - exact[0]) / 0.9, std::abs(u[1] - exact[1]) / 0.25});
   }
   CAPTURE(report(result), error);
-  CHECK(result.status == EvolutionStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   CHECK(error < 1e-4);
 }

@@ -69,7 +69,7 @@ TEST_CASE("noise above the tolerance is measured, said, and ends the build early
     const SamplingResult result =
         sample(unit_box(5), {{"f"}}, one_output(f), {.tolerance = 1e-2, .max_calls = 100'000, .seed = seed});
     INFO(result.message);
-    CHECK(result.status == SamplingStatus::noise);
+    CHECK(result.status == samara::Termination::noise);
     CHECK(result.calls < 5000);
     CHECK_THAT(result.message, Contains("noise of 0.0"));
     // Uniform noise of 0.03 has a root mean square of 0.0173; seven values a place estimate it roughly.
@@ -114,6 +114,6 @@ TEST_CASE("points of a challenge go into the sample, until it finds nothing any 
   };
   const SamplingResult refuted =
       sample(unit_box(2), {{"f"}}, one_output([](auto x) { return x[0]; }), options);
-  CHECK(refuted.status == SamplingStatus::refuted);
+  CHECK(refuted.status == samara::Termination::refuted);
   CHECK_FALSE(refuted.tolerance_met());
 }

@@ -183,7 +183,7 @@ TEST_CASE("what goes wrong in the function is reported with its point, and the w
       sample(unit_box(3), {{"f"}},
              one_output([&](std::span<const double> x) { return ++calls > 150 ? std::nan("") : good(x); }),
              {.tolerance = 1e-12});
-  CHECK(broken.status == SamplingStatus::not_finite);
+  CHECK(broken.status == samara::Termination::not_finite);
   CHECK_THAT(broken.message, Contains("f is nan at a = "));
   CHECK(broken.bad_point.size() == 3);
   CHECK(broken.field);
@@ -193,12 +193,12 @@ TEST_CASE("what goes wrong in the function is reported with its point, and the w
                                          return good(x);
                                        }),
                                        {.tolerance = 1e-12});
-  CHECK(thrown.status == SamplingStatus::failed);
+  CHECK(thrown.status == samara::Termination::failed);
   CHECK_THAT(thrown.message, Contains("the pump broke") && Contains("a = "));
   CHECK(thrown.bad_point.size() == 3);
   const SamplingResult none =
       sample(unit_box(2), {{"f"}}, one_output([](std::span<const double>) -> double { throw 42; }));
-  CHECK(none.status == SamplingStatus::failed);
+  CHECK(none.status == samara::Termination::failed);
   CHECK_FALSE(none.field);
   CHECK(std::isinf(none.error));
   const SamplingResult table = sample(
@@ -226,21 +226,21 @@ TEST_CASE("limits of calls and time, and cancellation, end with the best so far"
   const Scalar f = [](std::span<const double> x) { return std::cos(9.0 * sum_of(x)) / (1.1 - x[0] * x[1]); };
   const SamplingResult calls =
       sample(unit_box(4), {{"f"}}, one_output(f), {.tolerance = 1e-9, .max_calls = 500});
-  CHECK(calls.status == SamplingStatus::max_calls);
+  CHECK(calls.status == samara::Termination::max_calls);
   CHECK(calls.calls <= 500);
   CHECK(calls.field);
   CHECK_THAT(calls.message, Contains("of the 500 allowed"));
   const SamplingResult time =
       sample(unit_box(4), {{"f"}}, one_output(f), {.tolerance = 1e-9, .max_seconds = 1e-9});
-  CHECK(time.status == SamplingStatus::max_seconds);
+  CHECK(time.status == samara::Termination::max_seconds);
   int reports = 0;
   const SamplingResult cancelled =
       sample(unit_box(4), {{"f"}}, one_output(f),
              {.tolerance = 1e-9, .progress = [&](const samara::Progress&) { return ++reports < 10; }});
-  CHECK(cancelled.status == SamplingStatus::cancelled);
+  CHECK(cancelled.status == samara::Termination::cancelled);
   const SamplingResult narrow =
       sample(unit_box(4), {{"f"}}, one_output(f), {.tolerance = 1e-9, .max_rank = 2, .max_nodes = 4});
-  CHECK(narrow.status == SamplingStatus::exhausted);
+  CHECK(narrow.status == samara::Termination::exhausted);
 }
 
 TEST_CASE("pivots of a similar function save calls where features are narrow") {

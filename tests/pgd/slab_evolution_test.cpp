@@ -15,7 +15,7 @@ TEST_CASE("slabs meet their tolerance on the coupled products (6.22), at random 
   for (const double tolerance : {1e-3, 1e-6}) {
     const SlabResult result = solve_by_slabs(problem, {.tolerance = tolerance});
     CAPTURE(tolerance, result.message);
-    CHECK(result.status == SlabStatus::converged);
+    CHECK(result.status == samara::Termination::converged);
     CHECK(result.reached == 0.8);
     const double error = largest_error(result, problem, system, 0.8, 2000, 3);
     CHECK(error <= tolerance);
@@ -30,7 +30,7 @@ TEST_CASE("a box in which the solution ends reports when and where, and keeps wh
   const AdaptiveProblem problem = triple_problem(system, 1.0);
   const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-3, .max_cells = 64});
   CAPTURE(result.message);
-  CHECK(result.status == SlabStatus::ceases);
+  CHECK(result.status == samara::Termination::ceases);
   CHECK_THAT(result.message, Contains("grows beyond all bounds"));
   // From (0, 1, 1) the solution blows up at t = 0.953.
   CHECK(result.reached == Approx(0.953).margin(0.005));
@@ -48,7 +48,7 @@ TEST_CASE("where neighbours part, cells go on, and without them the march ends w
   const SlabOptions one{.tolerance = 1e-4, .max_nodes = 24};
   const SlabResult stuck = solve_by_slabs(problem, one);
   CAPTURE(stuck.message);
-  CHECK(stuck.status == SlabStatus::not_resolved);
+  CHECK(stuck.status == samara::Termination::not_resolved);
   CHECK_THAT(stuck.message, Contains("24 nodes on the axis x(0)"));
   CHECK(stuck.reached < 6.0);
   REQUIRE(!stuck.pieces.empty());
@@ -58,7 +58,7 @@ TEST_CASE("where neighbours part, cells go on, and without them the march ends w
   many.max_cells = 32;
   const SlabResult result = solve_by_slabs(problem, many);
   CAPTURE(result.message, result.cells);
-  CHECK(result.status == SlabStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   CHECK(result.cells > 1);
   CHECK(result.cells <= 32);
   CHECK(largest_error(result, problem, system, 6.0, 2000, 2) <= 1e-4);
@@ -80,7 +80,7 @@ TEST_CASE("a stiff box, on which Picard's iteration does not contract, is solved
   problem.initial = {{0.0, -1}};
   const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-4});
   CAPTURE(result.message);
-  CHECK(result.status == SlabStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   CHECK(largest_error(result, problem, system, 1.0, 300, 4) <= 1e-4);
   // At the end, slabs are longer than Picard's iteration could bear.
   CHECK(200.0 * (result.history.back().end - result.history.back().begin) > 10.0);
@@ -92,7 +92,7 @@ TEST_CASE("a kink that sweeps through the box gets elements of its own length, a
   const AdaptiveProblem problem = turning_problem(system, 0.45, 0.55);
   const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-3});
   CAPTURE(result.message);
-  CHECK(result.status == SlabStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   CHECK(largest_error(result, problem, system, 1.0, 1000, 7) <= 1e-3);
   // Elements of the kink's width all over its range, as many as that takes; outside of it, slabs are long.
   double longest_outside = 0.0;
@@ -146,7 +146,7 @@ TEST_CASE("slabs cost far fewer evaluations than their grids where there are man
   problem.initial = {{1.0, -1}, {0.0, -1}};
   const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-3});
   CAPTURE(result.message);
-  CHECK(result.status == SlabStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   CHECK(largest_error(result, problem, system, 3.0, 500, 5) <= 1e-3);
   CHECK(static_cast<double>(result.evaluations) < 0.05 * result.grid_evaluations);
 }
@@ -170,7 +170,7 @@ TEST_CASE("a jump of f, which no polynomial follows, is not mistaken for the end
   problem.initial = {{0.0, -1}, {0.0, -1}};
   const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-6});
   CAPTURE(result.message);
-  CHECK(result.status == SlabStatus::not_resolved);
+  CHECK(result.status == samara::Termination::not_resolved);
   CHECK_THAT(result.message, Contains("no polynomial follows"));
   CHECK(result.reached == Approx(0.4321).margin(1e-3));
   // The point it names is that of the largest jump.
@@ -184,7 +184,7 @@ TEST_CASE("a march at smaller tolerances that ends early leaves the one before i
   // What the first two marches take; the tolerance is one that the second march misses.
   SlabOptions options{.tolerance = 3e-8, .max_marches = 2};
   const SlabResult two = solve_by_slabs(problem, options);
-  REQUIRE(two.status == SlabStatus::missed);
+  REQUIRE(two.status == samara::Termination::missed);
   options.max_marches = 4;
   SECTION("the budget is spent within the third march") {
     options.max_evaluations = two.evaluations + 1000;
@@ -196,7 +196,7 @@ TEST_CASE("a march at smaller tolerances that ends early leaves the one before i
   options.checkpoint = [&](const std::vector<double>& state) { states.push_back(state); };
   const SlabResult cut = solve_by_slabs(problem, options);
   CAPTURE(cut.message);
-  CHECK(cut.status == SlabStatus::missed);
+  CHECK(cut.status == samara::Termination::missed);
   CHECK_THAT(cut.message, Contains("evaluations used"));
   CHECK(cut.marches == 3);
   CHECK(cut.reached == 0.8);
@@ -205,7 +205,7 @@ TEST_CASE("a march at smaller tolerances that ends early leaves the one before i
   CHECK(largest_error(cut, problem, system, 0.8, 500, 3) <= 2e-7);
   // A resumed build knows it too.
   const SlabResult resumed = solve_by_slabs(problem, options, states.back());
-  CHECK(resumed.status == SlabStatus::missed);
+  CHECK(resumed.status == samara::Termination::missed);
   CHECK(resumed.error == two.error);
   CHECK(resumed.message == cut.message);
 }
@@ -214,14 +214,14 @@ TEST_CASE("a march that may not go on says so: by evaluations, by its caller") {
   const System system = triple_product();
   const AdaptiveProblem problem = triple_problem(system, 0.8);
   const SlabResult few = solve_by_slabs(problem, {.max_evaluations = 20000});
-  CHECK(few.status == SlabStatus::max_evaluations);
+  CHECK(few.status == samara::Termination::max_calls);
   CHECK_THAT(few.message, Contains("20000 allowed, at t = ") && Contains("took") && Contains("ranks up to"));
   // Where it stands: the middle of the box, its only cell.
   CHECK(few.where == std::vector<double>(3, 0.5));
   int reports = 0;
   const SlabResult cancelled =
       solve_by_slabs(problem, {.progress = [&](const samara::Progress&) { return ++reports < 3; }});
-  CHECK(cancelled.status == SlabStatus::cancelled);
+  CHECK(cancelled.status == samara::Termination::cancelled);
   CHECK(reports == 3);
 }
 

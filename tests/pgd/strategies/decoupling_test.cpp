@@ -66,7 +66,7 @@ TEST_CASE("decoupled, the products (6.22) are solved to 1e-5 over the box in eig
   const EvolutionProblem problem = products_problem(system, 0.8, 8, 12);
   const DecouplingResult result = solve_decoupled(problem, {.tolerance = 3e-6, .slabs = 8});
   CAPTURE(result.message);
-  CHECK(result.status == DecouplingStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   CHECK(result.reached == 0.8);
   CHECK(products_error(result, 0.8) <= 1e-5);
   CHECK(result.largest_iterations() <= 8);
@@ -80,7 +80,7 @@ TEST_CASE("unknowns held as trains meet the same, over the whole time axis at on
     const DecouplingResult result =
         solve_decoupled(problem, {.tolerance = 1e-7, .slabs = slabs, .form = DecoupledForm::trains});
     CAPTURE(slabs, result.message);
-    CHECK(result.status == DecouplingStatus::converged);
+    CHECK(result.status == samara::Termination::converged);
     CHECK(products_error(result, 0.8) <= 1e-6);
     CHECK(result.largest_contraction() < 0.7);
   }
@@ -92,7 +92,7 @@ TEST_CASE("decoupling contracts over a whole time axis, too, and either projecti
   for (const Projection projection : {Projection::galerkin, Projection::minimal_residual}) {
     const DecouplingResult result = solve_decoupled(problem, {.tolerance = 1e-6, .projection = projection});
     CAPTURE(result.message);
-    CHECK(result.status == DecouplingStatus::converged);
+    CHECK(result.status == samara::Termination::converged);
     CHECK(products_error(result, 0.4) <= 1e-5);
     // A Picard iteration: its corrections fall faster than any geometric sequence.
     CHECK(result.history.back().contraction < result.largest_contraction());
@@ -104,7 +104,7 @@ TEST_CASE("decoupling that loses contraction ends with a status that names where
   const EvolutionProblem problem = products_problem(system, 1.6, 4, 8);
   const DecouplingResult result = solve_decoupled(problem, {.tolerance = 1e-4});
   CAPTURE(result.message);
-  CHECK(result.status == DecouplingStatus::diverged);
+  CHECK(result.status == samara::Termination::diverged);
   CHECK_THAT(result.message, Contains("contraction is lost") && Contains("between t = 0 and 1.6"));
   CHECK(result.slabs.empty());
   // From (0, 1, 1) the solution ceases to exist at t = 0.953.
@@ -128,7 +128,7 @@ TEST_CASE("what an unknown does to itself stays in its own linear problem") {
   for (const Projection projection : {Projection::galerkin, Projection::minimal_residual}) {
     const DecouplingResult result = solve_decoupled(problem, {.tolerance = 1e-6, .projection = projection});
     CAPTURE(result.message);
-    REQUIRE(result.status == DecouplingStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     for (const double t : {0.3, 1.7, 3.0}) {
       for (const double k : {2.1, 3.7}) {
         const Eigen::VectorXd u = result.value_at(std::vector{t, k});
@@ -143,19 +143,19 @@ TEST_CASE("decoupling says when its terms or its iterations are used up, and whe
   const PolynomialSystem system = products();
   const EvolutionProblem problem = products_problem(system, 0.4, 2, 8);
   const DecouplingResult terms = solve_decoupled(problem, {.tolerance = 1e-6, .max_rank = 4});
-  CHECK(terms.status == DecouplingStatus::rank_limit);
+  CHECK(terms.status == samara::Termination::rank_limit);
   const DecouplingResult ranks =
       solve_decoupled(problem, {.tolerance = 1e-6, .form = DecoupledForm::trains, .max_rank = 4});
-  CHECK(ranks.status == DecouplingStatus::rank_limit);
+  CHECK(ranks.status == samara::Termination::rank_limit);
   CHECK_THAT(ranks.message, Contains("4 are allowed"));
   for (const DecouplingRecord& record : ranks.history) CHECK(std::isfinite(record.linear_residual));
   CHECK_THAT(terms.message, Contains("of at most 4"));
   const DecouplingResult iterations = solve_decoupled(problem, {.tolerance = 1e-6, .max_iterations = 3});
-  CHECK(iterations.status == DecouplingStatus::max_iterations);
+  CHECK(iterations.status == samara::Termination::max_iterations);
   CHECK(iterations.history.size() == 3);
   const DecouplingResult cancelled =
       solve_decoupled(problem, {.progress = [](const samara::Progress&) { return false; }});
-  CHECK(cancelled.status == DecouplingStatus::cancelled);
+  CHECK(cancelled.status == samara::Termination::cancelled);
 }
 
 TEST_CASE("decoupling asks for a polynomial system and a time axis of slabs") {

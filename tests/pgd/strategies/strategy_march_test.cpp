@@ -78,7 +78,7 @@ TEST_CASE("products and cross interpolation give incremental linearisation the s
   for (Strategy* strategy : {products.get(), cross.get()}) {
     const StrategyResult result = solve_by_strategy(problem, *strategy, {.tolerance = 1e-7});
     CAPTURE(strategy->name(), result.message);
-    CHECK(result.status == StrategyStatus::converged);
+    CHECK(result.status == samara::Termination::converged);
     CHECK(drag_error(result, 0.4) <= 1e-6);
   }
 }
@@ -89,7 +89,7 @@ TEST_CASE("the asymptotic numerical method meets 1e-6 on quadratic drag, its ter
   const StrategyResult result =
       solve_by_strategy(drag_problem(system, 0.4, 4), *strategy, {.tolerance = 1e-7});
   CAPTURE(result.message);
-  CHECK(result.status == StrategyStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   CHECK(drag_error(result, 0.4) <= 1e-6);
   CHECK(result.largest_contraction() < 0.9);
 }
@@ -100,7 +100,7 @@ TEST_CASE("a series whose radius of convergence is below one is reported as such
   const StrategyResult result =
       solve_by_strategy(drag_problem(system, 2.0, 1), *strategy, {.tolerance = 1e-6});
   CAPTURE(result.message);
-  CHECK(result.status == StrategyStatus::diverged);
+  CHECK(result.status == samara::Termination::diverged);
   CHECK_THAT(result.message, Contains("radius of convergence"));
   CHECK(result.pieces.empty());
 }
@@ -111,7 +111,7 @@ TEST_CASE("incremental linearisation loses contraction on a slab that is too lon
   const StrategyResult result =
       solve_by_strategy(drag_problem(system, 2.0, 1), *strategy, {.tolerance = 1e-6});
   CAPTURE(result.message);
-  CHECK(result.status == StrategyStatus::diverged);
+  CHECK(result.status == samara::Termination::diverged);
   CHECK_THAT(result.message, Contains("between t = 0 and 2"));
 }
 
@@ -125,7 +125,7 @@ TEST_CASE("polynomial linearisation about rest errs by the power of the amplitud
       const StrategyResult result =
           solve_by_strategy(pendulum_problem(system, amplitude, 2.0, 4), *strategy, {.tolerance = 1e-8});
       CAPTURE(order, amplitude, result.message);
-      REQUIRE(result.status == StrategyStatus::converged);
+      REQUIRE(result.status == samara::Termination::converged);
       errors.push_back(pendulum_error(result, system, amplitude, 2.0));
       // The defect does not hide that these are other equations.
       CHECK(result.largest_defect() > 1e-6);
@@ -142,7 +142,7 @@ TEST_CASE("empirical interpolation and Newton with crosses meet 1e-6 on a large 
     const StrategyResult result =
         solve_by_strategy(pendulum_problem(system, 1.5, 2.0, 4), *strategy, {.tolerance = 1e-7});
     CAPTURE(strategy->name(), result.message);
-    CHECK(result.status == StrategyStatus::converged);
+    CHECK(result.status == samara::Termination::converged);
     CHECK(pendulum_error(result, system, 1.5, 2.0) <= 1e-6);
     CHECK(result.rhs_evaluations > 0);
   }
@@ -156,7 +156,7 @@ TEST_CASE("piecewise-linear approximation errs by about a per cent, less with mo
     const StrategyResult result =
         solve_by_strategy(pendulum_problem(system, 1.5, 2.0, 4), *strategy, {.tolerance = 1e-4});
     CAPTURE(points, result.message);
-    REQUIRE(result.status == StrategyStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     errors.push_back(pendulum_error(result, system, 1.5, 2.0));
   }
   CHECK(errors[0] < 0.1);

@@ -59,7 +59,7 @@ TEST_CASE("corrections of incremental linearisation fall factorially, those of N
   const EvolutionProblem problem = logistic_problem(system, 0.5, 1);
   const auto incremental = incremental_strategy();
   const StrategyResult picard = solve_by_strategy(problem, *incremental, {.tolerance = 1e-9});
-  REQUIRE(picard.status == StrategyStatus::converged);
+  REQUIRE(picard.status == samara::Termination::converged);
   CHECK(logistic_error(picard, 0.5) <= 1e-7);
   // Iteration n adds a term of about (L t)^n / n!: ratios of corrections fall like 1/n.
   const std::vector<double>& steps = picard.history[0].corrections;
@@ -68,7 +68,7 @@ TEST_CASE("corrections of incremental linearisation fall factorially, those of N
 
   const auto newton = cross_strategy();
   const StrategyResult quadratic = solve_by_strategy(problem, *newton, {.tolerance = 1e-9});
-  REQUIRE(quadratic.status == StrategyStatus::converged);
+  REQUIRE(quadratic.status == samara::Termination::converged);
   CHECK(logistic_error(quadratic, 0.5) <= 1e-7);
   const std::vector<double>& newton_steps = quadratic.history[0].corrections;
   REQUIRE(newton_steps.size() >= 3);
@@ -85,7 +85,7 @@ TEST_CASE("terms of the asymptotic series fall geometrically, faster on shorter 
     const StrategyResult result =
         solve_by_strategy(logistic_problem(system, 0.8, slabs), *strategy, {.tolerance = 1e-8});
     CAPTURE(slabs, result.message);
-    REQUIRE(result.status == StrategyStatus::converged);
+    REQUIRE(result.status == samara::Termination::converged);
     CHECK(logistic_error(result, 0.8) <= 1e-6);
     ratios.push_back(result.history[0].contraction);
   }
@@ -100,8 +100,8 @@ TEST_CASE("piecewise linear values as a first iterate save Newton iterations, an
   const StrategyResult alone = solve_by_strategy(problem, *newton, {.tolerance = 1e-6});
   const StrategyResult helped =
       solve_by_strategy(problem, *newton, {.tolerance = 1e-6, .first = first.get()});
-  REQUIRE(alone.status == StrategyStatus::converged);
-  REQUIRE(helped.status == StrategyStatus::converged);
+  REQUIRE(alone.status == samara::Termination::converged);
+  REQUIRE(helped.status == samara::Termination::converged);
   int alone_iterations = 0, helped_iterations = 0;
   for (const StrategyRecord& record : alone.history) alone_iterations += record.iterations;
   for (const StrategyRecord& record : helped.history) helped_iterations += record.iterations;
@@ -124,7 +124,7 @@ TEST_CASE("a march ends with the status of what stopped it, and names the place"
   const StrategyResult beyond =
       solve_by_strategy(logistic_problem(wall, 4.0, 1), *picard, {.tolerance = 1e-6});
   CAPTURE(beyond.message);
-  CHECK(beyond.status == StrategyStatus::not_finite);
+  CHECK(beyond.status == samara::Termination::not_finite);
   CHECK_THAT(beyond.message, Contains("f is not finite") && Contains("q = "));
   REQUIRE(beyond.where.size() == 1);
 
@@ -133,12 +133,12 @@ TEST_CASE("a march ends with the status of what stopped it, and names the place"
   const StrategyResult few =
       solve_by_strategy(swing_problem(swing), *newton, {.tolerance = 1e-8, .max_rank = 2});
   CAPTURE(few.message);
-  CHECK(few.status == StrategyStatus::rank_limit);
+  CHECK(few.status == samara::Termination::rank_limit);
   CHECK_THAT(few.message, Contains("ranks up to 2"));
 
   const StrategyResult bounded =
       solve_by_strategy(swing_problem(swing), *newton, {.tolerance = 1e-6, .max_evaluations = 500});
-  CHECK(bounded.status == StrategyStatus::max_evaluations);
+  CHECK(bounded.status == samara::Termination::max_calls);
   CHECK_THAT(bounded.message, Contains("500 evaluations"));
 
   int reports = 0;
@@ -147,7 +147,7 @@ TEST_CASE("a march ends with the status of what stopped it, and names the place"
     CHECK(report.stage.starts_with("slab "));
     return ++reports < 3;
   };
-  CHECK(solve_by_strategy(swing_problem(swing), *newton, stopping).status == StrategyStatus::cancelled);
+  CHECK(solve_by_strategy(swing_problem(swing), *newton, stopping).status == samara::Termination::cancelled);
   CHECK(reports == 3);
 }
 
@@ -158,7 +158,8 @@ namespace {
 class WrongInACorner final : public Strategy {
  public:
   std::string name() const override { return "wrong in a corner"; }
-  LinearSlab linearise(const StrategySlab& slab, const TensorTrain&, std::optional<double>) override {
+  samara::Outcome<LinearSlab> linearise(const StrategySlab& slab, const TensorTrain&,
+                                        std::optional<double>) override {
     const double wrong = iteration_ == 0 ? 1e-2 : iteration_ == 1 ? 5e-3 : 0.0;
     ++iteration_;
     const EntryFunction source = [&](const IndexBatch& entries, Matrix& values) {
@@ -169,7 +170,7 @@ class WrongInACorner final : public Strategy {
     };
     CrossPivots pivots;
     pivots.right = {IndexBatch(), IndexBatch::Zero(1, 1)};
-    return {{}, slab.separate(source, slab.rows(), 1e-6, pivots, "f")};
+    return LinearSlab{{}, *slab.separate(source, slab.rows(), 1e-6, pivots, "f")};
   }
 
  private:
@@ -191,7 +192,7 @@ TEST_CASE("small corrections all over the box do not hide a corner in which the 
   WrongInACorner strategy;
   const StrategyResult result = solve_by_strategy(problem, strategy, {.tolerance = 1e-3});
   CAPTURE(result.message);
-  CHECK(result.status == StrategyStatus::converged);
+  CHECK(result.status == samara::Termination::converged);
   CHECK(std::abs(result.value_at(std::vector{1.0, 0.5, 0.0})[0] - 0.5) <= 1e-3);
 }
 
@@ -203,7 +204,7 @@ TEST_CASE("training trajectories that end too early are a status of the march, n
       {{1.0, -1}}};
   const auto strategy = piecewise_linear_strategy({.points = 1000, .samples = 1});
   const StrategyResult result = solve_by_strategy(problem, *strategy, {.tolerance = 1e-3});
-  CHECK(result.status == StrategyStatus::not_finite);
+  CHECK(result.status == samara::Termination::not_finite);
   CHECK_THAT(result.message, Contains("training trajectories end"));
   CHECK(result.pieces.empty());
 }
