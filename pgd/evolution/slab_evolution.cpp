@@ -83,7 +83,7 @@ TrainField shortened(const TrainField& field, double end) {
 
 /// What a march has found.
 void take(const SlabMarch& march, SlabResult& result) {
-  for (const SlabMarch::Piece& piece : march.pieces()) {
+  for (const MarchPiece& piece : march.pieces()) {
     if (piece.end <= march.reached()) {
       result.pieces.push_back(piece.field);
     } else if (piece.field.axes()[0].lower() < march.reached()) {
@@ -178,7 +178,7 @@ class Marches {
     }
     const bool cut = !complete && march.status() != Termination::cancelled;
     if (!best_.state.empty() && (complete || cut)) {
-      take_best(cut ? march.message() : std::string());
+      take_best(cut ? march.ending()->message : std::string());
     } else {
       take_last(march, ranges, error);
     }
@@ -221,10 +221,12 @@ class Marches {
     take(march, result_);
     result_.error = error;
     result_.ranges.assign(ranges.begin(), ranges.end());
-    result_.where = march.where();
-    result_.status = march.status();
-    result_.message = march.message();
-    if (march.status() != Termination::converged) return;
+    if (march.ending()) {
+      result_.where = march.ending()->where;
+      result_.status = march.ending()->status;
+      result_.message = march.ending()->message;
+      return;
+    }
     result_.status = Termination::missed;
     result_.message = fmt::format(
         "error {:.3g} of the range at the guard points after one march at a "

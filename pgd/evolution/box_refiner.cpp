@@ -1,13 +1,16 @@
+#include "samara/pgd/evolution/box_refiner.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "samara/pgd/axes/axis_traits.h"
 #include "samara/pgd/cross/nodal_approximation.h"
-#include "samara/pgd/evolution/slab_march.h"
 #include "samara/pgd/tensors/train_points.h"
 
 namespace samara::pgd {
@@ -28,8 +31,8 @@ constexpr double kLeniency = 1.6;
 /// The errors at the worst guard points, taken apart: with all coordinates but one moved to the nearest
 /// nodes, it is what only more nodes on that axis will mend; with all of them moved, what the cross or the
 /// rounding has left.
-SlabMarch::Blame SlabMarch::blame(const SlabCell& cell, const TensorTrain& train,
-                                  const Eigen::VectorXd& errors) {
+BoxRefiner::Blame BoxRefiner::blame(const SlabCell& cell, const TensorTrain& train,
+                                    const Eigen::VectorXd& errors) {
   std::vector<int> order(static_cast<std::size_t>(errors.size()));
   std::iota(order.begin(), order.end(), 0);
   const auto count = std::min<std::ptrdiff_t>(kWorstGuards, errors.size());
@@ -52,9 +55,7 @@ SlabMarch::Blame SlabMarch::blame(const SlabCell& cell, const TensorTrain& train
   }
   Eigen::MatrixXd q = snapped.replicate(1, axes + 1);
   for (Eigen::Index k = 0; k < axes; ++k) q.block(k, k * count, 1, count) = worst.row(k);
-  const SlabPoints solved =
-      collocation_.solve(cell.slab->borders, values_at(cell.start, cell.axes, q), q, iteration_tolerance());
-  attempt_evaluations_ += solved.evaluations;
+  const SlabPoints solved = context_.solve(cell.slab->borders, values_at(cell.start, cell.axes, q), q);
   const Eigen::MatrixXd difference = (values_at(train, cell.axes, q) - solved.values).cwiseAbs();
   for (Eigen::Index k = 0; k <= axes; ++k) {
     const double error = difference.middleCols(k * count, count).maxCoeff();
@@ -65,57 +66,61 @@ SlabMarch::Blame SlabMarch::blame(const SlabCell& cell, const TensorTrain& train
   return result;
 }
 
-/// More nodes on the axes that do not resolve the train, or a stricter cross where it is wrong at the nodes
-/// themselves; where that is used up, two cells.
-SlabMarch::Outcome SlabMarch::refine(SlabCell& cell, const TensorTrain& train, const Eigen::VectorXd& errors,
-                                     bool ranks) {
-  cell.leniency = std::min(kLeniency * cell.leniency, most_lenient_);
-  const double tolerance = cell.leniency * tolerance_;
-  const Blame found = blame(cell, train, errors);
-  const std::vector<double>& by_axis = found.by_axis;
-  if (found.on_grid > kOnGridShare * tolerance && cell.strictness > kMostStrict) {
-    cell.strictness *= 0.3;
-    add_entries(cell.pivots, found.entries, options_.max_rank);
-    return Outcome::refined;
-  }
+/// On the axes that are too coarse, as far as the problem and the options allow. @returns whether any got more
+bool BoxRefiner::add_nodes(SlabCell& cell, const std::vector<double>& by_axis) const {
+  const int most = context_.options().max_nodes;
   std::vector<int> nodes = sizes_of(cell.axes);
-  const auto free = [&](std::size_t k) { return !problem_.parameters[k].nodes; };
-  const std::size_t coarsest =
-      static_cast<std::size_t>(std::max_element(by_axis.begin(), by_axis.end()) - by_axis.begin());
   bool grown = false;
-  for (std::size_t k = 0; k < nodes.size() && !ranks; ++k) {
-    const bool coarse = k == coarsest || by_axis[k] > 0.5 * tolerance;
-    if (!coarse || !free(k) || nodes[k] >= options_.max_nodes) continue;
-    nodes[k] = std::min(nodes[k] + std::max(2, nodes[k] / 3), options_.max_nodes);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const bool coarse = k == coarsest_ || by_axis[k] > 0.5 * cell.leniency * context_.tolerance();
+    if (!coarse || context_.problem().parameters[k].nodes || nodes[k] >= most) continue;
+    nodes[k] = std::min(nodes[k] + std::max(2, nodes[k] / 3), most);
     grown = true;
   }
-  if (grown) {
-    resample(cell, problem_, nodes);
-    return Outcome::refined;
+  if (grown) resample(cell, context_.problem(), nodes);
+  return grown;
+}
+
+Outcome<Refinement> BoxRefiner::refine(SlabCell& cell, const TensorTrain& train,
+                                       const Eigen::VectorXd& errors, bool ranks, int cells) {
+  const SlabOptions& options = context_.options();
+  cell.leniency = std::min(kLeniency * cell.leniency, context_.most_lenient());
+  const Blame found = blame(cell, train, errors);
+  if (found.on_grid > kOnGridShare * cell.leniency * context_.tolerance() && cell.strictness > kMostStrict) {
+    cell.strictness *= 0.3;
+    add_entries(cell.pivots, found.entries, options.max_rank);
+    return Refinement::same_cell;
   }
-  const BasisTraits& basis = basis_traits(problem_.parameters[coarsest].basis);
-  if (cells() < options_.max_cells && basis.can_be_split()) {
-    std::vector<SlabCell> parts =
-        halves(cell, problem_, static_cast<int>(coarsest), options_.guards, random_);
-    parts[0].number = cell.number;
-    parts[1].number = cells();
-    // `cell` is an element of the list: it becomes the first half before the second is added.
-    cell = std::move(parts[0]);
-    cells_.push_back(std::move(parts[1]));
-    return Outcome::split;
-  }
+  coarsest_ = static_cast<std::size_t>(std::max_element(found.by_axis.begin(), found.by_axis.end()) -
+                                       found.by_axis.begin());
+  if (!ranks && add_nodes(cell, found.by_axis)) return Refinement::same_cell;
+  if (cells < options.max_cells &&
+      basis_traits(context_.problem().parameters[coarsest_].basis).can_be_split())
+    return Refinement::halves;
+  return unresolved(cell, errors, ranks, cells);
+}
+
+std::vector<SlabCell> BoxRefiner::halves(const SlabCell& cell, Random& random) const {
+  return pgd::halves(cell, context_.problem(), static_cast<int>(coarsest_), context_.options().guards,
+                     random);
+}
+
+Ending BoxRefiner::unresolved(const SlabCell& cell, const Eigen::VectorXd& errors, bool ranks,
+                              int cells) const {
+  const SlabOptions& options = context_.options();
   Eigen::Index worst = 0;
   const double error = errors.maxCoeff(&worst);
   const Eigen::VectorXd at = cell.guards.col(worst);
-  const std::string limit = ranks ? fmt::format("ranks up to {} do not suffice", options_.max_rank)
-                                  : fmt::format("{} nodes on the axis {} do not suffice", nodes[coarsest],
-                                                cell.axes[coarsest].name());
-  return end(
+  const Axis& axis = cell.axes[coarsest_];
+  const std::string limit =
+      ranks ? fmt::format("ranks up to {} do not suffice", options.max_rank)
+            : fmt::format("{} nodes on the axis {} do not suffice", axis.size(), axis.name());
+  return {
       Termination::not_resolved,
       fmt::format("neighbours part: after t = {:.6g} {}{}, the error at {} is {:.3g} of the range", cell.time,
-                  limit, options_.max_cells > 1 ? fmt::format(" in {} cells", cells()) : std::string(),
+                  limit, options.max_cells > 1 ? fmt::format(" in {} cells", cells) : std::string(),
                   described(cell.axes, {at.begin(), at.end()}), error),
-      at);
+      {at.begin(), at.end()}};
 }
 
 }  // namespace samara::pgd

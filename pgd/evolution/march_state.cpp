@@ -1,9 +1,10 @@
+#include "samara/pgd/evolution/march_state.h"
+
 #include <algorithm>
 #include <utility>
 
 #include "samara/base/errors.h"
 #include "samara/pgd/cross/nodal_approximation.h"
-#include "samara/pgd/evolution/slab_march.h"
 #include "samara/pgd/tensors/number_archive.h"
 
 namespace samara::pgd {
@@ -66,11 +67,10 @@ void check(const AdaptiveProblem& problem, const SlabCell& cell) {
     throw ArgumentError("the stored state of a march in slabs does not fit its problem");
 }
 
-}  // namespace
-
 template <class Archive>
-void SlabMarch::transfer_fields(Archive& archive) {
-  auto count = static_cast<Eigen::Index>(pieces_.size());
+void transfer_pieces(Archive& archive, const AdaptiveProblem& problem, const SlabOptions& options,
+                     std::vector<MarchPiece>& pieces) {
+  auto count = static_cast<Eigen::Index>(pieces.size());
   archive.size(count);
   for (Eigen::Index p = 0; p < count; ++p) {
     int cell = 0;
@@ -78,7 +78,7 @@ void SlabMarch::transfer_fields(Archive& archive) {
     std::vector<Axis> axes;
     TensorTrain train;
     if constexpr (!Archive::kReads) {
-      const Piece& piece = pieces_[static_cast<std::size_t>(p)];
+      const MarchPiece& piece = pieces[static_cast<std::size_t>(p)];
       cell = piece.cell;
       const std::vector<Axis>& all = piece.field.axes();
       borders.assign(all[0].borders().begin(), all[0].borders().end());
@@ -86,47 +86,60 @@ void SlabMarch::transfer_fields(Archive& archive) {
       train = piece.field.train();
     }
     archive(cell, borders);
-    transfer_axes(archive, problem_, options_.max_nodes, axes);
+    transfer_axes(archive, problem, options.max_nodes, axes);
     archive(train);
     if constexpr (Archive::kReads) {
-      axes.insert(axes.begin(), time_axis(borders));
-      pieces_.push_back(
-          {cell, borders.back(), TrainField(std::move(axes), problem_.states, std::move(train))});
+      axes.insert(axes.begin(), slab_axis(problem, borders, options.time_points));
+      pieces.push_back({cell, borders.back(), TrainField(std::move(axes), problem.states, std::move(train))});
     }
   }
 }
 
 template <class Archive>
-void SlabMarch::transfer_march(Archive& archive) {
-  transfer_fields(archive);
-  auto cells = static_cast<Eigen::Index>(cells_.size());
-  auto records = static_cast<Eigen::Index>(history_.size());
+void transfer(Archive& archive, const AdaptiveProblem& problem, const SlabOptions& options,
+              MarchState& state) {
+  transfer_pieces(archive, problem, options, state.pieces);
+  auto cells = static_cast<Eigen::Index>(state.cells.size());
+  auto records = static_cast<Eigen::Index>(state.history.size());
   archive.size(cells);
   archive.size(records);
   if constexpr (Archive::kReads) {
     if (cells < 1) throw ArgumentError("the stored state of a march in slabs has no cell");
-    cells_.assign(static_cast<std::size_t>(cells), SlabCell());
-    history_.assign(static_cast<std::size_t>(records), SlabRecord());
+    state.cells.assign(static_cast<std::size_t>(cells), SlabCell());
+    state.history.assign(static_cast<std::size_t>(records), SlabRecord());
   }
-  for (SlabCell& cell : cells_) {
-    transfer(archive, problem_, options_.max_nodes, cell);
-    if constexpr (Archive::kReads) check(problem_, cell);
+  for (SlabCell& cell : state.cells) {
+    transfer(archive, problem, options.max_nodes, cell);
+    if constexpr (Archive::kReads) check(problem, cell);
   }
-  for (SlabRecord& record : history_) transfer(archive, record);
-  archive(random_, evaluations_, grid_evaluations_, carried_error_, smallest_, largest_);
+  for (SlabRecord& record : state.history) transfer(archive, record);
+  archive(state.random, state.evaluations, state.grid_evaluations, state.carried_error, state.smallest,
+          state.largest);
 }
 
-std::vector<double> SlabMarch::state() {
+}  // namespace
+
+Axis slab_axis(const AdaptiveProblem& problem, const std::vector<double>& borders, int time_points) {
+  return Axis::radau(
+      problem.time,
+      Eigen::Map<const Eigen::VectorXd>(borders.data(), static_cast<Eigen::Index>(borders.size())),
+      time_points);
+}
+
+std::vector<double> archived(MarchState& state, const AdaptiveProblem& problem, const SlabOptions& options) {
   NumberWriter writer;
-  transfer_march(writer);
+  transfer(writer, problem, options, state);
   return writer.numbers();
 }
 
-void SlabMarch::restore(std::span<const double> state) {
-  NumberReader reader(state);
-  transfer_march(reader);
+MarchState restored(std::span<const double> numbers, const AdaptiveProblem& problem,
+                    const SlabOptions& options) {
+  NumberReader reader(numbers);
+  MarchState state;
+  transfer(reader, problem, options, state);
   if (!reader.rest().empty())
     throw ArgumentError("the stored state of a march in slabs is longer than its march");
+  return state;
 }
 
 }  // namespace samara::pgd

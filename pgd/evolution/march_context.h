@@ -1,0 +1,54 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/pgd/evolution/slab_collocation.h"
+#include "samara/pgd/evolution/slab_evolution.h"
+
+namespace samara::pgd {
+
+/// What a slab may add to the error, in scales: slabs with features that no polynomial follows, which are
+/// few, may err by more than the smooth ones, which are many and cost little.
+struct LocalTolerance {
+  double wanted = 0.0;
+  double largest = 0.0;
+};
+
+/// What all parts of a march share: what is solved, how well, and the collocation at single points, whose
+/// evaluations are counted.
+class MarchContext {
+ public:
+  /// @param scales what errors are measured in. Problem and options must outlive the context.
+  MarchContext(const AdaptiveProblem& problem, const SlabOptions& options, const Eigen::VectorXd& scales,
+               LocalTolerance tolerance);
+
+  const AdaptiveProblem& problem() const { return problem_; }
+  const SlabOptions& options() const { return options_; }
+  const Eigen::VectorXd& scales() const { return scales_; }
+  int states() const { return static_cast<int>(scales_.size()); }
+  const SlabTime& time() const { return collocation_.time(); }
+  /// What a slab may add to the error, and by how much more, as a factor, one with a kink.
+  double tolerance() const { return tolerance_; }
+  double most_lenient() const { return most_lenient_; }
+  double shortest() const { return options_.least_slab * problem_.end; }
+
+  /// Solutions on elements from `start` (states x points, over their scales) at q (parameters x points).
+  SlabPoints solve(const std::vector<double>& borders, const Eigen::MatrixXd& start,
+                   const Eigen::MatrixXd& q);
+  /// Of f and J since take_evaluations() was called last.
+  long evaluations() const { return evaluations_; }
+  long take_evaluations();
+
+ private:
+  const AdaptiveProblem& problem_;
+  const SlabOptions& options_;
+  const Eigen::VectorXd scales_;
+  const double tolerance_;
+  const double most_lenient_;
+  const SlabCollocation collocation_;
+  long evaluations_ = 0;
+};
+
+}  // namespace samara::pgd

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/base/termination.h"
+#include "samara/pgd/evolution/march_context.h"
+#include "samara/pgd/evolution/slab_cell.h"
+
+namespace samara::pgd {
+
+/// How long the slabs of a cell and their elements are.
+class TimeStepper {
+ public:
+  explicit TimeStepper(MarchContext& context) : context_(context) {}
+
+  /// Marches the guard points, from the train, element by element, each as long as polynomials in time follow
+  /// all of them: the elements of the next slab. @returns why the march ends there, if it does
+  std::optional<Ending> probe(SlabCell& cell);
+
+  /// Half as many elements, or one of half the length. @param bad_entry nodes at which the equations of the slab
+  /// were not solved @returns why the march ends there, if elements cannot be shorter
+  std::optional<Ending> shorten(SlabCell& cell, const std::vector<int>& bad_entry);
+
+ private:
+  struct WorstPoint {
+    double error = 0.0;
+    Eigen::Index point = 0;
+  };
+  WorstPoint error_in_time(const SlabPoints& element, double begin, double end, const Eigen::MatrixXd& q);
+  Ending give_up(const SlabCell& cell, double length, const SlabPoints& points,
+                 const Eigen::MatrixXd& q) const;
+  Ending give_up_on_time(const SlabCell& cell, double length, const Eigen::VectorXd& q) const;
+  bool moves_by_its_size(double t, const Eigen::VectorXd& start, const Eigen::VectorXd& q,
+                         double length) const;
+
+  MarchContext& context_;
+};
+
+}  // namespace samara::pgd
