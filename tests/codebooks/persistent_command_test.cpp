@@ -328,7 +328,7 @@ def hang(): time.sleep(600)
 def stubborn():
     for s in (signal.SIGPIPE, signal.SIGTERM, signal.SIGINT): signal.signal(s, signal.SIG_IGN)
     while True: time.sleep(600)
-def short(): print(*answers[:-1], sep='\n', flush=True)
+def short(): print(*answers[:-1], sep='\n', flush=True); hang()
 def long(): os.write(1, ('\n'.join(answers) + '\n3\n').encode()); hang()
 def rubbish(): print(*answers[:-1], 'no', sep='\n', flush=True)
 def binary(): os.write(1, os.urandom(200))
