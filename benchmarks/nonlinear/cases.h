@@ -7,6 +7,8 @@ namespace samara::benchmarks {
 
 inline constexpr const char* kNonlinear = "nonlinear";
 
+/// Every strategy that a plan may name.
+void run_plans(const Options& options);
 /// (6.22) by decoupling, against the sweep; and on the domain where it ceases to exist.
 void run_products(const Options& options);
 /// (6.24) over six initial velocities.

@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
   using namespace samara::benchmarks;
   try {
     const Options chosen = options(argc, argv);
+    run_plans(chosen);
     run_products(chosen);
     run_kirchhoff7(chosen);
     run_plates(chosen);

@@ -5,7 +5,7 @@
 
 #include "cases.h"
 #include "problems.h"
-#include "samara/pgd/nonlinear/strategy_march.h"
+#include "samara/pgd/nonlinear/strategy_trial.h"
 
 namespace samara::benchmarks {
 
@@ -18,7 +18,7 @@ void run_piecewise_linear(const Options& options) {
     // What is approximated is wrong by per cents: neither weights nor solution deserve more.
     const EvolutionProblem grid = problem.on(20, 6, 10);
     const auto strategy = piecewise_linear_strategy({.points = points, .weight_tolerance = 2e-2});
-    const StrategyResult result = solve_by_strategy(grid, *strategy, {.tolerance = 5e-3, .max_rank = 250});
+    const StrategyTrial result = try_strategy(grid, *strategy, {.tolerance = 5e-3, .max_rank = 250});
     print({kNonlinear, name, "status", static_cast<double>(result.status), to_string(result.status)});
     if (result.pieces.empty()) continue;
     const auto value = [&](std::span<const double> x) { return result.value_at(x); };

@@ -11,7 +11,7 @@
 #include "samara/codebooks/plan/plan.h"
 #include "samara/codebooks/source/model_system.h"
 #include "samara/models/interface/parametric_model.h"
-#include "samara/pgd/evolution/evolution.h"
+#include "samara/pgd/evolution/evolution_problem.h"
 #include "samara/pgd/evolution/polynomial_system.h"
 
 /// The problems of this benchmark, and how errors are measured.

@@ -12,7 +12,7 @@
 #include "problems.h"
 #include "samara/models/batch/batch.h"
 #include "samara/pgd/evolution/slab_evolution.h"
-#include "samara/pgd/nonlinear/decoupling.h"
+#include "samara/pgd/nonlinear/strategy_trial.h"
 
 namespace samara::benchmarks {
 
@@ -28,8 +28,9 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-DecouplingResult decoupled(const Problem& problem, int nodes, const DecouplingOptions& options) {
-  return solve_decoupled(problem.on(kSlabs, 6, nodes), options);
+/// On a fixed grid: slabs and nodes are given.
+StrategyTrial decoupled(const Problem& problem, int nodes, double tolerance) {
+  return try_strategy(problem.on(kSlabs, 6, nodes), *decoupling_strategy(), {.tolerance = tolerance});
 }
 
 /// Time of the full grid of initial values by the batch runner, at steps that meet 1e-6 (found by halving) at
@@ -56,44 +57,25 @@ double sweep(const Problem& problem, int nodes) {
   return seconds_since(begin);
 }
 
-struct Variant {
-  const char* suffix;
-  DecouplingOptions options;
-};
-
-/// In slabs and over the whole time axis at once, as trains; in slabs with sums found by enrichment.
-std::vector<Variant> variants(bool quick) {
-  std::vector<Variant> all = {{"", {.tolerance = 2e-7, .slabs = kSlabs, .form = DecoupledForm::trains}},
-                              {"_at_once", {.tolerance = 1e-7, .form = DecoupledForm::trains}}};
-  if (!quick) all.push_back({"_enriched", {.tolerance = 1e-7, .slabs = kSlabs}});
-  return all;
-}
-
 void run_decoupling(const Options& options) {
   const Problem problem = triple_product(kEnd);
   const std::string name = "triple_product";
-  for (const Variant& variant : variants(options.quick)) {
-    const DecouplingResult result = decoupled(problem, 20, variant.options);
-    double error = HUGE_VAL;
-    if (result.status == samara::Termination::converged) {
-      const auto value = [&](std::span<const double> x) { return result.value_at(x); };
-      error = errors_of(problem, value, kEnd, options.quick ? 100 : 500).largest.maxCoeff();
-    }
-    print({kNonlinear, name, fmt::format("error_max{}", variant.suffix), error});
-    print({kNonlinear, name, fmt::format("iterations{}", variant.suffix),
-           static_cast<double>(result.largest_iterations())});
-    print({kNonlinear, name, fmt::format("contraction{}", variant.suffix), result.largest_contraction()});
-    print({kNonlinear, name, fmt::format("rank{}", variant.suffix),
-           static_cast<double>(result.largest_rank())});
-    print({kNonlinear, name, fmt::format("time{}", variant.suffix), result.seconds, "s"});
+  const StrategyTrial result = decoupled(problem, 20, 2e-7);
+  double error = HUGE_VAL;
+  if (result.status == samara::Termination::converged) {
+    const auto value = [&](std::span<const double> x) { return result.value_at(x); };
+    error = errors_of(problem, value, kEnd, options.quick ? 100 : 500).largest.maxCoeff();
   }
+  print({kNonlinear, name, "error_max", error});
+  print({kNonlinear, name, "iterations", static_cast<double>(result.largest_iterations())});
+  print({kNonlinear, name, "contraction", result.largest_contraction()});
+  print({kNonlinear, name, "rank", static_cast<double>(result.largest_rank())});
+  print({kNonlinear, name, "time", result.seconds, "s"});
   for (const int nodes : {5, 20, 80, 160}) {
     const double swept = sweep(problem, nodes);
     for (const double tolerance : {2e-7, 2e-4}) {
       if (options.quick && nodes > 80) continue;
-      const double ours =
-          decoupled(problem, nodes, {.tolerance = tolerance, .slabs = kSlabs, .form = DecoupledForm::trains})
-              .seconds;
+      const double ours = decoupled(problem, nodes, tolerance).seconds;
       const char* const suffix = tolerance < 1e-6 ? "" : "_at_1e-3";
       print({kNonlinear, name, fmt::format("time_{}{}", nodes, suffix), ours, "s", "sweep", swept / ours});
     }

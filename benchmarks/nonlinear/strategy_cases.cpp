@@ -11,7 +11,7 @@
 
 #include "cases.h"
 #include "problems.h"
-#include "samara/pgd/nonlinear/strategy_march.h"
+#include "samara/pgd/nonlinear/strategy_trial.h"
 
 namespace samara::benchmarks {
 
@@ -43,7 +43,7 @@ constexpr double kPatience = 60.0;
 void run(const StrategyProblem& at, Strategy& strategy, const std::string& name, int points) {
   const std::string test_case = fmt::format("strategies_{}", at.name);
   const EvolutionProblem problem = at.problem.on(at.slabs, 8, at.nodes);
-  StrategyMarchOptions options{.tolerance = 0.1 * at.tolerance, .max_evaluations = 50'000'000};
+  StrategyTrialOptions options{.tolerance = 0.1 * at.tolerance, .max_evaluations = 50'000'000};
   // It is wrong by about a per cent by nature, and its weights have no separated form to much less.
   if (name == "piecewise_linear") {
     options.tolerance = 5e-3;
@@ -53,7 +53,7 @@ void run(const StrategyProblem& at, Strategy& strategy, const std::string& name,
   options.progress = [&](const Progress&) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() < kPatience;
   };
-  const StrategyResult result = solve_by_strategy(problem, strategy, options);
+  const StrategyTrial result = try_strategy(problem, strategy, options);
   print({kNonlinear, test_case, name + "_time", result.seconds, "s"});
   print({kNonlinear, test_case, name + "_reached", result.reached});
   const auto value = [&](std::span<const double> x) { return result.value_at(x); };

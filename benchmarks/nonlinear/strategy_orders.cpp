@@ -8,7 +8,7 @@
 
 #include "cases.h"
 #include "problems.h"
-#include "samara/pgd/nonlinear/strategy_march.h"
+#include "samara/pgd/nonlinear/strategy_trial.h"
 
 namespace samara::benchmarks {
 
@@ -19,7 +19,7 @@ using namespace pgd;
 constexpr const char* kName = "strategy_orders";
 constexpr double kTolerance = 1e-7;  ///< of a slab
 
-double error_of(const Problem& problem, const StrategyResult& result, int points) {
+double error_of(const Problem& problem, const StrategyTrial& result, int points) {
   if (result.status != samara::Termination::converged) return std::nan("");
   const auto value = [&](std::span<const double> x) { return result.value_at(x); };
   return errors_of(problem, value, problem.end, points).largest.maxCoeff();
@@ -38,9 +38,8 @@ void by_length(const char* name, Strategy& strategy, const Problem& problem, int
                std::size_t correction, int points) {
   double corrections[2] = {}, error = 0.0;
   for (const int finer : {0, 1}) {
-    const StrategyResult result =
-        solve_by_strategy(problem.on(slabs << finer, 8, nodes), strategy,
-                          {.tolerance = finer == 0 ? kTolerance : 1e-2 * kTolerance});
+    const StrategyTrial result = try_strategy(problem.on(slabs << finer, 8, nodes), strategy,
+                                              {.tolerance = finer == 0 ? kTolerance : 1e-2 * kTolerance});
     if (finer == 0) error = error_of(problem, result, points);
     const std::vector<double>& all = result.history.back().corrections;
     corrections[finer] = all.size() >= correction ? all[correction - 1] : std::nan("");
@@ -55,7 +54,7 @@ void by_tilt(const Options& options) {
   for (const int halved : {0, 1}) {
     const Problem problem = broadside_plate(halved == 0 ? 0.01 : 0.005, 1.0);
     const EvolutionProblem grid = problem.on(5, 8, 8);
-    const StrategyResult result = solve_by_strategy(grid, *strategy, {.tolerance = 1e-9});
+    const StrategyTrial result = try_strategy(grid, *strategy, {.tolerance = 1e-9});
     const auto value = [&](std::span<const double> x) { return result.value_at(x); };
     const Eigen::VectorXd scales = Eigen::Map<const Eigen::VectorXd>(grid.scales.data(), 4);
     errors[halved] = result.status == samara::Termination::converged
@@ -75,7 +74,7 @@ void by_points(const Options& options) {
     const auto strategy = piecewise_linear_strategy(
         {.points = finer == 0 ? 200 : 800, .samples = 16, .weight_tolerance = 1e-6});
     errors[finer] =
-        error_of(problem, solve_by_strategy(problem.on(10, 8, 16), *strategy, {.tolerance = kTolerance}),
+        error_of(problem, try_strategy(problem.on(10, 8, 16), *strategy, {.tolerance = kTolerance}),
                  options.quick ? 50 : 300);
   }
   print_order("piecewise_linear", errors[1], 0.5 * std::log2(errors[0] / errors[1]), 2.0);

@@ -49,15 +49,15 @@ struct Provenance {
 /// How the builder went; the same on every machine and after every resume.
 struct BuildRecord {
   std::string builder;   ///< "pgd", "sampling", or "fit": of a series of coefficients
-  std::string strategy;  ///< "slabs", "newton", another name of the plan's strategies, or "cross"
+  std::string strategy;  ///< one of pgd::strategy_names(); of sampling "cross"; of older files also "newton"
   Termination status = Termination::failed;
   std::string message;     ///< in one sentence
   double evaluations = 0;  ///< of the right-hand side and its Jacobian; of sampling: trajectories, or calls
   /// Nodes of time x parameters of the last round; of slabs and their like: what evaluations at all nodes of
   /// their grids would have been.
   double grid_size = 0;
-  int iterations = 0;  ///< of Newton, all rounds; of sampling: none
-  int rounds = 0;      ///< of refinement; of slabs: marches
+  int iterations = 0;  ///< most that a strategy took on a slab; of slabs and sampling: none
+  int rounds = 0;      ///< of sampling; else marches
 };
 
 /// What a piece is, without the numbers of its groups.

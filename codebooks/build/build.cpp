@@ -259,6 +259,14 @@ Solution solve(Build& build, const models::ParametricModel& model) {
   return build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls));
 }
 
+std::vector<std::string> prescribed_axes(const Plan& plan) {
+  std::vector<std::string> names;
+  for (const BoxEntry& entry : plan.box) {
+    if (entry.prescribes_axis()) names.push_back(entry.name);
+  }
+  return names;
+}
+
 /// What is fixed, and the centre of the box.
 void warn_of_parameters(const Plan& plan, const models::Model& model, const BuildOptions& options) {
   if (!options.warning) return;
@@ -283,9 +291,11 @@ BuildResult build_of_model(const Plan& plan, const BuildOptions& options, const 
   Solution solved = solve(build, model);
   // Fewer numbers must not cost the certificate.
   for (const double share : {0.9, 0.4}) {
-    std::optional<Solution> compact = compacted(
-        solved,
-        {.tolerance = plan.relative, .share = share, .absolute = plan.absolute, .seed = plan.builder.seed});
+    std::optional<Solution> compact = compacted(solved, {.tolerance = plan.relative,
+                                                         .share = share,
+                                                         .absolute = plan.absolute,
+                                                         .seed = plan.builder.seed,
+                                                         .kept_axes = prescribed_axes(plan)});
     if (!compact) break;
     BuildResult result = build.certified(std::move(*compact));
     if (result.met || cancelled) return result;

@@ -89,8 +89,8 @@ std::vector<Piece> joined(const std::vector<Piece>& pieces, double tolerance,
       cell.push_back(fields[k]);
       done[k] = 1;
     }
-    for (pgd::TrainField& field :
-         pgd::compacted(cell, scale, {.tolerance = tolerance, .seed = request.seed})) {
+    for (pgd::TrainField& field : pgd::compacted(
+             cell, scale, {.tolerance = tolerance, .seed = request.seed, .kept_axes = request.kept_axes})) {
       result.push_back(Piece{{std::move(field)}});
     }
   }
@@ -143,6 +143,10 @@ pgd::SeparatedField shortened(const pgd::SeparatedField& sum, double tolerance,
   return sum;
 }
 
+bool is_train(const Piece& piece) {
+  return piece.groups().front().train() != nullptr;
+}
+
 long entries(const std::vector<Piece>& pieces) {
   long sum = 0;
   for (const Piece& piece : pieces) {
@@ -156,12 +160,16 @@ long entries(const std::vector<Piece>& pieces) {
 std::optional<Solution> compacted(const Solution& solution, const CompactionRequest& request) {
   // Errors of the builder are those of a few points: the certificate sees somewhat larger ones.
   const double tolerance = request.share * (request.tolerance - 1.5 * solution.spent.total());
-  if (solution.record.status != Termination::converged || !(tolerance > 0.0)) return std::nullopt;
+  if (solution.record.builder != "pgd" || solution.record.status != Termination::converged ||
+      !(tolerance > 0.0))
+    return std::nullopt;
   Solution result = solution;
-  if (solution.record.strategy == "slabs") {
+  if (std::all_of(solution.pieces.begin(), solution.pieces.end(), is_train)) {
     result.pieces = joined(solution.pieces, tolerance, request);
-  } else if (solution.record.strategy == "newton") {
-    result.pieces = {Piece{{shortened(*solution.pieces.front().groups().front().sum(), tolerance, request)}}};
+  } else {
+    for (Piece& piece : result.pieces) {
+      if (!is_train(piece)) piece = Piece{{shortened(*piece.groups().front().sum(), tolerance, request)}};
+    }
   }
   const long before = entries(solution.pieces), after = entries(result.pieces);
   if (after >= before) return std::nullopt;

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "samara/codebooks/build/solution.h"
 
@@ -14,12 +15,13 @@ struct CompactionRequest {
   double share = 0.9;                           ///< to spend of what the builder left of it
   std::map<std::string, double> absolute = {};  ///< least range per output
   std::uint64_t seed = 1;
+  std::vector<std::string> kept_axes = {};  ///< whose nodes the plan prescribes
 };
 
 /// The same solution with fewer numbers, by a part of what the builder left of the tolerance: slabs are
 /// joined and made compact (pgd/evolution/slab_join.h), sums of products get fewer terms
-/// (pgd/tensors/compression.h). Nothing if that saves nothing, or for solutions of other strategies, whose
-/// trains sampling has rounded already, and such that did not converge. Errors are over the ranges of the
+/// (pgd/tensors/compression.h). Nothing if that saves nothing, for trains of sampling, which are rounded
+/// already, and for solutions that did not converge. Errors are over the ranges of the
 /// outputs as the fields show them.
 std::optional<Solution> compacted(const Solution& solution, const CompactionRequest& request);
 

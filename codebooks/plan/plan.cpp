@@ -15,6 +15,7 @@
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
 #include "samara/models/laws/registry.h"
+#include "samara/pgd/nonlinear/march.h"
 #include "samara/pgd/tensors/random.h"
 
 namespace samara::codebooks {
@@ -216,9 +217,10 @@ void read_builder(const TomlTable& root, Plan& plan) {
   if (!table) return;
   table->expect_keys({"kind", "strategy", "max_calls", "max_cells", "threads", "seed"});
   plan.builder.kind = one_of(*table, "kind", {"auto", "pgd", "sampling"});
-  plan.builder.strategy = one_of(*table, "strategy",
-                                 {"auto", "slabs", "newton", "incremental", "polynomial", "asymptotic",
-                                  "empirical", "piecewise_linear", "cross"});
+  std::vector<std::string> strategies = {"auto", "newton"};
+  const std::vector<std::string>& named = pgd::strategy_names();
+  strategies.insert(strategies.end(), named.begin(), named.end());
+  plan.builder.strategy = one_of(*table, "strategy", strategies);
   plan.builder.max_calls = integer_in(*table, "max_calls", 0, 0, 1'000'000'000'000);
   plan.builder.max_cells = static_cast<int>(integer_in(*table, "max_cells", 1, 1, 100'000));
   plan.builder.threads = static_cast<int>(integer_in(*table, "threads", 0, 0, 1024));

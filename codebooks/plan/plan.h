@@ -66,7 +66,7 @@ struct Plan {
 
   struct Builder {
     std::string kind = "auto";  ///< "auto", "pgd" or "sampling"
-    /// "auto", "slabs", "newton", or one of is_marched() in strategy_builder.h
+    /// "auto" (then "slabs"), one of pgd::strategy_names(), or "newton", by which "cross" is meant.
     std::string strategy = "auto";
     int max_cells = 1;  ///< of the strategy "slabs"
     /// Of f and its Jacobian, beyond which no slab, iteration or round begins; of sampling, trajectories, or

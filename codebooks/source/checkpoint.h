@@ -5,12 +5,11 @@
 #include <vector>
 
 #include "samara/base/errors.h"
-#include "samara/pgd/evolution/adaptive_evolution.h"
 
 namespace samara::codebooks {
 
-/// A checkpoint lies beside a build, so that the build can go on after a kill: the state of the engine or of
-/// its march in slabs, the calls of sampling, or both (of a plan of kind "auto"). Written atomically, like
+/// A checkpoint lies beside a build, so that the build can go on after a kill: the state of a march, the calls
+/// of sampling, or both (of a plan of kind "auto"). Written atomically, like
 /// save().
 
 /// Whether there is one; a path that the system refuses has none.
@@ -27,11 +26,6 @@ struct CallSheet {
   double seconds = 0.0;        ///< that these calls have taken
 };
 
-/// Writes the engine's state; calls that are in the file stay.
-/// @param plan text of the plan, so that no other build takes the state up
-void save_checkpoint(const std::filesystem::path& path, const std::string& plan,
-                     const pgd::SolverState& state);
-
 /// Writes the state of a march in slabs (pgd::SlabOptions::checkpoint); calls that are in the file stay.
 void save_march(const std::filesystem::path& path, const std::string& plan, const std::vector<double>& state);
 
@@ -39,14 +33,11 @@ void save_march(const std::filesystem::path& path, const std::string& plan, cons
 void save_calls(const std::filesystem::path& path, const std::string& plan,
                 const std::vector<CallSheet>& calls, std::size_t coordinates);
 
-/// The state, or that of a build that has not begun where the file holds calls only.
+/// The state of the march, empty if the file holds none.
 /// @throws InputError if the file is broken or belongs to another plan.
-pgd::SolverState load_checkpoint(const std::filesystem::path& path, const std::string& plan);
-
-/// The state of the march, empty if the file holds none. @throws InputError as load_checkpoint()
 std::vector<double> load_march(const std::filesystem::path& path, const std::string& plan);
 
-/// The calls, none if the file holds none. @throws InputError as load_checkpoint()
+/// The calls, none if the file holds none. @throws InputError as load_march()
 std::vector<CallSheet> load_calls(const std::filesystem::path& path, const std::string& plan);
 
 }  // namespace samara::codebooks

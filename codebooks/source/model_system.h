@@ -1,7 +1,7 @@
 #pragma once
 
 #include "samara/models/interface/parametric_model.h"
-#include "samara/pgd/evolution/evolution.h"
+#include "samara/pgd/evolution/evolution_problem.h"
 
 namespace samara::codebooks {
 

@@ -1,12 +1,13 @@
 // Two nonlinear problems, each for a whole box of parameters at once: a fall against quadratic drag (6.20) by
-// three strategies, and three unknowns coupled by their products (6.22), one field each.
+// three strategies on slabs that are given, and three unknowns coupled by their products (6.22), one field each,
+// by the march that chooses slabs and nodes.
 #include <cmath>
 #include <cstdio>
 #include <vector>
 
 #include "samara/pgd/evolution/polynomial_system.h"
-#include "samara/pgd/nonlinear/decoupling.h"
-#include "samara/pgd/nonlinear/strategy_march.h"
+#include "samara/pgd/nonlinear/march.h"
+#include "samara/pgd/nonlinear/strategy_trial.h"
 
 using namespace samara::pgd;
 
@@ -27,7 +28,7 @@ void fall() {
   const auto series = asymptotic_strategy();
   const auto newton = cross_strategy();
   for (Strategy* strategy : {picard.get(), series.get(), newton.get()}) {
-    const StrategyResult result = solve_by_strategy(problem, *strategy, {.tolerance = 1e-7});
+    const StrategyTrial result = try_strategy(problem, *strategy, {.tolerance = 1e-7});
     std::printf("%s: %s\n  error at t = 0.31 s, C_D = 1.2: %.0e\n", strategy->name().c_str(),
                 result.message.c_str(), std::abs(result.value_at(std::vector{0.31, 1.2})[0] - exact));
   }
@@ -42,17 +43,17 @@ void products() {
                                  {1, -1.0, {}, {1, 0, 1}},
                                  {2, 3.0},
                                  {2, -1.0, {}, {1, 1, 0}}});
-  const EvolutionProblem problem{
-      &system,
-      Axis::radau({"t", "1", AxisRole::time}, 0.0, 0.4, 4, 6),
-      {Axis::chebyshev({"u1(0)"}, 0.0, 1.0, 10), Axis::chebyshev({"u2(0)"}, 0.0, 1.0, 10),
-       Axis::chebyshev({"u3(0)"}, 0.0, 1.0, 10)},
-      {{"u1"}, {"u2"}, {"u3"}},
-      {1.0, 1.0, 1.0},
-      {{0.0, 0}, {0.0, 1}, {0.0, 2}}};
-  const DecouplingResult result = solve_decoupled(problem, {.tolerance = 1e-5, .slabs = 2});
-  std::printf("decoupling: %s\n  at most %d iterations a slab, contraction at most %.2f\n",
-              result.message.c_str(), result.largest_iterations(), result.largest_contraction());
+  AdaptiveProblem problem;
+  problem.system = &system;
+  problem.time = {"t", "1", AxisRole::time};
+  problem.end = 0.8;
+  problem.parameters = {{{"u1(0)"}, 0.0, 1.0}, {{"u2(0)"}, 0.0, 1.0}, {{"u3(0)"}, 0.0, 1.0}};
+  problem.states = {{"u1"}, {"u2"}, {"u3"}};
+  problem.scales = {1.0, 1.0, 1.0};
+  problem.scale_floors = {0.0, 0.0, 0.0};
+  problem.initial = {{0.0, 0}, {0.0, 1}, {0.0, 2}};
+  const SlabResult result = march(problem, "decoupling", {.tolerance = 1e-4});
+  std::printf("decoupling: %s, %s\n", to_string(result.status).c_str(), result.message.c_str());
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "samara/pgd/evolution/evolution.h"
+#include "samara/pgd/evolution/evolution_problem.h"
 
 /// A parametric evolution problem whose discretisation is the solver's to choose.
 namespace samara::pgd {

@@ -25,6 +25,8 @@ constexpr double kOnGridShare = 0.7;
 constexpr double kMostStrict = 0.1;
 /// Every refinement raises what a slab may err by this factor, up to the most that any slab may.
 constexpr double kLeniency = 1.6;
+/// Half the slab is worth its work if it leaves less than this part of the error in the same time.
+constexpr double kWorthwhile = 0.75;
 
 }  // namespace
 
@@ -86,18 +88,29 @@ Outcome<Refinement> BoxRefiner::refine(SlabCell& cell, const TensorTrain& train,
   const SlabOptions& options = context_.options();
   cell.leniency = std::min(kLeniency * cell.leniency, context_.most_lenient());
   const Blame found = blame(cell, train, errors);
-  if (found.on_grid > kOnGridShare * cell.leniency * context_.tolerance() && cell.strictness > kMostStrict) {
+  const bool wrong_on_grid = found.on_grid > kOnGridShare * cell.leniency * context_.tolerance();
+  if (wrong_on_grid && cell.strictness > kMostStrict) {
     cell.strictness *= 0.3;
     add_entries(cell.pivots, found.entries, options.max_rank);
     return Refinement::same_cell;
   }
+  if (wrong_on_grid && !context_.solver().is_exact()) return of_inexact_solver(cell, errors.maxCoeff());
   coarsest_ = static_cast<std::size_t>(std::max_element(found.by_axis.begin(), found.by_axis.end()) -
                                        found.by_axis.begin());
   if (!ranks && add_nodes(cell, found.by_axis)) return Refinement::same_cell;
   if (cells < options.max_cells &&
       basis_traits(context_.problem().parameters[coarsest_].basis).can_be_split())
     return Refinement::halves;
+  if (!ranks && context_.problem().parameters[coarsest_].nodes) return Refinement::none;
   return unresolved(cell, errors, ranks, cells);
+}
+
+/// Shorter slabs as long as the error falls faster than the length.
+Refinement BoxRefiner::of_inexact_solver(SlabCell& cell, double error) const {
+  const double length = cell.slab->end() - cell.time;
+  const double before = std::exchange(cell.rate_of_error, error / length);
+  const bool falls = before == 0.0 || cell.rate_of_error < kWorthwhile * before;
+  return falls && 0.5 * length >= context_.shortest() ? Refinement::shorter : Refinement::none;
 }
 
 std::vector<SlabCell> BoxRefiner::halves(const SlabCell& cell, Random& random) const {

@@ -16,6 +16,8 @@ namespace samara::pgd {
 enum class Refinement {
   same_cell,  ///< more nodes on some axes, or a stricter cross: the slab is tried again
   halves,     ///< the cell is to be split
+  shorter,    ///< the slab is to be halved
+  none,       ///< nothing that is allowed makes it better: the slab stays as it is
 };
 
 /// Decides what a cell needs where its train is wrong: a stricter cross, more nodes, or to be split in two.
@@ -24,7 +26,8 @@ class BoxRefiner {
   explicit BoxRefiner(MarchContext& context) : context_(context) {}
 
   /// More nodes on the axes that do not resolve the train, or a stricter cross where it is wrong at the nodes
-  /// themselves; where that is used up, halves.
+  /// themselves; where that is used up, halves. Slabs on nodes that the problem prescribes, and those of solvers
+  /// that are not exact, stay as they are where nothing helps.
   /// @param errors of the train at the guard points @param ranks whether those allowed are used up
   /// @param cells how many there are @returns why the march ends there, if nothing is left to be done
   Outcome<Refinement> refine(SlabCell& cell, const TensorTrain& train, const Eigen::VectorXd& errors,
@@ -40,6 +43,7 @@ class BoxRefiner {
     IndexBatch entries;  ///< nodes next to the worst guard points
   };
   Blame blame(const SlabCell& cell, const TensorTrain& train, const Eigen::VectorXd& errors);
+  Refinement of_inexact_solver(SlabCell& cell, double error) const;
   bool add_nodes(SlabCell& cell, const std::vector<double>& by_axis) const;
   Ending unresolved(const SlabCell& cell, const Eigen::VectorXd& errors, bool ranks, int cells) const;
 

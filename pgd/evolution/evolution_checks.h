@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "samara/pgd/evolution/evolution.h"
+#include "samara/pgd/evolution/evolution_problem.h"
 
 namespace samara::pgd {
 

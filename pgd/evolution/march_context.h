@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "samara/pgd/evolution/slab_collocation.h"
 #include "samara/pgd/evolution/slab_evolution.h"
+#include "samara/pgd/evolution/slab_solver.h"
 
 namespace samara::pgd {
 
@@ -20,9 +22,9 @@ struct LocalTolerance {
 /// evaluations are counted.
 class MarchContext {
  public:
-  /// @param scales what errors are measured in. Problem and options must outlive the context.
-  MarchContext(const AdaptiveProblem& problem, const SlabOptions& options, const Eigen::VectorXd& scales,
-               LocalTolerance tolerance);
+  /// @param scales what errors are measured in. Problem, options and solver must outlive the context.
+  MarchContext(const AdaptiveProblem& problem, const SlabOptions& options, const SlabSolver& solver,
+               const Eigen::VectorXd& scales, LocalTolerance tolerance);
 
   const AdaptiveProblem& problem() const { return problem_; }
   const SlabOptions& options() const { return options_; }
@@ -34,9 +36,18 @@ class MarchContext {
   double most_lenient() const { return most_lenient_; }
   double shortest() const { return options_.least_slab * problem_.end; }
 
+  const SlabSolver& solver() const { return solver_; }
+  /// Euclidean tolerance at which a train over the nodes of the cell is rounded.
+  double rounding(const SlabCell& cell, const TensorTrain& train) const;
+
+  /// Whether the caller wants the march to end. @param stage of the march, if there is a new one
+  bool is_cancelled(std::optional<Progress> stage = {});
+
   /// Solutions on elements from `start` (states x points, over their scales) at q (parameters x points).
   SlabPoints solve(const std::vector<double>& borders, const Eigen::MatrixXd& start,
                    const Eigen::MatrixXd& q);
+  /// What a solver has evaluated by itself.
+  void count(long evaluations) { evaluations_ += evaluations; }
   /// Of f and J since take_evaluations() was called last.
   long evaluations() const { return evaluations_; }
   long take_evaluations();
@@ -44,11 +55,13 @@ class MarchContext {
  private:
   const AdaptiveProblem& problem_;
   const SlabOptions& options_;
+  const SlabSolver& solver_;
   const Eigen::VectorXd scales_;
   const double tolerance_;
   const double most_lenient_;
   const SlabCollocation collocation_;
   long evaluations_ = 0;
+  Progress stage_;
 };
 
 }  // namespace samara::pgd

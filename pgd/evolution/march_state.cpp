@@ -37,7 +37,7 @@ template <class Archive>
 void transfer(Archive& archive, const AdaptiveProblem& problem, int max_nodes, SlabCell& cell) {
   transfer_axes(archive, problem, max_nodes, cell.axes);
   archive(cell.time, cell.length, cell.usual_length, cell.start, cell.pivots.right, cell.guards, cell.carried,
-          cell.strictness, cell.leniency, cell.number);
+          cell.strictness, cell.leniency, cell.rate_of_error, cell.grows_slowly, cell.number);
 }
 
 template <class Archive>
@@ -113,8 +113,8 @@ void transfer(Archive& archive, const AdaptiveProblem& problem, const SlabOption
     if constexpr (Archive::kReads) check(problem, cell);
   }
   for (SlabRecord& record : state.history) transfer(archive, record);
-  archive(state.random, state.evaluations, state.grid_evaluations, state.carried_error, state.smallest,
-          state.largest);
+  archive(state.random, state.evaluations, state.grid_evaluations, state.carried_error, state.left,
+          state.smallest, state.largest);
 }
 
 }  // namespace

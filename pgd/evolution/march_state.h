@@ -29,6 +29,7 @@ struct MarchState {
   long evaluations = 0;  ///< of all slabs that are done
   double grid_evaluations = 0.0;
   double carried_error = 0.0;
+  int left = 0;  ///< slabs whose error is above their share, kept because nothing allowed makes them better
   Eigen::VectorXd smallest, largest;  ///< of every state at the guard points so far, in scales
 };
 

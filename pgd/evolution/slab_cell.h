@@ -35,6 +35,9 @@ struct SlabCell {
   double strictness = 1.0;
   double usual_length = 0.0;  ///< of elements that polynomials follow well
   double leniency = 1.0;      ///< factor on all tolerances of the next slab
+  /// Of a solver that is not exact: what it left on the last slab that it could not do better, over the length.
+  double rate_of_error = 0.0;
+  bool grows_slowly = false;  ///< slabs had to be shortened for the solver
   int number = 0;
 };
 

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "samara/pgd/evolution/evolution.h"
+#include "samara/pgd/evolution/evolution_problem.h"
 
 namespace samara::pgd {
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/pgd/evolution/cross_collocation.h"
 #include "samara/pgd/evolution/slab_march.h"
 #include "samara/pgd/tensors/number_archive.h"
 #include "samara/pgd/tensors/train_points.h"
@@ -129,9 +130,10 @@ std::vector<double> numbers_of(const AdaptiveProblem& problem, const SlabOptions
 /// March after march, each in the ranges that the one before has found, until one meets the tolerance.
 class Marches {
  public:
-  Marches(const AdaptiveProblem& problem, const SlabOptions& options)
+  Marches(const AdaptiveProblem& problem, const SlabOptions& options, SlabSolver& solver)
       : problem_(problem),
         options_(options),
+        solver_(solver),
         first_scales_(Eigen::Map<const Eigen::VectorXd>(problem.scales.data(),
                                                         static_cast<Eigen::Index>(problem.scales.size()))),
         scales_(first_scales_) {
@@ -147,7 +149,7 @@ class Marches {
       if (!state.empty()) started = restore(std::exchange(state, {}));
       const long left =
           options_.max_evaluations == 0 ? -1 : std::max(0L, options_.max_evaluations - result_.evaluations);
-      SlabMarch march(problem_, options_, scales_, local_, left);
+      SlabMarch march(problem_, options_, solver_, scales_, local_, left);
       if (!started.empty()) march.restore(started);
       saved_at_ = Clock::now();
       march.run(options_.checkpoint ? [&] { save(march); } : std::function<void()>());
@@ -185,10 +187,10 @@ class Marches {
     return true;
   }
 
-  /// Where a second march ends early, a third would end there too.
+  /// Where a second march ends early, or leaves slabs as they are, a third would do so too.
   bool is_last(const SlabMarch& march) const {
     return march.status() == Termination::cancelled || march.status() == Termination::max_calls ||
-           (march.status() != Termination::converged && result_.marches > 1) ||
+           ((march.status() != Termination::converged || march.left() > 0) && result_.marches > 1) ||
            result_.marches >= options_.max_marches;
   }
 
@@ -205,7 +207,7 @@ class Marches {
 
   /// @param cut_by why the last march, at smaller tolerances, has ended early; empty: it has not
   void take_best(const std::string& cut_by) {
-    SlabMarch march(problem_, options_, best_.scales, local_, -1);
+    SlabMarch march(problem_, options_, solver_, best_.scales, local_, -1);
     march.restore(best_.state);
     march.run();
     take(march, result_);
@@ -214,7 +216,16 @@ class Marches {
     result_.status = best_.error <= kSeen * options_.tolerance ? Termination::converged : Termination::missed;
     result_.message = fmt::format("error {:.3g} of the range at the guard points after {} marches",
                                   best_.error, result_.marches);
+    if (march.left() > 0) {
+      result_.message += fmt::format("; {} of {} slabs are left as they are: {}", march.left(),
+                                     march.history().size(), reason_for_slabs_left());
+    }
     if (!cut_by.empty()) result_.message += fmt::format("; the last, at smaller tolerances: {}", cut_by);
+  }
+
+  std::string reason_for_slabs_left() const {
+    if (!solver_.is_exact()) return fmt::format("{} comes no closer", solver_.name());
+    return "the nodes that are prescribed do not suffice";
   }
 
   void take_last(const SlabMarch& march, const Eigen::VectorXd& ranges, double error) {
@@ -274,6 +285,7 @@ class Marches {
 
   const AdaptiveProblem& problem_;
   const SlabOptions& options_;
+  SlabSolver& solver_;
   const Eigen::VectorXd first_scales_;
   LocalTolerance local_;  ///< of the march under way, as are the scales
   Eigen::VectorXd scales_;
@@ -287,9 +299,17 @@ class Marches {
 
 SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& options,
                           std::span<const double> state) {
+  CrossCollocation solver(options.max_elements);
+  return solve_by_slabs(problem, solver, options, state);
+}
+
+SlabResult solve_by_slabs(const AdaptiveProblem& problem, SlabSolver& solver, const SlabOptions& options,
+                          std::span<const double> state) {
   validate(problem);
   validate(options);
-  return Marches(problem, options).run(state);
+  SlabOptions of_solver = options;
+  of_solver.max_elements = std::min(options.max_elements, solver.max_elements());
+  return Marches(problem, of_solver, solver).run(state);
 }
 
 }  // namespace samara::pgd

@@ -31,6 +31,8 @@
 /// is repeated with smaller tolerances until that error meets the wanted one.
 namespace samara::pgd {
 
+class SlabSolver;
+
 struct SlabOptions {
   /// Wanted largest error over the box, in ranges of the states.
   double tolerance = 1e-4;
@@ -97,6 +99,10 @@ struct SlabResult {
 /// @throws ArgumentError if problem or options do not validate, or the state is not of this problem and these
 /// options.
 SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& options = {},
+                          std::span<const double> state = {});
+
+/// The same, where a solver of one's own solves the slabs: see slab_solver.h, and march.h for strategies.
+SlabResult solve_by_slabs(const AdaptiveProblem& problem, SlabSolver& solver, const SlabOptions& options = {},
                           std::span<const double> state = {});
 
 }  // namespace samara::pgd

@@ -198,12 +198,15 @@ Axis with_fewer_nodes(const Axis& axis, const Eigen::MatrixXd& lines, double tol
   return axis;
 }
 
-TrainField with_lean_axes(const TrainField& field, const Eigen::VectorXd& scale, double tolerance,
-                          Random& random) {
+TrainField with_lean_axes(const TrainField& field, const Eigen::VectorXd& scale,
+                          const CompactOptions& options, Random& random) {
+  const double tolerance = options.tolerance;
   const Eigen::MatrixXd points = trial_points(field.axes(), random);
   const auto parameters = static_cast<double>(std::max<std::size_t>(1, field.axes().size() - 1));
   std::vector<Axis> axes = field.axes();
   for (std::size_t k = 0; k < axes.size(); ++k) {
+    const std::vector<std::string>& kept = options.kept_axes;
+    if (k > 0 && std::find(kept.begin(), kept.end(), axes[k].name()) != kept.end()) continue;
     const Eigen::MatrixXd values = lines(field, k, points, scale);
     axes[k] = k == 0 ? with_fewer_elements(axes[k], values, kTimeShare * tolerance)
                      : with_fewer_nodes(axes[k], values, kNodeShare * tolerance / parameters);
@@ -230,7 +233,7 @@ std::vector<TrainField> compacted(const std::vector<TrainField>& fields, const E
   Random random(options.seed);
   std::vector<TrainField> result;
   for (const TrainField& field : join_all(fields, scale, kJoinShare * options.tolerance)) {
-    const TrainField lean = with_lean_axes(field, scale, options.tolerance, random);
+    const TrainField lean = with_lean_axes(field, scale, options, random);
     result.push_back(rounded(lean, scale, kRankShare * options.tolerance, options.seed).field);
   }
   return result;

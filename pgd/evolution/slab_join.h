@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,7 +15,8 @@ namespace samara::pgd {
 struct CompactOptions {
   /// Largest change of an output, over its scale; how much of it was used is measured at trial points.
   double tolerance = 1e-4;
-  std::uint64_t seed = 1;  ///< of the trial points
+  std::uint64_t seed = 1;                   ///< of the trial points
+  std::vector<std::string> kept_axes = {};  ///< names of parameter axes whose nodes stay
 };
 
 /// The same functions with fewer numbers.

@@ -17,19 +17,17 @@ namespace samara::pgd {
 
 namespace {
 
-// Of the local tolerance, for the cross and for rounding; time has 0.2, the iteration 0.01.
-constexpr double kCrossShare = 0.4;
-constexpr double kRoundingShare = 0.3;
-/// Largest over root mean square of what rounding leaves out.
-constexpr double kPeak = 4.0;
 /// The usual length follows those of slabs with kinks so slowly.
 constexpr double kForget = 0.9;
+/// Where slabs had to be shortened for the solver, the next one is at most so much longer than the last.
+constexpr double kSlowGrowth = 1.3;
 
 }  // namespace
 
-SlabMarch::SlabMarch(const AdaptiveProblem& problem, const SlabOptions& options,
+SlabMarch::SlabMarch(const AdaptiveProblem& problem, const SlabOptions& options, SlabSolver& solver,
                      const Eigen::VectorXd& scales, LocalTolerance tolerance, long evaluations_left)
-    : context_(problem, options, scales, tolerance),
+    : solver_(solver),
+      context_(problem, options, solver, scales, tolerance),
       stepper_(context_),
       refiner_(context_),
       evaluations_left_(evaluations_left) {
@@ -64,17 +62,15 @@ void SlabMarch::run(const std::function<void()>& between_slabs) {
   }
 }
 
-std::optional<Ending> SlabMarch::reason_to_stop(const SlabCell& first) const {
+std::optional<Ending> SlabMarch::reason_to_stop(const SlabCell& first) {
   if (evaluations_left_ >= 0 && evaluations() >= evaluations_left_) return out_of_evaluations(first);
-  const ProgressCallback& progress = context_.options().progress;
-  if (!progress) return std::nullopt;
   double done = 0.0;
   for (const SlabCell& cell : state_.cells) done += cell.time;
   done /= context_.problem().end * cells();
   const std::size_t slab = state_.history.size() + 1;
   const std::string stage =
       cells() == 1 ? fmt::format("slab {}", slab) : fmt::format("slab {}, {} cells", slab, cells());
-  if (progress({stage, done})) return std::nullopt;
+  if (!context_.is_cancelled(Progress{stage, done})) return std::nullopt;
   return Ending{Termination::cancelled, fmt::format("cancelled at t = {:.6g}", first.time)};
 }
 
@@ -99,62 +95,46 @@ Ending SlabMarch::out_of_evaluations(const SlabCell& cell) const {
           {middle.begin(), middle.end()}};
 }
 
-CrossResult SlabMarch::interpolate_slab(SlabCell& cell, Totals& totals) {
-  std::vector<int> sizes = sizes_of(cell.axes);
-  const EntryFunction at_entries = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
-    SlabPoints points = context_.solve(cell.slab->borders, values_at(cell.start, entries),
-                                       coordinates_at(cell.axes, entries));
-    totals.entries += entries.cols();
-    totals.iterations += points.iterations;
-    totals.contraction = std::max(totals.contraction, points.contraction);
-    values = std::move(points.values);
-  };
-  CrossOptions cross;
-  cross.tolerance = cell.strictness * cell.leniency * kCrossShare * context_.tolerance();
-  cross.max_rank = context_.options().max_rank;
-  cross.guard_entries = context_.options().guards;
-  cross.max_sweeps = 8;
-  cross.seed = state_.random.bits();
-  cross.start = cell.pivots;
-  return interpolate(at_entries, static_cast<int>(cell.slab->values.rows()), sizes, cross);
-}
-
-/// Euclidean tolerance at which a train is rounded.
-double SlabMarch::rounding(const SlabCell& cell, const TensorTrain& train) const {
-  return kRoundingShare / kPeak * cell.leniency * context_.tolerance() * std::sqrt(full_size(train));
-}
-
 std::optional<Ending> SlabMarch::attempt(SlabCell& cell) {
   if (!cell.slab) {
     if (std::optional<Ending> ending = stepper_.probe(cell)) return ending;
   }
-  Totals totals;
-  CrossResult cross = interpolate_slab(cell, totals);
-  if (cross.status == CrossStatus::not_finite) return stepper_.shorten(cell, cross.bad_entry);
-  cell.pivots = std::move(cross.pivots);
-  SlabRecord record;
-  record.contraction = totals.contraction;
-  record.iterations =
-      static_cast<double>(totals.iterations) / static_cast<double>(std::max(1L, totals.entries));
-  record.grid_evaluations = cross.grid_size * record.iterations * context_.options().time_points;
-  state_.grid_evaluations += record.grid_evaluations;
-  const TensorTrain train = rounded(cross.train, cell.strictness * rounding(cell, cross.train));
+  const Outcome<SolvedSlab> solved = solver_.solve(context_, cell, state_.random);
+  if (!solved) return shorten(cell, solved.ending());
+  state_.grid_evaluations += solved->grid_evaluations;
+  const TensorTrain& train = solved->train;
   const Eigen::VectorXd errors =
       (values_at(train, cell.axes, cell.guards) - cell.slab->values).cwiseAbs().colwise().maxCoeff();
-  record.local_error = errors.maxCoeff();
-  if (!(record.local_error <= cell.leniency * context_.tolerance())) return refine(cell, train, errors);
-  accept(cell, train, std::move(record));
+  if (!(errors.maxCoeff() <= cell.leniency * context_.tolerance())) {
+    Outcome<Refinement> refinement = refine(cell, train, errors);
+    if (!refinement) return refinement.ending();
+    if (*refinement != Refinement::none) return std::nullopt;
+    ++state_.left;
+  } else {
+    cell.rate_of_error = 0.0;
+  }
+  accept(cell, *solved, errors.maxCoeff());
   return std::nullopt;
 }
 
-std::optional<Ending> SlabMarch::refine(SlabCell& cell, const TensorTrain& train,
-                                        const Eigen::VectorXd& errors) {
+/// What the solver cannot do on a slab it may do on a shorter one; but for a caller who wants no more.
+std::optional<Ending> SlabMarch::shorten(SlabCell& cell, const Ending& why) {
+  if (why.status == Termination::cancelled || why.status == Termination::max_calls) return why;
+  cell.grows_slowly = cell.grows_slowly || solver_.max_elements() == 1;
+  return stepper_.shorten(cell, why);
+}
+
+Outcome<Refinement> SlabMarch::refine(SlabCell& cell, const TensorTrain& train,
+                                      const Eigen::VectorXd& errors) {
   const std::vector<int> ranks = train.ranks();
   const bool exhausted = *std::max_element(ranks.begin(), ranks.end()) >= context_.options().max_rank;
   const Outcome<Refinement> refinement = refiner_.refine(cell, train, errors, exhausted, cells());
-  if (!refinement) return refinement.ending();
-  if (*refinement == Refinement::halves) split(cell);
-  return std::nullopt;
+  if (refinement && *refinement == Refinement::halves) split(cell);
+  if (refinement && *refinement == Refinement::shorter) {
+    cell.grows_slowly = true;
+    stepper_.halve(cell);
+  }
+  return refinement;
 }
 
 void SlabMarch::split(SlabCell& cell) {
@@ -203,8 +183,14 @@ double SlabMarch::carry_on(SlabCell& cell, const TensorTrain& train) {
   return error;
 }
 
-void SlabMarch::accept(SlabCell& cell, const TensorTrain& train, SlabRecord record) {
+void SlabMarch::accept(SlabCell& cell, const SolvedSlab& solved, double error) {
   const AdaptiveProblem& problem = context_.problem();
+  const TensorTrain& train = solved.train;
+  SlabRecord record;
+  record.contraction = solved.contraction;
+  record.iterations = solved.iterations;
+  record.grid_evaluations = solved.grid_evaluations;
+  record.local_error = error;
   record.carried_error = carry_on(cell, train);
   state_.carried_error = std::max(state_.carried_error, record.carried_error);
   const Axis time = slab_axis(problem, cell.slab->borders, context_.options().time_points);
@@ -217,9 +203,10 @@ void SlabMarch::accept(SlabCell& cell, const TensorTrain& train, SlabRecord reco
   record.nodes = sizes_of(cell.axes);
   record.ranks = state_.pieces.back().field.train().ranks();
   cell.start = last_rows(train, context_.states());
-  cell.start = rounded(std::move(cell.start), rounding(cell, cell.start));
+  cell.start = rounded(std::move(cell.start), context_.rounding(cell, cell.start));
   cell.time = record.end;
   cell.length = cell.slab->next_length;
+  if (cell.grows_slowly) cell.length = std::min(cell.length, kSlowGrowth * (record.end - record.begin));
   cell.slab.reset();
   cell.usual_length = cell.leniency < context_.most_lenient() ? (record.end - record.begin) / record.elements
                                                               : kForget * cell.usual_length;

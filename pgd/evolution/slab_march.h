@@ -22,8 +22,8 @@ class SlabMarch {
  public:
   /// @param scales what errors are measured in
   /// @param evaluations_left of f and J; negative: no limit
-  SlabMarch(const AdaptiveProblem& problem, const SlabOptions& options, const Eigen::VectorXd& scales,
-            LocalTolerance tolerance, long evaluations_left);
+  SlabMarch(const AdaptiveProblem& problem, const SlabOptions& options, SlabSolver& solver,
+            const Eigen::VectorXd& scales, LocalTolerance tolerance, long evaluations_left);
 
   /// @param between_slabs called after every slab
   void run(const std::function<void()>& between_slabs = {});
@@ -43,25 +43,23 @@ class SlabMarch {
   int cells() const { return static_cast<int>(state_.cells.size()); }
   long evaluations() const { return state_.evaluations + context_.evaluations(); }
   double grid_evaluations() const { return state_.grid_evaluations; }
+  /// Slabs whose error is above their share, kept because nothing allowed makes them better.
+  int left() const { return state_.left; }
   double carried_error() const { return state_.carried_error; }
   /// Largest minus smallest value of every state at the guard points so far, in scales.
   Eigen::VectorXd ranges() const { return state_.largest - state_.smallest; }
 
  private:
-  struct Totals {
-    long entries = 0, iterations = 0;
-    double contraction = 0.0;
-  };
-  std::optional<Ending> reason_to_stop(const SlabCell& first) const;
+  std::optional<Ending> reason_to_stop(const SlabCell& first);
   Ending out_of_evaluations(const SlabCell& cell) const;
   std::optional<Ending> attempt(SlabCell& cell);
-  CrossResult interpolate_slab(SlabCell& cell, Totals& totals);
-  double rounding(const SlabCell& cell, const TensorTrain& train) const;
-  std::optional<Ending> refine(SlabCell& cell, const TensorTrain& train, const Eigen::VectorXd& errors);
+  std::optional<Ending> shorten(SlabCell& cell, const Ending& why);
+  Outcome<Refinement> refine(SlabCell& cell, const TensorTrain& train, const Eigen::VectorXd& errors);
   void split(SlabCell& cell);
-  void accept(SlabCell& cell, const TensorTrain& train, SlabRecord record);
+  void accept(SlabCell& cell, const SolvedSlab& solved, double error);
   double carry_on(SlabCell& cell, const TensorTrain& train);
 
+  SlabSolver& solver_;
   MarchContext context_;
   TimeStepper stepper_;
   BoxRefiner refiner_;

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "samara/pgd/evolution/evolution.h"
+#include "samara/pgd/evolution/evolution_problem.h"
 #include "samara/pgd/fields/train_field.h"
 #include "samara/pgd/tensors/tensor_train.h"
 

@@ -120,25 +120,36 @@ std::optional<Ending> TimeStepper::probe(SlabCell& cell) {
   return std::nullopt;
 }
 
-/// Where elements cannot be shorter, the equations at the bad entry tell why.
-std::optional<Ending> TimeStepper::shorten(SlabCell& cell, const std::vector<int>& bad_entry) {
+bool TimeStepper::can_halve(const SlabCell& cell) const {
+  const std::vector<double>& borders = cell.slab->borders;
+  return borders.size() > 2 || 0.5 * (borders[1] - borders[0]) >= context_.shortest();
+}
+
+bool TimeStepper::halve(SlabCell& cell) const {
+  if (!can_halve(cell)) return false;
   ProbedSlab& slab = *cell.slab;
   const std::size_t elements = slab.borders.size() - 1;
-  const double first = slab.borders[1] - slab.borders[0];
-  if (elements > 1) {
-    slab.borders.resize(elements / 2 + 1);
-    const Eigen::Index nodes = static_cast<Eigen::Index>(elements / 2) * context_.options().time_points + 1;
-    slab.values.conservativeResize(nodes * context_.states(), Eigen::NoChange);
-    slab.next_length = slab.end() - slab.borders[elements / 2 - 1];
-    return std::nullopt;
+  if (elements == 1) {
+    cell.length = 0.5 * (slab.borders[1] - slab.borders[0]);
+    cell.slab.reset();
+    return true;
   }
-  const std::vector<double> borders = slab.borders;
-  cell.slab.reset();
-  cell.length = 0.5 * first;
-  if (cell.length >= context_.shortest()) return std::nullopt;
-  const IndexBatch entry = Eigen::Map<const Eigen::VectorXi>(bad_entry.data(), cell.guards.rows());
-  const Eigen::MatrixXd q = coordinates_at(cell.axes, entry);
-  return give_up(cell, first, context_.solve(borders, values_at(cell.start, entry), q), q);
+  slab.borders.resize(elements / 2 + 1);
+  const Eigen::Index nodes = static_cast<Eigen::Index>(elements / 2) * context_.options().time_points + 1;
+  slab.values.conservativeResize(nodes * context_.states(), Eigen::NoChange);
+  slab.next_length = slab.end() - slab.borders[elements / 2 - 1];
+  return true;
+}
+
+/// Where elements cannot be shorter, the equations at the point that was not solved tell why, if it is known.
+std::optional<Ending> TimeStepper::shorten(SlabCell& cell, const Ending& why) {
+  if (halve(cell)) return std::nullopt;
+  if (why.status != Termination::not_finite || why.where.empty()) return why;
+  const std::vector<double>& borders = cell.slab->borders;
+  const Eigen::MatrixXd q =
+      Eigen::Map<const Eigen::VectorXd>(why.where.data(), static_cast<Eigen::Index>(why.where.size()));
+  return give_up(cell, borders[1] - borders[0],
+                 context_.solve(borders, values_at(cell.start, cell.axes, q), q), q);
 }
 
 /// Whether the state at the start of an element moves by a good part of its own size within it, as solutions

@@ -20,9 +20,14 @@ class TimeStepper {
   /// all of them: the elements of the next slab. @returns why the march ends there, if it does
   std::optional<Ending> probe(SlabCell& cell);
 
-  /// Half as many elements, or one of half the length. @param bad_entry nodes at which the equations of the slab
-  /// were not solved @returns why the march ends there, if elements cannot be shorter
-  std::optional<Ending> shorten(SlabCell& cell, const std::vector<int>& bad_entry);
+  /// Half as many elements, or one of half the length. @returns false, and leaves the slab as it is, if elements
+  /// cannot be shorter
+  bool halve(SlabCell& cell) const;
+  /// Whether halve() would do it.
+  bool can_halve(const SlabCell& cell) const;
+
+  /// The same for a slab that was not solved. @returns why the march ends there, if elements cannot be shorter
+  std::optional<Ending> shorten(SlabCell& cell, const Ending& why);
 
  private:
   struct WorstPoint {

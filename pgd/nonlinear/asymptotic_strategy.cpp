@@ -69,6 +69,7 @@ class Asymptotic final : public Strategy {
     const EntryFunction jacobian = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
       values = slab.jacobians(values_at(centre, entries), slab.parameters_at(entries));
     };
+    jacobian_pivots_ = linear_pivots_ = source_pivots_ = {};
     terms_.clear();
     source_.reset();
     Outcome<TensorTrain> separated =

@@ -24,6 +24,7 @@ class CrossStrategy final : public Strategy {
 
   std::optional<Ending> begin(const StrategySlab&) override {
     jacobian_.reset();
+    jacobian_pivots_ = source_pivots_ = {};
     return std::nullopt;
   }
 

@@ -61,6 +61,7 @@ class Empirical final : public Strategy {
 
   std::optional<Ending> begin(const StrategySlab& slab) override {
     training_ = slab.training_entries(options_.training_points);
+    pivots_ = {};
     return std::nullopt;
   }
 

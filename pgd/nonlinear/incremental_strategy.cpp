@@ -55,6 +55,11 @@ class Incremental final : public Strategy {
  public:
   std::string name() const override { return "incremental linearisation"; }
 
+  std::optional<Ending> begin(const StrategySlab&) override {
+    pivots_ = {};
+    return std::nullopt;
+  }
+
   Outcome<LinearSlab> linearise(const StrategySlab& slab, const TensorTrain& iterate,
                                 std::optional<double>) override {
     if (const PolynomialSystem* polynomial = slab.problem().system->polynomial())

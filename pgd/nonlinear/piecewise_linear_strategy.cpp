@@ -34,6 +34,7 @@ class PiecewiseLinear final : public Strategy {
   }
 
   std::string name() const override { return "piecewise-linear approximation"; }
+  bool is_exact() const override { return false; }
   std::optional<StrategyDetail> detail() const override { return detail_; }
   StrategyCounts prepared() const override { return prepared_; }
 
@@ -55,6 +56,7 @@ class PiecewiseLinear final : public Strategy {
   std::optional<Ending> begin(const StrategySlab&) override {
     detail_ = {"weights", 0, 0.0};
     active_.clear();
+    pivots_ = {};
     return std::nullopt;
   }
 

@@ -23,6 +23,7 @@ class Polynomial final : public Strategy {
   }
 
   std::string name() const override { return "polynomial linearisation"; }
+  bool is_exact() const override { return false; }
   /// The first order does not depend on the iterate: the second iteration only confirms it.
   int max_iterations() const override { return options_.order == 1 ? 2 : 1000; }
 
@@ -33,6 +34,7 @@ class Polynomial final : public Strategy {
   }
 
   std::optional<Ending> begin(const StrategySlab& slab) override {
+    jacobian_pivots_ = source_pivots_ = {};
     centre_ = slab.start_at_points();
     if (options_.state) {
       centre_.cores[0] = TrainCore(1, slab.rows(), 1);

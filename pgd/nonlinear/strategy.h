@@ -23,6 +23,8 @@
 /// | empirical_strategy       | none                     | f(X), interpolated at few states and times       |
 /// | piecewise_linear_strategy| weighted J of points     | their weighted values                            |
 /// | cross_strategy           | J(X) (Newton) or none    | f(X) - A X by cross interpolation                |
+/// | enrichment_strategy      | J(X) as a sum of products| f(X) - A (X - x0); solved by enrichment          |
+/// | decoupling_strategy      | none                     | f, one unknown after the other                   |
 namespace samara::pgd {
 
 /// X' = A X + b on a slab, rates per slab.
@@ -59,6 +61,12 @@ class Strategy {
   /// square in scales; none before the first.
   virtual Outcome<LinearSlab> linearise(const StrategySlab& slab, const TensorTrain& iterate,
                                         std::optional<double> correction) = 0;
+  /// The solution of that problem, start included. By default in train algebra where there is no A, else from
+  /// dense solves at the entries that a cross asks for. @param correction as above
+  virtual Outcome<TensorTrain> solution(const StrategySlab& slab, const LinearSlab& linear,
+                                        std::optional<double> correction, CrossPivots& pivots);
+  /// Whether the iteration leads to the solution of the equations themselves.
+  virtual bool is_exact() const { return true; }
   /// Iterations after which the strategy has nothing to add.
   virtual int max_iterations() const { return 1000; }
   /// Corrections may grow this many times in a row before the march calls the iteration divergent.
@@ -125,5 +133,16 @@ struct CrossStrategyOptions {
   bool newton = true;
 };
 std::unique_ptr<Strategy> cross_strategy(const CrossStrategyOptions& options = {});
+
+/// Newton's iteration with every linear problem solved by enrichment (the dissertation's Algorithm 3): the
+/// Jacobian and what is known are sums of products, and so is the correction of the state at the start. For
+/// answers of few terms; where many are needed, enrichment finds them one by one, and trains are faster.
+std::unique_ptr<Strategy> enrichment_strategy();
+
+/// (6.17): every unknown has a field of its own, and its equation is solved by itself. What the others do to it
+/// is a source of the last known fields: of this iteration for the unknowns before it, of the last one for those
+/// behind it (Gauss and Seidel). By products where f is a polynomial, else by a cross per unknown. A Picard
+/// iteration, which contracts on short slabs or for weak coupling.
+std::unique_ptr<Strategy> decoupling_strategy();
 
 }  // namespace samara::pgd

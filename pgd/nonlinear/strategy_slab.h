@@ -7,7 +7,7 @@
 
 #include "samara/base/termination.h"
 #include "samara/pgd/cross/cross_interpolation.h"
-#include "samara/pgd/evolution/evolution.h"
+#include "samara/pgd/evolution/evolution_problem.h"
 #include "samara/pgd/tensors/random.h"
 #include "samara/pgd/tensors/tensor_train.h"
 

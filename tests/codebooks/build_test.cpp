@@ -11,7 +11,7 @@
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/models/integrators/integrate.h"
-#include "samara/pgd/evolution/adaptive_evolution.h"
+#include "samara/pgd/evolution/slab_evolution.h"
 #include "same_codebook.h"
 #include "sample_books.h"
 
@@ -22,11 +22,10 @@ using Catch::Matchers::WithinRel;
 
 namespace {
 
-/// By the PGD engine for the whole time at once, which is the subject here.
+/// By the PGD engine, which is the subject here.
 BuildResult built(const std::string& text, BuildOptions options = {.certificate_points = 500}) {
   Plan plan = parse_plan(text, "plan.toml");
   plan.builder.kind = "pgd";
-  plan.builder.strategy = "newton";
   return build(plan, options);
 }
 
@@ -95,7 +94,7 @@ void check_certificate(const BuildResult& result, double tolerance, int points =
     // which either set of points may come closer to), and not much less.
     CHECK(own.max_error[i] <= 1.5 * certificate.outputs[o].max);
     CHECK(own.max_error[i] >= 0.3 * certificate.outputs[o].max);
-    CHECK_THAT(own.rms[i], WithinRel(certificate.outputs[o].rms, 0.3));
+    CHECK_THAT(own.rms[i], WithinRel(certificate.outputs[o].rms, 0.5));  // of other times
   }
 }
 
@@ -103,16 +102,15 @@ const std::string kCoin = "density = 6339\narea = 4.714e-4\nthickness = '2.55 mm
 
 }  // namespace
 
-TEST_CASE("the solution of (6.18), u(0) + (rate/k - 1) t, is one term beyond round-off") {
+TEST_CASE("the solution of (6.18), u(0) + (rate/k - 1) t, is of the least ranks, to 1e-10") {
   const BuildResult result =
       built("model = 'constant_rate'\n[box]\nk = [1, 5]\n[time]\nend = 1\n[tolerance]\nrelative = 1e-10\n");
   INFO(result.message);
   CHECK(result.met);
   CHECK(result.book.certificate()->max_error <= 1e-10);
-  const samara::pgd::SeparatedField& field = *result.book.pieces().front().groups().front().sum();
-  const Eigen::VectorXd sizes = field.weights().cwiseAbs().row(0);
-  const double largest = sizes.maxCoeff();
-  CHECK((sizes.array() > 1e-14 * largest).count() == 1);
+  for (const Piece& piece : result.book.pieces()) {
+    for (const int rank : piece.groups().front().train()->train().ranks()) CHECK(rank <= 2);
+  }
   Query query(result.book);
   Eigen::VectorXd u(1);
   const Eigen::MatrixXd points = random_points(result.book, 500, 1);
@@ -131,7 +129,7 @@ TEST_CASE("in the inverse of k, the first axis holds the solution of (6.18) over
   INFO(result.message);
   CHECK(result.met);
   CHECK(result.book.pieces().front().groups().front().axes()[1].size() ==
-        samara::pgd::AdaptiveOptions{}.first_nodes);
+        samara::pgd::SlabOptions{}.first_nodes);
 }
 
 TEST_CASE("a logarithmic axis resolves a drag coefficient over three decades with fewer nodes") {
@@ -142,7 +140,10 @@ TEST_CASE("a logarithmic axis resolves a drag coefficient over three decades wit
         transform + "' }\n[time]\nend = 1\n[tolerance]\nrelative = 1e-4\n");
     INFO(result.message);
     CHECK(result.met);
-    return result.book.pieces().front().groups().front().axes()[1].size();
+    int most = 0;
+    for (const Piece& piece : result.book.pieces())
+      most = std::max(most, piece.groups().front().axes()[1].size());
+    return most;
   };
   CHECK(nodes("log") < nodes("none"));
 }
@@ -199,22 +200,6 @@ TEST_CASE("a coin with C_D and v(0) free meets its tolerance, and the certificat
   CHECK(book.provenance().plan == coin_plan());
   CHECK(book.provenance().build_seconds > 0.0);
   CHECK(book.provenance().created.size() == std::string("2026-01-02T03:04:05Z").size());
-}
-
-TEST_CASE(
-    "initial values are those asked for, at every point of the box, where the whole time is solved at once") {
-  const BuildResult result = built(coin_plan());
-  const Codebook& book = result.book;
-  Query query(book);
-  Eigen::VectorXd values(2);
-  Eigen::MatrixXd points = random_points(book, 100, 4);
-  points.row(0).setZero();
-  for (Eigen::Index j = 0; j < points.cols(); ++j) {
-    query.values(point(points, j), values);
-    // The engine adds x0 exactly to what is zero at the start: round-off of the terms.
-    CHECK_THAT(values[0], WithinAbs(points(2, j), 1e-13));
-    CHECK_THAT(values[1], WithinAbs(0.0, 1e-13));
-  }
 }
 
 TEST_CASE("density, area, thickness and added mass may be free together") {
@@ -289,24 +274,6 @@ TEST_CASE("a codebook that misses its tolerance is marked, says by how much, and
   CHECK(own.max_error.maxCoeff() >= 0.3 * certificate.max_error);
 }
 
-TEST_CASE("a build that may not evaluate more ends with the status max_calls") {
-  for (const int calls : {1, 100, 20000}) {
-    const BuildResult result =
-        built(fall_plan(kCoin, "C_D = [0.8, 1.6]\n'v(0)' = [0, 0.3]\n", "0.5", "1e-6") +
-              "[builder]\nmax_calls = " + std::to_string(calls) + "\n");
-    CHECK_FALSE(result.met);
-    CHECK(result.book.build().status == samara::Termination::max_calls);
-    CHECK_THAT(result.message, Contains(std::to_string(calls) + " allowed") && Contains("largest error "));
-    CHECK(result.book.build().evaluations <= calls);
-    // A marked codebook is there, however coarse, and can be stored and read.
-    const TemporaryDirectory directory;
-    save(result.book, directory / "book.h5");
-    check_same_certificate(*load(directory / "book.h5").certificate(), *result.book.certificate());
-    // After one round it is an answer.
-    if (calls == 20000) CHECK(result.book.certificate()->max_error < 0.1);
-  }
-}
-
 TEST_CASE("the number of threads changes no byte outside the provenance") {
   const TemporaryDirectory directory;
   Plan plan = parse_plan(coin_plan(), "coin.toml");
@@ -346,11 +313,13 @@ TEST_CASE("progress is reported in stages, with fractions between 0 and 1") {
                         if (stages.empty() || stages.back() != report.stage) stages.push_back(report.stage);
                         return true;
                       }});
-  CHECK(stages == std::vector<std::string>{"Newton", "certificate"});
+  REQUIRE(stages.size() > 2);
+  CHECK(stages.front() == "slab 1");
+  CHECK(stages.back() == "certificate");
 }
 
 TEST_CASE("a build that is cancelled says so, asks no more, and gives what it has") {
-  for (const std::string stage : {"Newton", "certificate"}) {
+  for (const std::string stage : {"slab 2", "certificate"}) {
     bool cancelled = false;
     int reports_after = 0;
     const BuildResult result =
@@ -366,23 +335,11 @@ TEST_CASE("a build that is cancelled says so, asks no more, and gives what it ha
     CHECK_FALSE(result.book.certificate()->met);
     CHECK(result.message == "the build was cancelled; its certificate covers 0 of 100 points");
     CHECK(result.book.build().status ==
-          (stage == "Newton" ? samara::Termination::cancelled : samara::Termination::converged));
+          (stage == "slab 2" ? samara::Termination::cancelled : samara::Termination::converged));
     Query query(result.book);
     Eigen::VectorXd values(2);
-    CHECK_NOTHROW(query.values(std::vector{0.1, 1.0, 0.1}, values));
+    CHECK_NOTHROW(query.values(std::vector{0.02, 1.0, 0.1}, values));
   }
-}
-
-TEST_CASE("equations of too many products end a build by Newton's iteration with a status") {
-  // Four parameters that act together: the terms of f are the products of all ranks of a train.
-  const BuildResult result = built(fall_plan("area = 4.7144e-4\n",
-                                             "C_D = [0.5, 2]\nthickness = [2e-3, 3e-3]\ndensity = [2000, "
-                                             "8000]\n'v(0)' = [0, 0.5]\n",
-                                             "1", "1e-5"),
-                                   {.certificate_points = 20});
-  CHECK_FALSE(result.met);
-  CHECK(result.book.build().status == samara::Termination::rank_limit);
-  CHECK_THAT(result.book.build().message, Contains("takes more than the 3000 products allowed"));
 }
 
 TEST_CASE("a build warns of parameters that no body has, by the centre of the box") {
@@ -400,27 +357,22 @@ TEST_CASE("a build warns of parameters that no body has, by the centre of the bo
   CHECK_THAT(warnings[0], Contains("thickness is 0.03 m, more than the radius of a disc of that area"));
 }
 
-TEST_CASE("axes are refined round by round until they resolve the solution, to tight tolerances") {
-  // u = (10 / k - 1) t: the pole at k = 0 lies near the box, so the axis needs many nodes and many rounds. On
-  // new axes the field carried over has zero highest coefficients, which must not be taken for resolution.
+TEST_CASE("axes are refined until they resolve the solution, to tight tolerances") {
+  // u = (10 / k - 1) t: the pole at k = 0 lies near the box, so that the axis needs many nodes.
   const std::string plan =
       "model = \"constant_rate\"\n[box]\nk = [1.0, 100.0]\n[time]\nend = 1.0\n[tolerance]\nrelative = 1e-6\n";
   const BuildResult result = built(plan, {.certificate_points = 200});
   INFO(result.message);
   CHECK(result.met);
-  CHECK(result.book.certificate()->spent.discretisation > 1e-12);
-  CHECK(result.book.certificate()->spent.discretisation <= 0.3e-6);
-  CHECK(result.book.build().rounds <= 10);
+  CHECK(result.book.build().rounds <= 4);
 }
 
 TEST_CASE("an axis that cannot resolve the solution is named, with the nodes it has") {
   const std::string plan =
       "model = \"constant_rate\"\n[box]\nk = [0.01, 100.0]\n[time]\nend = 1.0\n[tolerance]\nrelative = "
       "1e-6\n";
-  const BuildResult result = built(plan, {.certificate_points = 20});
-  CHECK_FALSE(result.met);
-  CHECK_THAT(result.book.build().message,
-             Catch::Matchers::Contains("the axis k does not resolve the solution: with 129 nodes"));
+  CHECK_THAT(error_text<samara::NoResultError>([&] { built(plan, {.certificate_points = 20}); }),
+             Contains("nodes on the axis k do not suffice"));
 }
 
 TEST_CASE("a march that ends on its first slab has no result, and says so") {
@@ -432,17 +384,16 @@ TEST_CASE("a march that ends on its first slab has no result, and says so") {
              Contains("no result on the first slab: "));
 }
 
-TEST_CASE(
-    "a sum of products gives up terms for what the builder left of the tolerance, and no initial value") {
+TEST_CASE("a plan of enrichment is answered by sums of products, certified, of few terms") {
   const BuildResult result = built(fall_plan("area = 4.7144e-4\nthickness = 0.00255\ndensity = 6338.5\n",
-                                             "C_D = [0.8, 1.6]\n'v(0)' = [0, 0.4]\n", "0.4", "1e-4"));
+                                             "C_D = [0.8, 1.6]\n'v(0)' = [0, 0.4]\n", "0.4", "1e-4") +
+                                   "[builder]\nstrategy = 'enrichment'\n");
+  INFO(result.message);
   CHECK(result.met);
-  CHECK_THAT(result.book.build().message, Contains(" numbers made ") && Contains(" in 1 piece"));
-  const samara::pgd::SeparatedField& sum = *result.book.pieces().front().groups().front().sum();
-  CHECK(sum.rank() <= 20);  // of 26
-  for (const double v0 : {0.0, 0.17, 0.4}) {
-    const Eigen::VectorXd start = sum(std::vector{0.0, 1.3, v0});
-    CHECK_THAT(start[0], WithinAbs(v0, 1e-13));
-    CHECK_THAT(start[1], WithinAbs(0.0, 1e-13));
+  CHECK(result.book.build().strategy == "enrichment");
+  for (const Piece& piece : result.book.pieces()) {
+    const samara::pgd::SeparatedField* sum = piece.groups().front().sum();
+    REQUIRE(sum != nullptr);
+    CHECK(sum->rank() <= 20);
   }
 }

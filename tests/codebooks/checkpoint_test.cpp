@@ -34,7 +34,7 @@ BuildOptions options_with(const fs::path& checkpoint) {
 
 Plan coin() {
   Plan plan = parse_plan(coin_plan(), "coin.toml");
-  plan.builder.strategy = "newton";
+  plan.builder.strategy = "slabs";
   return plan;
 }
 
@@ -102,7 +102,7 @@ void check_equals_undisturbed(const BuildResult& result) {
 TEST_CASE("a build killed at any moment and resumed equals an undisturbed one to the last bit") {
   const TemporaryDirectory directory;
   const fs::path checkpoint = directory / "book.h5.checkpoint";
-  // In every iteration of the solver, and when the certificate begins.
+  // Before every slab, and when the certificate begins.
   std::string stage;
   int kills = 0;
   int with_checkpoint = 0;
@@ -119,7 +119,7 @@ TEST_CASE("a build killed at any moment and resumed equals an undisturbed one to
   CHECK(with_checkpoint > 2);
 }
 
-TEST_CASE("a build killed after each of its rounds still ends, and as if undisturbed") {
+TEST_CASE("a build killed after each of its checkpoints still ends, and as if undisturbed") {
   const TemporaryDirectory directory;
   const fs::path checkpoint = directory / "checkpoint";
   int kills = 0;
@@ -128,9 +128,8 @@ TEST_CASE("a build killed after each of its rounds still ends, and as if undistu
     fs::copy_file(checkpoint, directory / "copy");
     check_equals_undisturbed(resumed(directory / "copy"));
     ++kills;
-    REQUIRE(kills < 20);
+    REQUIRE(kills < 200);
   }
-  CHECK(kills == undisturbed().book.build().rounds - 1);
   CHECK(kills >= 1);
   CHECK(directory.file_count() == 0);
 }
@@ -156,7 +155,7 @@ TEST_CASE("a checkpoint that is not asked for is not taken up, but replaced and 
 }
 
 TEST_CASE("a build that is cancelled leaves its checkpoint, and can be resumed") {
-  for (const std::string stage : {"Newton", "certificate"}) {
+  for (const std::string stage : {"slab 3", "certificate"}) {
     const TemporaryDirectory directory;
     const fs::path checkpoint = directory / "checkpoint";
     BuildOptions options = options_with(checkpoint);
@@ -205,68 +204,30 @@ TEST_CASE("a checkpoint that is broken, cut or something else is refused") {
   CHECK_THAT(error_text<InputError>([&] { load(checkpoint); }), Contains("this is not a codebook"));
 }
 
-TEST_CASE("a checkpoint with numbers that cannot be is refused, each by its name") {
+TEST_CASE("a checkpoint whose march is none of the plan is refused, and what to do is said") {
   const TemporaryDirectory directory;
   const fs::path path = directory / "checkpoint";
   leave_checkpoint(path);
-  const samara::pgd::SolverState good = load_checkpoint(path, coin().text);
+  const std::vector<double> good = load_march(path, coin().text);
+  REQUIRE(good.size() > 100);
   const auto refusal = [&](const auto& damage) {
-    samara::pgd::SolverState state = good;
+    std::vector<double> state = good;
     damage(state);
-    save_checkpoint(path, coin().text, state);
+    save_march(path, coin().text, state);
     return error_text<InputError>([&] { resumed(path); });
   };
-  using State = samara::pgd::SolverState;
-  const double nan = std::nan("");
-  CHECK_THAT(refusal([](State& s) { s.nodes[0] = -3; }), Contains("/: nodes has the number -3"));
-  CHECK_THAT(refusal([](State& s) { s.nodes[0] = 1999999999; }), Contains("/: nodes has the number"));
-  CHECK_THAT(refusal([](State& s) { s.nodes[0] = 131; }), Contains("do not fit the plan"));
-  CHECK_THAT(refusal([](State& s) { s.nodes.pop_back(); }),
-             Contains("/piece: has 3 axes and 2 outputs, expected 2"));
-  CHECK_THAT(refusal([](State& s) { s.scales.push_back(1.0); }),
-             Contains("/piece: has 3 axes and 2 outputs"));
-  CHECK_THAT(refusal([&](State& s) { s.scales[0] = nan; }), Contains("/: scales has the number nan"));
-  CHECK_THAT(refusal([&](State& s) { s.coarseness = nan; }), Contains("/: coarseness is nan"));
-  CHECK_THAT(refusal([](State& s) { s.round = -1; }), Contains("/: round is -1"));
-  CHECK_THAT(refusal([](State& s) { s.round = 500; }), Contains("do not fit the plan"));
-  CHECK_THAT(refusal([](State& s) { s.time_elements = 0; }), Contains("/: time_elements is 0"));
-  CHECK_THAT(refusal([](State& s) { s.rhs_evaluations = -1; }), Contains("/: rhs_evaluations is -1"));
-  CHECK_THAT(refusal([](State& s) { s.field.reset(); }), Contains("/piece: is missing"));
+  CHECK_THAT(refusal([](auto& s) { s.resize(s.size() / 2); }),
+             Contains("remove the file or build without --resume"));
+  CHECK_THAT(refusal([](auto& s) { s[1] += 1.0; }), Contains("belongs to another problem or other options"));
+  CHECK_THAT(refusal([](auto& s) { s.push_back(0.0); }), Contains("longer than its march"));
 }
 
-TEST_CASE("the solver's state survives a checkpoint to the last bit") {
+TEST_CASE("the state of a march survives a checkpoint to the last bit") {
   const TemporaryDirectory directory;
   const fs::path path = directory / "checkpoint";
-  samara::pgd::SolverState state;
-  state.round = 0;
-  state.time_elements = 11;
-  state.scales = {1.0 / 3.0, 5e-324};
-  state.coarseness = 1.0 / 7.0;
-  state.rhs_evaluations = 12'345'678'901;
-  state.jacobian_evaluations = 9'876'543'210;
-  state.iterations = 17;
-  const auto same = [&](const samara::pgd::SolverState& back) {
-    CHECK(back.round == state.round);
-    CHECK(back.time_elements == state.time_elements);
-    CHECK(back.nodes == state.nodes);
-    CHECK(back.scales == state.scales);
-    CHECK(back.coarseness == state.coarseness);
-    CHECK(back.rhs_evaluations == state.rhs_evaluations);
-    CHECK(back.jacobian_evaluations == state.jacobian_evaluations);
-    CHECK(back.iterations == state.iterations);
-    REQUIRE(back.field.has_value() == state.field.has_value());
-    if (back.field) check_same_field(*back.field, *state.field);
-  };
-  const samara::pgd::SeparatedField field = *four_pieces().pieces()[1].groups()[0].sum();
-  state.nodes = {7, 129};
-  state.nodes.resize(static_cast<std::size_t>(field.axis_count()) - 1, 9);
-  state.scales.resize(static_cast<std::size_t>(field.output_count()), 0.25);
+  const std::vector<double> state = {1.0 / 3.0, 5e-324, -0.0, 1e308, 12'345'678'901.0};
   const std::string plan = "# " + std::string(100000, 'x') + "\nmodel = \"caf\xC3\xA9\"\n";
-  save_checkpoint(path, plan, state);
-  same(load_checkpoint(path, plan));
-  state.round = 3;
-  state.field = field;
-  save_checkpoint(path, plan, state);
-  same(load_checkpoint(path, plan));
+  save_march(path, plan, state);
+  CHECK(load_march(path, plan) == state);
   CHECK(directory.file_count() == 1);
 }

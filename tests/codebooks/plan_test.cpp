@@ -346,8 +346,8 @@ TEST_CASE("builders, strategies and numbers of the builder are checked") {
   CHECK_THAT(
       refusal("\"newton\"", "\"picard\""),
       EndsWith(
-          "known: auto, slabs, newton, incremental, polynomial, asymptotic, empirical, piecewise_linear, "
-          "cross"));
+          "known: auto, newton, slabs, asymptotic, cross, decoupling, empirical, enrichment, incremental, "
+          "piecewise_linear, polynomial"));
   CHECK_THAT(refusal("max_calls = 100000", "max_calls = -1"),
              StartsWith("p.toml:25: [builder] max_calls: is -1"));
   CHECK_THAT(refusal("threads = 2", "threads = -1"), StartsWith("p.toml:26: [builder] threads: is -1"));

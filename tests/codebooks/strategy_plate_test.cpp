@@ -10,7 +10,7 @@
 #include "samara/codebooks/source/model_system.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
-#include "samara/pgd/nonlinear/strategy_march.h"
+#include "samara/pgd/nonlinear/strategy_trial.h"
 #include "samara/pgd/tensors/random.h"
 
 using namespace samara::pgd;
@@ -47,7 +47,7 @@ EvolutionProblem problem_of(const ParametricModel& model, const ModelSystem& sys
 }
 
 /// Largest error at random points; the states are of the order of one.
-double error_of(const StrategyResult& result, const ParametricModel& model, const Box& box, double end) {
+double error_of(const StrategyTrial& result, const ParametricModel& model, const Box& box, double end) {
   samara::models::Integrator exact(model, {.relative_tolerance = 1e-12}, false);
   Random random(5);
   double largest = 0.0;
@@ -73,8 +73,8 @@ TEST_CASE("empirical interpolation and Newton with crosses meet 1e-6 on the refe
   const auto newton = cross_strategy();
   const auto empirical = empirical_strategy();
   for (Strategy* strategy : {newton.get(), empirical.get()}) {
-    const StrategyResult result =
-        solve_by_strategy(problem_of(model, system, box, 2.0, 10, 11), *strategy, {.tolerance = 3e-7});
+    const StrategyTrial result =
+        try_strategy(problem_of(model, system, box, 2.0, 10, 11), *strategy, {.tolerance = 3e-7});
     CAPTURE(strategy->name(), result.message);
     REQUIRE(result.status == samara::Termination::converged);
     CHECK(error_of(result, model, box, 2.0) <= 1e-6);
@@ -100,8 +100,8 @@ TEST_CASE("expanded about broadside fall, a plate is solved to the power of its 
       Eigen::VectorXd broadside = Eigen::VectorXd::Zero(6);
       broadside[1] = fall;
       const auto strategy = polynomial_strategy({.order = order, .state = broadside});
-      const StrategyResult result =
-          solve_by_strategy(problem_of(model, system, box, 1.0, 4, 8), *strategy, {.tolerance = 1e-9});
+      const StrategyTrial result =
+          try_strategy(problem_of(model, system, box, 1.0, 4, 8), *strategy, {.tolerance = 1e-9});
       CAPTURE(order, tilt, result.message);
       REQUIRE(result.status == samara::Termination::converged);
       errors.push_back(error_of(result, model, box, 1.0));

@@ -17,7 +17,7 @@ MAY_INCLUDE = {
 SUB_ROOMS = {
     "base": [""],
     "io": [""],
-    "pgd": ["axes", "tensors", "fields", "cross", "linear", "sampling", "evolution", "nonlinear"],
+    "pgd": ["axes", "tensors", "fields", "cross", "linear", "sampling", "evolution", "nonlinear", "checks"],
     "models": ["interface", "checks", "bodies", "added_mass", "integrators", "batch", "laws"],
     "codebooks": [
         "book", "file", "plan", "source", "query/kernels", "query", "certify", "build", "composition", "capi",

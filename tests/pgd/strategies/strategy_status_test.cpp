@@ -8,7 +8,7 @@
 #include "../slab_systems.h"
 #include "samara/base/errors.h"
 #include "samara/pgd/evolution/polynomial_system.h"
-#include "samara/pgd/nonlinear/strategy_march.h"
+#include "samara/pgd/nonlinear/strategy_trial.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;
@@ -31,7 +31,7 @@ EvolutionProblem logistic_problem(const EvolutionSystem& system, double end, int
           {{0.2, -1}}};
 }
 
-double logistic_error(const StrategyResult& result, double end) {
+double logistic_error(const StrategyTrial& result, double end) {
   double largest = 0.0;
   Random random(3);
   for (int i = 0; i < 200; ++i) {
@@ -58,7 +58,7 @@ TEST_CASE("corrections of incremental linearisation fall factorially, those of N
   const PolynomialSystem system = logistic();
   const EvolutionProblem problem = logistic_problem(system, 0.5, 1);
   const auto incremental = incremental_strategy();
-  const StrategyResult picard = solve_by_strategy(problem, *incremental, {.tolerance = 1e-9});
+  const StrategyTrial picard = try_strategy(problem, *incremental, {.tolerance = 1e-9});
   REQUIRE(picard.status == samara::Termination::converged);
   CHECK(logistic_error(picard, 0.5) <= 1e-7);
   // Iteration n adds a term of about (L t)^n / n!: ratios of corrections fall like 1/n.
@@ -67,7 +67,7 @@ TEST_CASE("corrections of incremental linearisation fall factorially, those of N
   CHECK(steps[5] / steps[4] < 0.75 * steps[2] / steps[1]);
 
   const auto newton = cross_strategy();
-  const StrategyResult quadratic = solve_by_strategy(problem, *newton, {.tolerance = 1e-9});
+  const StrategyTrial quadratic = try_strategy(problem, *newton, {.tolerance = 1e-9});
   REQUIRE(quadratic.status == samara::Termination::converged);
   CHECK(logistic_error(quadratic, 0.5) <= 1e-7);
   const std::vector<double>& newton_steps = quadratic.history[0].corrections;
@@ -82,8 +82,8 @@ TEST_CASE("terms of the asymptotic series fall geometrically, faster on shorter 
   std::vector<double> ratios;
   for (const int slabs : {1, 2}) {
     const auto strategy = asymptotic_strategy();
-    const StrategyResult result =
-        solve_by_strategy(logistic_problem(system, 0.8, slabs), *strategy, {.tolerance = 1e-8});
+    const StrategyTrial result =
+        try_strategy(logistic_problem(system, 0.8, slabs), *strategy, {.tolerance = 1e-8});
     CAPTURE(slabs, result.message);
     REQUIRE(result.status == samara::Termination::converged);
     CHECK(logistic_error(result, 0.8) <= 1e-6);
@@ -97,9 +97,8 @@ TEST_CASE("piecewise linear values as a first iterate save Newton iterations, an
   const EvolutionProblem problem = swing_problem(system);
   const auto newton = cross_strategy();
   const auto first = piecewise_linear_strategy({.points = 60, .weight_tolerance = 1e-3});
-  const StrategyResult alone = solve_by_strategy(problem, *newton, {.tolerance = 1e-6});
-  const StrategyResult helped =
-      solve_by_strategy(problem, *newton, {.tolerance = 1e-6, .first = first.get()});
+  const StrategyTrial alone = try_strategy(problem, *newton, {.tolerance = 1e-6});
+  const StrategyTrial helped = try_strategy(problem, *newton, {.tolerance = 1e-6, .first = first.get()});
   REQUIRE(alone.status == samara::Termination::converged);
   REQUIRE(helped.status == samara::Termination::converged);
   int alone_iterations = 0, helped_iterations = 0;
@@ -121,8 +120,7 @@ TEST_CASE("a march ends with the status of what stopped it, and names the place"
         return Matrix::Constant(1, 1, -0.5 * q[0] / std::sqrt(0.5 - x[0]));
       });
   const auto picard = cross_strategy({.newton = false});
-  const StrategyResult beyond =
-      solve_by_strategy(logistic_problem(wall, 4.0, 1), *picard, {.tolerance = 1e-6});
+  const StrategyTrial beyond = try_strategy(logistic_problem(wall, 4.0, 1), *picard, {.tolerance = 1e-6});
   CAPTURE(beyond.message);
   CHECK(beyond.status == samara::Termination::not_finite);
   CHECK_THAT(beyond.message, Contains("f is not finite") && Contains("q = "));
@@ -130,24 +128,23 @@ TEST_CASE("a march ends with the status of what stopped it, and names the place"
 
   const slab_systems::System swing = slab_systems::pendulum();
   const auto newton = cross_strategy();
-  const StrategyResult few =
-      solve_by_strategy(swing_problem(swing), *newton, {.tolerance = 1e-8, .max_rank = 2});
+  const StrategyTrial few = try_strategy(swing_problem(swing), *newton, {.tolerance = 1e-8, .max_rank = 2});
   CAPTURE(few.message);
   CHECK(few.status == samara::Termination::rank_limit);
   CHECK_THAT(few.message, Contains("ranks up to 2"));
 
-  const StrategyResult bounded =
-      solve_by_strategy(swing_problem(swing), *newton, {.tolerance = 1e-6, .max_evaluations = 500});
+  const StrategyTrial bounded =
+      try_strategy(swing_problem(swing), *newton, {.tolerance = 1e-6, .max_evaluations = 500});
   CHECK(bounded.status == samara::Termination::max_calls);
   CHECK_THAT(bounded.message, Contains("500 evaluations"));
 
   int reports = 0;
-  StrategyMarchOptions stopping{.tolerance = 1e-6};
+  StrategyTrialOptions stopping{.tolerance = 1e-6};
   stopping.progress = [&](const samara::Progress& report) {
     CHECK(report.stage.starts_with("slab "));
     return ++reports < 3;
   };
-  CHECK(solve_by_strategy(swing_problem(swing), *newton, stopping).status == samara::Termination::cancelled);
+  CHECK(try_strategy(swing_problem(swing), *newton, stopping).status == samara::Termination::cancelled);
   CHECK(reports == 3);
 }
 
@@ -190,7 +187,7 @@ TEST_CASE("small corrections all over the box do not hide a corner in which the 
                                  {1.0},
                                  {{0.0, -1}}};
   WrongInACorner strategy;
-  const StrategyResult result = solve_by_strategy(problem, strategy, {.tolerance = 1e-3});
+  const StrategyTrial result = try_strategy(problem, strategy, {.tolerance = 1e-3});
   CAPTURE(result.message);
   CHECK(result.status == samara::Termination::converged);
   CHECK(std::abs(result.value_at(std::vector{1.0, 0.5, 0.0})[0] - 0.5) <= 1e-3);
@@ -203,7 +200,7 @@ TEST_CASE("training trajectories that end too early are a status of the march, n
       &system,    Axis::radau({"t"}, 0.0, 40.0, 2, 4), {Axis::chebyshev({"q"}, 1.0, 2.0, 5)}, {{"x"}}, {1.0},
       {{1.0, -1}}};
   const auto strategy = piecewise_linear_strategy({.points = 1000, .samples = 1});
-  const StrategyResult result = solve_by_strategy(problem, *strategy, {.tolerance = 1e-3});
+  const StrategyTrial result = try_strategy(problem, *strategy, {.tolerance = 1e-3});
   CHECK(result.status == samara::Termination::not_finite);
   CHECK_THAT(result.message, Contains("training trajectories end"));
   CHECK(result.pieces.empty());
@@ -212,7 +209,7 @@ TEST_CASE("training trajectories that end too early are a status of the march, n
 TEST_CASE("a polynomial system of other parameters than the problem's axes is refused") {
   const PolynomialSystem system(1, 2, {{0, 1.0, {1, 0}, {1}}});
   const auto strategy = incremental_strategy();
-  CHECK_THROWS_WITH(solve_by_strategy(logistic_problem(system, 1.0, 2), *strategy),
+  CHECK_THROWS_WITH(try_strategy(logistic_problem(system, 1.0, 2), *strategy),
                     Contains("has 2 parameters, the problem 1 axes"));
 }
 

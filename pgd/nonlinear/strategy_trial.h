@@ -9,15 +9,16 @@
 #include "samara/pgd/fields/train_field.h"
 #include "samara/pgd/nonlinear/strategy.h"
 
-/// Separated solutions of nonlinear evolution equations by any strategy, slab by slab.
+/// What a strategy does by itself, on slabs and nodes that are given: every iteration is recorded. For looking at
+/// strategies; solutions come from march() (march.h), which chooses slabs and nodes and measures the error.
 ///
 ///   const auto strategy = cross_strategy();
-///   const StrategyResult result = solve_by_strategy(problem, *strategy, {.tolerance = 1e-6});
+///   const StrategyTrial result = try_strategy(problem, *strategy, {.tolerance = 1e-6});
 ///   if (result.status != Termination::converged) report(result.message);
 ///   result.value_at(x);  // x: time, then the parameters
 namespace samara::pgd {
 
-struct StrategyMarchOptions {
+struct StrategyTrialOptions {
   /// Of every slab, largest error in scales at its nodes. What too few nodes leave, and what a strategy
   /// leaves out by nature, comes on top: see StrategyRecord::defect.
   double tolerance = 1e-6;
@@ -57,12 +58,12 @@ struct StrategyRecord {
   double seconds = 0.0;
 };
 
-struct StrategyResult {
+struct StrategyTrial {
   /// One per slab that was solved, over time and the parameters, outputs the states, SI.
   std::vector<TrainField> pieces;
   /// converged, or what ended the march: max_iterations, diverged, not_finite, rank_limit, max_calls, cancelled.
   Termination status = Termination::max_iterations;
-  std::string message = "solve_by_strategy() was not called";
+  std::string message = "try_strategy() was not called";
   std::vector<double> where;            ///< parameters at which the march failed, if it is known
   double reached = 0.0;                 ///< end of the last piece
   std::vector<StrategyRecord> history;  ///< one per slab, the failed one included
@@ -82,7 +83,7 @@ struct StrategyResult {
 /// Marches over the elements of the problem's time axis, which must be of the radau kind. Ends at the first
 /// slab on which the strategy fails, with what is valid before it.
 /// @throws ArgumentError if problem or options do not validate, or there is no parameter axis.
-StrategyResult solve_by_strategy(const EvolutionProblem& problem, Strategy& strategy,
-                                 const StrategyMarchOptions& options = {});
+StrategyTrial try_strategy(const EvolutionProblem& problem, Strategy& strategy,
+                           const StrategyTrialOptions& options = {});
 
 }  // namespace samara::pgd

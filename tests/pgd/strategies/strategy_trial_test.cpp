@@ -1,4 +1,4 @@
-#include "samara/pgd/nonlinear/strategy_march.h"
+#include "samara/pgd/nonlinear/strategy_trial.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,7 +33,7 @@ EvolutionProblem drag_problem(const EvolutionSystem& system, double end, int sla
 }
 
 /// Largest error over the scale at random points.
-double drag_error(const StrategyResult& result, double end) {
+double drag_error(const StrategyTrial& result, double end) {
   Random random(3);
   double largest = 0.0;
   for (int i = 0; i < 300; ++i) {
@@ -54,7 +54,7 @@ EvolutionProblem pendulum_problem(const EvolutionSystem& system, double amplitud
           {{amplitude, -1}, {0.0, -1}}};
 }
 
-double pendulum_error(const StrategyResult& result, const slab_systems::System& system, double amplitude,
+double pendulum_error(const StrategyTrial& result, const slab_systems::System& system, double amplitude,
                       double end) {
   Random random(4);
   double largest = 0.0;
@@ -76,7 +76,7 @@ TEST_CASE("products and cross interpolation give incremental linearisation the s
   const auto products = incremental_strategy();
   const auto cross = cross_strategy({.newton = false});
   for (Strategy* strategy : {products.get(), cross.get()}) {
-    const StrategyResult result = solve_by_strategy(problem, *strategy, {.tolerance = 1e-7});
+    const StrategyTrial result = try_strategy(problem, *strategy, {.tolerance = 1e-7});
     CAPTURE(strategy->name(), result.message);
     CHECK(result.status == samara::Termination::converged);
     CHECK(drag_error(result, 0.4) <= 1e-6);
@@ -86,8 +86,7 @@ TEST_CASE("products and cross interpolation give incremental linearisation the s
 TEST_CASE("the asymptotic numerical method meets 1e-6 on quadratic drag, its terms falling geometrically") {
   const PolynomialSystem system = quadratic_drag();
   const auto strategy = asymptotic_strategy();
-  const StrategyResult result =
-      solve_by_strategy(drag_problem(system, 0.4, 4), *strategy, {.tolerance = 1e-7});
+  const StrategyTrial result = try_strategy(drag_problem(system, 0.4, 4), *strategy, {.tolerance = 1e-7});
   CAPTURE(result.message);
   CHECK(result.status == samara::Termination::converged);
   CHECK(drag_error(result, 0.4) <= 1e-6);
@@ -97,8 +96,7 @@ TEST_CASE("the asymptotic numerical method meets 1e-6 on quadratic drag, its ter
 TEST_CASE("a series whose radius of convergence is below one is reported as such") {
   const PolynomialSystem system = quadratic_drag();
   const auto strategy = asymptotic_strategy();
-  const StrategyResult result =
-      solve_by_strategy(drag_problem(system, 2.0, 1), *strategy, {.tolerance = 1e-6});
+  const StrategyTrial result = try_strategy(drag_problem(system, 2.0, 1), *strategy, {.tolerance = 1e-6});
   CAPTURE(result.message);
   CHECK(result.status == samara::Termination::diverged);
   CHECK_THAT(result.message, Contains("radius of convergence"));
@@ -108,8 +106,7 @@ TEST_CASE("a series whose radius of convergence is below one is reported as such
 TEST_CASE("incremental linearisation loses contraction on a slab that is too long, and says where") {
   const PolynomialSystem system = quadratic_drag();
   const auto strategy = incremental_strategy();
-  const StrategyResult result =
-      solve_by_strategy(drag_problem(system, 2.0, 1), *strategy, {.tolerance = 1e-6});
+  const StrategyTrial result = try_strategy(drag_problem(system, 2.0, 1), *strategy, {.tolerance = 1e-6});
   CAPTURE(result.message);
   CHECK(result.status == samara::Termination::diverged);
   CHECK_THAT(result.message, Contains("between t = 0 and 2"));
@@ -122,8 +119,8 @@ TEST_CASE("polynomial linearisation about rest errs by the power of the amplitud
     std::vector<double> errors;
     for (const double amplitude : {0.2, 0.1}) {
       const auto strategy = polynomial_strategy({.order = order, .state = Eigen::Vector2d::Zero()});
-      const StrategyResult result =
-          solve_by_strategy(pendulum_problem(system, amplitude, 2.0, 4), *strategy, {.tolerance = 1e-8});
+      const StrategyTrial result =
+          try_strategy(pendulum_problem(system, amplitude, 2.0, 4), *strategy, {.tolerance = 1e-8});
       CAPTURE(order, amplitude, result.message);
       REQUIRE(result.status == samara::Termination::converged);
       errors.push_back(pendulum_error(result, system, amplitude, 2.0));
@@ -139,8 +136,8 @@ TEST_CASE("empirical interpolation and Newton with crosses meet 1e-6 on a large 
   const auto newton = cross_strategy();
   const auto empirical = empirical_strategy();
   for (Strategy* strategy : {newton.get(), empirical.get()}) {
-    const StrategyResult result =
-        solve_by_strategy(pendulum_problem(system, 1.5, 2.0, 4), *strategy, {.tolerance = 1e-7});
+    const StrategyTrial result =
+        try_strategy(pendulum_problem(system, 1.5, 2.0, 4), *strategy, {.tolerance = 1e-7});
     CAPTURE(strategy->name(), result.message);
     CHECK(result.status == samara::Termination::converged);
     CHECK(pendulum_error(result, system, 1.5, 2.0) <= 1e-6);
@@ -153,8 +150,8 @@ TEST_CASE("piecewise-linear approximation errs by about a per cent, less with mo
   std::vector<double> errors;
   for (const int points : {10, 60}) {
     const auto strategy = piecewise_linear_strategy({.points = points});
-    const StrategyResult result =
-        solve_by_strategy(pendulum_problem(system, 1.5, 2.0, 4), *strategy, {.tolerance = 1e-4});
+    const StrategyTrial result =
+        try_strategy(pendulum_problem(system, 1.5, 2.0, 4), *strategy, {.tolerance = 1e-4});
     CAPTURE(points, result.message);
     REQUIRE(result.status == samara::Termination::converged);
     errors.push_back(pendulum_error(result, system, 1.5, 2.0));

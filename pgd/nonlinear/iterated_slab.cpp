@@ -1,0 +1,57 @@
+#include "samara/pgd/nonlinear/iterated_slab.h"
+
+#include <utility>
+#include <vector>
+
+#include "samara/pgd/evolution/march_context.h"
+#include "samara/pgd/nonlinear/slab_iteration.h"
+
+namespace samara::pgd {
+
+namespace {
+
+/// Of what a slab may add to the error; time, nodes and rounding have the rest.
+constexpr double kStrategyShare = 0.4;
+constexpr int kMostIterations = 40;
+/// Elements of the time along which strategies are trained before the march.
+constexpr int kTrainingElements = 10;
+
+EvolutionProblem problem_on(const AdaptiveProblem& problem, Axis time, std::vector<Axis> axes,
+                            const std::vector<double>& scales) {
+  return {problem.system, std::move(time), std::move(axes), problem.states, scales, problem.initial};
+}
+
+}  // namespace
+
+std::optional<Ending> IteratedSlab::prepare(const AdaptiveProblem& problem, const SlabOptions& options) {
+  std::vector<Axis> axes;
+  for (const AdaptiveAxis& axis : problem.parameters)
+    axes.push_back(make_axis(axis, axis.nodes.value_or(options.first_nodes)));
+  const Axis time = Axis::radau(problem.time, 0.0, problem.end, kTrainingElements, options.time_points);
+  return strategy_.prepare(problem_on(problem, time, std::move(axes), problem.scales),
+                           0.1 * kStrategyShare * options.tolerance);
+}
+
+Outcome<SolvedSlab> IteratedSlab::solve(MarchContext& context, SlabCell& cell, Random& random) {
+  const Axis time =
+      Axis::radau(context.problem().time, cell.time, cell.slab->end(), 1, context.options().time_points);
+  const EvolutionProblem problem =
+      problem_on(context.problem(), time, cell.axes, {context.scales().begin(), context.scales().end()});
+  StrategyTrialOptions options;
+  options.tolerance = kStrategyShare * cell.strictness * cell.leniency * context.tolerance();
+  options.max_iterations = kMostIterations;
+  options.progress = [&](const Progress&) { return !context.is_cancelled(); };
+  StrategyCounts counts;
+  const StrategySlab slab(problem, 0, cell.start, options.tolerance, context.options().max_rank, random,
+                          counts);
+  StrategyRecord record;
+  SlabIteration iteration(slab, options, 0, counts, record);
+  const std::optional<Ending> failure = iteration.run(strategy_);
+  context.count(counts.rhs + counts.jacobian);
+  if (failure) return *failure;
+  double on_grid = static_cast<double>(slab.points()) * record.iterations;
+  for (const int size : slab.sizes()) on_grid *= size;
+  return SolvedSlab{iteration.iterate(), record.contraction, static_cast<double>(record.iterations), on_grid};
+}
+
+}  // namespace samara::pgd
