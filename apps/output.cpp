@@ -55,8 +55,9 @@ std::string counted(long count, const char* one, const char* many) {
 
 std::string effort(const codebooks::Codebook& book) {
   const codebooks::BuildRecord& record = book.build();
-  const std::string rounds = record.builder == "pgd" && record.strategy != "newton" ? counted(record.rounds, "march", "marches")
-                                                        : counted(record.rounds, "round", "rounds");
+  const std::string rounds = record.builder == "pgd" && record.strategy != "newton"
+                                 ? counted(record.rounds, "march", "marches")
+                                 : counted(record.rounds, "round", "rounds");
   if (record.builder == "sampling") {
     return fmt::format("{}, {:.6g} {}, grid of {:.3g} nodes", rounds, record.evaluations,
                        book.is_of_command() ? "calls" : "trajectories", record.grid_size);

@@ -68,8 +68,8 @@ struct Plan {
     std::string kind = "auto";  ///< "auto", "pgd" or "sampling"
     /// "auto" (then "slabs"), one of pgd::strategy_names(), or "newton", by which "cross" is meant.
     std::string strategy = "auto";
-    int max_cells = 1;  ///< of the strategy "slabs"
-    /// Of f and its Jacobian, beyond which no slab, iteration or round begins; of sampling, trajectories, or
+    int max_cells = 1;  ///< of kind "pgd": most cells the box is split into
+    /// Evaluations of f and its Jacobian beyond which no slab begins; of sampling, trajectories, or
     /// points given to the command, and never more; 0: no limit of the plan's. A trial of "auto" has its own.
     long max_calls = 0;
     int threads = 0;  ///< 0: all cores
@@ -96,8 +96,7 @@ struct Plan {
 
 /// Reads a plan. Quantities are SI numbers or strings with a unit.
 /// @throws InputError, with file and line, for unknown keys, parameters or units, an interval that is empty
-/// or reversed,
-///   values that are not finite, and whatever else cannot be a plan.
+/// or reversed, values that are not finite, and whatever else cannot be a plan.
 Plan read_plan(const std::filesystem::path& path);
 
 /// The same from text; `name` stands for the file in messages.

@@ -32,14 +32,14 @@ class TrajectoryQuery {
 
   int time_count() const;
   int output_count() const;
-  /// Free coordinates behind time.
+  /// Free coordinates after time.
   int parameter_count() const;
   /// Inner dimension of the product over the prepared times: ranks, or terms, of the
   /// largest piece.
   int inner_size() const;
   Precision precision() const;
 
-  /// @param q the free coordinates behind time, in order, SI
+  /// @param q the free coordinates after time, in order, SI
   /// @param values times x outputs
   /// @throws as Query::values
   void values(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> values);

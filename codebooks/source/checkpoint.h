@@ -9,8 +9,7 @@
 namespace samara::codebooks {
 
 /// A checkpoint lies beside a build, so that the build can go on after a kill: the state of a march, the calls
-/// of sampling, or both (of a plan of kind "auto"). Written atomically, like
-/// save().
+/// of sampling, or both (of a plan of kind "auto"). Written atomically, like save().
 
 /// Whether there is one; a path that the system refuses has none.
 bool is_checkpoint(const std::filesystem::path& path);

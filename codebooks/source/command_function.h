@@ -15,8 +15,9 @@
 /// its input is its end.
 ///
 /// Usage:
-///   const PointsFunction drag = command_function({.run = {"python3", "solver.py"}, .inputs = 2, .outputs =
-///   1}); const SamplingResult result = pgd::sample(coordinates, outputs, drag);
+///   const PointsFunction drag =
+///       command_function({.run = {"python3", "solver.py"}, .inputs = 2, .outputs = 1});
+///   const SamplingResult result = pgd::sample(coordinates, outputs, drag);
 namespace samara::codebooks {
 
 struct Command {
@@ -31,7 +32,7 @@ struct Command {
   bool persistent = false;
 };
 
-/// The function throws Error, with the program's name and its own last words on the standard error, if it
+/// The function throws Error, with the program's name and the end of what it wrote on the standard error, if it
 /// cannot be started, hangs, fails, is killed, or prints another number of lines or numbers, or what is no
 /// number. Nothing of such a batch is used, and a program that was kept is killed: the next call starts it
 /// again. Calls from several threads wait for each other.

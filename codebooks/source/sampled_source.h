@@ -19,7 +19,7 @@ namespace samara::codebooks {
 struct SampledAnswers {
   /// A column for every point before the first that failed: outputs fastest, then times.
   Eigen::MatrixXd values;
-  std::string failure;  ///< why the point behind the last column has no answer; empty: all have one
+  std::string failure;  ///< why the point after the last column has no answer; empty: all have one
 };
 
 /// What a build by sampling calls: the trajectories of a model, or a command.

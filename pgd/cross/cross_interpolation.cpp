@@ -86,7 +86,7 @@ class Cross {
   std::size_t modes() const { return sizes_.size(); }
   int mode_size(std::size_t k) const { return sizes_[k - 1]; }
 
-  /// Random indices over the modes behind mode k.
+  /// Random indices over the modes after mode k.
   IndexBatch random_entries(std::size_t k, int count) {
     IndexBatch entries(static_cast<Eigen::Index>(modes() - k), count);
     for (int j = 0; j < count; ++j) {
@@ -205,7 +205,7 @@ class Cross {
   EntryTable table_;
   Random random_;
   std::vector<IndexBatch> left_;   ///< left_[k]: output and grid modes before mode k, one column per index
-  std::vector<IndexBatch> right_;  ///< right_[k]: grid modes behind mode k
+  std::vector<IndexBatch> right_;  ///< right_[k]: grid modes after mode k
   std::vector<TrainCore> cores_;
   IndexBatch worst_;
 };
@@ -219,7 +219,7 @@ void check_pivots(const CrossPivots& pivots, const std::vector<int>& sizes) {
       fits = set.row(m).minCoeff() >= 0 && set.row(m).maxCoeff() < sizes[k + static_cast<std::size_t>(m)];
     }
     if (!fits) {
-      throw ArgumentError(fmt::format("the start's pivots behind mode {} do not lie on the grid of {} nodes",
+      throw ArgumentError(fmt::format("the start's pivots after mode {} do not lie on the grid of {} nodes",
                                       k, fmt::join(sizes, " x ")));
     }
   }

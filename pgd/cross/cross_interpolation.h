@@ -27,7 +27,7 @@ using EntryFunction = std::function<void(const IndexBatch& entries, Eigen::Matri
 /// Right index sets of the cores, to start the next approximation of a similar function on the same grid
 /// from.
 struct CrossPivots {
-  std::vector<IndexBatch> right;  ///< right[k]: modes behind core k x rank
+  std::vector<IndexBatch> right;  ///< right[k]: modes right of core k x rank
 };
 
 /// Adds grid entries (modes x entries) to the right sets that there are, up to `max_rank` indices in each.

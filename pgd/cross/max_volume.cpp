@@ -11,7 +11,7 @@ namespace {
 using Eigen::Index;
 
 /// Elimination with pivots chosen among all entries, until none exceeds `negligible` or `max_rank` are
-/// chosen. `matrix`: L below the diagonal. @returns the rows in the order of the pivots, the others behind
+/// chosen. `matrix`: L below the diagonal. @returns the rows in the order of the pivots, the others after
 std::vector<int> eliminate(Eigen::MatrixXd& matrix, Index max_rank, double negligible, Index& rank) {
   std::vector<int> order(static_cast<std::size_t>(matrix.rows()));
   std::iota(order.begin(), order.end(), 0);

@@ -136,11 +136,11 @@ Eigen::MatrixXd lines(const TrainField& field, std::size_t axis, const Eigen::Ma
   for (Eigen::Index j = 0; j < points.cols(); ++j) {
     Eigen::MatrixXd before = scale.cwiseInverse().asDiagonal() * cores[0].left_unfolding();
     for (std::size_t k = 0; k < axis; ++k) before *= slice(k, points(static_cast<Eigen::Index>(k), j));
-    Eigen::VectorXd behind = Eigen::VectorXd::Ones(1);
+    Eigen::VectorXd after = Eigen::VectorXd::Ones(1);
     for (std::size_t k = field.axes().size(); k-- > axis + 1;)
-      behind = slice(k, points(static_cast<Eigen::Index>(k), j)) * behind;
+      after = slice(k, points(static_cast<Eigen::Index>(k), j)) * after;
     for (int i = 0; i < along.size; ++i)
-      lines.block(i, j * outputs, 1, outputs) = (before * (along.slice(i) * behind)).transpose();
+      lines.block(i, j * outputs, 1, outputs) = (before * (along.slice(i) * after)).transpose();
   }
   return lines;
 }

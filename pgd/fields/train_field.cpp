@@ -68,7 +68,7 @@ TrainField::Workspace TrainField::make_workspace() const {
     workspace.stencils.push_back(axes_[k].make_stencil());
     workspace.slices.emplace_back(core.left, core.right);
     workspace.derivatives.emplace_back(core.left, core.right);
-    workspace.behind.emplace_back(core.left);
+    workspace.after.emplace_back(core.left);
     widest = std::max<Eigen::Index>({widest, core.left, core.right});
   }
   workspace.before.resize(widest, output_count());
@@ -102,25 +102,25 @@ void TrainField::load(std::span<const double> x, bool with_derivatives, Workspac
       slice(axis, x[k], workspace.stencils[k], workspace.slices[k]);
     }
   }
-  // behind[k] = G_k+1 .. G_d, a column: the last rank is 1.
+  // after[k] = G_k+1 .. G_d, a column: the last rank is 1.
   const std::size_t last = axes_.size() - 1;
-  workspace.behind[last] = workspace.slices[last].col(0);
+  workspace.after[last] = workspace.slices[last].col(0);
   for (std::size_t k = last; k-- > 0;) {
-    workspace.behind[k].noalias() = workspace.slices[k] * workspace.behind[k + 1];
+    workspace.after[k].noalias() = workspace.slices[k] * workspace.after[k + 1];
   }
 }
 
 void TrainField::evaluate(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values,
                           Workspace& workspace) const {
   load(x, false, workspace);
-  values.noalias() = train_.cores[0].left_unfolding() * workspace.behind[0];
+  values.noalias() = train_.cores[0].left_unfolding() * workspace.after[0];
 }
 
 void TrainField::evaluate(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values,
                           Eigen::Ref<Eigen::MatrixXd> gradient, Workspace& workspace) const {
   load(x, true, workspace);
-  values.noalias() = train_.cores[0].left_unfolding() * workspace.behind[0];
-  // `before` grows from the left; the derivative of one core stands between it and what is behind. Columns
+  values.noalias() = train_.cores[0].left_unfolding() * workspace.after[0];
+  // `before` grows from the left; the derivative of one core stands between it and what is after. Columns
   // one by one: a product of large matrices would take scratch memory.
   Eigen::Index width = train_.cores[0].right;
   workspace.before.topRows(width) = train_.cores[0].left_unfolding().transpose();
@@ -128,7 +128,7 @@ void TrainField::evaluate(std::span<const double> x, Eigen::Ref<Eigen::VectorXd>
     const auto before = workspace.before.topRows(width);
     auto through = workspace.through.head(width);
     if (k + 1 < axes_.size()) {
-      through.noalias() = workspace.derivatives[k] * workspace.behind[k + 1];
+      through.noalias() = workspace.derivatives[k] * workspace.after[k + 1];
     } else {
       through = workspace.derivatives[k].col(0);
     }

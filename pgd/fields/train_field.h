@@ -23,12 +23,12 @@ class TrainField {
   /// Scratch space of one thread.
   struct Workspace {
     std::vector<InterpolationStencil> stencils;
-    std::vector<Eigen::VectorXd> behind;       ///< behind[k] = G_k+1(x) .. G_d(x)
+    std::vector<Eigen::VectorXd> after;        ///< after[k] = G_k+1(x) .. G_d(x)
     std::vector<Eigen::MatrixXd> slices;       ///< G_k(x_k)
     std::vector<Eigen::MatrixXd> derivatives;  ///< dG_k/dx_k
     Eigen::MatrixXd before;                    ///< transposed: G_0 .. G_k-1(x), one column per output
     Eigen::MatrixXd next;
-    Eigen::VectorXd through;  ///< dG_k/dx_k behind[k]
+    Eigen::VectorXd through;  ///< dG_k/dx_k after[k]
   };
 
   /// @param train its mode 0 the outputs, then one mode per axis

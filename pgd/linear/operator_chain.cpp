@@ -83,7 +83,7 @@ void OperatorChain::link() {
       own.push_back(&term);
     }
   }
-  // States between modes: 0 before and 1 behind the mode on which a single term differs, then the others.
+  // States between modes: 0 before and 1 after the mode on which a single term differs, then the others.
   const bool shares = !single.empty();
   const int first_own = shares ? 2 : 0;
   states_.assign(d + 1, first_own + static_cast<int>(own.size()));
@@ -92,11 +92,11 @@ void OperatorChain::link() {
     const bool first = k == 0;
     const bool last = k + 1 == d;
     std::vector<Link>& links = modes_[k].links;
-    const int behind = last ? 0 : 1;
+    const int after = last ? 0 : 1;
     if (shares && !last) links.push_back({0, 0, usual[k]});
-    if (shares && !first) links.push_back({1, behind, usual[k]});
+    if (shares && !first) links.push_back({1, after, usual[k]});
     for (const auto& [mode, part] : single) {
-      if (mode == k) links.push_back({0, behind, part});
+      if (mode == k) links.push_back({0, after, part});
     }
     for (std::size_t j = 0; j < own.size(); ++j) {
       const int state = first_own + static_cast<int>(j);

@@ -12,7 +12,7 @@ namespace samara::pgd {
 /// The terms of a separated operator as a chain over the modes, what terms share kept once.
 ///
 /// Between two neighbouring modes stands a small set of states; at a mode, links lead from the states before
-/// it to the states behind it, each with one part of the operator. The sum over all paths from the first
+/// it to the states after it, each with one part of the operator. The sum over all paths from the first
 /// state to the last one, of the products of the parts along them, is the operator. Terms that differ from
 /// the parts most in use on one mode only (a Laplacian, a stiffness beside masses) share two states however
 /// many they are; every other term has a state of its own. Sums over terms that are done from mode to mode

@@ -30,10 +30,10 @@ class SquaredNorm {
   }
 
   void visit(int mode, const std::vector<Eigen::MatrixXd>& applied) {
-    const auto behind = static_cast<std::size_t>(chain_.states(mode + 1));
+    const auto after = static_cast<std::size_t>(chain_.states(mode + 1));
     const auto before = static_cast<std::size_t>(chain_.states(mode));
     const Eigen::Index terms = pairs_.front().rows();
-    std::vector<Eigen::MatrixXd> next(behind * behind, Eigen::MatrixXd::Zero(terms, terms));
+    std::vector<Eigen::MatrixXd> next(after * after, Eigen::MatrixXd::Zero(terms, terms));
     const std::size_t parts = applied.size();
     std::vector<Eigen::MatrixXd> grams(parts * parts);
     for (const Link& a : chain_.mode(mode).links) {
@@ -44,7 +44,7 @@ class SquaredNorm {
           gram.noalias() = applied[static_cast<std::size_t>(a.part)].transpose() *
                            applied[static_cast<std::size_t>(b.part)];
         }
-        next[static_cast<std::size_t>(a.to) * behind + static_cast<std::size_t>(b.to)].array() +=
+        next[static_cast<std::size_t>(a.to) * after + static_cast<std::size_t>(b.to)].array() +=
             pairs_[static_cast<std::size_t>(a.from) * before + static_cast<std::size_t>(b.from)].array() *
             gram.array();
       }
@@ -59,7 +59,7 @@ class SquaredNorm {
   std::vector<Eigen::MatrixXd> pairs_;
 };
 
-/// Columns of one mode's unfolding of D U: for every state behind it, `terms` columns of rows carry x size.
+/// Columns of one mode's unfolding of D U: for every state after it, `terms` columns of rows carry x size.
 void add_operator_columns(const OperatorChain::Mode& mode, const std::vector<Eigen::MatrixXd>& applied,
                           const Eigen::MatrixXd& carry, Eigen::Index terms, Eigen::MatrixXd& unfolding) {
   for (const Link& link : mode.links) {

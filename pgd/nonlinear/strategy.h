@@ -141,7 +141,7 @@ std::unique_ptr<Strategy> enrichment_strategy();
 
 /// (6.17): every unknown has a field of its own, and its equation is solved by itself. What the others do to it
 /// is a source of the last known fields: of this iteration for the unknowns before it, of the last one for those
-/// behind it (Gauss and Seidel). By products where f is a polynomial, else by a cross per unknown. A Picard
+/// after it (Gauss and Seidel). By products where f is a polynomial, else by a cross per unknown. A Picard
 /// iteration, which contracts on short slabs or for weak coupling.
 std::unique_ptr<Strategy> decoupling_strategy();
 

@@ -86,14 +86,14 @@ IndexBatch GrowingCross::candidate_rows(int bond) const {
   return rows;
 }
 
-/// Every node of the mode behind the bond with the columns of the next bond.
+/// Every node of the mode after the bond with the columns of the next bond.
 IndexBatch GrowingCross::candidate_cols(int bond) const {
   const int n = nodes_[static_cast<std::size_t>(bond)];
   if (bond + 1 == bonds()) return Eigen::RowVectorXi::LinSpaced(n, 0, n - 1);
-  const IndexBatch& behind = bonds_[static_cast<std::size_t>(bond) + 1].cols;
-  IndexBatch cols(behind.rows() + 1, behind.cols() * n);
-  for (Eigen::Index j = 0; j < behind.cols(); ++j) {
-    cols.middleCols(j * n, n) << Eigen::RowVectorXi::LinSpaced(n, 0, n - 1), behind.col(j).replicate(1, n);
+  const IndexBatch& after = bonds_[static_cast<std::size_t>(bond) + 1].cols;
+  IndexBatch cols(after.rows() + 1, after.cols() * n);
+  for (Eigen::Index j = 0; j < after.cols(); ++j) {
+    cols.middleCols(j * n, n) << Eigen::RowVectorXi::LinSpaced(n, 0, n - 1), after.col(j).replicate(1, n);
   }
   return cols;
 }
@@ -224,7 +224,7 @@ int GrowingCross::add_pivot(const Eigen::VectorXi& point, double tolerance) {
     }
     IndexBatch col = point.tail(coordinates() - b);
     if (has_column(bond.cols, col)) continue;
-    // Any output may be the row's: at bond 0 all of them, behind it those that its pivots have.
+    // Any output may be the row's: at bond 0 all of them, after it those that its pivots have.
     IndexBatch rows(1 + b, outputs);
     rows << Eigen::RowVectorXi::LinSpaced(outputs, 0, outputs - 1), point.head(b).replicate(1, outputs);
     crosses.push_back({rows, bond.cols});

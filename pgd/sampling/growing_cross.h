@@ -44,7 +44,7 @@ class GrowingCross {
  private:
   struct Bond {
     IndexBatch rows;  ///< output, then nodes of the coordinates before: (1 + b) x rank
-    IndexBatch cols;  ///< nodes of the coordinates behind: (d - b) x rank
+    IndexBatch cols;  ///< nodes of the coordinates after: (d - b) x rank
   };
   /// Rows and columns of one bond between which values are wanted.
   struct Block {

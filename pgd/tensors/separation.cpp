@@ -83,7 +83,7 @@ struct Expansion {
   double dropped = 0.0;  ///< norms of the beginnings left out, which bounds the error
 };
 
-/// The expansion within `tolerance`, or nothing if it has more than `max_terms` products. The cores behind
+/// The expansion within `tolerance`, or nothing if it has more than `max_terms` products. The cores after
 /// the first must be orthonormal from the right, as rounded() leaves them: the sum over all continuations of
 /// a beginning then has exactly the norm of the beginning.
 std::optional<Expansion> expansion(const TensorTrain& train, double tolerance, int max_terms) {

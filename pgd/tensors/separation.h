@@ -25,7 +25,7 @@ struct Separation {
 ///
 /// The product of all ranks counts the terms of the full expansion, 20^4 with five modes at ranks of 20:
 /// it is never formed unless it has at most `max_terms` terms. First the train is rounded. Its expansion is
-/// followed chain by chain from the left; with the cores behind orthonormal, what a beginning of a chain
+/// followed chain by chain from the left; with the cores after orthonormal, what a beginning of a chain
 /// contributes is known before it is followed, and beginnings that do not matter within the tolerance are
 /// dropped whole. Least squares look for a shorter sum, up to kMaxFittedTerms terms (more would cost more
 /// than they save); the shorter of the two is returned. If neither is within `max_terms`, the status says so.

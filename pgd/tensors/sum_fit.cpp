@@ -57,7 +57,7 @@ class AlternatingFit {
     return errors.back() * std::pow(gain, 2.0 * sweeps_left / kWindow) > tolerance;
   }
 
-  /// Interfaces behind every mode and the Gram matrices of the factors.
+  /// Interfaces after every mode and the Gram matrices of the factors.
   void prepare() {
     const Eigen::Index terms = u_.weights.size();
     left_.front() = Eigen::MatrixXd::Ones(terms, 1);
@@ -136,7 +136,7 @@ class AlternatingFit {
   double size_;
   SeparatedTensor u_;
   std::vector<Eigen::MatrixXd> left_;   ///< per mode: terms x left rank, target and u before the mode
-  std::vector<Eigen::MatrixXd> right_;  ///< per mode: terms x right rank, behind the mode
+  std::vector<Eigen::MatrixXd> right_;  ///< per mode: terms x right rank, after the mode
   std::vector<Eigen::MatrixXd> gram_;   ///< per mode: terms x terms
 };
 

@@ -9,8 +9,8 @@ namespace samara::pgd {
 Eigen::MatrixXd values_at(const TensorTrain& train, const IndexBatch& entries) {
   const std::size_t modes = train.cores.size() - 1;
   Eigen::MatrixXd values(train.cores[0].size, entries.cols());
-  // behind[k]: the product of the cores of mode k and all behind it, at the present entry.
-  std::vector<Eigen::VectorXd> behind(modes + 1, Eigen::VectorXd::Ones(1));
+  // after[k]: the product of the cores of mode k and all after it, at the present entry.
+  std::vector<Eigen::VectorXd> after(modes + 1, Eigen::VectorXd::Ones(1));
   for (Eigen::Index j = 0; j < entries.cols(); ++j) {
     std::size_t known = modes;  // modes from here on are those of the entry before
     while (j > 0 && known > 0 &&
@@ -18,10 +18,9 @@ Eigen::MatrixXd values_at(const TensorTrain& train, const IndexBatch& entries) {
                entries(static_cast<Eigen::Index>(known) - 1, j - 1))
       --known;
     for (std::size_t k = known; k-- > 0;) {
-      behind[k].noalias() =
-          train.cores[k + 1].slice(entries(static_cast<Eigen::Index>(k), j)) * behind[k + 1];
+      after[k].noalias() = train.cores[k + 1].slice(entries(static_cast<Eigen::Index>(k), j)) * after[k + 1];
     }
-    values.col(j).noalias() = train.cores[0].left_unfolding() * behind[0];
+    values.col(j).noalias() = train.cores[0].left_unfolding() * after[0];
   }
   return values;
 }
@@ -30,18 +29,18 @@ Eigen::MatrixXd values_at(const TensorTrain& train, const std::vector<Axis>& axe
                           const Eigen::MatrixXd& points) {
   Eigen::MatrixXd values(train.cores[0].size, points.cols());
   for (Eigen::Index j = 0; j < points.cols(); ++j) {
-    Eigen::VectorXd behind = Eigen::VectorXd::Ones(1);
+    Eigen::VectorXd after = Eigen::VectorXd::Ones(1);
     for (std::size_t k = axes.size(); k-- > 0;) {
       InterpolationStencil stencil = axes[k].make_stencil();
       axes[k].interpolate(points(static_cast<Eigen::Index>(k), j), stencil, false);
       Eigen::VectorXd next = Eigen::VectorXd::Zero(train.cores[k + 1].left);
       for (Eigen::Index i = 0; i < stencil.value.size(); ++i) {
         next.noalias() +=
-            stencil.value[i] * (train.cores[k + 1].slice(stencil.first + static_cast<int>(i)) * behind);
+            stencil.value[i] * (train.cores[k + 1].slice(stencil.first + static_cast<int>(i)) * after);
       }
-      behind = std::move(next);
+      after = std::move(next);
     }
-    values.col(j).noalias() = train.cores[0].left_unfolding() * behind;
+    values.col(j).noalias() = train.cores[0].left_unfolding() * after;
   }
   return values;
 }

@@ -9,7 +9,7 @@
 
 namespace samara::codebooks::kernels {
 
-/// Numbers on a border of vectors, zero at first, with a vector more behind the last one, so that kernels may
+/// Numbers on a border of vectors, zero at first, with a vector more after the last one, so that kernels may
 /// read and write beyond the end.
 template <class T>
 class Buffer {

@@ -256,10 +256,10 @@ void lagrange(const double* nodes, const double* lambda, int size, double place,
     values[j] = lambda[j] * before;
     before *= 2.0 * (place - nodes[j]);
   }
-  double behind = 1.0;
+  double after = 1.0;
   for (int j = size - 1; j >= 0; --j) {
-    values[j] *= behind;
-    behind *= 2.0 * (place - nodes[j]);
+    values[j] *= after;
+    after *= 2.0 * (place - nodes[j]);
   }
 }
 

@@ -132,8 +132,8 @@ void PackedField<T>::value(const double* x, Workspace& workspace, double* values
 }
 
 /// Columns are carried from the last axis to the first. At axis k, with the blend S and its derivatives:
-/// v <- S v; first derivatives by axes behind k: t_m <- S t_m, and t_k = S' v; second ones h_jm <- S h_jm for
-/// j, m behind k, h_km = S' t_m, h_kk = S'' v.
+/// v <- S v; first derivatives by axes after k: t_m <- S t_m, and t_k = S' v; second ones h_jm <- S h_jm for
+/// j, m after k, h_km = S' t_m, h_kk = S'' v.
 template <class T>
 void PackedField<T>::step(std::size_t k, int order, Workspace& workspace, double* const* results) const {
   const int d = axis_count();
@@ -153,7 +153,7 @@ void PackedField<T>::step(std::size_t k, int order, Workspace& workspace, double
         multiply<T, double>(matrix, core.left, core.left, core.right, workspace.in.data(), count,
                             workspace.results.data());
       } else {
-        // Whole vectors: what stands in the last one behind the rows is never looked at.
+        // Whole vectors: what stands in the last one after the rows is never looked at.
         multiply<T, T>(matrix, core.left, padded<T>(core.left), core.right, workspace.in.data(), count,
                        workspace.out.data());
       }
