@@ -10,6 +10,7 @@
 #include "samara/codebooks/source/model_system.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
+#include "samara/pgd/checks/check_system.h"
 #include "samara/pgd/nonlinear/strategy_trial.h"
 #include "samara/pgd/tensors/random.h"
 
@@ -111,4 +112,25 @@ TEST_CASE("expanded about broadside fall, a plate is solved to the power of its 
     CHECK(std::log2(errors[0] / errors[1]) == Approx(order + 1.0).margin(0.25));
     if (order == 2) CHECK(errors[1] <= 1e-6);
   }
+}
+
+TEST_CASE("a model is an evolution system that keeps its promises") {
+  const Box box{{"C_T", "C_R", "theta(0)"}, {0.8, 2.0, 0.2}, {1.4, 4.0, 0.6}};
+  const ParametricModel model = plate(box, {{"w(0)", 0.0}});
+  const ModelSystem system(model);
+  AdaptiveProblem problem;
+  problem.system = &system;
+  problem.time = {"t", "1", AxisRole::time};
+  problem.end = 2.0;
+  std::vector<double> start(6);
+  model.initial(std::vector{1.1, 3.0, 0.4}, start);
+  for (std::size_t k = 0; k < 3; ++k)
+    problem.parameters.push_back({{box.names[k]}, box.lower[k], box.upper[k]});
+  for (std::size_t s = 0; s < 6; ++s) {
+    problem.states.push_back({model.model().info().states[s].name, "1"});
+    problem.initial.push_back({start[s], -1});
+  }
+  problem.scales.assign(6, 1.0);
+  problem.scale_floors.assign(6, 0.0);
+  CHECK(check_system(problem).sentences == std::vector<std::string>{});
 }
