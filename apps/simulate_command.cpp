@@ -8,11 +8,8 @@
 #include "output.h"
 #include "samara/base/errors.h"
 #include "samara/io/csv.h"
-#include "samara/models/integrators/adaptive.h"
-#include "samara/models/integrators/integrate.h"
-#include "samara/models/integrators/rk4.h"
-#include "samara/models/integrators/rkmk.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/integrator_trajectories.h"
 #include "steered_model.h"
 #include "terminal.h"
 
@@ -57,7 +54,8 @@ std::vector<std::string> force_header(const models::ModelInfo& info, bool with_e
 }
 
 /// What every term does along a trajectory, and the kinetic energy where the model has one.
-Table force_table(const models::ParametricModel& parametric, const models::Trajectory& trajectory) {
+Table force_table(const models::ParametricModel& parametric, const Eigen::VectorXd& times,
+                  const Eigen::MatrixXd& states) {
   const models::Model& model = parametric.model();
   const models::ModelInfo& info = model.info();
   const models::ParameterValues p = parametric.parameter_values({});
@@ -65,9 +63,9 @@ Table force_table(const models::ParametricModel& parametric, const models::Traje
   std::vector<double> x(info.states.size());
   std::vector<double> values;
   bool with_energy = false;
-  for (Eigen::Index row = 0; row < trajectory.times.size(); ++row) {
-    const double t = trajectory.times[row];
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] = trajectory.states(row, static_cast<Eigen::Index>(i));
+  for (Eigen::Index row = 0; row < times.size(); ++row) {
+    const double t = times[row];
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = states(row, static_cast<Eigen::Index>(i));
     model.forces(t, x, p, terms);
     for (const models::Wrench& term : terms) {
       const std::vector<double> list = components(info, term);
@@ -79,15 +77,16 @@ Table force_table(const models::ParametricModel& parametric, const models::Traje
   }
   Table table = {force_header(info, with_energy), {}};
   table.rows = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-      values.data(), trajectory.times.size(), static_cast<Eigen::Index>(table.header.size()));
+      values.data(), times.size(), static_cast<Eigen::Index>(table.header.size()));
   return table;
 }
 
-Table state_table(const models::ModelInfo& info, const models::Trajectory& trajectory) {
+Table state_table(const models::ModelInfo& info, const Eigen::VectorXd& times,
+                  const Eigen::MatrixXd& states) {
   Table table = {{fmt::format("t[{}]", models::time_unit(info))}, {}};
   for (const auto& state : info.states) table.header.push_back(fmt::format("{}[{}]", state.name, state.unit));
-  table.rows.resize(trajectory.times.size(), 1 + trajectory.states.cols());
-  table.rows << trajectory.times, trajectory.states;
+  table.rows.resize(times.size(), 1 + states.cols());
+  table.rows << times, states;
   return table;
 }
 
@@ -134,9 +133,8 @@ void check_frames(const SimulateArguments& arguments, const models::ModelInfo& i
   }
 }
 
-models::Trajectory trajectory_by(const SimulateArguments& arguments,
-                                 const models::ParametricModel& parametric, const Eigen::VectorXd& times) {
-  const std::span<const double> list(times.data(), static_cast<std::size_t>(times.size()));
+/// What --integrator and --step say.
+models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const models::ModelInfo& info) {
   const bool fixed = arguments.integrator == "rk4" || arguments.integrator == "rkmk";
   if (fixed && arguments.step.empty()) {
     throw ArgumentError(
@@ -146,13 +144,12 @@ models::Trajectory trajectory_by(const SimulateArguments& arguments,
     throw ArgumentError(
         fmt::format("--integrator {} chooses its steps: no --step was expected", arguments.integrator));
   }
-  if (arguments.integrator == "adaptive") return models::integrate_adaptive(parametric, {}, list);
-  if (!fixed) return models::integrate(parametric, {}, list);
-  const double step =
-      number_or_quantity("--step", arguments.step, models::time_unit(parametric.model().info()));
+  if (arguments.integrator == "adaptive") return models::AdaptiveOptions{};
+  if (!fixed) return models::IntegrateOptions{};
+  const double step = number_or_quantity("--step", arguments.step, models::time_unit(info));
   if (!(step > 0.0)) throw ArgumentError(fmt::format("--step is {}, expected more than 0", arguments.step));
-  if (arguments.integrator == "rk4") return models::integrate_rk4(parametric, {}, list, {.step = step});
-  return models::integrate_rkmk(parametric, {}, list, {.step = step});
+  if (arguments.integrator == "rk4") return models::Rk4Options{.step = step};
+  return models::RkmkOptions{.step = step};
 }
 
 }  // namespace
@@ -178,13 +175,17 @@ int run(const SimulateArguments& arguments) {
   if (steered.book) steered.check_time(end);
   check_frames(arguments, info);
   const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(arguments.frames, 0.0, end);
-  const models::Trajectory trajectory = trajectory_by(arguments, parametric, times);
+  const auto family =
+      models::integrator_trajectories(steered.model, steered.values, {}, integrator_of(arguments, info));
+  const models::FamilyTrajectory trajectory =
+      models::trajectory(*family, {}, {times.begin(), times.end()}, models::output_names(family->info()));
 
-  Table table = state_table(info, trajectory);
-  if (arguments.forces) table = beside(table, force_table(parametric, trajectory));
+  Table table = state_table(info, times, trajectory.values);
+  if (arguments.forces) table = beside(table, force_table(parametric, times, trajectory.values));
   write_answer(arguments.output, io::format_csv(table.header, table.rows));
-  if (trajectory.is_usable()) return kDone;
-  warn(fmt::format("{}; rows after t = {:.6g} are empty", trajectory.message, trajectory.reached));
+  if (trajectory.outcome) return kDone;
+  warn(fmt::format("{}; rows after t = {:.6g} are empty", trajectory.outcome.message,
+                   trajectory.outcome.reached));
   return kToleranceMissed;
 }
 

@@ -16,6 +16,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/build/build.h"
 #include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/query.h"
@@ -23,9 +24,8 @@
 #include "samara/identification/captures/capture_file.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/problem/fit_config.h"
-#include "samara/identification/trajectories/codebook_trajectories.h"
-#include "samara/identification/trajectories/reference_trajectories.h"
 #include "samara/models/integrators/integrate.h"
+#include "samara/models/trajectories/reference_trajectories.h"
 #include "samara/pgd/tensors/random.h"
 
 namespace {
@@ -128,9 +128,8 @@ void measure_queries(const codebooks::Codebook& book, const benchmarks::Options&
 
   const auto captures = identification::read_captures(kExample / "coin.toml");
   const identification::FitOptions fit_options = coin_fit(book);
-  const auto from_book = identification::codebook_trajectories(book);
-  const auto from_integrator =
-      identification::reference_trajectories(book, {.relative_tolerance = tolerance});
+  const auto from_book = codebooks::codebook_trajectories(book);
+  const auto from_integrator = codebooks::reference_trajectories(book, {.relative_tolerance = tolerance});
   const int fits = options.quick ? 3 : 7;
   print_time("fit_time", time_of([&] { identification::fit(*from_book, captures, fit_options); }, fits, 0.0),
              time_of([&] { identification::fit(*from_integrator, captures, fit_options); }, fits, 0.0));
@@ -142,8 +141,8 @@ void measure_fit(const codebooks::Codebook& book) {
   const auto drag = [&](const identification::TrajectoryFamily& family) {
     return identification::fit(family, captures, options).coefficients.front();
   };
-  const auto ours = drag(*identification::codebook_trajectories(book));
-  const auto reference = drag(*identification::reference_trajectories(book));
+  const auto ours = drag(*codebooks::codebook_trajectories(book));
+  const auto reference = drag(*codebooks::reference_trajectories(book));
   print({kBench, kCase, "CD", ours.value});
   print({kBench, kCase, "CD_stderr", ours.standard_error.value_or(std::nan(""))});
   print({kBench, kCase, "CD_reference", reference.value});

@@ -8,8 +8,8 @@
 #include "real_data.h"
 #include "samara/identification/captures/capture_file.h"
 #include "samara/identification/fit/fit.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 
 namespace samara::benchmarks::identification {
 
@@ -106,7 +106,7 @@ std::unique_ptr<samara::identification::TrajectoryFamily> april_family(double si
   for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.1, 1.1};
   for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-4.0, 4.0};
   for (const char* name : {"wx(0)", "wy(0)", "wz(0)"}) box[name] = {-60.0, 60.0};
-  return samara::identification::step_trajectories(models::find_model("immersed_body"), fixed, box, 2.1e-3);
+  return samara::models::step_trajectories(models::find_model("immersed_body"), fixed, box, 2.1e-3);
 }
 
 FitOptions april_options() {

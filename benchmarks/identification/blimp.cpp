@@ -14,9 +14,9 @@
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/fit/fitted_motion.h"
 #include "samara/identification/statistics/prediction_score.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/interface/model.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 
 namespace samara::benchmarks::identification {
 

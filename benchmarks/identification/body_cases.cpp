@@ -7,10 +7,10 @@
 #include "cases.h"
 #include "real_data.h"
 #include "samara/identification/fit/fit.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/integrators/rotations.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 #include "samara/pgd/tensors/random.h"
 
 namespace samara::benchmarks::identification {
@@ -94,7 +94,7 @@ FitResult fit_one(const Values& truth, std::uint64_t seed) {
   options.segments.length = kSegment;
   options.starts = 1;
   const auto family =
-      samara::identification::step_trajectories(models::find_model("immersed_body"), card(), box, 1.05e-3);
+      samara::models::step_trajectories(models::find_model("immersed_body"), card(), box, 1.05e-3);
   return samara::identification::fit(*family, std::vector{seen}, options);
 }
 

@@ -7,8 +7,8 @@
 
 #include "discs.h"
 #include "samara/identification/captures/capture_file.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 #include "samara/pgd/tensors/random.h"
 
 namespace samara::benchmarks::identification {
@@ -66,7 +66,7 @@ std::unique_ptr<TrajectoryFamily> paper_family() {
   box["C_T"] = {0.05, 10.0};
   box["C_R"] = {0.05, 10.0};
   box["C_w"] = {0.05, 50.0};
-  return samara::identification::step_trajectories(models::find_model("immersed_body"), fixed, box, kStep);
+  return samara::models::step_trajectories(models::find_model("immersed_body"), fixed, box, kStep);
 }
 
 FitOptions paper_options() {
@@ -86,7 +86,7 @@ std::unique_ptr<TrajectoryFamily> point_family() {
   Box box;
   for (const char* name : {"x(0)", "y(0)", "z(0)", "vx(0)", "vy(0)", "vz(0)"}) box[name] = {-3.0, 3.0};
   box["C_D"] = {0.05, 5.0};
-  return samara::identification::step_trajectories(models::find_model("sphere_flight"), fixed, box, kStep);
+  return samara::models::step_trajectories(models::find_model("sphere_flight"), fixed, box, kStep);
 }
 
 FitOptions point_options() {

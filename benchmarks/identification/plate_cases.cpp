@@ -6,8 +6,8 @@
 #include "plate.h"
 #include "real_data.h"
 #include "samara/identification/fit/fit.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 
 namespace samara::benchmarks::identification {
 
@@ -30,8 +30,8 @@ FitResult fit_one(double inertia_ratio, std::uint64_t seed) {
   for (const Truth& c : plate_coefficients()) {
     options.initial[c.name] = c.value * (1.0 + kStartSpread * (2.0 * random.uniform() - 1.0));
   }
-  const auto family = samara::identification::step_trajectories(
-      models::find_model("falling_plate_nd"), plate_fixed(inertia_ratio), plate_box(), 0.01);
+  const auto family = samara::models::step_trajectories(models::find_model("falling_plate_nd"),
+                                                        plate_fixed(inertia_ratio), plate_box(), 0.01);
   return samara::identification::fit(*family, std::vector{seen}, options);
 }
 

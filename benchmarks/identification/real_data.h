@@ -12,7 +12,6 @@
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/fit_result.h"
-#include "samara/identification/trajectories/interval.h"
 #include "samara/identification/trajectories/trajectory_source.h"
 
 /// What cases with measured captures share.

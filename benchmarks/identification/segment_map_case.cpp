@@ -8,12 +8,12 @@
 #include "cases.h"
 #include "plate.h"
 #include "samara/codebooks/build/build.h"
+#include "samara/codebooks/composition/mixed_trajectories.h"
 #include "samara/codebooks/plan/plan.h"
 #include "samara/identification/fit/fit.h"
-#include "samara/identification/trajectories/mixed_trajectories.h"
-#include "samara/identification/trajectories/reference_trajectories.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/reference_trajectories.h"
+#include "samara/models/trajectories/step_trajectories.h"
 
 namespace samara::benchmarks::identification {
 

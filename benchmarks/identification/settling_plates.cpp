@@ -11,9 +11,9 @@
 #include "real_data.h"
 #include "samara/base/errors.h"
 #include "samara/identification/captures/capture_file.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/batch/batch.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 
 namespace samara::benchmarks::identification {
 
@@ -170,8 +170,7 @@ Flutter measured_flutter(const std::vector<Capture>& drops, const PlateKind& kin
 std::unique_ptr<samara::identification::TrajectoryFamily> plate_family(const PlateKind& kind) {
   Box box = disc_start_box(2.0, 0.4, 40.0);
   for (const std::string& name : coefficient_names()) box[name] = {0.01, 50.0};
-  return samara::identification::step_trajectories(models::find_model("immersed_body"), plate(kind), box,
-                                                   kStep);
+  return samara::models::step_trajectories(models::find_model("immersed_body"), plate(kind), box, kStep);
 }
 
 FitOptions settling_options() {

@@ -49,9 +49,12 @@ class SilhouetteSource final : public TrajectorySource {
     derivatives_.setZero(times, outputs_ * coordinates);
   }
 
-  bool evaluate(std::span<const double> q, Eigen::MatrixXd& values, Eigen::MatrixXd* derivatives) override {
+  TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                             Eigen::MatrixXd* derivatives) override {
     const auto own = static_cast<std::size_t>(coordinates_);
-    if (!bodies_->evaluate(q.first(own), values_, derivatives ? &derivatives_ : nullptr)) return false;
+    TrajectoryOutcome outcome =
+        bodies_->evaluate(q.first(own), values_, derivatives ? &derivatives_ : nullptr);
+    if (!outcome) return outcome;
     const auto outputs = static_cast<Eigen::Index>(cameras_.size());
     Eigen::Index column = 0;
     for (Eigen::Index o = 0; o < outputs; ++o) {
@@ -66,7 +69,7 @@ class SilhouetteSource final : public TrajectorySource {
       }
       ++column;
     }
-    return true;
+    return outcome;
   }
 
  private:

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "samara/base/errors.h"
+#include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/identification/captures/capture_file.h"
 #include "samara/identification/captures/capture_suspicions.h"
 #include "samara/identification/captures/gravity_check.h"
@@ -17,7 +18,6 @@
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/fit/mass_check.h"
 #include "samara/identification/fit/prediction.h"
-#include "samara/identification/trajectories/reference_trajectories.h"
 #include "samara/models/laws/registry.h"
 
 namespace samara::identification {
@@ -115,7 +115,7 @@ class Warnings {
 std::unique_ptr<TrajectoryFamily> behind_codebook(const FitSource& source) {
   const std::vector<std::string> known = models::model_names();
   if (!source.book || std::ranges::count(known, source.book->model().name) == 0) return {};
-  return reference_trajectories(*source.book);
+  return codebooks::reference_trajectories(*source.book);
 }
 
 std::vector<std::string> doubts_of_mass(const FitSource& source, const std::vector<Capture>& captures,

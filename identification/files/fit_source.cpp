@@ -10,16 +10,16 @@
 
 #include "samara/base/names.h"
 #include "samara/base/units.h"
+#include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/identification/problem/fit_config.h"
 #include "samara/identification/report/fit_file.h"
 #include "samara/identification/report/fit_report.h"
 #include "samara/identification/series/series_config.h"
-#include "samara/identification/trajectories/codebook_trajectories.h"
-#include "samara/identification/trajectories/reference_trajectories.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/checks/parameter_warnings.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/reference_trajectories.h"
+#include "samara/models/trajectories/step_trajectories.h"
 
 namespace samara::identification {
 
@@ -143,7 +143,9 @@ void open_codebook(const FitRequest& request, FitSource& source, std::vector<std
     warnings.push_back(fmt::format("{} has no certificate that meets its tolerance", request.source));
   }
   source.family = of_file(request.source, [&] {
-    return request.reference ? reference_trajectories(*source.book) : codebook_trajectories(*source.book);
+    if (request.reference) return codebooks::reference_trajectories(*source.book);
+    source.book->time("a fit");  // refuses a codebook without
+    return codebooks::codebook_trajectories(*source.book);
   });
 }
 

@@ -6,7 +6,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/identification/problem/camera.h"
-#include "samara/identification/trajectories/averaged_source.h"
+#include "samara/models/trajectories/averaged_source.h"
 
 namespace samara::identification {
 

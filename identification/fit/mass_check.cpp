@@ -12,8 +12,8 @@
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/problem/noise_scales.h"
 #include "samara/identification/solve/held_noise.h"
-#include "samara/identification/trajectories/reference_trajectories.h"
-#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/trajectories/reference_trajectories.h"
+#include "samara/models/trajectories/step_trajectories.h"
 
 namespace samara::identification {
 

@@ -79,12 +79,6 @@ std::span<const double> turn_of(const Camera& camera, const double* own) {
   return {own + *camera.turn, static_cast<std::size_t>(camera.turns())};
 }
 
-std::vector<std::string> output_names(const FamilyInfo& family) {
-  std::vector<std::string> names;
-  for (const FitOutput& output : family.outputs) names.push_back(output.name);
-  return names;
-}
-
 /// @throws ArgumentError for a name that stands in the list twice.
 void check_once(const std::string& field, const std::vector<std::string>& names) {
   for (const std::string& name : names) {

@@ -9,7 +9,7 @@
 
 #include "samara/base/progress.h"
 #include "samara/identification/statistics/loss.h"
-#include "samara/identification/trajectories/interval.h"
+#include "samara/identification/trajectories/trajectory_source.h"
 
 namespace samara::identification {
 

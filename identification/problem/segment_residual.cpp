@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "samara/identification/trajectories/averaged_source.h"
+#include "samara/models/trajectories/averaged_source.h"
 
 namespace samara::identification {
 

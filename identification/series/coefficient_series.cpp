@@ -15,8 +15,8 @@
 #include "samara/identification/series/series_fits.h"
 #include "samara/identification/series/series_knots.h"
 #include "samara/identification/series/series_windows.h"
-#include "samara/identification/trajectories/reference_trajectories.h"
-#include "samara/identification/trajectories/step_trajectories.h"
+#include "samara/models/trajectories/reference_trajectories.h"
+#include "samara/models/trajectories/step_trajectories.h"
 
 namespace samara::identification {
 

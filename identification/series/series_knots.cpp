@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "samara/identification/trajectories/reference_trajectories.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/interface/following_model.h"
+#include "samara/models/trajectories/reference_trajectories.h"
+#include "samara/models/trajectories/step_trajectories.h"
 
 namespace samara::identification {
 

@@ -9,7 +9,6 @@
 #include <Eigen/Core>
 
 #include "samara/identification/problem/fit_options.h"
-#include "samara/identification/trajectories/interval.h"
 #include "samara/identification/trajectories/trajectory_source.h"
 #include "samara/models/interface/model.h"
 

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "samara/identification/trajectories/trajectory_source.h"
 
@@ -11,10 +9,5 @@
 namespace samara::identification {
 
 bool contains(std::span<const std::string> names, const std::string& name);
-
-std::vector<std::string> names_of(std::span<const FitCoordinate> coordinates);
-
-/// Where the coordinate of that name stands.
-std::optional<std::size_t> position(std::span<const FitCoordinate> coordinates, const std::string& name);
 
 }  // namespace samara::identification

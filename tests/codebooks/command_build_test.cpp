@@ -7,7 +7,7 @@
 #include "samara/codebooks/build/build.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/certify/certify_plan.h"
-#include "samara/codebooks/composition/chain.h"
+#include "samara/codebooks/composition/flow_map.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/query.h"
@@ -141,10 +141,10 @@ TEST_CASE("what needs time or a model says that a codebook of a command lacks it
   const Codebook& book = timeless().book;
   CHECK_THAT(error_text<samara::ArgumentError>([&] { TrajectoryQuery(book, {0.0}); }),
              Contains("a query of trajectories needs time, which this codebook does not have"));
-  CHECK_THAT(error_text<samara::ArgumentError>([&] { Chain{book}; }),
+  CHECK_THAT(error_text<samara::ArgumentError>([&] { FlowMap{book}; }),
              Contains("sampled from a command (awk"));
   const Codebook timed = build(plan_of(kTimed, "[time]\nend = 1\n")).book;
-  CHECK_THAT(error_text<samara::ArgumentError>([&] { Chain{timed}; }),
+  CHECK_THAT(error_text<samara::ArgumentError>([&] { FlowMap{timed}; }),
              Contains("there is no model behind it"));
 }
 

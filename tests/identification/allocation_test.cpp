@@ -4,8 +4,8 @@
 #include "plate_captures.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/segment_residual.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 
 using namespace samara::identification;
 

@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 
 #include "samara/identification/fit/fit.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

@@ -14,9 +14,9 @@
 #include "samara/identification/fit/fitted_motion.h"
 #include "samara/identification/problem/fit_config.h"
 #include "samara/identification/problem/segment_residual.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 #include "samara/pgd/tensors/random.h"
 #include "synthetic.h"
 

@@ -3,9 +3,9 @@
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/codebook.h"
+#include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/problem/fit_config.h"
-#include "samara/identification/trajectories/codebook_trajectories.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

@@ -4,8 +4,8 @@
 #include "samara/identification/captures/capture_file.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/problem/fit_config.h"
-#include "samara/identification/trajectories/reference_trajectories.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/reference_trajectories.h"
 
 using namespace samara::identification;
 

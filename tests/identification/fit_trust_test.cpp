@@ -45,12 +45,13 @@ class SumFamily final : public TrajectoryFamily {
     Source(const std::vector<double>& at_times, double factor)
         : t(Eigen::Map<const Eigen::VectorXd>(at_times.data(), static_cast<Eigen::Index>(at_times.size()))),
           of_b(factor) {}
-    bool evaluate(std::span<const double> q, Eigen::MatrixXd& values, Eigen::MatrixXd* derivatives) override {
+    TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                               Eigen::MatrixXd* derivatives) override {
       values.col(0) = (q[0] + of_b * q[1]) * t;
-      if (!derivatives) return true;
+      if (!derivatives) return {};
       derivatives->col(0) = t;
       derivatives->col(1) = of_b * t;
-      return true;
+      return {};
     }
     Eigen::VectorXd t;
     double of_b;

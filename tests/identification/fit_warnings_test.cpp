@@ -183,9 +183,9 @@ class BrokenFamily final : public TrajectoryFamily {
                                        const std::vector<std::string>&) const override {
     struct Source final : TrajectorySource {
       explicit Source(bool does_throw) : throws(does_throw) {}
-      bool evaluate(std::span<const double>, Eigen::MatrixXd&, Eigen::MatrixXd*) override {
+      TrajectoryOutcome evaluate(std::span<const double>, Eigen::MatrixXd&, Eigen::MatrixXd*) override {
         if (throws) throw samara::ArgumentError("no such luck");
-        return false;
+        return {TrajectoryStatus::not_integrated, "none here"};
       }
       bool throws;
     };
@@ -251,15 +251,15 @@ class TwoStraightValleys final : public TrajectoryFamily {
   std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
                                        const std::vector<std::string>&) const override {
     struct Source final : TrajectorySource {
-      bool evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                    Eigen::MatrixXd* derivatives) override {
+      TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                                 Eigen::MatrixXd* derivatives) override {
         for (std::size_t row = 0; row < times.size(); ++row) {
           const double t = times[row];
           const auto at = static_cast<Eigen::Index>(row);
           values(at, 0) = q[0] * q[0] * t + 0.2 * q[0] * t * t;
           if (derivatives) (*derivatives)(at, 0) = 2.0 * q[0] * t + 0.2 * t * t;
         }
-        return true;
+        return {};
       }
       std::vector<double> times;
     };

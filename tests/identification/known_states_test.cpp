@@ -2,8 +2,8 @@
 
 #include "samara/base/errors.h"
 #include "samara/identification/fit/fit.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

@@ -32,7 +32,8 @@ class BrakedWithRate final : public TrajectoryFamily {
   struct Source final : TrajectorySource {
     Source(const std::vector<double>& at_times, const std::vector<std::string>& names)
         : times(at_times), outputs(names) {}
-    bool evaluate(std::span<const double> q, Eigen::MatrixXd& values, Eigen::MatrixXd* derivatives) override {
+    TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                               Eigen::MatrixXd* derivatives) override {
       const auto count = static_cast<Eigen::Index>(outputs.size());
       for (Eigen::Index row = 0; row < values.rows(); ++row) {
         const double t = times[static_cast<std::size_t>(row)];
@@ -46,7 +47,7 @@ class BrakedWithRate final : public TrajectoryFamily {
           (*derivatives)(row, o + count) = is_rate ? std::exp(-kt) : BrakedFamily::depth(q[0], 1.0, t);
         }
       }
-      return true;
+      return {};
     }
     std::vector<double> times;
     std::vector<std::string> outputs;

@@ -9,9 +9,9 @@
 #include "samara/identification/problem/segment_residual.h"
 #include "samara/identification/smoothing/flutter.h"
 #include "samara/identification/solve/starts/attitude_guess.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/integrators/rotations.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

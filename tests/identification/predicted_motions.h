@@ -9,8 +9,8 @@
 #include <catch2/catch.hpp>
 
 #include "samara/identification/fit/prediction.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 #include "synthetic.h"
 
 /// Motions whose continuation is known, for tests of predictions.

@@ -10,8 +10,8 @@
 #include "predicted_motions.h"
 #include "samara/base/errors.h"
 #include "samara/identification/fit/fit.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 #include "synthetic.h"
 
 using namespace samara::identification;
@@ -39,13 +39,14 @@ class TurningFamily final : public TrajectoryFamily {
  private:
   struct Source final : TrajectorySource {
     explicit Source(const std::vector<double>& at_times) : times(at_times) {}
-    bool evaluate(std::span<const double> q, Eigen::MatrixXd& values, Eigen::MatrixXd* derivatives) override {
+    TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                               Eigen::MatrixXd* derivatives) override {
       for (std::size_t row = 0; row < times.size(); ++row) {
         const auto at = static_cast<Eigen::Index>(row);
         values(at, 0) = q[1] + q[0] * times[row];
         if (derivatives) derivatives->row(at) << times[row], 1.0;
       }
-      return true;
+      return {};
     }
     std::vector<double> times;
   };
@@ -294,7 +295,9 @@ TEST_CASE("a capture on which the model fails counts for the baselines, and the 
     std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
                                          const std::vector<std::string>& outputs) const override {
       struct None final : TrajectorySource {
-        bool evaluate(std::span<const double>, Eigen::MatrixXd&, Eigen::MatrixXd*) override { return false; }
+        TrajectoryOutcome evaluate(std::span<const double>, Eigen::MatrixXd&, Eigen::MatrixXd*) override {
+          return {TrajectoryStatus::not_integrated, "none here"};
+        }
       };
       if (fails) return std::make_unique<None>();
       return whole.at(times, outputs);

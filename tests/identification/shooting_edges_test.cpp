@@ -3,17 +3,17 @@
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/build/build.h"
+#include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/plan/plan.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/segment_residual.h"
 #include "samara/identification/solve/starts/kinematic_start.h"
 #include "samara/identification/solve/starts/starts.h"
-#include "samara/identification/trajectories/codebook_trajectories.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/ambient_flow.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

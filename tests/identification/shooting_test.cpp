@@ -5,14 +5,14 @@
 #include "residual_derivatives.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/build/build.h"
+#include "samara/codebooks/composition/mixed_trajectories.h"
 #include "samara/codebooks/plan/plan.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/segment_residual.h"
 #include "samara/identification/smoothing/continuous_angles.h"
-#include "samara/identification/trajectories/mixed_trajectories.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 #include "samara/pgd/tensors/random.h"
 
 using namespace samara::identification;

@@ -5,8 +5,8 @@
 
 #include "plate_captures.h"
 #include "samara/identification/fit/fit.h"
-#include "samara/identification/trajectories/step_trajectories.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/step_trajectories.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

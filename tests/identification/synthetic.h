@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 
 #include "samara/identification/captures/capture.h"
-#include "samara/identification/trajectories/reference_trajectories.h"
 #include "samara/identification/trajectories/trajectory_source.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/trajectories/reference_trajectories.h"
 
 /// `count` times from 0 to `end`.
 inline std::vector<double> even_times(int count, double end) {
@@ -45,9 +45,8 @@ inline const std::map<std::string, double>& coin_fixed() {
 }
 
 inline std::unique_ptr<samara::identification::TrajectoryFamily> coin_family() {
-  return samara::identification::reference_trajectories(samara::models::find_model("vertical_fall"),
-                                                        coin_fixed(),
-                                                        {{"C_D", {0.6, 2.0}}, {"v(0)", {-0.4, 0.8}}});
+  return samara::models::reference_trajectories(samara::models::find_model("vertical_fall"), coin_fixed(),
+                                                {{"C_D", {0.6, 2.0}}, {"v(0)", {-0.4, 0.8}}});
 }
 
 /// Depth of the coin by the integrator, from `offset` on.
@@ -90,16 +89,17 @@ class BrakedFamily final : public samara::identification::TrajectoryFamily {
  private:
   struct Source final : samara::identification::TrajectorySource {
     explicit Source(const std::vector<double>& at_times) : times(at_times) {}
-    bool evaluate(std::span<const double> q, Eigen::MatrixXd& values, Eigen::MatrixXd* derivatives) override {
+    samara::identification::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                                                       Eigen::MatrixXd* derivatives) override {
       values.col(0) = depths(q[0], q[1], times);
-      if (!derivatives) return true;
+      if (!derivatives) return {};
       for (std::size_t row = 0; row < times.size(); ++row) {
         const double kt = q[0] * times[row];
         const auto at = static_cast<Eigen::Index>(row);
         (*derivatives)(at, 0) = q[1] * (kt * std::exp(-kt) + std::expm1(-kt)) / (q[0] * q[0]);
         (*derivatives)(at, 1) = depth(q[0], 1.0, times[row]);
       }
-      return true;
+      return {};
     }
     std::vector<double> times;
   };

@@ -27,15 +27,15 @@ class TwoValleys final : public TrajectoryFamily {
                                        const std::vector<std::string>&) const override {
     struct Source final : TrajectorySource {
       Source(const std::vector<double>& at_times, double a) : times(at_times), bend(a) {}
-      bool evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                    Eigen::MatrixXd* derivatives) override {
+      TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                                 Eigen::MatrixXd* derivatives) override {
         for (std::size_t row = 0; row < times.size(); ++row) {
           const double t = times[row];
           const auto at = static_cast<Eigen::Index>(row);
           values(at, 0) = q[0] * q[0] * t + bend * q[0] * t * t;
           if (derivatives) (*derivatives)(at, 0) = 2.0 * q[0] * t + bend * t * t;
         }
-        return true;
+        return {};
       }
       std::vector<double> times;
       double bend;

@@ -1,46 +1,45 @@
-#include "samara/identification/trajectories/model_symmetry.h"
+#include "samara/models/trajectories/model_symmetry.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-namespace samara::identification {
+namespace samara::models {
 
-std::vector<std::string> translated_outputs(const models::ModelInfo& model,
-                                            const std::vector<FitOutput>& outputs) {
+std::vector<std::string> translated_outputs(const ModelInfo& model,
+                                            const std::vector<FamilyOutput>& outputs) {
   std::vector<std::string> translated;
-  for (const FitOutput& output : outputs) {
+  for (const FamilyOutput& output : outputs) {
     if (std::ranges::count(model.symmetries, "translation of " + output.name) > 0)
       translated.push_back(output.name);
   }
   return translated;
 }
 
-std::vector<std::string> attitude_outputs(const models::ModelInfo& model,
-                                          const std::vector<FitOutput>& outputs) {
-  for (const models::StateGroup& group : model.groups) {
-    if (group.kind != models::StateGroupKind::quaternion) continue;
+std::vector<std::string> attitude_outputs(const ModelInfo& model, const std::vector<FamilyOutput>& outputs) {
+  for (const StateGroup& group : model.groups) {
+    if (group.kind != StateGroupKind::quaternion) continue;
     std::vector<std::string> names;
     for (int part = 0; part < 4; ++part) {
       names.push_back(model.states[static_cast<std::size_t>(group.first + part)].name);
-      if (std::ranges::count(outputs, names.back(), &FitOutput::name) == 0) return {};
+      if (std::ranges::count(outputs, names.back(), &FamilyOutput::name) == 0) return {};
     }
     return names;
   }
   return {};
 }
 
-bool is_autonomous(const models::ParametricModel& equations, const std::vector<FitCoordinate>& box) {
+bool is_autonomous(const ParametricModel& equations, const std::vector<FamilyCoordinate>& box) {
   constexpr std::array kTimes = {0.37, 1.3, 7.9, 61.0};  // s
   std::vector<double> middle;
-  for (const FitCoordinate& c : box) middle.push_back(0.5 * (c.lower + c.upper));
+  for (const FamilyCoordinate& c : box) middle.push_back(0.5 * (c.lower + c.upper));
   std::vector<double> x(static_cast<std::size_t>(equations.state_count()));
   equations.initial(middle, x);
-  for (const models::StateGroup& group : equations.model().info().groups) {
+  for (const StateGroup& group : equations.model().info().groups) {
     // The middle of the box of an attitude may be none.
-    if (group.kind == models::StateGroupKind::quaternion) x[static_cast<std::size_t>(group.first)] += 1.0;
+    if (group.kind == StateGroupKind::quaternion) x[static_cast<std::size_t>(group.first)] += 1.0;
   }
-  models::ParametricModel::Workspace workspace = equations.make_workspace();
+  ParametricModel::Workspace workspace = equations.make_workspace();
   Eigen::VectorXd first(equations.state_count());
   Eigen::VectorXd then(equations.state_count());
   const auto span_of = [](Eigen::VectorXd& f) {
@@ -54,12 +53,12 @@ bool is_autonomous(const models::ParametricModel& equations, const std::vector<F
   });
 }
 
-void describe_equations(const models::ParametricModel& equations, FamilyInfo& info) {
-  const models::ModelInfo& model = equations.model().info();
-  for (const models::StateInfo& state : model.states) info.states.push_back(state.name);
+void describe_equations(const ParametricModel& equations, FamilyInfo& info) {
+  const ModelInfo& model = equations.model().info();
+  for (const StateInfo& state : model.states) info.states.push_back(state.name);
   info.translations = translated_outputs(model, info.outputs);
   info.attitude = attitude_outputs(model, info.outputs);
   info.autonomous = is_autonomous(equations, info.coordinates);
 }
 
-}  // namespace samara::identification
+}  // namespace samara::models

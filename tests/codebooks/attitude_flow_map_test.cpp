@@ -7,7 +7,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/build/build.h"
-#include "samara/codebooks/composition/chain.h"
+#include "samara/codebooks/composition/flow_map.h"
 #include "samara/codebooks/composition/reduced_attitude.h"
 #include "samara/codebooks/plan/plan.h"
 #include "samara/models/integrators/integrate.h"
@@ -191,12 +191,12 @@ samara::models::ParametricModel body_model() {
 
 TEST_CASE("windows that start at a tilt carry a body at any yaw and place, with derivatives") {
   REQUIRE(tilted_window().certificate()->met);
-  Chain chain(tilted_window());
-  CHECK(chain.states().size() == 13);
+  FlowMap flow_map(tilted_window());
+  CHECK(flow_map.states().size() == 13);
   const std::vector<double> times = {0.0, 0.05, 0.1, 0.25, 0.5};
-  const ChainResult result = chain.run(start(), std::vector{kDisplaced}, times, true);
+  const FlowMapResult result = flow_map.run(start(), std::vector{kDisplaced}, times, true);
   INFO(result.message);
-  REQUIRE(result.status == ChainStatus::done);
+  REQUIRE(result.status == FlowMapStatus::done);
   const VectorXd q = free_values();
   const auto exact =
       samara::models::integrate(body_model(), std::vector<double>(q.begin(), q.end()), times, {}, true);
@@ -211,18 +211,19 @@ TEST_CASE("windows that start at a tilt carry a body at any yaw and place, with 
   }
 }
 
-TEST_CASE("composed derivatives through attitudes are those of the chain itself") {
-  Chain chain(tilted_window());
+TEST_CASE("composed derivatives through attitudes are those of the flow map itself") {
+  FlowMap flow_map(tilted_window());
   const std::vector<double> times = {0.35};
-  const ChainResult result = chain.run(start(), std::vector{kDisplaced}, times, true);
+  const FlowMapResult result = flow_map.run(start(), std::vector{kDisplaced}, times, true);
   const auto end = [&](const VectorXd& q) -> VectorXd {
-    return chain.run(std::vector<double>(q.begin(), q.begin() + 13), std::vector{q[13]}, times).states.row(0);
+    return flow_map.run(std::vector<double>(q.begin(), q.begin() + 13), std::vector{q[13]}, times)
+        .states.row(0);
   };
   CHECK((result.derivatives[0] - slopes(end, free_values(), 1e-5)).cwiseAbs().maxCoeff() < 1e-7);
 }
 
-TEST_CASE("turning the world and stretching the quaternion turns and stretches what a chain answers") {
-  Chain chain(tilted_window());
+TEST_CASE("turning the world and stretching the quaternion turns and stretches what a flow map answers") {
+  FlowMap flow_map(tilted_window());
   const std::vector<double> at = start();
   const auto same = [](const VectorXd& x) {  // place and quaternion as the states of moving_thing()
     VectorXd y = VectorXd::Zero(kNumbers);
@@ -235,25 +236,25 @@ TEST_CASE("turning the world and stretching the quaternion turns and stretches w
   std::vector<double> from = at;
   std::copy_n(other.begin(), 3, from.begin());
   std::copy_n(other.begin() + kQuaternion, 4, from.begin() + 3);
-  const VectorXd end = chain.run(at, std::vector{kDisplaced}, std::vector{0.4}).states.row(0);
-  const VectorXd turned_end = chain.run(from, std::vector{kDisplaced}, std::vector{0.4}).states.row(0);
+  const VectorXd end = flow_map.run(at, std::vector{kDisplaced}, std::vector{0.4}).states.row(0);
+  const VectorXd turned_end = flow_map.run(from, std::vector{kDisplaced}, std::vector{0.4}).states.row(0);
   CHECK((same(turned_end) - turned(same(end), 1.3, -2.0)).norm() < 1e-12);
   CHECK((turned_end - end).tail<6>().norm() < 1e-12);
 }
 
 TEST_CASE("a body that tilts out of the box, and a codebook without a tilt, are named") {
-  Chain chain(tilted_window());
+  FlowMap flow_map(tilted_window());
   std::vector<double> steep = start();
   steep[3] = 1.0, steep[4] = 0.5, steep[5] = 0.0, steep[6] = 0.0;
-  const ChainResult result = chain.run(steep, std::vector{kDisplaced}, std::vector{0.4});
-  CHECK(result.status == ChainStatus::left_box);
+  const FlowMapResult result = flow_map.run(steep, std::vector{kDisplaced}, std::vector{0.4});
+  CHECK(result.status == FlowMapStatus::left_box);
   CHECK(result.left == "qx");
   CHECK_THAT(result.message,
              Contains("qx = 0.5") && Contains("outside [-0.3, 0.3]") && Contains("without yaw"));
   steep[3] = 0.0;  // upside down
-  CHECK(chain.run(steep, std::vector{kDisplaced}, std::vector{0.4}).status == ChainStatus::left_box);
+  CHECK(flow_map.run(steep, std::vector{kDisplaced}, std::vector{0.4}).status == FlowMapStatus::left_box);
 
   const Codebook flat = window("\"qx(0)\" = [-0.3, 0.3]\n", "0.5");
-  CHECK_THROWS_WITH(Chain(flat), Contains("the axes \"qx(0)\" and \"qy(0)\", with \"qw(0)\" fixed at 1 and "
-                                          "\"qz(0)\" at 0"));
+  CHECK_THROWS_WITH(FlowMap(flat), Contains("the axes \"qx(0)\" and \"qy(0)\", with \"qw(0)\" fixed at 1 and "
+                                            "\"qz(0)\" at 0"));
 }

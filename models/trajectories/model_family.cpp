@@ -1,24 +1,23 @@
-#include "samara/identification/trajectories/model_family.h"
+#include "samara/models/trajectories/model_family.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/identification/trajectories/model_symmetry.h"
+#include "samara/models/trajectories/model_symmetry.h"
 
-namespace samara::identification {
+namespace samara::models {
 
 namespace {
 
-std::vector<std::string> names_of(const std::map<std::string, Interval>& box) {
+std::vector<std::string> names_in(const std::map<std::string, Interval>& box) {
   std::vector<std::string> names;
   for (const auto& [name, interval] : box) names.push_back(name);
   return names;
 }
 
-void check_box(const models::ParametricModel& model, const std::map<std::string, Interval>& box) {
-  if (box.empty()) throw ArgumentError("the box is empty; at least one free coordinate was expected");
+void check_box(const ParametricModel& model, const std::map<std::string, Interval>& box) {
   std::vector<double> lower;
   std::vector<double> upper;
   for (const auto& [name, interval] : box) {
@@ -34,25 +33,33 @@ void check_box(const models::ParametricModel& model, const std::map<std::string,
   model.check(upper);
 }
 
-FamilyInfo describe(const models::ParametricModel& model, const std::map<std::string, Interval>& box,
+FamilyInfo describe(const ParametricModel& model, const std::map<std::string, Interval>& box,
                     const std::string& source) {
-  const models::ModelInfo& m = model.model().info();
+  const ModelInfo& m = model.model().info();
   FamilyInfo info{.model = m.name, .source = source, .fixed = model.fixed()};
-  for (const models::FreeCoordinate& c : model.free()) {
+  for (const FreeCoordinate& c : model.free()) {
     const Interval& interval = box.at(c.name);
     info.coordinates.push_back({c.name, c.unit, c.is_initial, interval.lower, interval.upper});
   }
-  for (const models::StateInfo& state : m.states) info.outputs.push_back({state.name, state.unit});
+  for (const StateInfo& state : m.states) info.outputs.push_back({state.name, state.unit});
   describe_equations(model, info);
   return info;
 }
 
 }  // namespace
 
-ModelFamily::ModelFamily(std::shared_ptr<const models::Model> model,
-                         const std::map<std::string, double>& fixed,
+void require_free_coordinates(const std::map<std::string, Interval>& box) {
+  if (box.empty()) throw ArgumentError("the box is empty; at least one free coordinate was expected");
+}
+
+TrajectoryOutcome outcome_of(const Trajectory& trajectory) {
+  if (trajectory.is_usable()) return {};
+  return {TrajectoryStatus::not_integrated, trajectory.message, trajectory.reached};
+}
+
+ModelFamily::ModelFamily(std::shared_ptr<const Model> model, const std::map<std::string, double>& fixed,
                          const std::map<std::string, Interval>& box, const std::string& source)
-    : model_(std::move(model), fixed, names_of(box)) {
+    : model_(std::move(model), fixed, names_in(box)) {
   check_box(model_, box);
   info_ = describe(model_, box, source);
 }
@@ -60,7 +67,7 @@ ModelFamily::ModelFamily(std::shared_ptr<const models::Model> model,
 std::vector<int> ModelFamily::state_indices(const std::vector<std::string>& outputs) const {
   std::vector<int> indices;
   for (const std::string& output : outputs) {
-    const auto found = std::ranges::find(info_.outputs, output, &FitOutput::name);
+    const auto found = std::ranges::find(info_.outputs, output, &FamilyOutput::name);
     if (found == info_.outputs.end()) {
       throw ArgumentError(fmt::format("model \"{}\" has no state \"{}\"", info_.model, output));
     }
@@ -69,4 +76,4 @@ std::vector<int> ModelFamily::state_indices(const std::vector<std::string>& outp
   return indices;
 }
 
-}  // namespace samara::identification
+}  // namespace samara::models

@@ -9,7 +9,7 @@
 
 #include "samara/codebooks/book/codebook.h"
 
-/// Long motions from a codebook of a short time: windows, chained.
+/// Long motions from a codebook of a short time: windows, composed.
 ///
 /// A codebook whose initial state is free is the flow map of its model over a window of time. Applied again
 /// and again, the end of one window being the start of the next, it answers at any time, with derivatives by
@@ -26,18 +26,18 @@
 /// alpha is tan(alpha/2) long: [-1, 1] holds all up to a right angle. Without that symmetry qz(0) is an axis
 /// too.
 ///
-///   Chain chain(book);
-///   const ChainResult fall = chain.run(start, parameters, times);
-///   if (fall.status != ChainStatus::done) report(fall.message);
+///   FlowMap flow_map(book);
+///   const FlowMapResult fall = flow_map.run(start, parameters, times);
+///   if (fall.status != FlowMapStatus::done) report(fall.message);
 namespace samara::codebooks {
 
-enum class ChainStatus {
+enum class FlowMapStatus {
   done,
   left_box,  ///< a state left the box of the codebook at the start of a window: nothing is known beyond
 };
 
-struct ChainResult {
-  ChainStatus status = ChainStatus::done;
+struct FlowMapResult {
+  FlowMapStatus status = FlowMapStatus::done;
   std::string message;     ///< one sentence
   std::string left;        ///< the state that left the box, if one did
   double reached = 0.0;    ///< time up to which rows are valid [s]; later rows are NaN
@@ -46,15 +46,15 @@ struct ChainResult {
   std::vector<Eigen::MatrixXd> derivatives;
 };
 
-class Chain {
+class FlowMap {
  public:
-  /// The codebook must outlive the chain. One per thread.
+  /// The codebook must outlive the flow map. One per thread.
   /// @throws ArgumentError if the model is not known or not autonomous, or a state is neither output nor
   ///   axis nor free of translation.
-  explicit Chain(const Codebook& book);
-  ~Chain();
-  Chain(Chain&&) noexcept;
-  Chain& operator=(Chain&&) noexcept;
+  explicit FlowMap(const Codebook& book);
+  ~FlowMap();
+  FlowMap(FlowMap&&) noexcept;
+  FlowMap& operator=(FlowMap&&) noexcept;
 
   /// Of the model, in its order.
   const std::vector<std::string>& states() const;
@@ -67,8 +67,8 @@ class Chain {
   ///   from 0 on, without bound
   /// @throws ArgumentError for wrong sizes, values that are not finite, times that decrease;
   ///   OutsideBoxError for a parameter outside the box.
-  ChainResult run(std::span<const double> start, std::span<const double> parameters,
-                  std::span<const double> times, bool with_derivatives = false);
+  FlowMapResult run(std::span<const double> start, std::span<const double> parameters,
+                    std::span<const double> times, bool with_derivatives = false);
 
  private:
   struct Impl;

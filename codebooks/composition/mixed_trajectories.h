@@ -3,11 +3,11 @@
 #include <memory>
 
 #include "samara/codebooks/book/codebook.h"
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// Trajectories of a codebook where it covers them, of another family everywhere else: so that a fit by
 /// segments takes most of its steps at the price of a query, and may still start outside the codebook's box.
-namespace samara::identification {
+namespace samara::codebooks {
 
 /// The result has the coordinates, outputs and box of `direct`. Its states may start anywhere in the
 /// directions in which the motion of the model does not depend on the place, also if the codebook holds them.
@@ -19,7 +19,7 @@ namespace samara::identification {
 /// holds
 ///   one that is free in `direct` or has another value there; from at(), for an output that the codebook
 ///   lacks. Fits whose segments are joined ask for all states.
-std::unique_ptr<TrajectoryFamily> mixed_trajectories(const codebooks::Codebook& book,
-                                                     std::unique_ptr<TrajectoryFamily> direct);
+std::unique_ptr<models::TrajectoryFamily> mixed_trajectories(
+    const Codebook& book, std::unique_ptr<models::TrajectoryFamily> direct);
 
-}  // namespace samara::identification
+}  // namespace samara::codebooks

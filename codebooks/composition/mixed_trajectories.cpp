@@ -1,4 +1,4 @@
-#include "samara/identification/trajectories/mixed_trajectories.h"
+#include "samara/codebooks/composition/mixed_trajectories.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,14 +9,13 @@
 #include "samara/base/names.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/codebooks/query/trajectory_query.h"
-#include "samara/identification/trajectories/coordinate_names.h"
 
-namespace samara::identification {
+namespace samara::codebooks {
 
 namespace {
 
 /// Where a coordinate of the codebook comes from.
-struct BookCoordinate {
+struct CoverCoordinate {
   std::optional<std::size_t> from = {};  ///< of the family's coordinates
   double value = 0.0;                    ///< if the family holds it
   double lower = 0.0, upper = 0.0;
@@ -24,27 +23,27 @@ struct BookCoordinate {
 
 /// How the answers of a codebook become those of the family.
 struct Cover {
-  const codebooks::Codebook* book = nullptr;
-  std::vector<BookCoordinate> coordinates;
+  const Codebook* book = nullptr;
+  std::vector<CoverCoordinate> coordinates;
   double end_time = 0.0;
 
   bool contains(std::span<const double> q) const {
-    return std::ranges::all_of(coordinates, [&](const BookCoordinate& c) {
+    return std::ranges::all_of(coordinates, [&](const CoverCoordinate& c) {
       const double value = c.from ? q[*c.from] : c.value;
       return value >= c.lower && value <= c.upper;
     });
   }
 };
 
-Cover cover_of(const codebooks::Codebook& book, const FamilyInfo& direct) {
+Cover cover_of(const Codebook& book, const models::FamilyInfo& direct) {
   if (book.model().name != direct.model) {
     throw ArgumentError(fmt::format("the codebook is of \"{}\", the {} of \"{}\"; one model was expected",
                                     book.model().name, direct.source, direct.model));
   }
-  Cover cover{&book, {}, book.time("a fit").upper};
+  Cover cover{&book, {}, book.time("a family of trajectories").upper};
   for (std::size_t k = 1; k < book.coordinates().size(); ++k) {
-    const codebooks::Coordinate& c = book.coordinates()[k];
-    BookCoordinate place{.from = position(direct.coordinates, c.name), .lower = c.lower, .upper = c.upper};
+    const Coordinate& c = book.coordinates()[k];
+    CoverCoordinate place{.from = position(direct.coordinates, c.name), .lower = c.lower, .upper = c.upper};
     if (!place.from) {
       const auto held = direct.fixed.find(c.name);
       if (held == direct.fixed.end()) {
@@ -60,7 +59,7 @@ Cover cover_of(const codebooks::Codebook& book, const FamilyInfo& direct) {
 
 /// What the codebook holds must be held by the family at the same value, unless the motion does not depend on
 /// it.
-void check_held(const codebooks::Codebook& book, const FamilyInfo& direct) {
+void check_held(const Codebook& book, const models::FamilyInfo& direct) {
   for (const auto& [name, value] : book.model().fixed) {
     const bool is_place = std::ranges::any_of(
         direct.translations, [&](const std::string& output) { return output + "(0)" == name; });
@@ -78,10 +77,10 @@ struct Shift {
   Eigen::Index output = 0;
   std::optional<std::size_t> coordinate = {};  ///< of the family, whose value is the start
   double held = 0.0;                           ///< or the family's start
-  double book_start = 0.0;                     ///< what the codebook starts from
+  double codebook_start = 0.0;                 ///< what the codebook starts from
 };
 
-std::vector<Shift> shifts_of(const codebooks::Codebook& book, const FamilyInfo& direct,
+std::vector<Shift> shifts_of(const Codebook& book, const models::FamilyInfo& direct,
                              const std::vector<std::string>& outputs) {
   const auto value_of = [](const std::map<std::string, double>& values, const std::string& name) {
     const auto found = values.find(name);
@@ -91,23 +90,25 @@ std::vector<Shift> shifts_of(const codebooks::Codebook& book, const FamilyInfo& 
   for (std::size_t o = 0; o < outputs.size(); ++o) {
     const std::string start = outputs[o] + "(0)";
     const bool moves = std::ranges::count(direct.translations, outputs[o]) > 0;
-    const bool in_book = std::ranges::any_of(book.coordinates(),
-                                             [&](const codebooks::Coordinate& c) { return c.name == start; });
-    if (!moves || in_book) continue;
+    const bool is_axis =
+        std::ranges::any_of(book.coordinates(), [&](const Coordinate& c) { return c.name == start; });
+    if (!moves || is_axis) continue;
     shifts.push_back({static_cast<Eigen::Index>(o), position(direct.coordinates, start),
                       value_of(direct.fixed, start), value_of(book.model().fixed, start)});
   }
   return shifts;
 }
 
-class MixedSource final : public TrajectorySource {
+class MixedSource final : public models::TrajectorySource {
  public:
-  MixedSource(const Cover& cover, std::unique_ptr<TrajectorySource> direct, const FamilyInfo& family,
-              const std::vector<double>& times, const std::vector<std::string>& outputs)
+  MixedSource(const Cover& cover, std::unique_ptr<models::TrajectorySource> direct,
+              const models::FamilyInfo& family, const std::vector<double>& times,
+              const std::vector<std::string>& outputs)
       : cover_(cover),
         direct_(std::move(direct)),
         shifts_(shifts_of(*cover.book, family, outputs)),
         outputs_(static_cast<Eigen::Index>(outputs.size())),
+        coordinates_(family.coordinates.size()),
         q_(cover.coordinates.size()) {
     if (times.empty() || times.back() > cover.end_time) return;
     query_.emplace(*cover.book, times, outputs);
@@ -115,10 +116,12 @@ class MixedSource final : public TrajectorySource {
                         outputs_ * static_cast<Eigen::Index>(q_.size()));
   }
 
-  bool evaluate(std::span<const double> q, Eigen::MatrixXd& values, Eigen::MatrixXd* derivatives) override {
+  models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                                     Eigen::MatrixXd* derivatives) override {
+    models::check_point(q, coordinates_);
     if (!query_ || !cover_.contains(q)) return direct_->evaluate(q, values, derivatives);
     for (std::size_t k = 0; k < q_.size(); ++k) {
-      const BookCoordinate& c = cover_.coordinates[k];
+      const CoverCoordinate& c = cover_.coordinates[k];
       q_[k] = c.from ? q[*c.from] : c.value;
     }
     if (derivatives) {
@@ -129,9 +132,9 @@ class MixedSource final : public TrajectorySource {
     }
     for (const Shift& shift : shifts_) {
       const double start = shift.coordinate ? q[*shift.coordinate] : shift.held;
-      values.col(shift.output).array() += start - shift.book_start;
+      values.col(shift.output).array() += start - shift.codebook_start;
     }
-    return true;
+    return {};
   }
 
  private:
@@ -152,58 +155,59 @@ class MixedSource final : public TrajectorySource {
   }
 
   const Cover& cover_;
-  std::unique_ptr<TrajectorySource> direct_;
+  std::unique_ptr<models::TrajectorySource> direct_;
   std::vector<Shift> shifts_;
   Eigen::Index outputs_;
-  std::optional<codebooks::TrajectoryQuery> query_;
+  std::size_t coordinates_;  ///< of the family
+  std::optional<TrajectoryQuery> query_;
   std::vector<double> q_;
   Eigen::MatrixXd derivatives_;  ///< by the codebook's coordinates
 };
 
-class MixedTrajectories final : public TrajectoryFamily {
+class MixedTrajectories final : public models::TrajectoryFamily {
  public:
-  MixedTrajectories(const codebooks::Codebook& book, std::unique_ptr<TrajectoryFamily> direct)
+  MixedTrajectories(const Codebook& book, std::unique_ptr<models::TrajectoryFamily> direct)
       : book_(book), direct_(std::move(direct)), info_(direct_->info()), cover_(cover_of(book, info_)) {
     check_held(book, info_);
     info_.source = fmt::format("codebook and {}", info_.source);
   }
 
-  const FamilyInfo& info() const override { return info_; }
+  const models::FamilyInfo& info() const override { return info_; }
   const models::ParametricModel* equations() const override { return direct_->equations(); }
 
-  std::unique_ptr<TrajectoryFamily> finer() const override {
-    std::unique_ptr<TrajectoryFamily> direct = direct_->finer();
+  std::unique_ptr<models::TrajectoryFamily> finer() const override {
+    std::unique_ptr<models::TrajectoryFamily> direct = direct_->finer();
     return direct ? std::make_unique<MixedTrajectories>(book_, std::move(direct)) : nullptr;
   }
 
-  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                       const std::vector<std::string>& outputs) const override {
+  std::unique_ptr<models::TrajectorySource> at(const std::vector<double>& times,
+                                               const std::vector<std::string>& outputs) const override {
     return mixed(direct_->at(times, outputs), times, outputs);
   }
-  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                       const std::vector<std::string>& outputs,
-                                       const std::vector<int>& wanted) const override {
+  std::unique_ptr<models::TrajectorySource> at(const std::vector<double>& times,
+                                               const std::vector<std::string>& outputs,
+                                               const std::vector<int>& wanted) const override {
     return mixed(direct_->at(times, outputs, wanted), times, outputs);
   }
 
  private:
-  std::unique_ptr<TrajectorySource> mixed(std::unique_ptr<TrajectorySource> direct,
-                                          const std::vector<double>& times,
-                                          const std::vector<std::string>& outputs) const {
+  std::unique_ptr<models::TrajectorySource> mixed(std::unique_ptr<models::TrajectorySource> direct,
+                                                  const std::vector<double>& times,
+                                                  const std::vector<std::string>& outputs) const {
     return std::make_unique<MixedSource>(cover_, std::move(direct), info_, times, outputs);
   }
 
-  const codebooks::Codebook& book_;
-  std::unique_ptr<TrajectoryFamily> direct_;
-  FamilyInfo info_;
+  const Codebook& book_;
+  std::unique_ptr<models::TrajectoryFamily> direct_;
+  models::FamilyInfo info_;
   Cover cover_;
 };
 
 }  // namespace
 
-std::unique_ptr<TrajectoryFamily> mixed_trajectories(const codebooks::Codebook& book,
-                                                     std::unique_ptr<TrajectoryFamily> direct) {
+std::unique_ptr<models::TrajectoryFamily> mixed_trajectories(
+    const Codebook& book, std::unique_ptr<models::TrajectoryFamily> direct) {
   return std::make_unique<MixedTrajectories>(book, std::move(direct));
 }
 
-}  // namespace samara::identification
+}  // namespace samara::codebooks

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace samara::identification {
+namespace samara::models {
 
 /// Of one coordinate, SI.
 struct Interval {
@@ -11,4 +11,4 @@ struct Interval {
   bool contains(double value) const { return value >= lower && value <= upper; }
 };
 
-}  // namespace samara::identification
+}  // namespace samara::models

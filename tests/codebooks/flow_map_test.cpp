@@ -1,4 +1,4 @@
-#include "samara/codebooks/composition/chain.h"
+#include "samara/codebooks/composition/flow_map.h"
 
 #include <cmath>
 #include <random>
@@ -44,12 +44,12 @@ std::vector<double> steps(double end, int count) {
 
 }  // namespace
 
-TEST_CASE("a chain of windows follows the integrator far beyond the codebook's time") {
-  Chain chain(coin_window());
-  CHECK(chain.window() == 0.05);
-  CHECK(chain.states() == std::vector<std::string>{"v", "x"});
-  REQUIRE(chain.parameters().size() == 1);
-  CHECK(chain.parameters()[0].name == "C_D");
+TEST_CASE("a flow map of windows follows the integrator far beyond the codebook's time") {
+  FlowMap flow_map(coin_window());
+  CHECK(flow_map.window() == 0.05);
+  CHECK(flow_map.states() == std::vector<std::string>{"v", "x"});
+  REQUIRE(flow_map.parameters().size() == 1);
+  CHECK(flow_map.parameters()[0].name == "C_D");
   const samara::models::ParametricModel model = fall_of({"C_D", "v(0)", "x(0)"});
   const std::vector<double> times = steps(1.0, 77);
   std::mt19937_64 random(5);
@@ -57,8 +57,9 @@ TEST_CASE("a chain of windows follows the integrator far beyond the codebook's t
   for (int i = 0; i < 20; ++i) {
     const std::vector<double> q = {0.8 + 0.8 * uniform(random), 0.5 * uniform(random),
                                    10.0 * uniform(random)};
-    const ChainResult result = chain.run(std::vector<double>{q[1], q[2]}, std::vector<double>{q[0]}, times);
-    REQUIRE(result.status == ChainStatus::done);
+    const FlowMapResult result =
+        flow_map.run(std::vector<double>{q[1], q[2]}, std::vector<double>{q[0]}, times);
+    REQUIRE(result.status == FlowMapStatus::done);
     CHECK(result.reached == 1.0);
     const samara::models::Trajectory exact = samara::models::integrate(model, q, times);
     // Each of the 20 windows is good to 1e-5 of its range, about 1 m/s and 0.05 m. Drag makes errors of v
@@ -68,13 +69,13 @@ TEST_CASE("a chain of windows follows the integrator far beyond the codebook's t
   }
 }
 
-TEST_CASE("composed derivatives of a chain are the integrator's sensitivities") {
-  Chain chain(coin_window());
+TEST_CASE("composed derivatives of a flow map are the integrator's sensitivities") {
+  FlowMap flow_map(coin_window());
   const samara::models::ParametricModel model = fall_of({"v(0)", "x(0)", "C_D"});
   const std::vector<double> times = {0.0, 0.02, 0.05, 0.1, 0.33, 0.9};
   const std::vector<double> q = {0.1, 3.0, 1.1};
-  const ChainResult result =
-      chain.run(std::vector<double>{q[0], q[1]}, std::vector<double>{q[2]}, times, true);
+  const FlowMapResult result =
+      flow_map.run(std::vector<double>{q[0], q[1]}, std::vector<double>{q[2]}, times, true);
   const samara::models::Trajectory exact = samara::models::integrate(model, q, times, {}, true);
   REQUIRE(result.derivatives.size() == times.size());
   for (std::size_t t = 0; t < times.size(); ++t) {
@@ -89,25 +90,26 @@ TEST_CASE("composed derivatives of a chain are the integrator's sensitivities") 
   CHECK(result.derivatives[0].leftCols(2).isIdentity(1e-4));
 }
 
-TEST_CASE("inside the first window a chain is the codebook") {
-  Chain chain(coin_window());
+TEST_CASE("inside the first window a flow map is the codebook") {
+  FlowMap flow_map(coin_window());
   Query query(coin_window());
   Eigen::VectorXd values(2);
   for (const double t : {0.0, 0.013, 0.05}) {
     query.values(std::vector<double>{t, 1.2, 0.25}, values);
-    const ChainResult result =
-        chain.run(std::vector<double>{0.25, 0.0}, std::vector<double>{1.2}, std::vector<double>{t});
+    const FlowMapResult result =
+        flow_map.run(std::vector<double>{0.25, 0.0}, std::vector<double>{1.2}, std::vector<double>{t});
     CHECK(result.states(0, 0) == values[0]);
     CHECK(result.states(0, 1) == values[1]);
   }
 }
 
-TEST_CASE("a state that leaves the box stops the chain with its name and the time") {
+TEST_CASE("a state that leaves the box stops the flow map with its name and the time") {
   // The coin passes 0.3 m/s, where the axis of v(0) ends, before the window of 0.5 s does.
-  Chain chain(coin_build().book);
+  FlowMap flow_map(coin_build().book);
   const std::vector<double> times = {0.1, 0.5, 0.50001, 0.7};
-  const ChainResult result = chain.run(std::vector<double>{0.0, 0.0}, std::vector<double>{1.0}, times, true);
-  CHECK(result.status == ChainStatus::left_box);
+  const FlowMapResult result =
+      flow_map.run(std::vector<double>{0.0, 0.0}, std::vector<double>{1.0}, times, true);
+  CHECK(result.status == FlowMapStatus::left_box);
   CHECK(result.left == "v");
   CHECK(result.reached == 0.5);
   CHECK_THAT(result.message, Contains("t = 0.5:") && Contains("v = ") && Contains("outside [0, 0.3]"));
@@ -115,21 +117,22 @@ TEST_CASE("a state that leaves the box stops the chain with its name and the tim
   CHECK(result.states.bottomRows(2).array().isNaN().all());
   CHECK(result.derivatives[2].array().isNaN().all());
   // Started outside, it does not begin.
-  const ChainResult outside = chain.run(std::vector<double>{0.4, 0.0}, std::vector<double>{1.0}, times);
-  CHECK(outside.status == ChainStatus::left_box);
+  const FlowMapResult outside = flow_map.run(std::vector<double>{0.4, 0.0}, std::vector<double>{1.0}, times);
+  CHECK(outside.status == FlowMapStatus::left_box);
   CHECK(outside.reached == 0.0);
 }
 
-TEST_CASE("codebooks that cannot be chained, and calls that make no sense, are refused by name") {
+TEST_CASE("codebooks that have no flow map, and calls that make no sense, are refused by name") {
   const Codebook no_axis = built("C_D = [0.8, 1.6]\n", "0.05");
-  CHECK_THROWS_WITH(Chain(no_axis), Contains("needs an axis \"v(0)\"") && Contains("vertical_fall"));
-  Chain chain(coin_window());
+  CHECK_THROWS_WITH(FlowMap(no_axis), Contains("needs an axis \"v(0)\"") && Contains("vertical_fall"));
+  FlowMap flow_map(coin_window());
   const std::vector<double> start = {0.1, 0.0}, C_D = {1.0}, times = {0.1};
-  CHECK_THROWS_WITH(chain.run(C_D, C_D, times), Contains("2 states and 1 parameters was given 1 and 1"));
-  CHECK_THROWS_WITH(chain.run(std::vector<double>{std::nan(""), 0.0}, C_D, times), Contains("v(0) is nan"));
-  CHECK_THROWS_WITH(chain.run(start, C_D, std::vector<double>{0.2, 0.1}), Contains("0.1 after 0.2"));
-  CHECK_THROWS_WITH(chain.run(start, C_D, std::vector<double>{-0.1}), Contains("-0.1 after 0"));
-  CHECK_THROWS_AS(chain.run(start, std::vector<double>{3.0}, times), samara::OutsideBoxError);
+  CHECK_THROWS_WITH(flow_map.run(C_D, C_D, times), Contains("2 states and 1 parameters was given 1 and 1"));
+  CHECK_THROWS_WITH(flow_map.run(std::vector<double>{std::nan(""), 0.0}, C_D, times),
+                    Contains("v(0) is nan"));
+  CHECK_THROWS_WITH(flow_map.run(start, C_D, std::vector<double>{0.2, 0.1}), Contains("0.1 after 0.2"));
+  CHECK_THROWS_WITH(flow_map.run(start, C_D, std::vector<double>{-0.1}), Contains("-0.1 after 0"));
+  CHECK_THROWS_AS(flow_map.run(start, std::vector<double>{3.0}, times), samara::OutsideBoxError);
 }
 
 namespace {
@@ -156,19 +159,19 @@ kind = "sampling"
 
 }  // namespace
 
-TEST_CASE("a chain of windows of trains carries a tumbling plate over full turns, with derivatives") {
+TEST_CASE("a flow map of windows of trains carries a tumbling plate over full turns, with derivatives") {
   INFO(plate_window().message);
   REQUIRE(plate_window().met);
   const Codebook& book = plate_window().book;
   REQUIRE(book.pieces()[0].groups()[0].train() != nullptr);
-  Chain chain(book);
-  CHECK(chain.states() == std::vector<std::string>{"vx", "vy", "w", "theta", "x", "y"});
+  FlowMap flow_map(book);
+  CHECK(flow_map.states() == std::vector<std::string>{"vx", "vy", "w", "theta", "x", "y"});
   // Two turns below the box: the angle is wrapped at the first window, and again where it leaves the box.
   const std::vector<double> start = {1.0, -0.6, -1.5, -4.0 * 3.14159265358979 - 3.1, 5.0, -7.0};
   const std::vector<double> times = steps(0.4, 8);
-  const ChainResult result = chain.run(start, {}, times, true);
+  const FlowMapResult result = flow_map.run(start, {}, times, true);
   INFO(result.message);
-  REQUIRE(result.status == ChainStatus::done);
+  REQUIRE(result.status == FlowMapStatus::done);
   const samara::models::ParametricModel model(samara::models::find_model("falling_plate_nd"), {},
                                               {"vx(0)", "vy(0)", "w(0)", "theta(0)", "x(0)", "y(0)"});
   const samara::models::Trajectory exact = samara::models::integrate(model, start, times, {}, true);
@@ -182,13 +185,13 @@ TEST_CASE("a chain of windows of trains carries a tumbling plate over full turns
   }
 }
 
-TEST_CASE("a chain of trains that leaves its box says when and which state") {
-  Chain chain(plate_window().book);
+TEST_CASE("a flow map of trains that leaves its box says when and which state") {
+  FlowMap flow_map(plate_window().book);
   const std::vector<double> start = {1.9, -0.3, -0.5, -2.0, 0.0, 0.0};
-  const ChainResult result = chain.run(start, {}, steps(10.0, 100));
-  CHECK(result.status == ChainStatus::left_box);
+  const FlowMapResult result = flow_map.run(start, {}, steps(10.0, 100));
+  CHECK(result.status == FlowMapStatus::left_box);
   CHECK_FALSE(result.left.empty());
   CHECK(result.reached < 10.0);
-  CHECK_THAT(result.message, Contains("the chain left the box at t = ") && Contains(result.left + " = "));
+  CHECK_THAT(result.message, Contains("the flow map left the box at t = ") && Contains(result.left + " = "));
   CHECK(std::isnan(result.states(100, 0)));
 }

@@ -1,4 +1,4 @@
-#include "samara/codebooks/composition/chain.h"
+#include "samara/codebooks/composition/flow_map.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,12 +61,12 @@ std::optional<ReducedAttitude> reduced_attitude(const Codebook& book, const mode
   const bool is_upright = !without_yaw || initial_value(book, state(3)) == 0.0;
   if (length != 0.0 && is_upright && is_axis(1) && is_axis(2) && (without_yaw || is_axis(3)))
     return ReducedAttitude(info, group->first, length, without_yaw);
-  throw ArgumentError(
-      fmt::format("a chain of \"{0}\" needs the axes \"{2}(0)\" and \"{3}(0)\", with \"{1}(0)\" fixed at 1 "
-                  "and \"{4}(0)\" {5}, "
-                  "or all four axes of the attitude",
-                  info.name, state(0).name, state(1).name, state(2).name, state(3).name,
-                  turns ? "at 0" : "an axis too, since the model notices the yaw"));
+  throw ArgumentError(fmt::format(
+      "a flow map of \"{0}\" needs the axes \"{2}(0)\" and \"{3}(0)\", with \"{1}(0)\" fixed at 1 "
+      "and \"{4}(0)\" {5}, "
+      "or all four axes of the attitude",
+      info.name, state(0).name, state(1).name, state(2).name, state(3).name,
+      turns ? "at 0" : "an axis too, since the model notices the yaw"));
 }
 
 /// f at the middle of the box, with one state moved and at some time.
@@ -93,7 +93,7 @@ bool nearly_equal(const std::vector<double>& a, const std::vector<double>& b) {
 
 }  // namespace
 
-struct Chain::Impl {
+struct FlowMap::Impl {
   /// Where a window begins.
   struct Window {
     Eigen::VectorXd start;             ///< all states as they are
@@ -131,14 +131,14 @@ struct Chain::Impl {
                    Eigen::MatrixXd* by_parameters);
   std::string left_box(double t, std::size_t state, double value) const;
   void run(const Eigen::VectorXd& start, std::span<const double> times, bool with_derivatives,
-           ChainResult& result);
+           FlowMapResult& result);
 };
 
-Carried Chain::Impl::carry(const models::ModelInfo& info, std::size_t state, bool is_angle) const {
+Carried FlowMap::Impl::carry(const models::ModelInfo& info, std::size_t state, bool is_angle) const {
   const std::string& name = info.states[state].name;
   Carried result;
   const std::optional<int> output = find_name(book.outputs(), name);
-  if (!output) throw ArgumentError(fmt::format("a chain needs the state \"{}\" among the outputs", name));
+  if (!output) throw ArgumentError(fmt::format("a flow map needs the state \"{}\" among the outputs", name));
   result.output = *output;
   result.coordinate = find_name(book.coordinates(), name + "(0)");
   if (result.coordinate) {
@@ -153,14 +153,15 @@ Carried Chain::Impl::carry(const models::ModelInfo& info, std::size_t state, boo
     return result;
   }
   if (std::ranges::count(info.symmetries, "translation of " + name) == 0) {
-    throw ArgumentError(fmt::format(
-        "a chain needs an axis \"{}(0)\": the model \"{}\" notices where {} starts", name, info.name, name));
+    throw ArgumentError(
+        fmt::format("a flow map needs an axis \"{}(0)\": the model \"{}\" notices where {} starts", name,
+                    info.name, name));
   }
   result.origin = initial_value(book, info.states[state]);
   return result;
 }
 
-Chain::Impl::Impl(const Codebook& codebook) : book(codebook), query(codebook) {
+FlowMap::Impl::Impl(const Codebook& codebook) : book(codebook), query(codebook) {
   const models::ParametricModel model = model_of(book);
   const models::ModelInfo& info = model.model().info();
   std::vector<double> middle;
@@ -171,15 +172,16 @@ Chain::Impl::Impl(const Codebook& codebook) : book(codebook), query(codebook) {
     parameters.push_back(c);
     parameter_places.push_back(static_cast<int>(k));
   }
-  const Coordinate& time = book.time("a chain");
+  const Coordinate& time = book.time("a flow map");
   window = time.upper;
   if (time.lower != 0.0) {
     throw ArgumentError(
-        fmt::format("a chain needs a codebook from t = 0 on; this one begins at {}", time.lower));
+        fmt::format("a flow map needs a codebook from t = 0 on; this one begins at {}", time.lower));
   }
   const std::vector<double> f = rate(model, middle, 0.0, 0, 0.0);
   if (!nearly_equal(f, rate(model, middle, 0.37 * window, 0, 0.0))) {
-    throw ArgumentError(fmt::format("a chain needs an autonomous model; \"{}\" depends on time", info.name));
+    throw ArgumentError(
+        fmt::format("a flow map needs an autonomous model; \"{}\" depends on time", info.name));
   }
   attitude = reduced_attitude(book, info);
   for (std::size_t i = 0; i < info.states.size(); ++i) {
@@ -194,10 +196,10 @@ Chain::Impl::Impl(const Codebook& codebook) : book(codebook), query(codebook) {
   gradient.resize(book.output_count(), book.coordinate_count());
 }
 
-void Chain::Impl::check(std::span<const double> start, std::span<const double> q,
-                        std::span<const double> times) const {
+void FlowMap::Impl::check(std::span<const double> start, std::span<const double> q,
+                          std::span<const double> times) const {
   if (start.size() != states.size() || q.size() != parameters.size()) {
-    throw ArgumentError(fmt::format("a chain of {} states and {} parameters was given {} and {}",
+    throw ArgumentError(fmt::format("a flow map of {} states and {} parameters was given {} and {}",
                                     states.size(), parameters.size(), start.size(), q.size()));
   }
   for (std::size_t i = 0; i < start.size(); ++i) {
@@ -210,7 +212,7 @@ void Chain::Impl::check(std::span<const double> start, std::span<const double> q
   for (const double t : times) {
     if (!(std::isfinite(t) && t >= before)) {
       throw ArgumentError(
-          fmt::format("the times of a chain hold {} after {}, expected finite ones that do "
+          fmt::format("the times of a flow map hold {} after {}, expected finite ones that do "
                       "not decrease, from 0 on",
                       t, before));
     }
@@ -218,7 +220,7 @@ void Chain::Impl::check(std::span<const double> start, std::span<const double> q
   }
 }
 
-std::optional<std::size_t> Chain::Impl::load(Window& at) {
+std::optional<std::size_t> FlowMap::Impl::load(Window& at) {
   for (std::size_t i = 0; i < carried.size(); ++i) {
     const Carried& state = carried[i];
     double value = at.reduced[static_cast<Eigen::Index>(i)];
@@ -236,8 +238,8 @@ std::optional<std::size_t> Chain::Impl::load(Window& at) {
   return std::nullopt;
 }
 
-void Chain::Impl::answer(double t, const Window& at, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
-                         Eigen::MatrixXd* by_parameters) {
+void FlowMap::Impl::answer(double t, const Window& at, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
+                           Eigen::MatrixXd* by_parameters) {
   point[0] = std::min(t, window);
   if (by_start == nullptr) {
     query.values(point, values);
@@ -261,8 +263,8 @@ void Chain::Impl::answer(double t, const Window& at, Eigen::VectorXd& x, Eigen::
   }
 }
 
-void Chain::Impl::answer_from(const Window& at, double t, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
-                              Eigen::MatrixXd* by_parameters) {
+void FlowMap::Impl::answer_from(const Window& at, double t, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
+                                Eigen::MatrixXd* by_parameters) {
   answer(t, at, x, by_start, by_parameters);
   if (!attitude) return;
   if (by_start == nullptr) {
@@ -274,10 +276,10 @@ void Chain::Impl::answer_from(const Window& at, double t, Eigen::VectorXd& x, Ei
   *by_parameters = by_reduced * *by_parameters;
 }
 
-std::string Chain::Impl::left_box(double t, std::size_t state, double value) const {
+std::string FlowMap::Impl::left_box(double t, std::size_t state, double value) const {
   const bool is_reduced = attitude && attitude->turns(static_cast<int>(state));
   const std::string& unit = units[state];
-  return fmt::format("the chain left the box at t = {:.6g}: {} = {:.6g}{}{}{} is outside [{}, {}]", t,
+  return fmt::format("the flow map left the box at t = {:.6g}: {} = {:.6g}{}{}{} is outside [{}, {}]", t,
                      states[state], value, unit == "1" ? "" : " ", unit == "1" ? "" : unit,
                      !is_reduced                  ? ""
                      : attitude->is_without_yaw() ? ", without yaw,"
@@ -285,8 +287,8 @@ std::string Chain::Impl::left_box(double t, std::size_t state, double value) con
                      carried[state].lower, carried[state].upper);
 }
 
-void Chain::Impl::run(const Eigen::VectorXd& start, std::span<const double> times, bool with_derivatives,
-                      ChainResult& result) {
+void FlowMap::Impl::run(const Eigen::VectorXd& start, std::span<const double> times, bool with_derivatives,
+                        FlowMapResult& result) {
   const Eigen::Index n = start.size();
   const auto m = static_cast<Eigen::Index>(parameters.size());
   Window at{start, start, {}, std::vector<double>(states.size())};
@@ -308,7 +310,7 @@ void Chain::Impl::run(const Eigen::VectorXd& start, std::span<const double> time
     at.reduced =
         attitude ? attitude->reduced(at.start, with_derivatives ? &at.reduced_by_start : nullptr) : at.start;
     if (const std::optional<std::size_t> out = load(at)) {
-      result.status = ChainStatus::left_box;
+      result.status = FlowMapStatus::left_box;
       result.left = states[*out];
       result.message = left_box(begin, *out, at.reduced[static_cast<Eigen::Index>(*out)]);
       return;
@@ -328,28 +330,28 @@ void Chain::Impl::run(const Eigen::VectorXd& start, std::span<const double> time
   result.message = fmt::format("{} times up to {:.6g}", times.size(), result.reached);
 }
 
-Chain::Chain(const Codebook& book) : impl_(std::make_unique<Impl>(book)) {}
-Chain::~Chain() = default;
-Chain::Chain(Chain&&) noexcept = default;
-Chain& Chain::operator=(Chain&&) noexcept = default;
+FlowMap::FlowMap(const Codebook& book) : impl_(std::make_unique<Impl>(book)) {}
+FlowMap::~FlowMap() = default;
+FlowMap::FlowMap(FlowMap&&) noexcept = default;
+FlowMap& FlowMap::operator=(FlowMap&&) noexcept = default;
 
-const std::vector<std::string>& Chain::states() const {
+const std::vector<std::string>& FlowMap::states() const {
   return impl_->states;
 }
-const std::vector<Coordinate>& Chain::parameters() const {
+const std::vector<Coordinate>& FlowMap::parameters() const {
   return impl_->parameters;
 }
-double Chain::window() const {
+double FlowMap::window() const {
   return impl_->window;
 }
 
-ChainResult Chain::run(std::span<const double> start, std::span<const double> parameters,
-                       std::span<const double> times, bool with_derivatives) {
+FlowMapResult FlowMap::run(std::span<const double> start, std::span<const double> parameters,
+                           std::span<const double> times, bool with_derivatives) {
   impl_->check(start, parameters, times);
   const auto states = static_cast<Eigen::Index>(start.size());
   const auto count = static_cast<Eigen::Index>(times.size());
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  ChainResult result;
+  FlowMapResult result;
   result.states.setConstant(count, states, kUnknown);
   if (with_derivatives) {
     const auto columns = states + static_cast<Eigen::Index>(parameters.size());

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "samara/models/trajectories/trajectory_family.h"
+
+/// Trajectories as a camera or a tracking program sees them that averages over frames: every frame is the mean
+/// of the family's values at its own time and at those of its neighbours, and so are its derivatives.
+namespace samara::models {
+
+/// What a frame is the mean of.
+struct FrameMean {
+  int frames = 1;              ///< centred on it, odd
+  double interval = 0.0;       ///< s, between them
+  bool last_is_state = false;  ///< the last time is no frame: the end of a joined segment
+};
+
+/// The family's values where frames are single; else each frame as the mean of the family's values at
+/// `mean.frames` times centred on it. Times before 0 or after the end of the family count as these.
+/// @param times s, since the start of the trajectory
+/// @param outputs, wanted as TrajectoryFamily::at()
+/// @throws as TrajectoryFamily::at()
+std::unique_ptr<TrajectorySource> averaged_source(const TrajectoryFamily& family, const FrameMean& mean,
+                                                  const std::vector<double>& times,
+                                                  const std::vector<std::string>& outputs,
+                                                  const std::vector<int>& wanted);
+
+/// The same as a family.
+/// @throws ArgumentError unless `mean.frames` is odd and positive and `mean.interval` positive.
+std::unique_ptr<TrajectoryFamily> averaged_trajectories(std::unique_ptr<TrajectoryFamily> family,
+                                                        const FrameMean& mean);
+
+}  // namespace samara::models
