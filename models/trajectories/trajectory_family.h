@@ -32,6 +32,7 @@
 ///   const auto source = family->at(times, {"x", "y"});     // one per thread
 ///   for (const auto& q : points) source->evaluate(q, values, &derivatives);
 ///
+/// check_family.h tests a family of your own.
 namespace samara::models {
 
 /// A free coordinate: a parameter, or the initial value "s(0)" of state s, with its box (SI).
