@@ -205,7 +205,7 @@ void check_command(const CLI::App& app, int argc, const char* const* argv) {
   throw ArgumentError(fmt::format("\"{}\" is not a command{}", name, suggestion(name, known)));
 }
 
-/// A value too many behind an option would pass for one more input. So the inputs of a command stand in one
+/// A value too many after an option would pass for one more input. So the inputs of a command stand in one
 /// row, which no option with values interrupts.
 void check_row(const CLI::App& command) {
   std::map<const CLI::Option*, std::size_t> counts;
@@ -219,7 +219,7 @@ void check_row(const CLI::App& command) {
     }
     if (!interrupted_by.empty()) {
       throw ArgumentError(fmt::format(
-          "\"{}\" stands behind {}, apart from the inputs before it; all inputs in one row were expected",
+          "\"{}\" stands after {}, apart from the inputs before it; all inputs in one row were expected",
           option->results().at(index), interrupted_by));
     }
     has_inputs = true;

@@ -38,7 +38,7 @@ int guarded(int argc, const char* const* argv) {
     complain(error.what());
     return kWrongCall;
   } catch (const std::filesystem::filesystem_error& error) {
-    // A path that the system refuses where nobody expected it to.
+    // A path that the system refuses where no check has looked for it.
     complain(error.what());
     return kWrongCall;
   } catch (const std::bad_alloc&) {

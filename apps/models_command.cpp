@@ -72,7 +72,7 @@ Json to_json(const models::ModelInfo& info) {
 
 constexpr std::size_t kWidth = 110;
 
-/// Words of `text` in lines of at most kWidth, all but the first behind `indent` spaces.
+/// Words of `text` in lines of at most kWidth, all but the first after `indent` spaces.
 std::string wrapped(const std::string& text, std::size_t indent) {
   std::string lines;
   std::size_t column = indent;

@@ -64,7 +64,7 @@ Points points_of(const Codebook& book, const QueryArguments& arguments) {
   return points;
 }
 
-/// Values and, behind them, gradients (output by output, coordinate by coordinate).
+/// Values, then gradients (output by output, coordinate by coordinate).
 Eigen::MatrixXd answer(const Codebook& book, const Points& points, bool gradient) {
   codebooks::Query query(book);
   const int outputs = book.output_count();

@@ -98,8 +98,8 @@ Table beside(const Table& left, const Table& right) {
   return both;
 }
 
-/// The last time [the model's unit of time]. No motion is seen within a time so short that round-off is
-/// larger, and integrators give up.
+/// The last time [the model's unit of time]. Times so short that round-off exceeds them show no motion, and
+/// integrators stop.
 double end_of(const SimulateArguments& arguments, const models::ParametricModel& parametric) {
   const std::string unit = models::time_unit(parametric.model().info());
   const double end = number_or_quantity("--until", arguments.until, unit);
@@ -159,7 +159,7 @@ int run(const SimulateArguments& arguments) {
   const auto model = models::find_model(arguments.model);
   const models::ModelInfo& info = model->info();
   if (arguments.forces && info.force_terms.empty()) {
-    throw ArgumentError(fmt::format("--forces: model \"{}\" does not break its force down", info.name));
+    throw ArgumentError(fmt::format("--forces: model \"{}\" does not list its force by terms", info.name));
   }
   std::map<std::string, std::string> units;
   for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;

@@ -48,7 +48,7 @@ pgd::Statistics statistics_of(const codebooks::FieldGroup& group, bool has_time)
   return pgd::statistics(group, options);
 }
 
-/// Puts the columns from `from` on behind the rows that are there.
+/// Appends the columns of `from` to the rows that are there.
 void append(Eigen::VectorXd& rows, const Eigen::RowVectorXd& columns, Eigen::Index from) {
   const Eigen::Index before = rows.size(), more = columns.size() - from;
   rows.conservativeResize(before + more);

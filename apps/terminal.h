@@ -6,8 +6,8 @@
 #include "samara/base/progress.h"
 #include "samara/models/interface/model.h"
 
-/// Exit codes, and everything that goes to stderr. What stderr does not take is lost, and nothing else with
-/// it.
+/// Exit codes, and everything that goes to stderr. What stderr does not take is lost; the answer and
+/// the exit code are not.
 namespace samara::apps {
 
 inline constexpr int kDone = 0;
@@ -17,8 +17,8 @@ inline constexpr int kBadInput = 3;
 inline constexpr int kToleranceMissed = 4;
 inline constexpr int kOutsideBox = 5;
 
-/// To be called first: standard streams that are closed become ones that can be neither read nor written, so
-/// that no file opened later takes their number, and with it the words meant for them.
+/// To be called first. Closed standard streams are opened such that they can be neither read nor written:
+/// else a file opened later would take their descriptor, and receive what is written to them.
 void hold_closed_streams();
 
 /// "samara: <sentence>" on stderr.

@@ -1,13 +1,13 @@
 #pragma once
 
-/// Eigen's memory, the same in every program that shares objects with Samara.
+/// Makes Eigen allocate memory the same way in every program that shares objects with Samara.
 ///
 /// Eigen reads from the compiler's flags how it aligns its arrays, and with AVX it allocates them in a way of
 /// its own: what one side allocated the other could not free. Samara is built for 16 bytes, which malloc
 /// gives. With flags for AVX this header makes Eigen take the vectors of SSE, of the same 16 bytes; all other
 /// code of the program may use AVX. The targets of CMake pass it to the compiler in front of every source of
-/// their users
-/// (-include): who calls the compiler by hand does the same, and sets EIGEN_MAX_ALIGN_BYTES to 16.
+/// their users (-include). Who calls the compiler by hand does the same, and sets EIGEN_MAX_ALIGN_BYTES to
+/// 16.
 
 #if defined(__AVX__) && !defined(EIGEN_DONT_VECTORIZE)
 

@@ -17,7 +17,7 @@ class SharedProgress {
   SharedProgress(const ProgressCallback& callback, std::string stage, double pieces)
       : callback_(callback), stage_(std::move(stage)), pieces_(pieces) {}
 
-  /// To be asked from time to time; reports if it is time for it. False once the callback asked to cancel.
+  /// To be called from time to time; reports every 20 ms. False once the callback asked to cancel.
   bool goes_on() {
     if (!callback_) return true;
     if (!cancelled() && std::this_thread::get_id() == caller_) report_if_due();

@@ -10,11 +10,11 @@
 /// How numerical work ends. That it ends without what was asked for is no error: it is said in the result.
 namespace samara {
 
-/// One family for marches, strategies, samples and builds; each of them says which it knows.
+/// One list for marches, strategies, samples and builds; each of them documents which values it returns.
 enum class Termination {
   converged,       ///< to the tolerance, as far as the work itself can tell
-  missed,          ///< gone to the end, but not to the tolerance
-  not_resolved,    ///< nodes, ranks and cells are used up, and neighbours still part
+  missed,          ///< finished, but not to the tolerance
+  not_resolved,    ///< nodes, ranks and cells are used up, and the solution still differs within a cell
   ceases,          ///< somewhere the solution grows beyond all bounds
   no_contraction,  ///< somewhere the equations of the shortest slab have no solution that was found
   diverged,        ///< corrections grow: no contraction on a slab of this length
@@ -23,7 +23,7 @@ enum class Termination {
   exhausted,       ///< ranks and nodes allowed to a sample are used up
   stagnated,       ///< much more work no longer lowered the error: a kink, a pole
   noise,           ///< values are not smooth enough for the tolerance
-  refuted,         ///< fresh points found the field wrong again and again
+  refuted,         ///< new points found the field wrong again and again
   not_finite,      ///< a value is infinite or not a number; where is said beside
   failed,          ///< a function threw an exception or gave no answer
   not_determined,  ///< of a fit: the data do not tell the coefficients

@@ -42,7 +42,7 @@ void write_all(int descriptor, std::string_view text, const fs::path& path) {
   }
 }
 
-/// The path behind symbolic links, also behind those that lead to no file yet.
+/// The path that symbolic links lead to, also those that lead to no file yet.
 fs::path followed(const fs::path& given) {
   constexpr int kMostLinks = 40;  // as the kernel's
   fs::path path = given;

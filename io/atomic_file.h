@@ -14,7 +14,7 @@ namespace samara::io {
 /// A temporary file that becomes the final one on commit() and is removed otherwise.
 class PendingFile {
  public:
-  /// Creates the temporary file, empty. Symbolic links are followed: the file behind them will be replaced,
+  /// Creates the temporary file, empty. Symbolic links are followed: the file they lead to will be replaced,
   /// or created. One that is replaced keeps its permissions.
   /// @throws ArgumentError naming `final_path` if its directory does not exist or cannot be written, or if it
   /// is a directory or a device.

@@ -9,8 +9,7 @@
 
 #include "samara/io/hdf5_library.h"
 
-/// Reading of single datasets and attributes with all checks; internal to io/. Everything here stands inside
-/// a Session.
+/// Reading of single datasets and attributes with all checks; internal to io/. To be called within a Session.
 namespace samara::io::hdf5 {
 
 /// An open file, and what its checks and messages need.

@@ -12,9 +12,9 @@
 
 #include "samara/base/errors.h"
 
-/// Reading of HDF5 files that may be damaged, truncated, foreign, or made to harm.
+/// Reading of HDF5 files that may be damaged, truncated, of another program, or malicious.
 ///
-/// Whatever is asked for must be there, of the kind and shape asked for, complete and with right checksums:
+/// What is asked for must exist with the kind and shape asked for, complete and with right checksums:
 /// anything else is an InputError of one sentence that names file and object. Sizes are checked against the
 /// size of the file before memory is taken. Files must have a superblock of version 2 or later (Hdf5Writer;
 /// h5py with `libver="latest"`), because older ones carry no checksums in their metadata. Only hard links are

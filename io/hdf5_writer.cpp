@@ -49,7 +49,7 @@ class Image {
   /// The file, once it is closed. (H5Fget_file_image() of an open file has a wrong checksum in its
   /// superblock.)
   std::string_view file() const {
-    // The memory ends somewhere behind the file. Where the file ends stands in its superblock (version 2, 3).
+    // The memory is longer than the file. Where the file ends stands in its superblock (version 2, 3).
     constexpr std::size_t kEndOfFile = 28;
     std::uint64_t end = 0;
     const std::string_view bytes(closed_.get(), closed_ ? size_ : 0);

@@ -9,7 +9,7 @@
 /// their mass and stiffness matrices. Reference: Boisvert, Pozo and Remington, The Matrix Market exchange
 /// formats: initial design, NIST Interagency Report 5935 (1996).
 ///
-/// Eigen's own reader is not used: it prints its complaints and goes on, and ignores symmetry.
+/// Eigen's own reader is not used: it prints errors and goes on, and ignores symmetry.
 namespace samara::io {
 
 /// The matrix of a file with the header `%%MatrixMarket matrix coordinate FIELD SYMMETRY`, where FIELD is

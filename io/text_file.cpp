@@ -42,7 +42,7 @@ void await_data(const std::string& name, int descriptor, double silence) {
 
 std::string read_text_file(const std::filesystem::path& path, const TextLimits& limits) {
   const std::string name = path.string();
-  // Without waiting: a pipe that nobody has opened for writing would never return.
+  // Without waiting: opening a pipe that has no writer would never return.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (!file.valid()) {
     if (errno == ENOENT) throw InputError(name, "the file does not exist");

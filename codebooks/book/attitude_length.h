@@ -21,8 +21,7 @@ class AttitudeLength {
  public:
   /// @param outputs places in the codebook of those that are wanted
   /// @returns nothing where not all four numbers are wanted, or the attitude at the beginning is an axis:
-  /// then
-  ///   lengths differ, and are the caller's
+  ///   then lengths differ, and are the caller's
   static std::optional<AttitudeLength> of(const Codebook& book, const std::vector<int>& outputs);
 
   /// @param columns of rows (outputs, each at all times): values, first derivatives by `coordinates`, second

@@ -27,7 +27,7 @@ Size size_of(const Matrix& matrix) {
 }
 
 /// @param what the answer, for the message
-/// @throws ArgumentError if what a caller gave for an answer has another size.
+/// @throws ArgumentError if the matrix that a caller gave for an answer has another size.
 void require_size(const char* what, Size found, Size expected);
 
 /// Whether the axes' box (borders included) holds the point.

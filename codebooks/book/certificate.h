@@ -69,8 +69,8 @@ struct Certificate {
 };
 
 /// The share of the box that may err by more than the tolerance, with 95 % confidence: Clopper and Pearson's
-/// limit for `wrong` of `points` random points; about 3/points for none. Who looks again and again until
-/// nothing is found must look more closely: every earlier refutation halves the chance of error.
+/// limit for `wrong` of `points` random points; about 3/points for none. A build that was refuted and
+/// certified again must meet more: every earlier refutation halves the allowed chance of error.
 /// @throws ArgumentError unless 0 <= wrong <= points, points > 0 and refuted_before >= 0
 double share_above(int wrong, int points, int refuted_before = 0);
 

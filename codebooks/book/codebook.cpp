@@ -48,7 +48,7 @@ std::vector<Coordinate> coordinates_of(const PieceOutline& piece, bool needs_tim
   }
   const auto is_time = [](const Coordinate& c) { return c.role == pgd::AxisRole::time; };
   if (std::any_of(coordinates.begin() + 1, coordinates.end(), is_time))
-    throw ArgumentError("an axis of a codebook other than the first is time, expected time first");
+    throw ArgumentError("an axis of a codebook after the first one is time; time was expected first");
   return coordinates;
 }
 

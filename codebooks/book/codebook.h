@@ -23,7 +23,7 @@
 ///   query.values({{0.3, 1.15, 0.0}}, values);        // t, C_D, v(0)
 namespace samara::codebooks {
 
-/// Stands for the name of a model where a program was sampled.
+/// The name of the model of a codebook that was sampled from a program.
 inline constexpr const char* kCommandModel = "command";
 
 /// What the codebook is a solution of, enough to integrate it again; of a program, its call as "equations".
@@ -37,7 +37,7 @@ struct ModelDescription {
   std::map<std::string, std::string> fixed_units;  ///< their units
 };
 
-/// How it was made; the only place for times and hosts.
+/// How it was made: the only part that differs from build to build of the same plan.
 struct Provenance {
   std::string generator;  ///< "samara 0.1.0"
   std::string plan;       ///< text of the plan
@@ -60,7 +60,7 @@ struct BuildRecord {
   int rounds = 0;      ///< of sampling; else marches
 };
 
-/// What a piece is, without the numbers of its groups.
+/// Axes and shapes of a piece, without the numbers of its groups.
 struct PieceOutline {
   std::vector<pgd::Axis> axes;
   std::vector<GroupOutline> groups;
@@ -76,8 +76,8 @@ class Piece {
   Piece() : Piece(Groups()) {}
   Piece(Groups groups);  // NOLINT(google-explicit-constructor): groups are a piece
   /// @param lower,upper of the box, coordinate by coordinate
-  /// @param read called once, by whoever first asks for the groups; what it throws they get, and the next one
-  ///   asks again
+  /// @param read called once, when the groups are first asked for; what it throws passes to the caller, and
+  ///   the next call tries again
   /// @param outline called as long as the groups are not read
   Piece(std::vector<double> lower, std::vector<double> upper, std::function<Groups()> read,
         std::function<PieceOutline()> outline);

@@ -9,7 +9,7 @@ namespace samara::codebooks {
 /// Several outputs over the axes of a piece: a sum of products or a train.
 using FieldGroup = pgd::Field;
 
-/// What a field group is, without its numbers.
+/// Kind, outputs and ranks of a field group, without its numbers.
 struct GroupOutline {
   std::vector<pgd::OutputLabel> outputs;
   bool is_train = false;

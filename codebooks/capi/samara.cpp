@@ -11,7 +11,7 @@
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/query/query.h"
 
-struct samara_book {
+struct samara_codebook {
   samara::codebooks::Codebook book;
 };
 
@@ -59,7 +59,7 @@ samara_status missing(const char* what) noexcept {
   return failed(SAMARA_WRONG_CALL, what);
 }
 
-const Coordinate* coordinate_of(const samara_book* book, int k) noexcept {
+const Coordinate* coordinate_of(const samara_codebook* book, int k) noexcept {
   if (book == nullptr || k < 0 || k >= book->book.coordinate_count()) {
     missing("no book was given, or a coordinate that it does not have");
     return nullptr;
@@ -67,7 +67,7 @@ const Coordinate* coordinate_of(const samara_book* book, int k) noexcept {
   return &book->book.coordinates()[static_cast<std::size_t>(k)];
 }
 
-const samara::pgd::OutputLabel* output_of(const samara_book* book, int o) noexcept {
+const samara::pgd::OutputLabel* output_of(const samara_codebook* book, int o) noexcept {
   if (book == nullptr || o < 0 || o >= book->book.output_count()) {
     missing("no book was given, or an output that it does not have");
     return nullptr;
@@ -85,44 +85,44 @@ const char* samara_error(void) {
   return last_error.c_str();
 }
 
-samara_book* samara_open(const char* path) {
+samara_codebook* samara_open(const char* path) {
   if (path == nullptr) {
     missing("samara_open was given no path");
     return nullptr;
   }
-  samara_book* book = nullptr;
-  guarded([&] { book = new samara_book{samara::codebooks::load(path)}; });
+  samara_codebook* book = nullptr;
+  guarded([&] { book = new samara_codebook{samara::codebooks::load(path)}; });
   return book;
 }
 
-void samara_close(samara_book* book) {
+void samara_close(samara_codebook* book) {
   delete book;
 }
 
-int samara_coordinate_count(const samara_book* book) {
+int samara_coordinate_count(const samara_codebook* book) {
   return book == nullptr ? 0 : book->book.coordinate_count();
 }
-int samara_output_count(const samara_book* book) {
+int samara_output_count(const samara_codebook* book) {
   return book == nullptr ? 0 : book->book.output_count();
 }
-const char* samara_coordinate_name(const samara_book* book, int coordinate) {
+const char* samara_coordinate_name(const samara_codebook* book, int coordinate) {
   const Coordinate* const c = coordinate_of(book, coordinate);
   return c == nullptr ? nullptr : c->name.c_str();
 }
-const char* samara_coordinate_unit(const samara_book* book, int coordinate) {
+const char* samara_coordinate_unit(const samara_codebook* book, int coordinate) {
   const Coordinate* const c = coordinate_of(book, coordinate);
   return c == nullptr ? nullptr : c->unit.c_str();
 }
-const char* samara_output_name(const samara_book* book, int output) {
+const char* samara_output_name(const samara_codebook* book, int output) {
   const auto* const o = output_of(book, output);
   return o == nullptr ? nullptr : o->name.c_str();
 }
-const char* samara_output_unit(const samara_book* book, int output) {
+const char* samara_output_unit(const samara_codebook* book, int output) {
   const auto* const o = output_of(book, output);
   return o == nullptr ? nullptr : o->unit.c_str();
 }
 
-samara_status samara_bounds(const samara_book* book, int coordinate, double* lower, double* upper) {
+samara_status samara_bounds(const samara_codebook* book, int coordinate, double* lower, double* upper) {
   const Coordinate* const c = coordinate_of(book, coordinate);
   if (c == nullptr || lower == nullptr || upper == nullptr)
     return missing(
@@ -132,11 +132,11 @@ samara_status samara_bounds(const samara_book* book, int coordinate, double* low
   return SAMARA_DONE;
 }
 
-int samara_is_certified(const samara_book* book) {
+int samara_is_certified(const samara_codebook* book) {
   return book != nullptr && book->book.certificate() && book->book.certificate()->met ? 1 : 0;
 }
 
-samara_query* samara_query_open(const samara_book* book) {
+samara_query* samara_query_open(const samara_codebook* book) {
   if (book == nullptr) {
     missing("samara_query_open was given no book");
     return nullptr;

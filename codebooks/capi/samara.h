@@ -3,13 +3,14 @@
 
 #include <stddef.h>
 
-/* Codebooks for other languages and for engines that speak C: open, ask, close. Link samara::c.
+/* Codebooks for other languages, through C: open, query, close. Link samara::c.
  *
  * Numbers are in SI units, angles in rad. No exception and no text leaves these functions: those that may
  * fail return a status, or a null pointer, and samara_error() says why in one sentence.
  *
- * A book may be shared between threads; a query holds scratch space, one per thread. Answers do not allocate,
- * except batches on several threads and the first one in a piece of a large file that was not read yet.
+ * A codebook may be shared between threads; a query holds scratch space, one per thread. Answers do not
+ * allocate, except batches on several threads and the first one in a piece of a large file that was not read
+ * yet.
  */
 
 #ifdef __cplusplus
@@ -24,31 +25,31 @@ typedef enum samara_status {
   SAMARA_OUTSIDE = 5     /* a point outside the box, or in a gap between pieces */
 } samara_status;
 
-typedef struct samara_book samara_book;
+typedef struct samara_codebook samara_codebook;
 typedef struct samara_query samara_query;
 
 /* What the last call in this thread that failed has to say; "" before. Valid until the next one. */
 const char* samara_error(void);
 
 /* Null if the file cannot be read. */
-samara_book* samara_open(const char* path);
-/* Its queries must be closed before. Null is let pass. */
-void samara_close(samara_book* book);
+samara_codebook* samara_open(const char* path);
+/* Its queries must be closed before. Null is ignored. */
+void samara_close(samara_codebook* book);
 
-int samara_coordinate_count(const samara_book* book);
-int samara_output_count(const samara_book* book);
-/* Names and units live as long as the book. Null for an index that does not exist. */
-const char* samara_coordinate_name(const samara_book* book, int coordinate);
-const char* samara_coordinate_unit(const samara_book* book, int coordinate);
-const char* samara_output_name(const samara_book* book, int output);
-const char* samara_output_unit(const samara_book* book, int output);
+int samara_coordinate_count(const samara_codebook* book);
+int samara_output_count(const samara_codebook* book);
+/* Names and units live as long as the codebook. Null for an index that does not exist. */
+const char* samara_coordinate_name(const samara_codebook* book, int coordinate);
+const char* samara_coordinate_unit(const samara_codebook* book, int coordinate);
+const char* samara_output_name(const samara_codebook* book, int output);
+const char* samara_output_unit(const samara_codebook* book, int output);
 /* Ends of the box. */
-samara_status samara_bounds(const samara_book* book, int coordinate, double* lower, double* upper);
+samara_status samara_bounds(const samara_codebook* book, int coordinate, double* lower, double* upper);
 /* 1 if the codebook has a certificate that it meets, else 0. */
-int samara_is_certified(const samara_book* book);
+int samara_is_certified(const samara_codebook* book);
 
 /* Null if memory is short or a piece of the file is damaged. */
-samara_query* samara_query_open(const samara_book* book);
+samara_query* samara_query_open(const samara_codebook* book);
 void samara_query_close(samara_query* query);
 
 /* All outputs at a point: x has a number per coordinate, values one per output. */

@@ -54,7 +54,7 @@ PointErrors compare_with_trajectory(Worker& worker, std::span<const double> q,
   return worker.answers.compare(q, exact.states(Eigen::all, state_of_output));
 }
 
-/// The state of the model behind every output of the codebook.
+/// The state of the model that every output of the codebook is.
 std::vector<int> states_of_outputs(const Codebook& book, const models::ParametricModel& model) {
   std::vector<int> states;
   for (const pgd::OutputLabel& output : book.outputs()) {
@@ -219,7 +219,7 @@ Measured measure(const Codebook& book, CallMemory& calls, const CertifyOptions& 
   std::string failure;
   const Comparison comparison = [&](const Eigen::MatrixXd& q) {
     std::vector<PointErrors> errors;
-    // A program that has failed may be dear to ask again.
+    // A program that has failed may be costly to call again.
     if (!failure.empty()) return errors;
     CalledAnswers answered = calls(q, times);
     failure = std::move(answered.failure);
@@ -248,7 +248,7 @@ Certificate certify(const Codebook& book, const models::ParametricModel& model,
 models::ParametricModel model_of(const Codebook& book) {
   if (book.is_of_command()) {
     throw ArgumentError(
-        fmt::format("the codebook was sampled from a command ({}), there is no model behind it to integrate",
+        fmt::format("the codebook was sampled from a command ({}), which has no model to integrate",
                     book.model().equations));
   }
   if (book.build().builder == "fit") {

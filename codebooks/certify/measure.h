@@ -15,7 +15,7 @@ struct Measured {
   Eigen::MatrixXd wrong;
 };
 
-/// When to stop asking.
+/// When to stop comparing.
 enum class Extent {
   all_points,
   until_wrong,  ///< after the first slice with an error above the tolerance; the others count as failed

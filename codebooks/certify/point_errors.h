@@ -18,12 +18,12 @@
 #include "samara/codebooks/query/query.h"
 #include "samara/codebooks/query/trajectory_query.h"
 
-/// What every certificate is made of, whatever the codebook is compared with.
+/// Errors at single points, and their summary as a certificate, whatever the codebook is compared with.
 namespace samara::codebooks {
 
 struct CertifyOptions;
 
-/// Per output, what one parameter point contributes.
+/// Errors and ranges of one output at one parameter point.
 struct PointErrors {
   bool usable = false;
   std::string failure;  ///< of what the codebook is compared with

@@ -14,11 +14,11 @@
 /// A codebook whose initial state is free is the flow map of its model over a window of time. Applied again
 /// and again, the end of one window being the start of the next, it answers at any time, with derivatives by
 /// the chain rule, as exact as the codebook's own. Short windows make this far more accurate than one
-/// codebook of a long time: errors of chaotic motion grow only as the motion itself lets them.
+/// codebook of a long time: errors of chaotic motion grow no faster than the motion itself separates.
 ///
 /// Needed: a model that is autonomous, and for every state s either an axis "s(0)" beside the output s, or
 /// the symmetry "translation of s": its displacement over a window does not depend on where it starts. Angles
-/// (of which the model notices turns, but no full ones) are wrapped where their axis is a full turn wide.
+/// (states in which the model is periodic with a full turn) are wrapped where their axis is a full turn wide.
 ///
 /// Of an attitude two numbers are enough where the model has the symmetry "rotation about z": "qx(0)" and
 /// "qy(0)" are axes, qw(0) = 1 and qz(0) = 0 are fixed. A window starts at the tilt alone

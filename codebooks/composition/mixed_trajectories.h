@@ -16,8 +16,7 @@ namespace samara::codebooks {
 /// may stall there, if that error is not small beside the noise.
 /// @param book must outlive the result
 /// @throws ArgumentError if the codebook is of another model, has a coordinate that `direct` has not, or
-/// holds
-///   one that is free in `direct` or has another value there; from at(), for an output that the codebook
+///   holds one that is free in `direct` or has another value there; from at(), for an output that the codebook
 ///   lacks. Fits whose segments are joined ask for all states.
 std::unique_ptr<models::TrajectoryFamily> mixed_trajectories(
     const Codebook& book, std::unique_ptr<models::TrajectoryFamily> direct);

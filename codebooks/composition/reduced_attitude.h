@@ -8,8 +8,8 @@
 
 namespace samara::codebooks {
 
-/// States of a body without what its motion does not notice: the length of the quaternion, and, where the
-/// model turns with the world about z, the yaw.
+/// States of a body without what its motion does not depend on: the length of the quaternion, and, where the
+/// model has the symmetry "rotation about z", the yaw.
 ///
 /// An attitude is q = h s / f with the heading h = (qw, 0, 0, qz), a turn about the vertical and a length,
 /// and the tilt
@@ -19,7 +19,7 @@ namespace samara::codebooks {
 /// of which two numbers vary: f tan(angle/2) along the horizontal axis that tilts the body, the direction of
 /// gravity in body axes seen from the opposite pole. Positions and vectors in world axes are turned back by
 /// the same yaw. Without that symmetry (in a wind) only the length goes: h = (qw, 0, 0, 0), and s has three
-/// numbers. Upside down (qw = qz = 0) there is no such s: its numbers grow beyond every box before.
+/// numbers. Upside down (qw = qz = 0) there is no such s: towards it the numbers of s grow without bound.
 class ReducedAttitude {
  public:
   /// @param quaternion place of qw among the states  @param scale f, of the reduced quaternions

@@ -9,8 +9,7 @@ namespace samara::codebooks {
 /// Of a file of more than 1 MiB and of several pieces none is read before it is first asked for: damage
 /// there is found then, with the same error. Such a codebook keeps the file open.
 /// @throws InputError naming file and dataset if it is missing, truncated, foreign, of another major format
-/// version,
-///   or holds values that cannot be.
+///   version, or holds impossible values.
 Codebook load(const std::filesystem::path& path);
 
 }  // namespace samara::codebooks

@@ -13,9 +13,10 @@
 
 namespace samara::codebooks {
 
-/// What all pieces of a codebook say to one question, ready for the kernels: some rows (outputs, or outputs
-/// at times), as functions of the coordinates that are left free. Shared between queries; nothing changes but
-/// that pieces of a large file are read and packed when a point falls into them, once.
+/// The fields of all pieces of a codebook, reduced to one choice of outputs and times, ready for the kernels:
+/// some rows (outputs, or outputs at times), as functions of the coordinates that are left free. Shared
+/// between queries; nothing changes but that pieces of a large file are read and packed when a point falls
+/// into them, once.
 class PreparedFields {
  public:
   /// What is asked.

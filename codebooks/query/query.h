@@ -13,8 +13,8 @@
 /// Answers of a codebook: at points, at fixed times, in batches; values, exact gradients and second
 /// derivatives of the separated form.
 ///
-/// What is known before the first point is paid once: outputs that are not asked for, coordinates that are
-/// held, times. Then each call blends the factors of the free coordinates, and multiplies them up.
+/// What is known before the first point (outputs, held coordinates, times) is worked out once. Then each call
+/// interpolates the factors of the free coordinates and multiplies them.
 ///
 /// A query holds scratch space: one per thread. Copies share the prepared factors. Calls do not allocate,
 /// lock, or print, with two exceptions: batches on several threads allocate, and the first point in a piece
@@ -58,7 +58,7 @@ class Query {
   /// Those that are free, in the order of Codebook::coordinates().
   const std::vector<Coordinate>& coordinates() const;
   int output_count() const;
-  /// What was chosen where it was left open.
+  /// The precision in use; where `automatic` was asked for, the one that was chosen.
   Precision precision() const;
 
   /// The chosen outputs at a point.

@@ -152,7 +152,7 @@ void in_ranges(Eigen::Index count, int threads, const std::function<void(Eigen::
   Handover begin, end;
   begin.give();
   arena.execute([&] {
-    // A few ranges per thread: whoever is done takes the next one.
+    // A few ranges per thread: a thread that is done takes the next one.
     const Eigen::Index chunks = (count + kBatchChunk - 1) / kBatchChunk;
     const Eigen::Index grain = std::max<Eigen::Index>(1, chunks / (4 * used));
     tbb::parallel_for(

@@ -32,7 +32,7 @@ class TrajectoryQuery {
 
   int time_count() const;
   int output_count() const;
-  /// Free coordinates after time.
+  /// Number of free coordinates, time not counted.
   int parameter_count() const;
   /// Inner dimension of the product over the prepared times: ranks, or terms, of the
   /// largest piece.

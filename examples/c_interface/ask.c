@@ -8,7 +8,7 @@
 
 #include "samara/codebooks/capi/samara.h"
 
-static void describe(const samara_book* book) {
+static void describe(const samara_codebook* book) {
   for (int k = 0; k < samara_coordinate_count(book); ++k) {
     double lower, upper;
     samara_bounds(book, k, &lower, &upper);
@@ -19,7 +19,7 @@ static void describe(const samara_book* book) {
     printf("output %s [%s]\n", samara_output_name(book, o), samara_output_unit(book, o));
 }
 
-static int ask(const samara_book* book, char** numbers) {
+static int ask(const samara_codebook* book, char** numbers) {
   const int coordinates = samara_coordinate_count(book), outputs = samara_output_count(book);
   double* x = malloc(sizeof(double) * (size_t)(coordinates + outputs * (1 + coordinates)));
   double* values = x + coordinates;
@@ -44,7 +44,7 @@ static int ask(const samara_book* book, char** numbers) {
 }
 
 int main(int argc, char** argv) {
-  samara_book* book = argc < 2 ? NULL : samara_open(argv[1]);
+  samara_codebook* book = argc < 2 ? NULL : samara_open(argv[1]);
   if (book == NULL) {
     fprintf(stderr, "%s\n", argc < 2 ? "usage: ask BOOK.h5 [COORDINATE ..]" : samara_error());
     return argc < 2 ? SAMARA_WRONG_CALL : SAMARA_BAD_FILE;

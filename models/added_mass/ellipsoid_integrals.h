@@ -16,8 +16,8 @@
 /// computation of real or complex elliptic integrals, Numer. Algorithms 10, 1995, 13-26; DLMF 19.36(i)):
 /// every step adds a positive term and brings the three arguments four times closer together, until a short
 /// series ends it. The same argument, applied to the difference of two of Carlson's R_D, gives D_bc without a
-/// difference
-/// (`rd_slope`), so that nothing here cancels, whether axes are nearly equal or a million times apart.
+/// difference (`rd_slope`), so that nothing here cancels, whether axes are nearly equal or a million times
+/// apart.
 ///
 /// Branches look at values only: not for SIMD packs.
 namespace samara::models::added_mass {

@@ -60,7 +60,7 @@ struct PanelOptions {
 
 enum class PanelStatus {
   done,
-  not_finite,  ///< the matrix or the residual is infinite or not a number
+  not_finite,  ///< the matrix or the residual is infinite or NaN
   cancelled,   ///< the progress callback asked for it: there is no matrix
   failed,      ///< it was not called
 };
@@ -87,8 +87,7 @@ struct PanelAddedMass {
 /// The added mass of the body within a closed mesh [m] in a fluid of density `fluid_density` [kg/m^3], about
 /// a point [m] given in the mesh's axes.
 /// @throws ArgumentError if the mesh is not closed and oriented outward (require_closed), the density is not
-/// a
-///   positive number, the point is not finite, or an option is out of range.
+///   positive, the point is not finite, or an option is out of range.
 PanelAddedMass panel_added_mass(const TriangleMesh& mesh, double fluid_density,
                                 const Eigen::Vector3d& reference_point = Eigen::Vector3d::Zero(),
                                 const PanelOptions& options = {});

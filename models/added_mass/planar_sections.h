@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-/// Added mass of plane sections per unit span, for any scalar: the formulas behind planar.h.
+/// Added mass of plane sections per unit span, for any scalar: the formulas of planar.h.
 namespace samara::models::added_mass {
 
 template <class S>

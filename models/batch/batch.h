@@ -18,7 +18,7 @@
 ///   batch.states.col(batch.column(n, k));   // of trajectory n at times[k]
 ///
 /// Results do not depend on the number of threads, to the bit; nor, but for round-off in sines and cosines,
-/// on the company a trajectory has in its pack. A trajectory that ceases to exist does not harm its
+/// on the other trajectories in its pack. A trajectory that is no longer finite does not change its
 /// neighbours. Models without kernels of their own (Model::step_kernels) run one at a time in each thread.
 namespace samara::models {
 
@@ -33,7 +33,7 @@ enum class BatchStatus {
 struct BatchOptions {
   /// Upper bound of the step [s]. Between two times asked for, steps are equal and end exactly on them.
   double step = 1e-3;
-  /// Of a trajectory; where the times take more, nothing is integrated.
+  /// Most steps of a trajectory; where the times take more, nothing is integrated.
   long max_steps = 100000000;
   int threads = 0;  ///< 0: as many as the machine has
   /// Free coordinates by which derivatives are taken: those of the discrete trajectory, exact but for

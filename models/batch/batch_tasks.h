@@ -23,7 +23,7 @@ void check_points(const ParametricModel& model, const Eigen::Ref<const Eigen::Ma
 /// Whether the times take more than `max_steps` steps.
 bool are_too_many(std::span<const double> times, double step, long max_steps);
 
-/// The kernel of a pass: the model's own, or one made for the occasion.
+/// The kernel of a pass: the model's own, or one that calls Model::rhs.
 class PassKernel {
  public:
   PassKernel(const Model& model, int directions) {
@@ -42,7 +42,7 @@ class PassKernel {
   const StepKernel* kernel_;
 };
 
-/// Free coordinates of a point, as the rest of the room takes them.
+/// Free coordinates of a point, contiguous in memory.
 class Point {
  public:
   explicit Point(const Eigen::Ref<const Eigen::MatrixXd>& points) : points_(points), q_(points.cols()) {}

@@ -9,8 +9,8 @@
 #include "samara/models/integrators/rk4.h"
 #include "samara/models/interface/parametric_model.h"
 
-/// Trajectories at the frames of a camera, with derivatives, for fits: the classical Runge-Kutta method of
-/// integrators/rk4.h at times, states and directions chosen once.
+/// Trajectories at fixed times, the frames of a camera, with derivatives, for fits: the classical Runge-Kutta
+/// method of integrators/rk4.h at times, states and directions chosen once.
 ///
 /// One trajectory fills a whole SIMD register: its lanes carry different derivatives of it. They are those of
 /// the discrete trajectory, exact but for round-off, so that a fit converges on them to the last digit.

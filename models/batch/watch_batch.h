@@ -9,15 +9,16 @@
 
 namespace samara::models {
 
-/// Sees a trajectory from time to time; false ends it. Calls for one trajectory come in the order of time and
-/// one after another; those for different ones come from different threads at once.
+/// Called with a state of a trajectory from time to time; returning false ends the trajectory. Calls for one
+/// trajectory come in the order of time and one after another; those for different ones come from different
+/// threads at once.
 using BatchObserver = std::function<bool(Eigen::Index trajectory, double t, std::span<const double> state)>;
 
 struct WatchOptions {
   double step = 1e-3;      ///< upper bound of the step [s]; steps divide the interval
   double interval = 1e-2;  ///< between two calls of the observer [s]; the first is at t = 0
   double end = 1.0;        ///< the last call is at the first multiple of the interval that reaches it [s]
-  /// Of an interval; where it takes more, nothing is integrated and the observer is not called.
+  /// Most steps of an interval; where it takes more, nothing is integrated and the observer is not called.
   long max_steps = 100000000;
   int threads = 0;                 ///< 0: as many as the machine has
   ProgressCallback progress = {};  ///< asked between two intervals

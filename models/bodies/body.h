@@ -24,7 +24,7 @@ struct PrincipalAxes {
   Eigen::Vector3d moments = Eigen::Vector3d::Zero();  ///< in ascending order
 };
 
-/// In an order and with signs that depend on nothing but the matrix: moments ascend; among directions of
+/// Principal axes and moments, in an order and with signs that depend on the matrix alone: moments ascend; among directions of
 /// equal moments (within 1e-9 of the largest) those next to the frame's axes are taken; the first two axes
 /// have their largest component positive, the third completes a right-handed frame.
 /// @throws ArgumentError if the matrix is not finite or not symmetric (to 1e-9 of its largest entry).
@@ -50,7 +50,7 @@ Body ellipsoid_body(const Eigen::Vector3d& semi_axes, double density);
 Body disc_body(double radius, double thickness, double density);
 /// Rectangular plate: full sides along x, y, z.
 Body plate_body(const Eigen::Vector3d& sides, double density);
-/// Whatever a closed mesh encloses. Volume, centre and moments are exact integrals over the polyhedron, by
+/// The solid that a closed mesh encloses. Volume, centre and moments are exact integrals over the polyhedron, by
 /// the divergence theorem (B. Mirtich, Fast and accurate computation of polyhedral mass properties, J.
 /// Graphics Tools 1 (1996) 31-50), moments taken about the centre at once so that a mesh far from its origin
 /// loses no digits.
@@ -81,7 +81,7 @@ struct ProxyEllipsoid {
 /// @throws ArgumentError if the fluid's density is not a positive number.
 ProxyEllipsoid proxy_ellipsoid(const Body& body, double fluid_density);
 
-/// What looks like a mistake of units in a body or a fluid, one sentence each; empty if nothing does. Solids
+/// Warnings of what looks like a mistake of units in a body or a fluid, one sentence each. Solids
 /// below 20 kg/m^3, fluids between 5 and 500 kg/m^3 or below 0.05 or above 2e4, extents above 10 m or below
 /// 1e-5 m.
 std::vector<std::string> unit_warnings(const Body& body, double fluid_density);

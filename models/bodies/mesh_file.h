@@ -11,8 +11,8 @@ namespace samara::models {
 
 struct MeshFileOptions {
   /// Corners nearer to each other than this times the mesh's size are one corner: STL lists the corners of
-  /// each triangle anew, and files carry them with about seven digits. Triangles that lose their area by it
-  /// go.
+  /// each triangle anew, and files carry them with about seven digits. Triangles that lose their area by this
+  /// are dropped.
   double merge_tolerance = 1e-6;
   /// Turn the surface over if it is inside out, instead of refusing it.
   bool turn_outward = false;
@@ -21,8 +21,7 @@ struct MeshFileOptions {
 /// A closed mesh [m] from a file.
 /// @param metres_per_unit what one unit of the file means: such files carry no unit. 1e-3 for millimetres.
 /// @throws InputError if the file cannot be read, has another ending, holds no triangles or a coordinate that
-/// is not
-///   finite, or is not closed (require_closed, with the place in metres).
+///   is not finite, or is not closed (require_closed, with the place in metres).
 /// @throws ArgumentError if metres_per_unit is not a positive number, or the tolerance is not in [0, 0.1].
 TriangleMesh read_mesh(const std::string& path, double metres_per_unit, const MeshFileOptions& options = {});
 

@@ -14,9 +14,7 @@
 /// points within the meaning of the parameters, quaternions of norm one,
 ///  - compares its derivatives with central differences of its right-hand side;
 ///  - changes the units of length, mass and time: rates, derived defaults, forces and energy must follow as
-///  their
-///    units say,
-///    which finds a dimensionally wrong law and a constant that hides a unit;
+///    their units say, which finds a dimensionally wrong law and a constant that hides a unit;
 ///  - tries its symmetries "translation of <state>" and "rotation about z";
 ///  - takes two coefficient vectors and their mean: f must be affine in the parameters of `affine_in`;
 ///  - compares the powers of the force terms with the rate of the kinetic energy, where the model has both. A
@@ -35,7 +33,7 @@ struct CheckModelOptions {
 };
 
 struct ModelCheck {
-  std::vector<std::string> findings;  ///< a sentence each; none is good
+  std::vector<std::string> findings;  ///< one sentence each; empty: all laws hold
 
   bool passed() const { return findings.empty(); }
 };

@@ -6,7 +6,7 @@
 
 #include "samara/models/interface/model.h"
 
-/// The parts of check_model(): each looks at one promise of a model and adds a sentence per broken one.
+/// The parts of check_model(): each checks one law of a model and adds a sentence for each way in which it fails.
 namespace samara::models {
 
 using Findings = std::vector<std::string>;

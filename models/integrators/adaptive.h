@@ -43,7 +43,7 @@ class AdaptiveIntegrator {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The one-liner.
+/// One trajectory, without keeping an integrator.
 Trajectory integrate_adaptive(const ParametricModel& model, std::span<const double> q,
                               std::span<const double> times, const AdaptiveOptions& options = {});
 

@@ -71,7 +71,7 @@ class CvodesSolver {
   long evaluations_ = 0;
   /// The latest time at which f, or a derivative, was not finite; -1: there was none.
   double not_finite_at_ = -1.0;
-  std::exception_ptr thrown_;  ///< by the model, on its way round the C code
+  std::exception_ptr thrown_;  ///< by the model; carried past the C code
 
   sundials::Context context_;
   VectorHandle x_;

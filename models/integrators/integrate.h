@@ -28,7 +28,7 @@ enum class IntegrateStatus {
   too_many_steps,  ///< max_steps were taken
   step_too_small,  ///< the local error cannot be held with any step that still advances time
   not_finite,      ///< f or its derivatives are infinite or not a number
-  failed,          ///< anything else; the message has the solver's own word for it
+  failed,          ///< anything else; the message says what CVODES reported
 };
 
 struct Trajectory {
@@ -62,9 +62,8 @@ class Integrator {
   /// The same call gives the same bits, whatever was integrated before.
   /// @param q free coordinates (SI)
   /// @param times not decreasing, from 0 on
-  /// @throws ArgumentError if q or times are not finite, q is outside its meaning, or times decrease. What
-  /// the
-  ///   model itself throws passes through.
+  /// @throws ArgumentError if q or times are not finite, q is outside its meaning, or times decrease.
+  ///   What the model itself throws passes through.
   Trajectory operator()(std::span<const double> q, std::span<const double> times);
 
  private:
@@ -72,7 +71,7 @@ class Integrator {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The one-liner.
+/// One trajectory, without keeping an integrator.
 Trajectory integrate(const ParametricModel& model, std::span<const double> q, std::span<const double> times,
                      const IntegrateOptions& options = {}, bool with_sensitivities = false);
 

@@ -82,8 +82,7 @@ class LieGroupIntegrator {
   /// @param start motion at t = 0; its quaternion is normalised
   /// @param times not decreasing, from 0 on
   /// @throws ArgumentError if a number is not finite, the quaternion is zero, or times decrease. What the
-  /// wrench
-  ///   throws passes through.
+  ///   wrench throws passes through.
   BodyTrajectory operator()(const BodyMotion& start, std::span<const double> times) const;
 
   /// 1/2 (u, w) . I (u, w) [J]

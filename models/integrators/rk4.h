@@ -7,7 +7,7 @@
 
 /// The classical Runge-Kutta method of order four with fixed steps (W. Kutta, Z. Math. Phys. 46, 1901,
 /// 435-453): the cheapest way to a trajectory whose accuracy is known to suffice, and the one that batches
-/// take (batch/batch.h). It knows nothing of its error: compare with half the step.
+/// take (batch/batch.h). It does not estimate its error: compare with half the step.
 namespace samara::models {
 
 struct Rk4Options {
@@ -38,7 +38,7 @@ class Rk4Integrator {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The one-liner.
+/// One trajectory, without keeping an integrator.
 Trajectory integrate_rk4(const ParametricModel& model, std::span<const double> q,
                          std::span<const double> times, const Rk4Options& options = {});
 

@@ -41,7 +41,7 @@ class RkmkIntegrator {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The one-liner.
+/// One trajectory, without keeping an integrator.
 Trajectory integrate_rkmk(const ParametricModel& model, std::span<const double> q,
                           std::span<const double> times, const RkmkOptions& options = {});
 

@@ -64,8 +64,8 @@ EqualSteps equal_steps(double from, double to, double step) {
   if (!(to > from)) return {};
   constexpr double kRoundOff = 1e-9;  // of a step: 0.3 is three steps of 0.1
   const double count = std::max(1.0, std::ceil((to - from) / step - kRoundOff));
-  constexpr double kBeyondReason = 0x1p62;  // still a long; infinity is not
-  return {static_cast<long>(std::min(count, kBeyondReason)), (to - from) / count};
+  constexpr double kMostSteps = 0x1p62;  // still a long; infinity is not
+  return {static_cast<long>(std::min(count, kMostSteps)), (to - from) / count};
 }
 
 }  // namespace samara::models

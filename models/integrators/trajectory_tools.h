@@ -35,8 +35,8 @@ struct EqualSteps {
   double length = 0.0;
 };
 
-/// As few equal steps as `step` allows, give or take round-off. Counts beyond all reason are cut at 2^62,
-/// which no limit allows.
+/// As few equal steps as `step` allows, give or take round-off. Counts are at most 2^62, which exceeds
+/// every limit.
 EqualSteps equal_steps(double from, double to, double step);
 
 /// The trajectory of a method with fixed steps, four evaluations of f each.

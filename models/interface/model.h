@@ -24,10 +24,10 @@ struct ParameterInfo {
   /// Formula of a default that depends on other parameters ("8/3 fluid_density (area/pi)^(3/2)"), or empty.
   std::string derived = {};
   std::string description = {};
-  /// Open lower bound of its meaning: values must be greater (or equal, if `lower_inclusive`).
+  /// Open lower bound of meaningful values: they must be greater (or equal, if `lower_inclusive`).
   double lower = -std::numeric_limits<double>::infinity();
   bool lower_inclusive = false;
-  /// Closed upper bound of its meaning.
+  /// Closed upper bound of meaningful values.
   double upper = std::numeric_limits<double>::infinity();
 };
 
@@ -50,8 +50,8 @@ struct ForceTermInfo {
   std::string description = {};
 };
 
-/// What one term does at an instant. Force and torque are in body axes, the torque about the body's origin; a
-/// planar model has its chord along the first axis, its normal along the second, its torque along the third,
+/// Force, torque and power of one term at an instant. Force and torque are in body axes, the torque about the
+/// body's origin; a planar model has its chord along the first axis, its normal along the second, its torque along the third,
 /// and everything per unit span. Units N, N m, W (per m of span), or 1 for a dimensionless model.
 struct Wrench {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
@@ -77,16 +77,16 @@ struct ModelInfo {
   std::string equations;  ///< as text, in the names below
   std::string frames;     ///< what the axes mean, in words
   std::string source;     ///< paper or book, with equation numbers
-  std::string validity;   ///< where it stops being true
-  /// What leaves the motion as it is. "translation of x": f does not depend on the state x. "rotation about
+  std::string validity;   ///< range of validity, in words
+  /// Symmetries of the motion. "translation of x": f does not depend on the state x. "rotation about
   /// z": f turns with the states of `groups`. Other words are for readers.
   std::vector<std::string> symmetries = {};
   std::vector<StateInfo> states;
   std::vector<ParameterInfo> parameters;
   /// Names of parameters in which f is affine, in all of them together: f = f_0 + sum_j p_j f_j.
   std::vector<std::string> affine_in = {};
-  std::vector<ForceTermInfo> force_terms = {};  ///< empty: the model does not break its force down
-  std::vector<StateGroup> groups = {};          ///< states that belong together; others turn as scalars
+  std::vector<ForceTermInfo> force_terms = {};  ///< empty: the model does not list its force by terms
+  std::vector<StateGroup> groups = {};          ///< states that belong together; others do not turn
   bool per_span = false;  ///< a planar model: forces, torques, powers and energy are per metre of span
 };
 
@@ -95,7 +95,7 @@ struct ForceUnits {
   std::string force, torque, power, energy;
 };
 
-/// Characteristic sizes of a motion, in SI units, from which every state takes its scale by its unit.
+/// Characteristic sizes of a motion, in SI units. The scale of every state follows from them by its unit.
 struct Scales {
   double length = 1.0;
   double time = 1.0;
@@ -128,9 +128,9 @@ class Model {
                                     std::span<double> dxdt, Eigen::Ref<Eigen::MatrixXd> df_dx,
                                     Eigen::Ref<Eigen::MatrixXd> df_dp) const = 0;
 
-  /// The same in two parts, for models whose derivatives by all parameters are dear while few are free and
-  /// defaults hold still: first the derivatives of the completed parameters by the given ones that `wanted`
-  /// lists (by index), into `tangents` (parameters x wanted).
+  /// The same in two parts, for models whose derivatives by all parameters are costly while few are free and
+  /// defaults do not change: first the derivatives of the completed parameters by the given ones that
+  /// `wanted` lists (by index), into `tangents` (parameters x wanted).
   /// @returns false if the model has no such parts (the default); then rhs_with_tangents is not called.
   virtual bool completion_tangents(const ParameterValues& p, std::span<const int> wanted,
                                    Eigen::Ref<Eigen::MatrixXd> tangents) const;
@@ -170,7 +170,7 @@ class Model {
   virtual const StepKernels* step_kernels() const { return nullptr; }
 };
 
-/// f = constant + slopes * coefficients, at one point: the split by the parameters a model is affine in.
+/// f = constant + slopes * coefficients at one point: f split by the parameters in which it is affine.
 struct AffineSplit {
   std::vector<std::string> names;  ///< of the coefficients: ModelInfo::affine_in
   Eigen::VectorXd constant;        ///< f with all of them zero

@@ -35,8 +35,8 @@ class ParametricModel {
   struct Workspace {
     ParameterValues p;
     Eigen::MatrixXd df_dp;
-    /// All parameters at the point `q` of a model with that base: derived defaults are dear and change with q
-    /// alone.
+    /// All parameters at the point `q` of a model with that base: derived defaults are costly and change with
+    /// q alone.
     ParameterValues complete;
     std::vector<double> q;
     std::shared_ptr<const ParameterValues> base;
@@ -96,8 +96,8 @@ class ParametricModel {
   std::map<std::string, double> fixed_;
   std::vector<FreeCoordinate> free_;
   std::vector<int> free_parameters_;  ///< indices of the parameters among them, in their order
-  /// Fixed parameters; free ones are marked given. One object of copies, and of no other model: it tells
-  /// workspaces whose they are.
+  /// Fixed parameters; free ones are marked given. Shared by copies, and by no other model: by it a
+  /// workspace is matched to its model.
   std::shared_ptr<const ParameterValues> base_;
   std::vector<double> base_initial_;  ///< fixed or default initial values
 };

@@ -10,8 +10,8 @@
 /// A policy lists parameters of its own, which follow those of the law, and fills in an Ambient:
 ///   static constexpr int kParameters;
 ///   static std::vector<ParameterInfo> parameters();
-///   template <class S> Ambient<S> at(const S& t, const Vector3<S>& position, const Vector3<S>& v, const S*
-///   p) const;
+///   template <class S>
+///   Ambient<S> at(const S& t, const Vector3<S>& position, const Vector3<S>& v, const S* p) const;
 /// where v is the velocity of the body in world axes.
 namespace samara::models::laws {
 

@@ -9,7 +9,7 @@ namespace samara::models::laws {
 
 constexpr double kStandardGravity = 9.80665;  ///< [m/s^2]
 
-/// Below this drag coefficient the scales no longer follow it: no body in a fluid has less.
+/// Drag coefficients below this, which no body in a fluid has, leave the scales as they are.
 constexpr double kLeastDragCoefficient = 0.01;
 
 /// Characteristic sizes of  v' = a - k |v| v : the terminal speed sqrt(a/k), the time sqrt(1/(a k)) and the

@@ -24,9 +24,8 @@
 ///     static ModelInfo info();
 ///     /// dxdt = f(t, x, p), branch-free; p is complete.
 ///     template <class S> static void rhs(const S& t, const S* x, const S* p, S* dxdt);
-///     /// Puts derived defaults where `given` is false; constant defaults are in place already. May branch
-///     on
-///     /// values: it never meets packs.
+///     /// Puts derived defaults where `given` is false; constant defaults are in place already.
+///     /// May branch on values: it is never called with packs.
 ///     template <class S> static void complete(const char* given, S* p);
 ///     /// Characteristic sizes, finite and positive for every p within its meaning.
 ///     static Scales scales(const double* p);

@@ -6,7 +6,7 @@
 #include "samara/models/laws/law_model.h"
 #include "samara/models/laws/reynolds.h"
 
-/// What the plates moving in a vertical plane have in common: their states, and the quasi-steady forces of
+/// What all laws of plates moving in a vertical plane share: their states, and the quasi-steady forces of
 /// A. Andersen, U. Pesavento, Z. J. Wang, Unsteady aerodynamics of fluttering and tumbling plates, J. Fluid
 /// Mech. 541 (2005) 65-90.
 ///

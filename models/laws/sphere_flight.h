@@ -112,7 +112,7 @@ struct SphereFlight {
         Re_drag("Re = diameter |v|/nu"),
         viscosity_of_air(),
         not_negative("magnus_saturation", "1", 0.0,
-                     "how the lift coefficient lags behind its slope: at S = 1/magnus_saturation it is half "
+                     "how the lift coefficient falls below its slope: at S = 1/magnus_saturation it is half "
                      "of it"),
         any_value("spin_drag", "1", 0.0, "how much the drag coefficient grows with S"),
     };

@@ -39,7 +39,7 @@ struct CheckFamilyOptions {
 };
 
 struct FamilyCheck {
-  std::vector<std::string> findings;  ///< a sentence each; none is good
+  std::vector<std::string> findings;  ///< one sentence each; empty: all laws hold
 
   bool passed() const { return findings.empty(); }
 };

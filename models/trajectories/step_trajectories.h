@@ -9,7 +9,7 @@
 #include "samara/models/trajectories/trajectory_family.h"
 
 /// Trajectories by Runge-Kutta steps of one length, with the exact derivatives of those steps: tens of times
-/// faster than the reference integrator, for fits of short segments. A trajectory knows nothing of its error;
+/// faster than the reference integrator, for fits of short segments. The error of the steps is not estimated;
 /// a fit says what the steps did to its coefficients (FitResult::integration_shift).
 namespace samara::models {
 

@@ -71,7 +71,7 @@ struct FamilyInfo {
 enum class TrajectoryStatus {
   done,
   outside_box,     ///< the point, or a state on the way, is outside the box of a codebook
-  not_integrated,  ///< the integrator gave up, or a state is not finite
+  not_integrated,  ///< the integrator stopped early, or a state is not finite
 };
 
 /// How one trajectory ended. True if it is there to the last time.
@@ -124,8 +124,8 @@ class TrajectoryFamily {
 
   /// @param times s, not decreasing, from 0 to end_time
   /// @param outputs names
-  /// @throws ArgumentError for an unknown output, and for times that decrease or are not finite (check_times()
-  ///   of integrators/trajectory_tools.h); OutsideBoxError for times outside.
+  /// @throws ArgumentError for an unknown output, and for times that are negative, decrease or are not finite;
+  ///   OutsideBoxError for times after the end.
   virtual std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
                                                const std::vector<std::string>& outputs) const = 0;
   /// The same where derivatives by some coordinates only are needed. By default all are computed.
@@ -159,7 +159,7 @@ struct FamilyTrajectory {
   Eigen::MatrixXd derivatives;  ///< as TrajectorySource::evaluate(); empty if not wanted
 };
 
-/// The one-liner.
+/// One trajectory, without keeping a source.
 /// @throws ArgumentError, OutsideBoxError as TrajectoryFamily::at() and TrajectorySource::evaluate()
 FamilyTrajectory trajectory(const TrajectoryFamily& family, std::span<const double> q,
                             const std::vector<double>& times, const std::vector<std::string>& outputs,

@@ -18,10 +18,10 @@ using Catch::Matchers::Contains;
 namespace {
 
 struct Close {
-  void operator()(samara_book* book) const { samara_close(book); }
+  void operator()(samara_codebook* book) const { samara_close(book); }
   void operator()(samara_query* query) const { samara_query_close(query); }
 };
-using Book = std::unique_ptr<samara_book, Close>;
+using Book = std::unique_ptr<samara_codebook, Close>;
 using Asked = std::unique_ptr<samara_query, Close>;
 
 /// A codebook of exact values: v = v(0) + C_D t, x = v(0) t + C_D t^2 / 2; t in [0, 3], C_D in [-1, 2], v(0)
@@ -44,7 +44,7 @@ struct Opened {
 
 TEST_CASE("the interface in C tells what a codebook holds") {
   const Opened opened;
-  const samara_book* const book = opened.book.get();
+  const samara_codebook* const book = opened.book.get();
   REQUIRE(samara_coordinate_count(book) == 3);
   REQUIRE(samara_output_count(book) == 2);
   CHECK(samara_coordinate_name(book, 0) == std::string("t"));

@@ -145,7 +145,7 @@ TEST_CASE("what needs time or a model says that a codebook of a command lacks it
              Contains("sampled from a command (awk"));
   const Codebook timed = build(plan_of(kTimed, "[time]\nend = 1\n")).book;
   CHECK_THAT(error_text<samara::ArgumentError>([&] { FlowMap{timed}; }),
-             Contains("there is no model behind it"));
+             Contains("which has no model to integrate"));
 }
 
 TEST_CASE("a command that is not called often enough ends with the status max_calls and what it has") {

@@ -153,7 +153,7 @@ void PackedField<T>::step(std::size_t k, int order, Workspace& workspace, double
         multiply<T, double>(matrix, core.left, core.left, core.right, workspace.in.data(), count,
                             workspace.results.data());
       } else {
-        // Whole vectors: what stands in the last one after the rows is never looked at.
+        // Whole vectors: what the last one holds after the rows is never read.
         multiply<T, T>(matrix, core.left, padded<T>(core.left), core.right, workspace.in.data(), count,
                        workspace.out.data());
       }

@@ -11,7 +11,7 @@
 #include "samara/codebooks/query/kernels/kernels.h"
 
 /// Vectors of numbers, for the sources of kernels only, which are compiled for the machine: nothing of this
-/// may leave them.
+/// may be used elsewhere.
 namespace samara::codebooks::kernels {
 
 namespace {

@@ -5,7 +5,7 @@
 #include <samara/codebooks/capi/samara.h>
 
 int main(int argc, char** argv) {
-  samara_book* book = samara_open(argc > 1 ? argv[1] : "");
+  samara_codebook* book = samara_open(argc > 1 ? argv[1] : "");
   samara_query* query = book == NULL ? NULL : samara_query_open(book);
   const double point[] = {7.0, 4.0}; /* t, k */
   double u = 0.0, slopes[2] = {0.0, 0.0};
