@@ -16,7 +16,6 @@
   LAW(falling_rectangle)         \
   LAW(immersed_body)             \
   LAW(immersed_body_in_wind)     \
-  LAW(immersed_body_printed)     \
   LAW(kirchhoff_body)            \
   LAW(quadratic_drag_fall)       \
   LAW(sphere_flight)             \

@@ -1,8 +1,10 @@
+#include "immersed_body_printed.h"
+
 #include <catch2/catch.hpp>
 
 #include "card_patterns.h"
 #include "samara/identification/smoothing/continuous_angles.h"
-#include "samara/models/laws/registry.h"
+#include "samara/models/checks/check_model.h"
 
 using namespace samara::models;
 using Catch::Matchers::WithinAbs;
@@ -50,8 +52,7 @@ Landing landing(const Pattern& pattern, const Eigen::Vector3d& axis, double cent
   values["centre_of_pressure"] = centre_of_pressure;
   std::vector<double> times;
   for (int k = 0; k <= 450; ++k) times.push_back(4e-3 * k);  // the slowest takes 1.76 s
-  const Eigen::MatrixXd states =
-      motion(find_model("immersed_body_printed"), values, released_about(axis), times, 1e-7);
+  const Eigen::MatrixXd states = motion(immersed_body_printed(), values, released_about(axis), times, 1e-7);
   Landing landing;
   Eigen::Index rows = 1;
   for (; rows < states.rows() && states(rows, 2) > -2.0; ++rows) {
@@ -72,7 +73,7 @@ Landing landing(const Pattern& pattern, const Eigen::Vector3d& axis, double cent
 }  // namespace
 
 TEST_CASE("the printed forces are (5.15) to (5.17) with unit vectors") {
-  const auto model = find_model("immersed_body_printed");
+  const auto model = immersed_body_printed();
   const ParameterValues p = parameter_values(*model, card_in_air());
   std::mt19937 random(2);
   for (int k = 0; k < 100; ++k) {
@@ -100,15 +101,14 @@ TEST_CASE("as printed a release that is planar by symmetry leaves its plane") {
   BodyState start;
   start.q = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY());
   start.w = {0.0, 0.5, 0.0};
-  const Eigen::MatrixXd states =
-      motion(find_model("immersed_body_printed"), card_in_air(), start, {0.2, 0.4, 0.6}, 1e-8);
+  const Eigen::MatrixXd states = motion(immersed_body_printed(), card_in_air(), start, {0.2, 0.4, 0.6}, 1e-8);
   const double in_plane = states.col(0).cwiseAbs().maxCoeff();
   const double out_of_plane = states.col(1).cwiseAbs().maxCoeff();
   CHECK(out_of_plane > 0.1 * in_plane);
 }
 
 TEST_CASE("as printed the fluid does work on the body") {
-  const auto model = find_model("immersed_body_printed");
+  const auto model = immersed_body_printed();
   const ParameterValues p = parameter_values(*model, card_in_water());
   std::mt19937 random(4);
   double greatest = -1.0;
@@ -139,7 +139,7 @@ TEST_CASE("as printed the fluid does work on the body") {
 }
 
 TEST_CASE("as printed the second lift jumps when the rotation passes through zero") {
-  const auto model = find_model("immersed_body_printed");
+  const auto model = immersed_body_printed();
   const ParameterValues p = parameter_values(*model, card_in_air());
   BodyState state;
   state.u = {1.0, 0.0, -0.2};
@@ -159,7 +159,7 @@ TEST_CASE("as printed a bottom-heavy body turns over") {
   start.q = Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX());
   std::vector<double> times;
   for (int k = 1; k <= 100; ++k) times.push_back(0.02 * k);
-  const Eigen::MatrixXd states = motion(find_model("immersed_body_printed"), values, start, times, 1e-7);
+  const Eigen::MatrixXd states = motion(immersed_body_printed(), values, start, times, 1e-7);
   double least_up = 1.0;
   for (Eigen::Index k = 0; k < states.rows(); ++k) {
     least_up = std::min(least_up, BodyState(states.row(k)).R()(2, 2));
@@ -187,4 +187,8 @@ TEST_CASE("as printed no card turns over in 2 m, and all land as close as the mo
       }
     }
   }
+}
+
+TEST_CASE("the printed equations, wrong as they are, make a model without findings") {
+  CHECK(check_model(*immersed_body_printed(), {.seed = 7, .points = 200}).findings.empty());
 }

@@ -155,7 +155,6 @@ Words words_of(const std::string& model) {
     return in_ambient_flow([](Equations&) { return constant(Eigen::Vector3d::Zero()); });
   }
   if (model == "immersed_body_in_wind") return in_ambient_flow(rate_of_linear_wind);
-  if (model == "immersed_body_printed") return {{}, kEllipsoid};
   if (model == "kirchhoff_body") return {{}, {{"R", turn}, {"K", symmetric_K}, {"M_body", kirchhoff_mass}}};
   if (model == "coefficient_body") {
     return {{"E: the axes of flow, body x, y, z turned by beta about z, then by -alpha about y"},

@@ -1,3 +1,5 @@
+#include "immersed_body_printed.h"
+
 #include <algorithm>
 #include <array>
 
@@ -159,8 +161,8 @@ struct ImmersedBodyPrinted : EllipsoidBody {
 
 }  // namespace
 
-std::shared_ptr<const Model> immersed_body_printed() {
-  return std::make_shared<LawModel<ImmersedBodyPrinted>>();
-}
-
 }  // namespace samara::models::laws
+
+std::shared_ptr<const samara::models::Model> immersed_body_printed() {
+  return std::make_shared<samara::models::LawModel<samara::models::laws::ImmersedBodyPrinted>>();
+}
