@@ -115,6 +115,9 @@ void add_query(CLI::App& app, Arguments& arguments) {
   command->add_option("BOOK", values->book, "codebook file")->required();
   command->add_option("--set", values->set, kAssignments)->allow_extra_args(false);
   command->add_option("--at", values->at, "times, s or with a unit; default: 11 from begin to end");
+  command->add_option("--until", values->until,
+                      "11 times from 0 to this one, s or with a unit, also after the codebook's own: by its "
+                      "windows, composed, where the initial state is free");
   command->add_flag("--gradient", values->gradient, "add the derivative of every output by every axis");
   command->add_flag("--clamp", values->clamp,
                     "take the nearest point of the box instead of refusing (exit code 5)");

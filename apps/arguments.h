@@ -45,6 +45,7 @@ struct QueryArguments {
   std::string book;
   std::vector<std::string> set;
   std::vector<std::string> at;
+  std::string until;  ///< empty: the codebook's own time
   bool gradient = false;
   bool clamp = false;
   std::string output;

@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
+#include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/io/csv.h"
@@ -16,6 +17,7 @@ namespace samara::apps {
 namespace {
 
 using codebooks::Codebook;
+using Labels = std::vector<pgd::OutputLabel>;
 
 /// Points to ask for, one row each, and what was moved to get them into the box.
 struct Points {
@@ -23,12 +25,17 @@ struct Points {
   std::vector<std::string> clamped;
 };
 
-std::vector<double> times_of(const Codebook& book, const std::vector<std::string>& at) {
-  const codebooks::Coordinate& time = book.time("--at");
+std::vector<double> times_of(const Codebook& book, const QueryArguments& arguments) {
+  const bool is_composed = !arguments.until.empty();
+  const codebooks::Coordinate& time = book.time(is_composed ? "--until" : "--at");
   std::vector<double> times;
-  for (const std::string& text : at) times.push_back(number_or_quantity("--at", text, time.unit));
+  for (const std::string& text : arguments.at) times.push_back(number_or_quantity("--at", text, time.unit));
   if (times.empty()) {
-    const Eigen::VectorXd all = Eigen::VectorXd::LinSpaced(11, time.lower, time.upper);
+    const double end = is_composed ? number_or_quantity("--until", arguments.until, time.unit) : time.upper;
+    const double begin = is_composed ? 0.0 : time.lower;
+    if (!(end > begin))
+      throw ArgumentError(fmt::format("--until is {}, expected more than 0", arguments.until));
+    const Eigen::VectorXd all = Eigen::VectorXd::LinSpaced(11, begin, end);
     times.assign(all.begin(), all.end());
   }
   return times;
@@ -40,8 +47,8 @@ Points points_of(const Codebook& book, const QueryArguments& arguments) {
   const std::map<std::string, double> values = parse_assignments(arguments.set, units);
   Points points;
   points.x.resize(1, book.coordinate_count());
-  if (book.has_time() || !arguments.at.empty()) {
-    const std::vector<double> times = times_of(book, arguments.at);
+  if (book.has_time() || !arguments.at.empty() || !arguments.until.empty()) {
+    const std::vector<double> times = times_of(book, arguments);
     points.x.resize(static_cast<Eigen::Index>(times.size()), book.coordinate_count());
     points.x.col(0) = Eigen::Map<const Eigen::VectorXd>(times.data(), points.x.rows());
   }
@@ -90,14 +97,15 @@ std::string slope_unit(const std::string& output, const std::string& coordinate)
   return coordinate == "1" ? output : fmt::format("{}/({})", output, coordinate);
 }
 
-std::string to_csv(const Codebook& book, const Points& points, const Eigen::MatrixXd& table, bool gradient) {
+std::string to_csv(const Codebook& book, const Labels& outputs, const Points& points,
+                   const Eigen::MatrixXd& table, bool gradient) {
   Eigen::MatrixXd all(points.x.rows(), points.x.cols() + table.cols());
   all << points.x, table;
   std::vector<std::string> header;
   for (const codebooks::Coordinate& c : book.coordinates())
     header.push_back(fmt::format("{}[{}]", c.name, c.unit));
-  for (const pgd::OutputLabel& o : book.outputs()) header.push_back(fmt::format("{}[{}]", o.name, o.unit));
-  for (const pgd::OutputLabel& o : book.outputs()) {
+  for (const pgd::OutputLabel& o : outputs) header.push_back(fmt::format("{}[{}]", o.name, o.unit));
+  for (const pgd::OutputLabel& o : outputs) {
     for (const codebooks::Coordinate& c : book.coordinates()) {
       if (gradient) header.push_back(fmt::format("d{}/d{}[{}]", o.name, c.name, slope_unit(o.unit, c.unit)));
     }
@@ -105,7 +113,8 @@ std::string to_csv(const Codebook& book, const Points& points, const Eigen::Matr
   return io::format_csv(header, all);
 }
 
-Json to_json(const Codebook& book, const Points& points, const Eigen::MatrixXd& table, bool gradient) {
+Json to_json(const Codebook& book, const Labels& outputs, const Points& points, const Eigen::MatrixXd& table,
+             bool gradient) {
   const auto list = [](const auto& column) { return std::vector<double>(column.begin(), column.end()); };
   Json object = {{"schema", "samara-query/1"},
                  {"coordinates", Json::object()},
@@ -115,10 +124,10 @@ Json to_json(const Codebook& book, const Points& points, const Eigen::MatrixXd& 
   for (int k = book.has_time() ? 1 : 0; k < book.coordinate_count(); ++k) {
     object["coordinates"][book.coordinates()[static_cast<std::size_t>(k)].name] = points.x(0, k);
   }
-  Eigen::Index column = book.output_count();
-  for (int o = 0; o < book.output_count(); ++o) {
-    const pgd::OutputLabel& label = book.outputs()[static_cast<std::size_t>(o)];
-    Json output = {{"name", label.name}, {"unit", label.unit}, {"values", list(table.col(o))}};
+  Eigen::Index column = std::ssize(outputs);
+  for (std::size_t o = 0; o < outputs.size(); ++o) {
+    const auto values = list(table.col(static_cast<Eigen::Index>(o)));
+    Json output = {{"name", outputs[o].name}, {"unit", outputs[o].unit}, {"values", values}};
     if (gradient) {
       for (const codebooks::Coordinate& c : book.coordinates())
         output["gradient"][c.name] = list(table.col(column++));
@@ -129,21 +138,50 @@ Json to_json(const Codebook& book, const Points& points, const Eigen::MatrixXd& 
   return object;
 }
 
+void write(const QueryArguments& arguments, const Codebook& book, const Labels& outputs, const Points& points,
+           const Eigen::MatrixXd& table) {
+  if (arguments.json) {
+    write_answer(arguments.output, to_json(book, outputs, points, table, arguments.gradient).dump() + "\n");
+  } else {
+    write_answer(arguments.output, to_csv(book, outputs, points, table, arguments.gradient));
+  }
+}
+
+/// The states at times of any length, by the flow map of the codebook.
+int run_composed(const QueryArguments& arguments, const Codebook& book) {
+  const Points points = points_of(book, arguments);
+  const auto family = codebooks::flow_map_trajectories(book);
+  const Eigen::VectorXd q = points.x.row(0).tail(points.x.cols() - 1).transpose();
+  const Eigen::VectorXd times = points.x.col(0);
+  const models::FamilyTrajectory result =
+      models::trajectory(*family, {q.data(), static_cast<std::size_t>(q.size())},
+                         {times.begin(), times.end()}, models::output_names(family->info()));
+  if (!result.outcome && result.outcome.reached < 0.0) throw OutsideBoxError(result.outcome.message);
+  Labels outputs;
+  for (const models::FamilyOutput& output : family->info().outputs)
+    outputs.push_back({output.name, output.unit});
+  write(arguments, book, outputs, points, result.values);
+  if (result.outcome) return kDone;
+  warn(fmt::format("{}; values after t = {:.6g} are empty", result.outcome.message, result.outcome.reached));
+  return kOutsideBox;
+}
+
 }  // namespace
 
 int run(const QueryArguments& arguments) {
+  if (!arguments.until.empty() && (!arguments.at.empty() || arguments.gradient || arguments.clamp)) {
+    throw ArgumentError(
+        "--until composes windows of the codebook: none of --at, --gradient and --clamp was expected");
+  }
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.book});
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
+  if (!arguments.until.empty()) return run_composed(arguments, book);
   const Points points = points_of(book, arguments);
   for (const std::string& name : points.clamped)
     warn(fmt::format("{} was moved to the border of the box", name));
   const Eigen::MatrixXd table = answer(book, points, arguments.gradient);
-  if (arguments.json) {
-    write_answer(arguments.output, to_json(book, points, table, arguments.gradient).dump() + "\n");
-  } else {
-    write_answer(arguments.output, to_csv(book, points, table, arguments.gradient));
-  }
+  write(arguments, book, book.outputs(), points, table);
   return kDone;
 }
 

@@ -7,10 +7,35 @@ import csv
 import json
 import math
 
-from samara_case import LINE_PLAN, FOLDER, Case, book, main, run
+from samara_case import LINE_PLAN, FOLDER, Case, book, main, run, write
 
 
 class Answers(Case):
+    def test_windows_of_a_codebook_are_composed_to_longer_times(self):
+        coin = ["density=6339", "area=4.714e-4", "thickness=2.55e-3"]
+        plan = write("window.toml", "model = 'vertical_fall'\n[fixed]\n" + "\n".join(coin) +
+                     "\n[box]\nC_D = [0.8, 1.6]\n'v(0)' = [0.0, 0.5]\n[time]\nend = 0.05\n[tolerance]\nrelative = 1e-5\nassurance = 0.925\n")
+        window = FOLDER / "window.h5"
+        self.assertEqual(run("build", plan, "-o", window).returncode, 0)
+        call = ["query", window, "--set", "C_D=1.2", "--until", "1 s"]
+        rows = run(*call, "--set", "v(0)=0.2").stdout.splitlines()
+        truth = run("simulate", "vertical_fall", *[part for value in coin for part in ("--set", value)],
+                    "--set", "C_D=1.2", "--set", "v(0)=0.2", "--until", "1", "--frames", "11").stdout.splitlines()
+        self.assertEqual(rows[0], "t[s],C_D[1],v(0)[m/s],v[m/s],x[m]")
+        self.assertEqual(len(rows), 12)
+        for row, other in zip(rows[1:], truth[1:]):
+            self.assertAlmostEqual(float(row.split(",")[4]), float(other.split(",")[2]), delta=1e-4)
+        answer = json.loads(run(*call, "--set", "v(0)=0.2", "--json").stdout)
+        self.assertEqual([output["name"] for output in answer["outputs"]], ["v", "x"])
+        # Of less drag the terminal speed, 0.58 m/s, is outside the box.
+        far = run("query", window, "--set", "C_D=0.8", "--set", "v(0)=0.49", "--until", "2")
+        self.assertEqual(far.returncode, 5)
+        self.assertRegex(far.stderr, r"left the box at t = [0-9.]+: v = 0\.5\d* m/s is outside \[0, 0\.5\]; values after t = [0-9.]+ are empty")
+        self.assertTrue(far.stdout.splitlines()[-1].endswith(",,"))
+        self.check_error(run(*call, "--set", "v(0)=0.7"), 5, "left the box at t = 0: v = 0.7")
+        self.check_error(run(*call, "--set", "v(0)=0.2", "--gradient"), 2, "none of --at, --gradient and --clamp")
+        self.check_error(run("query", window, "--set", "C_D=1.2", "--set", "v(0)=0.2", "--until", "0"), 2, "more than 0")
+
     def test_models_lists_every_model_and_explains_one(self):
         self.assertIn("vertical_fall", run("models").stdout)
         text = run("models", "vertical_fall").stdout
