@@ -130,7 +130,7 @@ CertifyOptions certify_options(const Plan& plan, const BuildOptions& options,
                                const ProgressCallback& progress) {
   CertifyOptions result;
   result.points = options.certificate_points.value_or(plan.certificate_points());
-  result.seed = options.certificate_seed.value_or(plan.certificate_seed());
+  result.seed = plan.certificate_seed();
   result.tolerance = plan.relative;
   result.absolute = plan.absolute;
   result.threads = plan.builder.threads;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -23,8 +22,7 @@
 namespace samara::codebooks {
 
 struct BuildOptions {
-  std::optional<int> certificate_points = {};          ///< instead of Plan::certificate_points()
-  std::optional<std::uint64_t> certificate_seed = {};  ///< instead of Plan::certificate_seed()
+  std::optional<int> certificate_points = {};  ///< instead of Plan::certificate_points()
   /// Where to keep the engine's state between rounds and the calls of sampling; empty: nowhere. The file is
   /// removed when the build is done; one that was cancelled leaves it, and one whose command failed.
   std::filesystem::path checkpoint = {};

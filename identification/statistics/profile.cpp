@@ -20,6 +20,8 @@ constexpr double kRootStep = 1.0 / 3.0;
 /// interpolate is a hundredth of a standard error or so.
 constexpr double kCloseRoot = 0.03;
 constexpr int kMostFailures = 6;
+// A deviance below minus this is a better optimum.
+constexpr double kBetterMargin = 0.01;
 
 /// The deviance at the ends of the interval.
 double deviance_quantile(const ProfileOptions& options) {
@@ -238,7 +240,7 @@ Profile profile(const ProfileTarget& target, const Eigen::VectorXd& warm_start, 
   result.threshold = target.best_cost + 0.5 * options.dispersion * deviance_quantile(options);
   collect(below, above, result);
   const auto least = static_cast<std::size_t>(std::ranges::min_element(result.costs) - result.costs.begin());
-  if (result.deviance(result.costs[least]) < -options.better_margin) {
+  if (result.deviance(result.costs[least]) < -kBetterMargin) {
     result.better_value = result.values[least];
     result.better_cost = result.costs[least];
   } else {

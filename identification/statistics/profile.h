@@ -86,8 +86,6 @@ struct ProfileOptions {
   double degrees_of_freedom = std::numeric_limits<double>::infinity();
   /// Solutions on each side, those that close in on the crossing included.
   int max_points = 30;
-  /// A deviance below minus this is a better optimum.
-  double better_margin = 0.01;
 };
 
 struct Profile {

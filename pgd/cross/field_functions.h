@@ -22,9 +22,8 @@ struct FunctionOptions {
   /// Largest allowed difference of an output at the check nodes, divided by the largest |value| of that
   /// output among all nodes visited.
   double tolerance = 1e-6;
-  int check_nodes = 500;  ///< random ones, for scales before and for the error afterwards
-  int max_rank = 100;     ///< of the train
-  int max_terms = 2000;   ///< of the result
+  int max_rank = 100;    ///< of the train
+  int max_terms = 2000;  ///< of the result
   long max_evaluations = 50'000'000;
   std::uint64_t seed = 1;
 };

@@ -25,6 +25,7 @@ namespace {
 
 constexpr std::size_t kGuardPivots = 2;
 constexpr std::size_t kRefutedPivots = 8;  // of a claim that fresh points refute
+constexpr int kGuardPoints = 25;           // fresh ones in every round
 constexpr int kCheckPoints = 100;          // of the first claim, beside its exploration
 constexpr int kLaterCheckPoints = 50;      // of later ones, and as many uniform points
 constexpr int kMostChallenges = 20;
@@ -87,7 +88,7 @@ class Sampling {
     latest_ = on_chebyshev_axes(coordinates_, table_->maps(), outputs_, cross_->train());
     const TrainField& field = *latest_;
     const TrainField& other = before ? *before : field;
-    call_off_grid(options_.guard_points / 2, options_.guard_points - options_.guard_points / 2, field, other);
+    call_off_grid(kGuardPoints / 2, kGuardPoints - kGuardPoints / 2, field, other);
     // Every point off the grid that was ever called counts, not only this round's.
     const PointErrors errors = check_.errors(field, check_.count());
     keep_if_best(field, errors);

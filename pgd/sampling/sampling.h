@@ -67,8 +67,7 @@ struct SamplingOptions {
   long max_calls = 100'000;  ///< guard and check included
   double max_seconds = 0.0;  ///< looked at before every batch; 0: not used
   int max_rank = 400;
-  int max_nodes = 65;     ///< per coordinate, 3 to kMostLejaPoints
-  int guard_points = 25;  ///< fresh ones in every round
+  int max_nodes = 65;  ///< per coordinate, 3 to kMostLejaPoints
   /// Uniform points that are called before the tolerance may be called met; 0: 30 for every coordinate and
   /// one for every two hundred calls allowed.
   int exploration_points = 0;

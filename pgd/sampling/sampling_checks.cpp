@@ -39,7 +39,6 @@ void check_sampling(const std::vector<SampledCoordinate>& coordinates,
   require(o.max_rank >= 1, "max_rank", o.max_rank, "at least 1", kWhere);
   require(o.max_nodes >= kFewestNodes && o.max_nodes <= kMostLejaPoints, "max_nodes", o.max_nodes, "3 to 128",
           kWhere);
-  require(o.guard_points >= 10, "guard_points", o.guard_points, "at least 10", kWhere);
   require(o.exploration_points >= 0, "exploration_points", o.exploration_points, "at least 0", kWhere);
   const auto rows = static_cast<Eigen::Index>(coordinates.size());
   if (o.start.size() > 0 && (o.start.rows() != rows || !o.start.allFinite())) {
