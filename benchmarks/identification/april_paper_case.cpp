@@ -26,7 +26,8 @@ void april_paper_case(const Options& options) {
   const FitResult fitted = samara::identification::fit(*april_family(kAprilSize), windows, april_options());
   const auto variants = april_variants(windows, !options.quick);
   fmt::print(stderr, "{}: {} windows, {}\n", kCase, windows.size(), fitted.message);
-  for (const std::string& warning : fitted.warnings) fmt::print(stderr, "  warning: {}\n", warning);
+  for (const std::string& sentence : fitted.warnings.sentences())
+    fmt::print(stderr, "  warning: {}\n", sentence);
 
   int identified = 0;
   for (const AprilVerdict& v : april_verdicts(fitted, variants)) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -95,20 +94,20 @@ void check_sidecar(const FitRequest& request) {
                   request.sidecar.string()));
 }
 
-/// Tells each sentence once.
-class Warnings {
+/// Tells the caller each warning once, as soon as it is known.
+class WarningTeller {
  public:
-  explicit Warnings(const FitRequest& request) : request_(request) {}
+  explicit WarningTeller(const FitRequest& request) : request_(request) {}
 
-  void say(const std::vector<std::string>& sentences) {
-    for (const std::string& sentence : sentences) {
-      if (said_.insert(sentence).second && request_.warning) request_.warning(sentence);
+  void tell(const Warnings& warnings) {
+    for (const Warning& warning : warnings) {
+      if (told_.add(warning.kind, warning.sentence) && request_.warning) request_.warning(warning.sentence);
     }
   }
 
  private:
   const FitRequest& request_;
-  std::set<std::string> said_;
+  Warnings told_;
 };
 
 /// The family as equations have it; a program that was sampled, or a model of the user's own, has none here.
@@ -139,7 +138,7 @@ std::vector<std::string> doubts_of_gravity(const FitSource& source, const std::v
 
 /// Coefficients that change in time.
 FitReport series_of(const FitRequest& request, const FitSource& source, const std::vector<Capture>& captures,
-                    Warnings& warnings) {
+                    WarningTeller& teller) {
   if (!request.left_out.empty()) {
     throw ArgumentError(
         "--left-out asks for predictions, and a series holds for the captures it was fitted to; a config "
@@ -152,7 +151,7 @@ FitReport series_of(const FitRequest& request, const FitSource& source, const st
   FitReport report;
   report.series = of_file(request.config,
                           [&] { return fit_series(source.model, captures, source.options, *source.series); });
-  warnings.say(report.series->warnings);
+  teller.tell(report.series->warnings);
   report.fit = report.series->fit;
   report.is_usable = report.series->status == FitStatus::converged;
   report.message = report.series->message;
@@ -210,8 +209,7 @@ FitResult predicted(const FitRequest& request, const FitSource& source, const st
 FitResult fit_and_predict(const FitSource& source, const CaptureSplit& captures,
                           const std::optional<PredictionOptions>& prediction) {
   FitResult result = fit(*source.family, captures.fitted, source.options);
-  for (const std::string& doubt : doubts_of_mass(source, captures.fitted, result))
-    result.warnings.push_back(doubt);
+  result.warnings.add_all(WarningKind::model, doubts_of_mass(source, captures.fitted, result));
   if (!prediction) return result;
   if (source.prediction.folds) {
     cross_validate(*source.family, captures.fitted, source.options, *prediction, *source.prediction.folds,
@@ -254,10 +252,9 @@ std::vector<std::filesystem::path> files_read(const FitRequest& request) {
 FitReport fit_files(const FitRequest& request) {
   check_times(request);
   check_sidecar(request);
-  Warnings warnings(request);
-  std::vector<std::string> of_source;
-  FitSource source = open_fit_source(request, of_source);
-  warnings.say(of_source);
+  WarningTeller teller(request);
+  FitSource source = open_fit_source(request);
+  teller.tell(source.warnings);
   source.options.profiles = source.options.profiles || request.profiles;
   const std::optional<PredictionOptions> prediction = prediction_of(request, source);
   CaptureSplit captures = read_split(request, source);
@@ -265,10 +262,12 @@ FitReport fit_files(const FitRequest& request) {
   // A fit may take long: what is strange about the captures should not have to wait for it.
   const bool fits = !captures.fitted.empty();
   const std::vector<Capture>& looked_at = fits ? captures.fitted : captures.left_out;
-  warnings.say(suspicions_of_all(looked_at));
+  Warnings of_captures;
+  of_captures.add_all(WarningKind::captures, suspicions_of_all(looked_at));
   const std::vector<std::string> upside_down = doubts_of_gravity(source, looked_at);
-  warnings.say(upside_down);
-  if (source.series) return series_of(request, source, captures.fitted, warnings);
+  of_captures.add_all(WarningKind::captures, upside_down);
+  teller.tell(of_captures);
+  if (source.series) return series_of(request, source, captures.fitted, teller);
   if (request.needs_series)
     throw ArgumentError(
         "--series writes coefficients that change in time; a model and a config with [series] were expected");
@@ -285,8 +284,8 @@ FitReport fit_files(const FitRequest& request) {
     return fits ? fit_and_predict(source, captures, prediction)
                 : predicted(request, source, captures.left_out, *prediction);
   });
-  report.fit.warnings.insert(report.fit.warnings.end(), upside_down.begin(), upside_down.end());
-  warnings.say(report.fit.warnings);
+  report.fit.warnings.add_all(WarningKind::captures, upside_down);
+  teller.tell(report.fit.warnings);
   report.is_usable = fits ? report.fit.is_usable() : !report.fit.predictions.empty();
   report.message =
       report.is_usable || fits ? report.fit.message : "no capture that was left out could be predicted";

@@ -39,7 +39,7 @@ bool predicts_only(const FitRequest& request) {
 /// Takes coefficients of another fit over: held, or where this one begins.
 /// @param box of what the source leaves free
 void take_over(const FitRequest& request, const ConfigNames& names, std::map<std::string, Interval> box,
-               FitSource& source, std::vector<std::string>& warnings) {
+               FitSource& source) {
   if (request.coefficients.empty()) return;
   source.coefficients = read_fit(request.coefficients);
   const FitResult& fitted = *source.coefficients;
@@ -48,7 +48,8 @@ void take_over(const FitRequest& request, const ConfigNames& names, std::map<std
                      fmt::format("it holds no coefficients: {}", fitted.message));
   }
   if (!fitted.is_usable())
-    warnings.push_back(fmt::format("{}: {}", request.coefficients.string(), fitted.message));
+    source.warnings.add(WarningKind::source,
+                        fmt::format("{}: {}", request.coefficients.string(), fitted.message));
   std::vector<std::string> known;
   for (const auto& [name, unit] : names.coordinates) known.push_back(name);
   for (const Coefficient& c : fitted.coefficients) {
@@ -89,7 +90,7 @@ void take_over(const FitRequest& request, const ConfigNames& names, std::map<std
   }
 }
 
-void open_model(const FitRequest& request, FitSource& source, std::vector<std::string>& warnings) {
+void open_model(const FitRequest& request, FitSource& source) {
   const auto model = models::find_model(request.source);
   if (request.reference) {
     throw ArgumentError(fmt::format(
@@ -101,12 +102,11 @@ void open_model(const FitRequest& request, FitSource& source, std::vector<std::s
   }
   const ConfigNames names = config_names(model->info());
   source.options = read_fit_config(request.config, names);
-  take_over(request, names, source.options.box, source, warnings);
+  take_over(request, names, source.options.box, source);
   std::map<std::string, double> values = source.options.fixed;
   for (const auto& [name, interval] : source.options.box)
     values.emplace(name, 0.5 * (interval.lower + interval.upper));
-  for (std::string& sentence : models::parameter_warnings(*model, values))
-    warnings.push_back(std::move(sentence));
+  source.warnings.add_all(WarningKind::source, models::parameter_warnings(*model, values));
   source.model = model;
   source.series = read_series_config(request.config, names);
   source.family = of_file(request.config, [&] {
@@ -121,7 +121,7 @@ void open_model(const FitRequest& request, FitSource& source, std::vector<std::s
   });
 }
 
-void open_codebook(const FitRequest& request, FitSource& source, std::vector<std::string>& warnings) {
+void open_codebook(const FitRequest& request, FitSource& source) {
   source.book = codebooks::load(request.source);
   const ConfigNames names = config_names(*source.book);
   if (!request.config.empty()) {
@@ -138,9 +138,10 @@ void open_codebook(const FitRequest& request, FitSource& source, std::vector<std
     const auto narrowed = source.options.box.find(c.name);
     box[c.name] = narrowed == source.options.box.end() ? Interval{c.lower, c.upper} : narrowed->second;
   }
-  take_over(request, names, box, source, warnings);
+  take_over(request, names, box, source);
   if (!source.book->certificate() || !source.book->certificate()->met) {
-    warnings.push_back(fmt::format("{} has no certificate that meets its tolerance", request.source));
+    source.warnings.add(WarningKind::source,
+                        fmt::format("{} has no certificate that meets its tolerance", request.source));
   }
   source.family = of_file(request.source, [&] {
     if (request.reference) return codebooks::reference_trajectories(*source.book);
@@ -151,13 +152,13 @@ void open_codebook(const FitRequest& request, FitSource& source, std::vector<std
 
 }  // namespace
 
-FitSource open_fit_source(const FitRequest& request, std::vector<std::string>& warnings) {
+FitSource open_fit_source(const FitRequest& request) {
   FitSource source;
   if (!request.config.empty()) source.prediction = read_prediction_config(request.config);
   if (is_model_name(request.source)) {
-    open_model(request, source, warnings);
+    open_model(request, source);
   } else {
-    open_codebook(request, source, warnings);
+    open_codebook(request, source);
   }
   return source;
 }

@@ -12,6 +12,7 @@
 #include "samara/identification/fit/prediction_config.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/fit_result.h"
+#include "samara/identification/problem/warnings.h"
 #include "samara/identification/series/coefficient_series.h"
 #include "samara/identification/trajectories/trajectory_source.h"
 #include "samara/models/interface/model.h"
@@ -28,13 +29,13 @@ struct FitSource {
   FitOptions options;
   PredictionConfig prediction;
   std::optional<FitResult> coefficients;  ///< of another fit
+  /// Of a codebook that does not keep its tolerance, of units, of coefficients whose fit did not converge.
+  Warnings warnings;
 };
 
 /// Reads source, config and coefficients.
-/// @param warnings takes what is said of a codebook that does not keep its tolerance, of units, and of
-/// coefficients whose fit did not converge
 /// @throws ArgumentError, InputError
-FitSource open_fit_source(const FitRequest& request, std::vector<std::string>& warnings);
+FitSource open_fit_source(const FitRequest& request);
 
 /// What is wrong with values that came from a file is wrong with the file.
 template <class Call>

@@ -51,7 +51,8 @@ void add_bootstrap(const FitProblem& problem, std::vector<SegmentResidual>& resi
                    const FitOptions& options, FitResult& result) {
   if (options.bootstrap.replicates < 1 || problem.shared_count() == 0) return;
   if (problem.cluster_count < 2) {
-    result.warnings.emplace_back(
+    result.warnings.add(
+        WarningKind::errors,
         "the captures are one cluster, so there are no errors from clusters weighted at random: a bootstrap "
         "needs two or more");
     return;
@@ -77,10 +78,12 @@ void add_bootstrap(const FitProblem& problem, std::vector<SegmentResidual>& resi
                                                 : widening(problem.cluster_count) * deviation);
   }
   if (bootstrap.converged < bootstrap.replicates) {
-    result.warnings.push_back(fmt::format(
-        "{} of {} fits with clusters weighted at random did not converge within {} iterations: the "
-        "errors from their scatter may be much too small",
-        bootstrap.replicates - bootstrap.converged, bootstrap.replicates, options.max_iterations));
+    result.warnings.add(
+        WarningKind::errors,
+        fmt::format(
+            "{} of {} fits with clusters weighted at random did not converge within {} iterations: the "
+            "errors from their scatter may be much too small",
+            bootstrap.replicates - bootstrap.converged, bootstrap.replicates, options.max_iterations));
   }
   result.bootstrap = std::move(bootstrap);
 }

@@ -203,8 +203,9 @@ void estimate_noise(NoiseLevels& levels, int rounds, FitProblem& problem,
     }
   }
   if (change > kStill) {
-    result.warnings.push_back(fmt::format("the noise levels still moved by {:.2g} % in the last of {} rounds",
-                                          100.0 * change, rounds));
+    result.warnings.add(WarningKind::noise,
+                        fmt::format("the noise levels still moved by {:.2g} % in the last of {} rounds",
+                                    100.0 * change, rounds));
   }
 }
 

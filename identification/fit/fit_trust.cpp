@@ -187,11 +187,13 @@ void add_profile_warnings(FitResult& result) {
   for (const Profile& p : result.profiles) {
     const Coefficient& c = *std::ranges::find(result.coefficients, p.name, &Coefficient::name);
     if (p.shape == ProfileShape::better_elsewhere) {
-      result.warnings.push_back(
+      result.warnings.add(
+          WarningKind::optima,
           fmt::format("the profile of {} met a {}: the fit ended in a local optimum; more starts are advised",
                       p.name, describe(p)));
     } else if (p.shape != ProfileShape::identified && c.determined && !c.at_bound) {
-      result.warnings.push_back(
+      result.warnings.add(
+          WarningKind::undetermined,
           fmt::format("the captures determine {} to one side at most: {}", p.name, describe(p)));
     }
   }

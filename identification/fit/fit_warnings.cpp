@@ -17,11 +17,10 @@ namespace {
 void warn_about_bounds(FitResult& result) {
   for (const Coefficient& c : result.coefficients) {
     if (!c.at_bound || !c.determined) continue;
-    result.warnings.push_back(
-        fmt::format("{} = {:.6g} lies at a bound of its box, {:.6g} to {:.6g}: its best value is probably "
-                    "outside, and it has no "
-                    "standard error",
-                    c.name, c.value, c.lower, c.upper));
+    result.warnings.add(WarningKind::bounds,
+                        fmt::format("{} = {:.6g} lies at a bound of its box, {:.6g} to {:.6g}: its best "
+                                    "value is probably outside, and it has no standard error",
+                                    c.name, c.value, c.lower, c.upper));
   }
   std::map<std::string, std::vector<std::string>> captures;
   for (const CaptureFit& capture : result.captures) {
@@ -30,8 +29,9 @@ void warn_about_bounds(FitResult& result) {
     }
   }
   for (const auto& [name, ids] : captures) {
-    result.warnings.push_back(fmt::format("{} lies at a bound of its box in {} of {} captures: {}", name,
-                                          ids.size(), result.captures.size(), join(ids)));
+    result.warnings.add(WarningKind::bounds,
+                        fmt::format("{} lies at a bound of its box in {} of {} captures: {}", name,
+                                    ids.size(), result.captures.size(), join(ids)));
   }
 }
 
@@ -39,7 +39,8 @@ void warn_about_undetermined(const Uncertainty& uncertainty, FitResult& result) 
   for (const std::vector<int>& set : uncertainty.undetermined_sets) {
     std::vector<std::string> names;
     for (const int k : set) names.push_back(result.coefficients[static_cast<std::size_t>(k)].name);
-    result.warnings.push_back(
+    result.warnings.add(
+        WarningKind::undetermined,
         names.size() == 1
             ? fmt::format("the captures do not determine {}: it can change without changing the residuals",
                           names[0])
@@ -50,7 +51,8 @@ void warn_about_undetermined(const Uncertainty& uncertainty, FitResult& result) 
   for (const std::vector<int>& set : uncertainty.sets_held_by_priors) {
     std::vector<std::string> names;
     for (const int k : set) names.push_back(result.coefficients[static_cast<std::size_t>(k)].name);
-    result.warnings.push_back(
+    result.warnings.add(
+        WarningKind::undetermined,
         fmt::format("the captures alone do not determine {}: what is said of {} rests on the priors",
                     join(names), names.size() == 1 ? "it" : "them"));
   }
@@ -60,14 +62,16 @@ void warn_about_undetermined(const Uncertainty& uncertainty, FitResult& result) 
     segment += static_cast<std::size_t>(result.captures[c].segments);
     for (std::size_t k = 0; k < result.captures[c].nuisances.size(); ++k) {
       if (own.determined[k]) continue;
-      result.warnings.push_back(fmt::format("capture \"{}\" does not determine its {}", result.captures[c].id,
-                                            result.captures[c].nuisances[k].name));
+      result.warnings.add(WarningKind::undetermined,
+                          fmt::format("capture \"{}\" does not determine its {}", result.captures[c].id,
+                                      result.captures[c].nuisances[k].name));
     }
   }
   for (const Coefficient& c : result.coefficients) {
     const double error = std::max(c.standard_error.value_or(0.0), c.naive_standard_error.value_or(0.0));
     if (error < 0.5 * (c.upper - c.lower)) continue;
-    result.warnings.push_back(
+    result.warnings.add(
+        WarningKind::undetermined,
         fmt::format("the captures say little about {}: its standard error {:.3g} is half its box "
                     "or more",
                     c.name, error));
@@ -85,37 +89,35 @@ void warn_about_camera(const FitProblem& problem, FitResult& result) {
       return capture.nuisances[at].standard_error.value_or(before) < kNothingNew * before;
     };
     if (std::ranges::any_of(result.captures, is_new)) continue;
-    result.warnings.push_back(
-        fmt::format("the captures say nothing of the {} of their camera{} that was not known beforehand: its "
-                    "errors are those of the "
-                    "deviation given",
-                    names[k], result.captures.size() == 1 ? "" : "s"));
+    result.warnings.add(WarningKind::undetermined,
+                        fmt::format("the captures say nothing of the {} of their camera{} that was not known "
+                                    "beforehand: its errors are those of the deviation given",
+                                    names[k], result.captures.size() == 1 ? "" : "s"));
   }
 }
 
 void warn_about_errors(const Uncertainty& uncertainty, FitResult& result) {
   if (result.coefficients.empty()) return;
   if (result.clusters < 2) {
-    result.warnings.push_back(
-        "there is only one cluster of captures: the standard errors take all frames as independent and are "
-        "usually "
-        "much too small");
+    result.warnings.add(WarningKind::errors,
+                        "there is only one cluster of captures: the standard errors take all frames as "
+                        "independent and are usually much too small");
   } else if (result.clusters <= static_cast<int>(result.coefficients.size())) {
-    result.warnings.push_back(
-        fmt::format("{} coefficients rest on {} clusters of captures: their covariance is "
-                    "singular, their errors are rough",
-                    result.coefficients.size(), result.clusters));
+    result.warnings.add(WarningKind::errors,
+                        fmt::format("{} coefficients rest on {} clusters of captures: their covariance is "
+                                    "singular, their errors are rough",
+                                    result.coefficients.size(), result.clusters));
   }
   const bool has_naive = std::ranges::any_of(result.coefficients, [](const Coefficient& c) {
     return c.naive_standard_error || c.at_bound || !c.determined;
   });
   if (!has_naive)
-    result.warnings.push_back("there are no more values than unknowns: nothing says how large the noise is");
+    result.warnings.add(WarningKind::errors,
+                        "there are no more values than unknowns: nothing says how large the noise is");
   if (uncertainty.hessian_replaced) {
-    result.warnings.push_back(
-        "too many residuals lie beyond the bend of the loss: the standard errors are rough; a larger loss "
-        "scale is "
-        "advised");
+    result.warnings.add(WarningKind::errors,
+                        "too many residuals lie beyond the bend of the loss: the standard errors are rough; "
+                        "a larger loss scale is advised");
   }
 }
 
@@ -138,8 +140,9 @@ bool is_elsewhere(const FitResult& result, const StartRecord& start) {
 
 void warn_about_starts(const Uncertainty& uncertainty, FitResult& result) {
   if (result.starts.size() > 1 && result.starts_at_best == 1) {
-    result.warnings.push_back(fmt::format(
-        "only one of {} starts reached the best cost: others may be better still", result.starts.size()));
+    result.warnings.add(WarningKind::optima,
+                        fmt::format("only one of {} starts reached the best cost: others may be better still",
+                                    result.starts.size()));
   }
   if (!uncertainty.undetermined_sets.empty()) return;
   for (std::size_t k = 0; k < result.starts.size(); ++k) {
@@ -147,9 +150,9 @@ void warn_about_starts(const Uncertainty& uncertainty, FitResult& result) {
     if (start.status != FitStatus::converged || !is_elsewhere(result, start)) continue;
     if (start.cost > 1.1 * result.cost && !start.reached_best) continue;
     const double excess = result.cost > 0.0 ? 100.0 * (start.cost / result.cost - 1.0) : 0.0;
-    result.warnings.push_back(
-        fmt::format("start {} ended in another optimum, {}, at a cost only {:.2g} % higher", k + 1,
-                    values_text(result, start), excess));
+    result.warnings.add(WarningKind::optima,
+                        fmt::format("start {} ended in another optimum, {}, at a cost only {:.2g} % higher",
+                                    k + 1, values_text(result, start), excess));
   }
 }
 
@@ -163,19 +166,23 @@ void add_misfit_warnings(const FitProblem& problem, FitResult& result) {
     const OutputRms& residual = result.residuals[o];
     if (!(residual.rms > kMany * scale)) continue;
     const std::string unit = residual.unit == "1" ? "" : " " + residual.unit;
-    result.warnings.push_back(fmt::format(
-        "the model misses {} by {:.3g}{} in the root mean square, {:.2g} times the loss scale of {:.3g}{}: "
-        "perhaps the model, what is fixed, a unit or the window is not that of the captures",
-        residual.output, residual.rms, unit, residual.rms / scale, scale, unit));
+    result.warnings.add(
+        WarningKind::model,
+        fmt::format(
+            "the model misses {} by {:.3g}{} in the root mean square, {:.2g} times the loss scale of "
+            "{:.3g}{}: perhaps the model, what is fixed, a unit or the window is not that of the captures",
+            residual.output, residual.rms, unit, residual.rms / scale, scale, unit));
   }
 }
 
 void add_start_warning(const TrajectoryFamily& family, const FitOptions& options, FitResult& result) {
   if (!options.segments.length || family.equations() != nullptr) return;
-  result.warnings.push_back(fmt::format(
-      "the equations behind the {} of \"{}\" are not known: segments began in the middle of their "
-      "boxes, not where the captures show them, and in one round",
-      result.source, result.model));
+  result.warnings.add(
+      WarningKind::segments,
+      fmt::format(
+          "the equations behind the {} of \"{}\" are not known: segments began in the middle of their "
+          "boxes, not where the captures show them, and in one round",
+          result.source, result.model));
 }
 
 void add_capture_warnings(const FamilyInfo& family, std::span<const Capture> captures,
@@ -190,11 +197,11 @@ void add_capture_warnings(const FamilyInfo& family, std::span<const Capture> cap
   }
   for (const auto& [channel, id] : unknown) {
     if (!options.outputs.empty()) break;  // chosen by name
-    result.warnings.push_back(
-        fmt::format("capture \"{}\": \"{}\" is no output of \"{}\", and was not compared{}", id, channel,
-                    family.model, suggestion(channel, known)));
+    result.warnings.add(WarningKind::captures,
+                        fmt::format("capture \"{}\": \"{}\" is no output of \"{}\", and was not compared{}",
+                                    id, channel, family.model, suggestion(channel, known)));
   }
-  for (std::string& sentence : suspicions_of_all(captures)) result.warnings.push_back(std::move(sentence));
+  result.warnings.add_all(WarningKind::captures, suspicions_of_all(captures));
 }
 
 void add_speed_warnings(const TrajectoryFamily& family, std::span<const Capture> captures,
@@ -219,20 +226,24 @@ void add_speed_warnings(const TrajectoryFamily& family, std::span<const Capture>
       if (!speeds.empty()) fastest = std::max(fastest, median(speeds));
     }
     if (!(fastest > kTooFast * usual)) continue;
-    result.warnings.push_back(fmt::format(
-        "capture \"{}\" moves at {:.3g} m/s, {:.2g} times the characteristic speed of the model: are "
-        "lengths or times in another unit, or is the body another?",
-        capture.id, fastest, fastest / usual));
+    result.warnings.add(
+        WarningKind::captures,
+        fmt::format(
+            "capture \"{}\" moves at {:.3g} m/s, {:.2g} times the characteristic speed of the model: are "
+            "lengths or times in another unit, or is the body another?",
+            capture.id, fastest, fastest / usual));
   }
 }
 
 void add_warnings(const FitProblem& problem, const Uncertainty& uncertainty, FitResult& result) {
   constexpr double kOpenJoin = 0.1;
   if (result.join_defect.value_or(0.0) > kOpenJoin) {
-    result.warnings.push_back(fmt::format(
-        "segments do not join: one starts {:.2g} standard deviations of its start away from where "
-        "the one before it ends; the model cannot follow the captures, or more stages are needed",
-        *result.join_defect));
+    result.warnings.add(
+        WarningKind::segments,
+        fmt::format(
+            "segments do not join: one starts {:.2g} standard deviations of its start away from where "
+            "the one before it ends; the model cannot follow the captures, or more stages are needed",
+            *result.join_defect));
   }
   warn_about_bounds(result);
   warn_about_undetermined(uncertainty, result);

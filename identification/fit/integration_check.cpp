@@ -35,10 +35,11 @@ std::vector<int> movable(const Uncertainty& uncertainty) {
 }
 
 void warn(const Coefficient& worst, FitResult& result) {
-  result.warnings.push_back(fmt::format(
-      "the steps of the integration are too long: with half of them {} would move by {:.2g} of its standard "
-      "errors, to {:.6g}; a shorter `step` is advised",
-      worst.name, *result.integration_shift, worst.value + *worst.integration_shift));
+  result.warnings.add(WarningKind::steps, fmt::format("the steps of the integration are too long: with half "
+                                                      "of them {} would move by {:.2g} of its standard "
+                                                      "errors, to {:.6g}; a shorter `step` is advised",
+                                                      worst.name, *result.integration_shift,
+                                                      worst.value + *worst.integration_shift));
 }
 
 }  // namespace
@@ -55,7 +56,8 @@ void add_integration_shift(const TrajectoryFamily& family, const FitProblem& pro
     halved.back().set_join_weights(residual.join_weights());
   }
   if (!evaluate_all(halved, point)) {
-    result.warnings.push_back(
+    result.warnings.add(
+        WarningKind::steps,
         "with steps of half the length there is no trajectory where the fit ended: a shorter `step` is "
         "advised");
     return;

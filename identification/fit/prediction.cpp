@@ -254,8 +254,8 @@ int count_of(const std::vector<int>& clusters) {
 
 void add_scores(Prospect prospect, const PredictionOptions& prediction, FitResult& fitted) {
   for (const auto& [reason, captures] : prospect.lacks)
-    fitted.warnings.push_back(lack_sentence(reason, captures));
-  for (std::string& sentence : prospect.sentences) fitted.warnings.push_back(std::move(sentence));
+    fitted.warnings.add(WarningKind::predictions, lack_sentence(reason, captures));
+  fitted.warnings.add_all(WarningKind::predictions, std::move(prospect.sentences));
   Scores scores = scores_of(prospect.compared, std::move(prospect.outlooks), prediction);
   fitted.predictions = std::move(scores.all);
   fitted.capture_predictions = std::move(scores.by_capture);
@@ -316,7 +316,8 @@ void cross_validate(const TrajectoryFamily& family, std::span<const Capture> cap
     const FitResult of_others = fit(family, training, plain);
     const std::string which = fmt::format("fold {} of {}", fold + 1, folds.count);
     if (of_others.status != FitStatus::converged)
-      fitted.warnings.push_back(fmt::format("the fit without {}: {}", which, of_others.message));
+      fitted.warnings.add(WarningKind::predictions,
+                          fmt::format("the fit without {}: {}", which, of_others.message));
     prospect.add(look_ahead(family, of_others, left_out, options, prediction));
   }
   add_scores(std::move(prospect), prediction, fitted);

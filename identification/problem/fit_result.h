@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "samara/identification/problem/warnings.h"
 #include "samara/identification/statistics/identifiability.h"
 #include "samara/identification/statistics/prediction_score.h"
 #include "samara/identification/statistics/profile.h"
@@ -142,7 +143,7 @@ struct Bootstrap {
 struct FitResult {
   FitStatus status = FitStatus::failed;
   std::string message = "the fit did not run";  ///< why it stopped, in one sentence
-  std::vector<std::string> warnings = {};       ///< one sentence each
+  Warnings warnings = {};
 
   std::string model = {};
   std::string source = {};  ///< as FamilyInfo

@@ -174,7 +174,7 @@ std::string fit_json(const FitResult& result) {
   Json object = {{"schema", "samara-fit/1"},
                  {"status", to_string(result.status)},
                  {"message", result.message},
-                 {"warnings", result.warnings},
+                 {"warnings", result.warnings.sentences()},
                  {"model", result.model},
                  {"source", result.source},
                  {"loss", result.loss},
@@ -228,7 +228,7 @@ std::string fit_text(const FitResult& result) {
     fmt::format_to(out, "{} iterations, {} trajectories, {:.3g} s\n", result.iterations, result.evaluations,
                    result.seconds);
   }
-  for (const std::string& warning : result.warnings) fmt::format_to(out, "warning: {}\n", warning);
+  for (const Warning& warning : result.warnings) fmt::format_to(out, "warning: {}\n", warning.sentence);
   return without_trailing_blanks(text);
 }
 

@@ -63,8 +63,7 @@ void check_combination(const FitOptions& options, const SeriesOptions& series) {
   if (options.stride) {
     throw ArgumentError(
         "stride cuts captures into windows, and a series follows each of them as a whole; either a stride or "
-        "a "
-        "series was expected");
+        "a series was expected");
   }
   if (series.stride && options.segments.length) {
     throw ArgumentError(fmt::format(
@@ -75,8 +74,7 @@ void check_combination(const FitOptions& options, const SeriesOptions& series) {
   if (series.stride && options.noise.estimated) {
     throw ArgumentError(
         "noise is not estimated where windows slide, since frames count in several of them; loss scales, or "
-        "no "
-        "series.stride, were expected");
+        "no series.stride, were expected");
   }
 }
 
@@ -155,7 +153,8 @@ Chosen choose_with_levels(SeriesFits& fits, const FitResult& constant, std::vect
     }
     factor = best.factor;
   }
-  found.fit.warnings.push_back(
+  found.fit.warnings.add(
+      WarningKind::series,
       "the likeliest smoothness and the noise levels that belong to it still changed each other in the last "
       "round");
   return found;
@@ -200,17 +199,20 @@ void add_replay(const models::ModelInfo& model, const FitResult& result, const S
 void add_series_warnings(CoefficientSeries& series) {
   series.warnings = series.fit.warnings;
   if (series.factor == kFactors.front()) {
-    series.warnings.push_back(
+    series.warnings.add(
+        WarningKind::series,
         "the captures show no change of the coefficients in time: the smoothest series that was tried is the "
         "likeliest");
   }
   if (series.factor == kFactors.back()) {
-    series.warnings.push_back(
+    series.warnings.add(
+        WarningKind::series,
         "the roughest series that was tried is the likeliest: values at neighbouring instants are not held "
         "together, and a shorter window may be needed");
   }
   if (series.correlation_factor > 1.0) {
-    series.warnings.push_back(
+    series.warnings.add(
+        WarningKind::series,
         fmt::format("residuals are correlated from frame to frame; standard errors are {:.2g} times those of "
                     "independent frames",
                     series.correlation_factor));
@@ -218,8 +220,9 @@ void add_series_warnings(CoefficientSeries& series) {
   for (const SeriesCoefficient& c : series.coefficients) {
     const auto nothing = std::ranges::count(c.basis, InstantBasis::nothing);
     if (nothing > 0) {
-      series.warnings.push_back(fmt::format("the captures do not determine {} at {} of {} instants", c.name,
-                                            nothing, c.values.size()));
+      series.warnings.add(WarningKind::series,
+                          fmt::format("the captures do not determine {} at {} of {} instants", c.name,
+                                      nothing, c.values.size()));
     }
   }
 }

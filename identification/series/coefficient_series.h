@@ -12,6 +12,7 @@
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/fit_result.h"
+#include "samara/identification/problem/warnings.h"
 #include "samara/models/interface/model.h"
 
 /// Coefficients that change along a motion: the source's "instantaneous coefficients", as a series that a
@@ -94,7 +95,7 @@ struct SmoothnessTrial {
 struct CoefficientSeries {
   FitStatus status = FitStatus::failed;
   std::string message = "the fit did not run";
-  std::vector<std::string> warnings = {};
+  Warnings warnings = {};  ///< those of `fit` first
 
   std::string model = {};
   std::string time_unit = {};

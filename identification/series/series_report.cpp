@@ -62,7 +62,7 @@ std::string series_json(const CoefficientSeries& series) {
   const Json object = {{"schema", "samara-series/1"},
                        {"status", to_string(series.status)},
                        {"message", series.message},
-                       {"warnings", series.warnings},
+                       {"warnings", series.warnings.sentences()},
                        {"model", series.model},
                        {"time_unit", series.time_unit},
                        {"joined", series.joined},
@@ -101,7 +101,7 @@ std::string series_text(const CoefficientSeries& series) {
     fmt::format_to(out, "rms of {}: {:.4g}{}, with constant coefficients {:.4g}\n", r.output, r.rms,
                    r.unit == "1" ? "" : " " + r.unit, series.constant.residuals[k].rms);
   }
-  for (const std::string& warning : series.warnings) fmt::format_to(out, "warning: {}\n", warning);
+  for (const Warning& warning : series.warnings) fmt::format_to(out, "warning: {}\n", warning.sentence);
   return text;
 }
 

@@ -215,20 +215,22 @@ void NoiseLevels::report(const FitProblem& problem, FitResult& result) const {
     const std::string kept =
         fmt::format("its loss scale stays at {:.3g}{}", level.start, unit_text(found.unit));
     if (level.state == State::exact) {
-      result.warnings.push_back(
+      result.warnings.add(
+          WarningKind::noise,
           fmt::format("the model meets {} exactly: its noise cannot be estimated, and {}", names, kept));
     } else if (level.state == State::too_few) {
-      result.warnings.push_back(
+      result.warnings.add(
+          WarningKind::noise,
           fmt::format("{} has {} values for the {:.3g} unknowns that they determine: its noise cannot be "
                       "estimated, and {}",
                       names, level.count, level.count - found.degrees_of_freedom, kept));
     } else if (level.is_scatter && problem.averaged_frames == 1 &&
                found.value * efficient_bend(loss_) > kMuchMore * level.start) {
-      result.warnings.push_back(fmt::format(
-          "the noise level of {}, {:.3g}{}, is {:.2g} times the scatter of its frames about a smooth curve: "
-          "most "
-          "of it is what the model misses",
-          names, found.value, unit_text(found.unit), found.value * efficient_bend(loss_) / level.start));
+      result.warnings.add(WarningKind::noise,
+                          fmt::format("the noise level of {}, {:.3g}{}, is {:.2g} times the scatter of its "
+                                      "frames about a smooth curve: most of it is what the model misses",
+                                      names, found.value, unit_text(found.unit),
+                                      found.value * efficient_bend(loss_) / level.start));
     }
   }
 }

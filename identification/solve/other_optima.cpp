@@ -108,14 +108,17 @@ void add_other_optima(const FitProblem& problem, std::vector<SegmentResidual>& r
         problem.cluster_count >= 2 ? uncertainty.clustered : uncertainty.naive;
     for (Eigen::Index k = 0; k < covariance.rows(); ++k)
       optimum.standard_errors.push_back(std::sqrt(covariance(k, k)));
-    result.warnings.push_back(fmt::format(
-        "the captures do not tell the answer from another optimum, {}, whose cost is higher by {:.3g}{}",
-        values_text(result, optimum), optimum.excess,
-        C < 2.0 ? std::string() : fmt::format(" +- {:.3g} between clusters", excess_error)));
+    result.warnings.add(
+        WarningKind::optima,
+        fmt::format(
+            "the captures do not tell the answer from another optimum, {}, whose cost is higher by {:.3g}{}",
+            values_text(result, optimum), optimum.excess,
+            C < 2.0 ? std::string() : fmt::format(" +- {:.3g} between clusters", excess_error)));
     result.other_optima.push_back(std::move(optimum));
   }
   if (runs.size() == 1 && !result.global_search) {
-    result.warnings.emplace_back("one start cannot tell whether there is another optimum: more are advised");
+    result.warnings.add(WarningKind::optima,
+                        "one start cannot tell whether there is another optimum: more are advised");
   }
 }
 

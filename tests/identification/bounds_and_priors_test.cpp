@@ -137,9 +137,7 @@ TEST_CASE("a coefficient that only its prior holds has the prior's error, and is
   // d ln v = d ln k (1 - x exp(-x)/(1 - exp(-x))), x = k t = 1
   const double slope = 1.2 * (1.0 - std::exp(-1.0) / (1.0 - std::exp(-1.0)));
   CHECK_THAT(result.coefficients.at(1).standard_error.value(), WithinRel(0.05 * slope, 1e-3));
-  std::string warnings;
-  for (const std::string& warning : result.warnings) warnings += warning + "\n";
-  CHECK_THAT(warnings, Contains("alone do not determine") && Contains("rests on the priors"));
+  CHECK_THAT(text_of(result.warnings), Contains("alone do not determine") && Contains("rests on the priors"));
 }
 
 namespace {

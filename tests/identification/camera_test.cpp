@@ -293,8 +293,7 @@ TEST_CASE(
       if (k < 2) CHECK(found.standard_error.value() < 0.03);
     }
   }
-  CHECK_THAT(fmt::format("{}", fmt::join(result.warnings, "\n")),
-             Contains("say nothing of the turn about z of their cameras"));
+  CHECK_THAT(text_of(result.warnings), Contains("say nothing of the turn about z of their cameras"));
 }
 
 TEST_CASE("what captures say nothing of is known as well as beforehand, and said so") {
@@ -317,7 +316,7 @@ TEST_CASE("what captures say nothing of is known as well as beforehand, and said
   CHECK(camera_nuisance(result.captures[0], "scale").value == Approx(1.0).margin(1e-3));
   // In units of the noise as it turned out: 75 values.
   CHECK(camera_nuisance(result.captures[0], "scale").standard_error.value() == Approx(0.03).epsilon(0.3));
-  CHECK_THAT(fmt::format("{}", fmt::join(result.warnings, "\n")),
+  CHECK_THAT(text_of(result.warnings),
              Contains("say nothing of the scale of their cameras that was not known beforehand"));
 }
 

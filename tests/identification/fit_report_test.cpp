@@ -153,7 +153,7 @@ TEST_CASE("a fit that never ran has a report as well") {
 
 TEST_CASE("the text names coefficients, captures and warnings") {
   FitResult result = example();
-  result.warnings = {"the moon was full"};
+  result.warnings.add(WarningKind::source, "the moon was full");
   const std::string text = fit_text(result);
   CHECK_THAT(text, Contains("C_D") && Contains("v(0) [m/s]") && Contains("coin 2") && Contains("3 clusters"));
   CHECK_THAT(text, Contains("warning: the moon was full\n"));

@@ -13,10 +13,6 @@ using Catch::Matchers::WithinRel;
 
 namespace {
 
-std::string all(const std::vector<std::string>& warnings) {
-  return fmt::format("{}", fmt::join(warnings, "\n"));
-}
-
 std::vector<Capture> coins(double C_D) {
   std::vector<Capture> captures;
   std::mt19937_64 random(2);
@@ -32,14 +28,14 @@ std::vector<Capture> coins(double C_D) {
 TEST_CASE("a good fit warns of nothing") {
   const FitResult result = fit(*coin_family(), coins(1.15));
   CHECK(result.is_usable());
-  CHECK(all(result.warnings).empty());
+  CHECK(text_of(result.warnings).empty());
 }
 
 TEST_CASE("a fit that misses its captures by many loss scales says so") {
   std::vector<Capture> captures = coins(1.15);
   for (Capture& capture : captures) capture.channels[0].values *= 3.0;
   const FitResult result = fit(*coin_family(), captures);
-  CHECK_THAT(all(result.warnings),
+  CHECK_THAT(text_of(result.warnings),
              Contains("the model misses x by") && Contains("times the loss scale of 0.002 m"));
 }
 
@@ -49,20 +45,20 @@ TEST_CASE("scales that were stated count without a loss, too") {
   FitOptions options;
   options.loss.kind = LossKind::none;
   options.starts = 1;
-  CHECK_THAT(all(fit(*coin_family(), captures, options).warnings), !Contains("the model misses"));
+  CHECK_THAT(text_of(fit(*coin_family(), captures, options).warnings), !Contains("the model misses"));
   options.loss.scales = {{"x", 1e-3}};
-  CHECK_THAT(all(fit(*coin_family(), captures, options).warnings), Contains("the loss scale of 0.001 m"));
+  CHECK_THAT(text_of(fit(*coin_family(), captures, options).warnings), Contains("the loss scale of 0.001 m"));
 }
 
 TEST_CASE("a channel that means nothing to the model is warned of, with what was perhaps meant") {
   std::vector<Capture> captures = coins(1.15);
   for (Capture& capture : captures) capture.channels.push_back({"xx", "m", capture.channels[0].values});
   FitOptions options;
-  CHECK(all(fit(*coin_family(), captures, options).warnings) ==
+  CHECK(text_of(fit(*coin_family(), captures, options).warnings) ==
         "capture \"coin 0\": \"xx\" is no output of \"vertical_fall\", and was not compared; did you mean "
         "\"x\"?");
   options.outputs = {"x"};  // chosen by name
-  CHECK(all(fit(*coin_family(), captures, options).warnings).empty());
+  CHECK(text_of(fit(*coin_family(), captures, options).warnings).empty());
 }
 
 TEST_CASE("a coefficient at a bound of its box is warned of, and has no error") {
@@ -75,7 +71,7 @@ TEST_CASE("a coefficient at a bound of its box is warned of, and has no error") 
   CHECK(C_D.value == 1.3);
   CHECK_FALSE(C_D.standard_error);
   CHECK_FALSE(C_D.naive_standard_error);
-  CHECK_THAT(all(result.warnings), Contains("C_D = 1.3 lies at a bound of its box, 1.3 to 2"));
+  CHECK_THAT(text_of(result.warnings), Contains("C_D = 1.3 lies at a bound of its box, 1.3 to 2"));
 }
 
 TEST_CASE("an initial value at a bound is warned of with its captures") {
@@ -86,7 +82,7 @@ TEST_CASE("an initial value at a bound is warned of with its captures") {
   CHECK(result.captures[3].nuisances[0].at_bound);
   CHECK_FALSE(result.captures[3].nuisances[0].standard_error);
   CHECK_FALSE(result.captures[0].nuisances[0].at_bound);
-  CHECK_THAT(all(result.warnings),
+  CHECK_THAT(text_of(result.warnings),
              Contains("v(0) lies at a bound of its box in 2 of 4 captures: \"coin 2\", \"coin 3\""));
 }
 
@@ -103,7 +99,7 @@ TEST_CASE("coefficients that the captures cannot tell apart are named") {
   CHECK(result.status == FitStatus::not_determined);
   CHECK_FALSE(result.is_usable());
   CHECK_THAT(result.message, Contains("do not determine all coefficients"));
-  CHECK_THAT(all(result.warnings), Contains("the captures do not determine area: it can change"));
+  CHECK_THAT(text_of(result.warnings), Contains("the captures do not determine area: it can change"));
   CHECK(result.coefficients[0].determined);
   CHECK(result.coefficients[0].standard_error);
   CHECK_FALSE(result.coefficients[1].determined);
@@ -118,7 +114,7 @@ TEST_CASE("coefficients that the captures cannot tell apart are named") {
                                {{"C_D", {0.6, 2.0}}, {"thickness", {2e-3, 3e-3}}, {"v(0)", {-0.4, 0.8}}});
     const FitResult both = fit(*ratio, coins(1.15));
     CHECK(both.status == FitStatus::not_determined);
-    CHECK_THAT(all(both.warnings), Contains("do not determine C_D, thickness: they can change together"));
+    CHECK_THAT(text_of(both.warnings), Contains("do not determine C_D, thickness: they can change together"));
     CHECK_FALSE(both.coefficients[0].standard_error);
   }
 }
@@ -130,8 +126,8 @@ TEST_CASE("an unknown of one capture that it cannot determine is named") {
   std::vector<Capture> captures = {make_capture("moves", times, BrakedFamily::depths(1.4, 1.0, times)),
                                    make_capture("blinks", {1.0, 1.0, 1.0}, Eigen::Vector3d(0.5, 0.51, 0.49))};
   const FitResult result = fit(family, captures);
-  CHECK_THAT(all(result.warnings), Contains("capture \"blinks\" does not determine its v(0)") &&
-                                       Contains("capture \"blinks\" does not determine its offset of x"));
+  CHECK_THAT(text_of(result.warnings), Contains("capture \"blinks\" does not determine its v(0)") &&
+                                           Contains("capture \"blinks\" does not determine its offset of x"));
   CHECK_FALSE(result.captures[1].nuisances[0].standard_error);
   CHECK_THAT(result.coefficients[0].value, WithinRel(1.4, 1e-4));
 }
@@ -151,7 +147,7 @@ TEST_CASE("a coefficient whose error fills its box is warned of") {
   options.loss.kind = LossKind::none;
   const FitResult result = fit(family, captures, options);
   CHECK_FALSE(result.coefficients[0].at_bound);
-  CHECK_THAT(all(result.warnings), Contains("the captures say little about k"));
+  CHECK_THAT(text_of(result.warnings), Contains("the captures say little about k"));
 }
 
 TEST_CASE("a single capture gives naive errors only, with a warning") {
@@ -159,7 +155,7 @@ TEST_CASE("a single capture gives naive errors only, with a warning") {
   CHECK(result.clusters == 1);
   CHECK_FALSE(result.coefficients[0].standard_error);
   CHECK(result.coefficients[0].naive_standard_error);
-  CHECK_THAT(all(result.warnings), Contains("only one cluster"));
+  CHECK_THAT(text_of(result.warnings), Contains("only one cluster"));
   CHECK(result.covariance(0, 0) == Approx(std::pow(*result.coefficients[0].naive_standard_error, 2)));
 }
 
@@ -207,7 +203,7 @@ TEST_CASE("a fit without any trajectory fails with a status") {
   CHECK_THAT(result.message, Contains("none of 3 starts led anywhere"));
   CHECK(result.coefficients.empty());
   // What is wrong with the capture may be why.
-  CHECK(all(result.warnings) == "capture \"a\": it has 5 frames");
+  CHECK(text_of(result.warnings) == "capture \"a\": it has 5 frames");
 }
 
 TEST_CASE(
@@ -223,9 +219,9 @@ TEST_CASE(
     const FitResult result =
         fails ? fit(BrokenFamily(false), captures, options) : fit(BrakedFamily(), captures, options);
     CHECK((result.status == FitStatus::failed) == fails);
-    CHECK_THAT(all(result.warnings),
+    CHECK_THAT(text_of(result.warnings),
                Contains("capture \"a\": x never changes over 10 frames; the like of 1 more: \"b\""));
-    CHECK_THAT(all(result.warnings), !Contains("a note"));
+    CHECK_THAT(text_of(result.warnings), !Contains("a note"));
     if (!fails) CHECK(result.captures[0].notes == captures[0].notes);
   }
 }
@@ -287,6 +283,6 @@ TEST_CASE("another optimum of nearly the same cost is reported, not hidden") {
   CHECK_THAT(result.coefficients[0].value, Catch::Matchers::WithinAbs(-1.0781, 1e-3));
   CHECK(result.starts_at_best > 0);
   CHECK(result.starts_at_best < 6);
-  CHECK_THAT(all(result.warnings),
+  CHECK_THAT(text_of(result.warnings),
              Contains("ended in another optimum, p = 0.911") && Contains("6.9 % higher"));
 }

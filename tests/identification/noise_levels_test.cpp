@@ -83,10 +83,6 @@ FitOptions estimated(LossKind loss) {
   return options;
 }
 
-std::string joined_sentences(const std::vector<std::string>& warnings) {
-  return fmt::format("{}", fmt::join(warnings, "\n"));
-}
-
 }  // namespace
 
 TEST_CASE("two outputs have their noise levels found, with every loss") {
@@ -189,7 +185,7 @@ TEST_CASE("an output that is met exactly, or has too few frames, is said to have
   FitOptions options = estimated(LossKind::none);
   options.loss.scales["v"] = 1e-4;
   const FitResult few = fit(BrakedWithRate(), captures, options);
-  CHECK_THAT(joined_sentences(few.warnings),
+  CHECK_THAT(text_of(few.warnings),
              Contains("v has 2 values for the") && Contains("noise cannot be estimated"));
   CHECK_FALSE(few.noise[1].estimated);
   CHECK(few.noise[1].value == Approx(1e-4));
@@ -200,7 +196,7 @@ TEST_CASE("an output that is met exactly, or has too few frames, is said to have
   options = estimated(LossKind::none);
   const FitResult none = fit(BrakedFamily(), exact, options);
   CHECK(none.status == FitStatus::converged);
-  CHECK_THAT(joined_sentences(none.warnings), Contains("the model meets x exactly"));
+  CHECK_THAT(text_of(none.warnings), Contains("the model meets x exactly"));
   CHECK_FALSE(none.noise[0].estimated);
 }
 
@@ -211,7 +207,7 @@ TEST_CASE("a level that holds what the model misses is said to") {
     capture.channels[0].values.array() += 0.05 * (8.0 * capture.times.array()).sin();
   }
   const FitResult result = fit(BrakedFamily(), captures, estimated(LossKind::none));
-  CHECK_THAT(joined_sentences(result.warnings),
+  CHECK_THAT(text_of(result.warnings),
              Contains("the noise level of x") && Contains("most of it is what the model misses"));
 }
 

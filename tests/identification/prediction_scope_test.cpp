@@ -184,8 +184,8 @@ TEST_CASE("folds keep clusters together, and a seed draws them") {
   // What cannot be predicted is said once, whichever folds it is in.
   FitResult short_sighted = fitted;
   cross_validate(family, captures, options, {.window = 0.6, .ahead = 1e-3}, {.count = 2}, short_sighted);
-  CHECK(std::ranges::count_if(short_sighted.warnings, [](const std::string& warning) {
-          return warning.find("was not predicted: it has no frame") != std::string::npos;
+  CHECK(std::ranges::count_if(short_sighted.warnings, [](const Warning& warning) {
+          return warning.sentence.find("was not predicted: it has no frame") != std::string::npos;
         }) == 1);
   // As many folds as drops: each drop by the three others.
   const FitResult of_others = fit(family, std::span(captures).first(6), options);

@@ -269,14 +269,15 @@ TEST_CASE("captures that cannot be predicted are named with the reason, and empt
   std::vector<Capture> left_out = braked(4, 3, 0.0);
   left_out[0] = first(left_out[0], 0.6);
   left_out[1].channels[0].values.head(11).setConstant(std::nan(""));
-  fitted.warnings.clear();
+  fitted.warnings = {};
   // The frames end at 1.5 s: nothing is 5 s ahead.
   add_predictions(family, left_out, plain(), {.window = 0.6, .ahead = 5.0}, fitted);
   REQUIRE(fitted.warnings.size() == 3);
-  CHECK_THAT(fitted.warnings[0], Contains("capture \"4\" was not predicted: it has no frame between 0.6 s"));
-  CHECK_THAT(fitted.warnings[1],
+  CHECK_THAT(fitted.warnings.at(0).sentence,
+             Contains("capture \"4\" was not predicted: it has no frame between 0.6 s"));
+  CHECK_THAT(fitted.warnings.at(1).sentence,
              Contains("capture \"5\" was not predicted") && Contains("too little to fit"));
-  CHECK_THAT(fitted.warnings[2], Contains("predictions go to 0.9 s ahead"));
+  CHECK_THAT(fitted.warnings.at(2).sentence, Contains("predictions go to 0.9 s ahead"));
   REQUIRE(fitted.predictions.size() == 6);
   for (const PredictionScore& score : fitted.predictions) {
     CHECK(score.quantity == "position, up to 0.9 s ahead");
@@ -284,7 +285,7 @@ TEST_CASE("captures that cannot be predicted are named with the reason, and empt
   }
   add_predictions(family, std::span(left_out).first(1), plain(), {.window = 0.6, .ahead = 0.5}, fitted);
   CHECK(fitted.predictions.empty());
-  CHECK(fitted.warnings.back() == "none of the captures left out could be predicted");
+  CHECK(fitted.warnings.sentences().back() == "none of the captures left out could be predicted");
 }
 
 TEST_CASE("a capture on which the model fails counts for the baselines, and the failure is said") {
@@ -305,14 +306,14 @@ TEST_CASE("a capture on which the model fails counts for the baselines, and the 
   };
   Fragile family;
   FitResult fitted = fit(family, braked(0, 4, 0.0), plain());
-  fitted.warnings.clear();
+  fitted.warnings = {};
   family.fails = true;
   add_predictions(family, braked(4, 2, 0.0), plain(), {.window = 0.6, .ahead = 0.5}, fitted);
   CHECK(of(fitted.predictions, "model", "position, 0.5 s ahead").captures == 0);
   CHECK(of(fitted.predictions, "cubic", "position, 0.5 s ahead").captures == 2);
   REQUIRE(fitted.warnings.size() == 3);
-  CHECK_THAT(fitted.warnings[0], Contains("capture \"4\" counts for the baselines only"));
-  CHECK(fitted.warnings[2] == "the model failed on 2 of 2 captures left out");
+  CHECK_THAT(fitted.warnings.at(0).sentence, Contains("capture \"4\" counts for the baselines only"));
+  CHECK(fitted.warnings.at(2).sentence == "the model failed on 2 of 2 captures left out");
 }
 
 TEST_CASE("captures that were fitted are not predicted") {
@@ -364,7 +365,7 @@ TEST_CASE("with segments a codebook lasts from the first frame seen on, whatever
   std::vector<Capture> left_out = braked(3, 2, 0.0);
   left_out[0].times.array() += 1.0;                                  // ends at 1.0 s after its first frame
   left_out[1].channels[0].values.head(2).setConstant(std::nan(""));  // at 1.1 s
-  fitted.warnings.clear();
+  fitted.warnings = {};
   add_predictions(family, left_out, options, prediction, fitted);
   CHECK(fitted.warnings.empty());
   const PredictionScore& score = of(fitted.predictions, "model", "position, up to 0.5 s ahead");
@@ -373,12 +374,14 @@ TEST_CASE("with segments a codebook lasts from the first frame seen on, whatever
 
   add_predictions(family, std::span(left_out).first(1), options, prediction, fitted);
   REQUIRE(fitted.warnings.size() == 1);
-  CHECK(fitted.warnings[0] == "predictions go to 0.4 s ahead, not to 0.5 s: the codebook ends there");
-  fitted.warnings.clear();
+  CHECK(fitted.warnings.at(0).sentence ==
+        "predictions go to 0.4 s ahead, not to 0.5 s: the codebook ends there");
+  fitted.warnings = {};
   family.mutable_info().end_time = 0.6;
   add_predictions(family, std::span(left_out).first(1), options, prediction, fitted);
   REQUIRE(fitted.warnings.size() == 2);
-  CHECK_THAT(fitted.warnings[0], Contains("the codebook ends at 1.6 s of its times and the window at 1.6 s"));
+  CHECK_THAT(fitted.warnings.at(0).sentence,
+             Contains("the codebook ends at 1.6 s of its times and the window at 1.6 s"));
 }
 
 TEST_CASE("captures that lack what was fitted are refused before the fit") {

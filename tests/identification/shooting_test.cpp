@@ -260,10 +260,8 @@ TEST_CASE("a capture that the model cannot follow is said not to join") {
   for (Channel& channel : capture.channels) channel.values.tail(30) *= 0.3;
   const FitResult result = fit(*plate_family(), std::vector{capture}, plate_options());
   const bool told = result.status != FitStatus::converged ||
-                    std::ranges::any_of(result.warnings, [](const std::string& warning) {
-                      return warning.find("misses") != std::string::npos ||
-                             warning.find("do not join") != std::string::npos;
-                    });
+                    result.warnings.has(WarningKind::model, "misses") ||
+                    result.warnings.has(WarningKind::segments, "do not join");
   CHECK(told);
 }
 

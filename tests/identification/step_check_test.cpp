@@ -47,9 +47,7 @@ FitResult fit_with(double step, double segment) {
 }
 
 bool warns(const FitResult& result) {
-  return std::ranges::any_of(result.warnings, [](const std::string& warning) {
-    return warning.find("steps of the integration are too long") != std::string::npos;
-  });
+  return result.warnings.has(WarningKind::steps, "steps of the integration are too long");
 }
 
 }  // namespace

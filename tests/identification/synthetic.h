@@ -7,8 +7,10 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "samara/identification/captures/capture.h"
+#include "samara/identification/problem/warnings.h"
 #include "samara/identification/trajectories/trajectory_source.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
@@ -35,6 +37,11 @@ inline void add_noise(samara::identification::Capture& capture, double sigma, st
   for (samara::identification::Channel& channel : capture.channels) {
     for (double& value : channel.values) value += normal(random);
   }
+}
+
+/// One warning a line.
+inline std::string text_of(const samara::identification::Warnings& warnings) {
+  return fmt::format("{}", fmt::join(warnings.sentences(), "\n"));
 }
 
 /// A coin in water.

@@ -78,7 +78,7 @@ TEST_CASE("an optimum that the captures cannot tell from the answer stands in th
   const Coefficient& p = result.coefficients[0];
   CHECK(p.value * result.other_optima[0].coefficients[0] < 0.0);
   CHECK_THAT(verdict(result, p), Contains(" +- ") && Contains(" or "));
-  CHECK_THAT(fmt::format("{}", fmt::join(result.warnings, "\n")),
+  CHECK_THAT(text_of(result.warnings),
              Contains("do not tell the answer from another optimum") && Contains("between clusters"));
   CHECK_THAT(fit_json(result), Contains("\"other_optima\": [\n    {"));
 }
@@ -127,7 +127,7 @@ TEST_CASE("what has not converged, or had one start, is said not to be known pla
              Contains("not converged, stopped at") && !Contains("+-"));
   options.max_iterations = 100;
   const FitResult single = fit(TwoValleys(0.2), captures, options);
-  CHECK_THAT(fmt::format("{}", fmt::join(single.warnings, "\n")), Contains("one start cannot tell"));
+  CHECK_THAT(text_of(single.warnings), Contains("one start cannot tell"));
 }
 
 TEST_CASE("a verdict's error is wider than the standard error where clusters are few") {
