@@ -87,7 +87,7 @@ double fair_tolerance(const codebooks::Codebook& book, const models::ParametricM
 identification::FitOptions coin_fit(const codebooks::Codebook& book) {
   identification::FitOptions options =
       identification::read_fit_config(kExample / "fit.toml", identification::config_names(book));
-  options.window = kWindow;
+  options.compared.span = kWindow;
   return options;
 }
 

@@ -112,24 +112,24 @@ std::unique_ptr<samara::identification::TrajectoryFamily> april_family(double si
 FitOptions april_options() {
   FitOptions options;
   for (const auto& [name, value] : usual()) {
-    options.initial[name] = value;
-    options.log_scale.push_back(name);
-    options.priors[name] = {.mean = value, .deviation = kPriorDeviation, .logarithmic = true};
+    options.starts.initial[name] = value;
+    options.unknowns.log_scale.push_back(name);
+    options.priors.coordinates[name] = {.mean = value, .deviation = kPriorDeviation, .logarithmic = true};
   }
-  options.outputs = {"x", "y", "z", "qw", "qx", "qy", "qz"};
+  options.compared.outputs = {"x", "y", "z", "qw", "qx", "qy", "qz"};
   options.loss = {.kind = samara::identification::LossKind::cauchy, .length_scale = kPlaces};
-  options.attitude_scale = kTurns;
+  options.loss.attitude_scale = kTurns;
   options.segments.length = 10.0;  // each run is one
-  options.starts = 1;
-  options.rounds = 2;
-  options.max_iterations = 40;
+  options.starts.count = 1;
+  options.starts.rounds = 2;
+  options.solver.max_iterations = 40;
   return options;
 }
 
 std::vector<AprilVariant> april_variants(const std::vector<Capture>& windows, bool cameras) {
   const auto family = april_family(kAprilSize);
   FitOptions doubtful = april_options();
-  doubtful.attitude_scale *= 3.0;
+  doubtful.loss.attitude_scale *= 3.0;
   std::vector<AprilVariant> variants = {
       {"the size of the card",
        samara::identification::fit(*april_family(1.5 * kAprilSize), windows, april_options())},

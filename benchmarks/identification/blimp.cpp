@@ -77,9 +77,9 @@ FitOptions base_options() {
   FitOptions options;
   options.loss.kind = LossKind::none;
   options.loss.length_scale = 0.01;
-  options.attitude_scale = 0.01;
-  for (const auto& [quantity, name] : kKnown) options.known[name] = name;
-  options.starts = 1;
+  options.loss.attitude_scale = 0.01;
+  for (const auto& [quantity, name] : kKnown) options.unknowns.known[name] = name;
+  options.starts.count = 1;
   return options;
 }
 
@@ -88,9 +88,10 @@ FitOptions base_options() {
 /// starts: damping came out with the wrong sign.
 FitOptions coefficient_options() {
   FitOptions options = base_options();
-  for (const char* state : kStates) options.known[fmt::format("{}(0)", state)] = fmt::format("{}(0)", state);
-  options.outputs = {"x", "y", "z", "qw", "qx", "qy", "qz"};
-  options.cluster_by = {"flight"};
+  for (const char* state : kStates)
+    options.unknowns.known[fmt::format("{}(0)", state)] = fmt::format("{}(0)", state);
+  options.compared.outputs = {"x", "y", "z", "qw", "qx", "qy", "qz"};
+  options.uncertainty.cluster_by = {"flight"};
   return options;
 }
 
@@ -228,7 +229,7 @@ FitResult fit_blimp(const std::vector<BlimpFlight>& flights, AddedMass added_mas
     for (const char* name : {"J_x", "J_y", "J_z"}) box[name] = {0.0, 0.1};
   }
   FitOptions options = coefficient_options();
-  options.initial = initial;
+  options.starts.initial = initial;
   return fit(*family({}, box), windows_of(flights), options);
 }
 

@@ -83,16 +83,16 @@ FitResult fit_one(const Values& truth, std::uint64_t seed) {
   FitOptions options;
   for (const auto& [name, value] : truth) {
     box[name] = {0.2 * value, 3.0 * value};
-    options.initial[name] = value * (1.0 + kStartSpread * (2.0 * random.uniform() - 1.0));
+    options.starts.initial[name] = value * (1.0 + kStartSpread * (2.0 * random.uniform() - 1.0));
   }
   for (const char* name : {"x(0)", "y(0)", "z(0)"}) box[name] = {-50.0, 50.0};
   for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.1, 1.1};
   for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-20.0, 20.0};
   for (const char* name : {"wx(0)", "wy(0)", "wz(0)"}) box[name] = {-300.0, 300.0};
   options.loss = {.kind = samara::identification::LossKind::none, .length_scale = kNoise};
-  options.attitude_scale = kAngleNoise;
+  options.loss.attitude_scale = kAngleNoise;
   options.segments.length = kSegment;
-  options.starts = 1;
+  options.starts.count = 1;
   const auto family =
       samara::models::step_trajectories(models::find_model("immersed_body"), card(), box, 1.05e-3);
   return samara::identification::fit(*family, std::vector{seen}, options);

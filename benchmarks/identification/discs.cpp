@@ -22,18 +22,18 @@ Box disc_start_box(double place, double speed, double rate) {
 
 FitOptions disc_options(const Coefficients& first, double misfit, const std::string& motion) {
   FitOptions options;
-  options.initial = first;
+  options.starts.initial = first;
   for (const auto& [name, value] : first) {
-    options.log_scale.push_back(name);
-    options.priors[name] = {.mean = value, .deviation = 1.0, .logarithmic = true};
+    options.unknowns.log_scale.push_back(name);
+    options.priors.coordinates[name] = {.mean = value, .deviation = 1.0, .logarithmic = true};
   }
   options.loss.length_scale = misfit;
-  options.round_body = true;
+  options.starts.round_body = true;
   options.segments.length = kUncut;
-  options.cluster_by = {motion};
-  options.starts = 1;
-  options.rounds = 2;
-  options.max_iterations = 25;
+  options.uncertainty.cluster_by = {motion};
+  options.starts.count = 1;
+  options.starts.rounds = 2;
+  options.solver.max_iterations = 25;
   return options;
 }
 

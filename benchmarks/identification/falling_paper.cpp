@@ -72,9 +72,9 @@ std::unique_ptr<TrajectoryFamily> paper_family() {
 FitOptions paper_options() {
   FitOptions options = disc_options({{"C_D0", 0.2}, {"C_D90", 4.0}, {"C_T", 1.5}, {"C_R", 1.0}, {"C_w", 2.0}},
                                     kMisfit, "traj");
-  options.known = {
+  options.unknowns.known = {
       {"a", "radius_m"}, {"b", "radius_m"}, {"I_x", "inertia"}, {"I_y", "inertia"}, {"I_z", "inertia_z"}};
-  options.averaged_frames = 5;
+  options.compared.averaged_frames = 5;
   return options;
 }
 
@@ -91,13 +91,13 @@ std::unique_ptr<TrajectoryFamily> point_family() {
 
 FitOptions point_options() {
   FitOptions options;
-  options.initial = {{"C_D", 1.0}};
+  options.starts.initial = {{"C_D", 1.0}};
   options.loss.length_scale = kMisfit;
-  options.averaged_frames = 5;
+  options.compared.averaged_frames = 5;
   options.segments.length = 10.0;
-  options.cluster_by = {"traj"};
-  options.starts = 1;
-  options.max_iterations = 40;
+  options.uncertainty.cluster_by = {"traj"};
+  options.starts.count = 1;
+  options.solver.max_iterations = 40;
   return options;
 }
 

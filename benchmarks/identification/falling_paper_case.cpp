@@ -59,18 +59,18 @@ void try_silhouettes(const PaperSplit& windows, const FitOptions& positions, con
                      Worst& worst) {
   const auto family = with_silhouettes(paper_family());
   FitOptions options = positions;
-  options.rounds = 1;
-  options.max_iterations = 15;
-  options.initial = values_of(fitted);
+  options.starts.rounds = 1;
+  options.solver.max_iterations = 15;
+  options.starts.initial = values_of(fitted);
   for (const char* name : {"size_1", "size_2"}) {
-    options.initial[name] = kSilhouetteSize;
-    options.log_scale.push_back(name);
+    options.starts.initial[name] = kSilhouetteSize;
+    options.unknowns.log_scale.push_back(name);
   }
   for (const char* name : {"silhouette_1", "silhouette_2"}) options.loss.scales[name] = kSilhouetteScale;
   FitResult best;
   for (const double view : {0.0, 0.25 * std::numbers::pi}) {
-    options.initial["view_1"] = view;
-    options.initial["view_2"] = view + 0.5 * std::numbers::pi;
+    options.starts.initial["view_1"] = view;
+    options.starts.initial["view_2"] = view + 0.5 * std::numbers::pi;
     FitResult result = samara::identification::fit(*family, captures_of(windows.fitted), options);
     if (best.captures.empty() || result.cost < best.cost) best = std::move(result);
   }
@@ -90,10 +90,10 @@ void try_varying(const PaperSplit& windows, const FitOptions& constant, const Fi
   const auto family = paper_family();
   FitOptions options = with_coefficients(constant, values_of(fitted));
   for (const char* name : {"C_T", "C_R"}) {
-    const double value = options.fixed.at(name);
-    options.fixed.erase(name);
-    options.per_capture.push_back(name);
-    options.box[name] = {value / 1.6, value * 1.6};
+    const double value = options.unknowns.fixed.at(name);
+    options.unknowns.fixed.erase(name);
+    options.unknowns.per_capture.push_back(name);
+    options.unknowns.box[name] = {value / 1.6, value * 1.6};
   }
   const FitResult states = samara::identification::fit(*family, captures_of(windows.unseen), options);
   const std::vector<double> errors =
@@ -156,8 +156,8 @@ void try_mixture(const PaperSplit& windows, const FitOptions& options, const Pre
 /// @param options without errors; of the other half, too
 /// @returns the fit of the first half
 FitResult fit_halves(const PaperSplit& windows, FitOptions options, Claims& claims) {
-  options.bootstrap.replicates = kReplicates;
-  options.starts = kStarts;
+  options.uncertainty.bootstrap.replicates = kReplicates;
+  options.starts.count = kStarts;
   const auto body = paper_family();
   FitResult fitted = samara::identification::fit(*body, captures_of(windows.fitted), options);
   const FitResult others = samara::identification::fit(*body, captures_of(windows.unseen), options);

@@ -63,7 +63,7 @@ samara::identification::FitOptions plate_options() {
   options.loss = {.kind = samara::identification::LossKind::none,
                   .scales = {{"x", kNoise}, {"y", kNoise}, {"theta", kAngleNoise}}};
   options.segments.length = 1.0;
-  options.starts = 1;
+  options.starts.count = 1;
   return options;
 }
 

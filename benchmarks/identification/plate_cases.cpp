@@ -28,7 +28,7 @@ FitResult fit_one(double inertia_ratio, std::uint64_t seed) {
   const auto seen = plate_capture(inertia_ratio, random);
   FitOptions options = plate_options();
   for (const Truth& c : plate_coefficients()) {
-    options.initial[c.name] = c.value * (1.0 + kStartSpread * (2.0 * random.uniform() - 1.0));
+    options.starts.initial[c.name] = c.value * (1.0 + kStartSpread * (2.0 * random.uniform() - 1.0));
   }
   const auto family = samara::models::step_trajectories(models::find_model("falling_plate_nd"),
                                                         plate_fixed(inertia_ratio), plate_box(), 0.01);

@@ -73,7 +73,7 @@ Score one_material(const std::filesystem::path& folder, const std::string& mater
 
   const auto family = plate_family(kind);
   FitOptions options = settling_options();
-  options.bootstrap.replicates = effort.replicates;
+  options.uncertainty.bootstrap.replicates = effort.replicates;
   const FitResult of_windows = samara::identification::fit(*family, captures_of(seen), options);
   fmt::print(stderr, "{} {}: {} drops to fit, {} windows in {:.1f} s, {} iterations; {}\n", kCase, material,
              drops.fitted.size(), seen.size(), of_windows.seconds, of_windows.iterations, of_windows.message);

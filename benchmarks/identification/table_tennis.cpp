@@ -68,7 +68,7 @@ FitOptions options_with(LossKind kind, double scale) {
   FitOptions options;
   options.loss.kind = kind;
   options.loss.length_scale = scale;
-  options.starts = 1;
+  options.starts.count = 1;
   options.segments.length = kUncut;
   return options;
 }
@@ -164,17 +164,17 @@ FitResult fit_labelled(const std::vector<Capture>& flights, const RotationStart&
   box["magnus_saturation"] = {0.0, 30.0};
   for (const char* name : {"spin_frame_x", "spin_frame_y", "spin_frame_z"}) box[name] = {-4.0, 4.0};
   FitOptions options = coefficient_options();
-  options.known = labels();
+  options.unknowns.known = labels();
   const Eigen::Vector3d turn = turn_of(start);
-  options.initial = {{"C_D", 0.5},
-                     {"C_M", start.C_M},
-                     {"magnus_saturation", 1.0},
-                     {"spin_frame_x", turn.x()},
-                     {"spin_frame_y", turn.y()},
-                     {"spin_frame_z", turn.z()}};
+  options.starts.initial = {{"C_D", 0.5},
+                            {"C_M", start.C_M},
+                            {"magnus_saturation", 1.0},
+                            {"spin_frame_x", turn.x()},
+                            {"spin_frame_y", turn.y()},
+                            {"spin_frame_z", turn.z()}};
   if (spin_drag == SpinDrag::fitted) {
     box["spin_drag"] = {-1.0, 1.0};
-    options.initial["spin_drag"] = 0.0;
+    options.starts.initial["spin_drag"] = 0.0;
   }
   return fit(*family("sphere_flight_turned_spin", {}, box), flights, options);
 }
@@ -218,7 +218,8 @@ std::vector<SpinComparison> compare_spins(const std::vector<Capture>& flights, c
   Box box = start_box();
   add_spins(box);
   FitOptions options = window_options();
-  for (const char* name : {"wx(0)", "wy(0)", "wz(0)"}) options.priors[name] = {.deviation = kSpinPrior};
+  for (const char* name : {"wx(0)", "wy(0)", "wz(0)"})
+    options.priors.coordinates[name] = {.deviation = kSpinPrior};
   const FitResult own = fit(*family("sphere_flight", forces_of(fitted), box), flights, options);
   const Eigen::Matrix3d R = rotation_of(fitted);
   std::vector<SpinComparison> comparisons;
@@ -260,10 +261,11 @@ Distances predict_flights(const std::vector<Capture>& flights, const FitResult& 
   Box with_spin = start_box();
   add_spins(with_spin);
   FitOptions own_spin = window_options();
-  for (const char* name : {"wx(0)", "wy(0)", "wz(0)"}) own_spin.priors[name] = {.deviation = kSpinPrior};
+  for (const char* name : {"wx(0)", "wy(0)", "wz(0)"})
+    own_spin.priors.coordinates[name] = {.deviation = kSpinPrior};
   add("model", *family("sphere_flight", forces_of(fitted), with_spin), own_spin);
   FitOptions known_spin = window_options();
-  known_spin.known = labels();
+  known_spin.unknowns.known = labels();
   add("labels", *family("sphere_flight_turned_spin", values_of(fitted), with_spin), known_spin);
   std::map<std::string, double> drag = values_of(drag_only);
   drag["C_M"] = 0.0;

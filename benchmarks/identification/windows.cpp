@@ -38,14 +38,14 @@ std::vector<Capture> captures_of(std::span<const Window> windows) {
 }
 
 FitOptions with_coefficients(FitOptions options, const Coefficients& coefficients) {
-  for (const auto& [name, value] : coefficients) options.fixed[name] = value;
-  options.shared.clear();
-  options.log_scale.clear();
-  options.priors.clear();
-  options.initial.clear();
-  options.bootstrap.replicates = 0;
-  options.rounds = 1;
-  options.max_iterations = 15;  // they stand alone, and have found their states already
+  for (const auto& [name, value] : coefficients) options.unknowns.fixed[name] = value;
+  options.unknowns.shared.clear();
+  options.unknowns.log_scale.clear();
+  options.priors.coordinates.clear();
+  options.starts.initial.clear();
+  options.uncertainty.bootstrap.replicates = 0;
+  options.starts.rounds = 1;
+  options.solver.max_iterations = 15;  // they stand alone, and have found their states already
   return options;
 }
 

@@ -61,7 +61,7 @@ std::optional<PredictionOptions> prediction_of(const FitRequest& request, const 
   }
   prediction.ahead = *ahead;
   for (const std::optional<double>& window :
-       {request.left_out_window, config.window, request.window, source.options.window}) {
+       {request.left_out_window, config.window, request.window, source.options.compared.span}) {
     if (!window) continue;
     prediction.window = *window;
     return prediction;
@@ -223,12 +223,12 @@ FitResult fit_and_predict(const FitSource& source, const CaptureSplit& captures,
 /// The window of the request holds in place of the config's.
 void take_window(const FitRequest& request, FitSource& source, std::vector<Capture>& captures) {
   if (!request.window) return;
-  if (source.options.stride || source.prediction.folds) {
-    source.options.window = request.window;
+  if (source.options.compared.stride || source.prediction.folds) {
+    source.options.compared.span = request.window;
     return;
   }
   for (Capture& capture : captures) capture = first(capture, *request.window);
-  source.options.window.reset();
+  source.options.compared.span.reset();
 }
 
 }  // namespace
@@ -255,7 +255,7 @@ FitReport fit_files(const FitRequest& request) {
   WarningTeller teller(request);
   FitSource source = open_fit_source(request);
   teller.tell(source.warnings);
-  source.options.profiles = source.options.profiles || request.profiles;
+  source.options.uncertainty.profiles = source.options.uncertainty.profiles || request.profiles;
   const std::optional<PredictionOptions> prediction = prediction_of(request, source);
   CaptureSplit captures = read_split(request, source);
   take_window(request, source, captures.fitted);

@@ -64,7 +64,7 @@ void take_over(const FitRequest& request, const ConfigNames& names, std::map<std
                        fmt::format("\"{}\" is in {}; {} was expected", c.name, c.unit, unit->second));
     }
     FitOptions& options = source.options;
-    if (options.fixed.contains(c.name)) {
+    if (options.unknowns.fixed.contains(c.name)) {
       throw InputError(
           request.coefficients.string(),
           fmt::format("it holds \"{}\", which [fixed] of {} holds, too; one of the two was expected", c.name,
@@ -77,16 +77,17 @@ void take_over(const FitRequest& request, const ConfigNames& names, std::map<std
                          fmt::format("\"{}\" is {}; a value in its box, {} to {}, was expected", c.name,
                                      c.value, lower, upper));
       }
-      options.initial[c.name] = c.value;
+      options.starts.initial[c.name] = c.value;
       continue;
     }
     // Of each capture's own, it is an unknown again.
-    if (std::ranges::count(options.per_capture, c.name) > 0) continue;
-    options.fixed[c.name] = c.value;
-    for (std::vector<std::string>* list : {&options.shared, &options.log_scale}) std::erase(*list, c.name);
-    options.box.erase(c.name);
-    options.initial.erase(c.name);
-    options.priors.erase(c.name);
+    if (std::ranges::count(options.unknowns.per_capture, c.name) > 0) continue;
+    options.unknowns.fixed[c.name] = c.value;
+    for (std::vector<std::string>* list : {&options.unknowns.shared, &options.unknowns.log_scale})
+      std::erase(*list, c.name);
+    options.unknowns.box.erase(c.name);
+    options.starts.initial.erase(c.name);
+    options.priors.coordinates.erase(c.name);
   }
 }
 
@@ -102,22 +103,23 @@ void open_model(const FitRequest& request, FitSource& source) {
   }
   const ConfigNames names = config_names(model->info());
   source.options = read_fit_config(request.config, names);
-  take_over(request, names, source.options.box, source);
-  std::map<std::string, double> values = source.options.fixed;
-  for (const auto& [name, interval] : source.options.box)
+  take_over(request, names, source.options.unknowns.box, source);
+  std::map<std::string, double> values = source.options.unknowns.fixed;
+  for (const auto& [name, interval] : source.options.unknowns.box)
     values.emplace(name, 0.5 * (interval.lower + interval.upper));
   source.warnings.add_all(WarningKind::source, models::parameter_warnings(*model, values));
   source.model = model;
   source.series = read_series_config(request.config, names);
   source.family = of_file(request.config, [&] {
     const FitOptions& options = source.options;
-    for (const auto& [name, value] : options.known) {
-      if (options.box.contains(name)) continue;
+    for (const auto& [name, value] : options.unknowns.known) {
+      if (options.unknowns.box.contains(name)) continue;
       throw ArgumentError(fmt::format(
           "[known] \"{}\" has no entry in [box]; an interval that holds its values was expected", name));
     }
-    return options.step ? step_trajectories(model, options.fixed, options.box, *options.step)
-                        : reference_trajectories(model, options.fixed, options.box);
+    return options.solver.step
+               ? step_trajectories(model, options.unknowns.fixed, options.unknowns.box, *options.solver.step)
+               : reference_trajectories(model, options.unknowns.fixed, options.unknowns.box);
   });
 }
 
@@ -135,8 +137,9 @@ void open_codebook(const FitRequest& request, FitSource& source) {
   }
   std::map<std::string, Interval> box;
   for (const codebooks::Coordinate& c : source.book->coordinates()) {
-    const auto narrowed = source.options.box.find(c.name);
-    box[c.name] = narrowed == source.options.box.end() ? Interval{c.lower, c.upper} : narrowed->second;
+    const auto narrowed = source.options.unknowns.box.find(c.name);
+    box[c.name] =
+        narrowed == source.options.unknowns.box.end() ? Interval{c.lower, c.upper} : narrowed->second;
   }
   take_over(request, names, box, source);
   if (!source.book->certificate() || !source.book->certificate()->met) {

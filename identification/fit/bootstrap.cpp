@@ -49,7 +49,7 @@ std::vector<double> deviations(const Eigen::MatrixXd& values) {
 
 void add_bootstrap(const FitProblem& problem, std::vector<SegmentResidual>& residuals, const FitPoint& point,
                    const FitOptions& options, FitResult& result) {
-  if (options.bootstrap.replicates < 1 || problem.shared_count() == 0) return;
+  if (options.uncertainty.bootstrap.replicates < 1 || problem.shared_count() == 0) return;
   if (problem.cluster_count < 2) {
     result.warnings.add(
         WarningKind::errors,
@@ -58,15 +58,16 @@ void add_bootstrap(const FitProblem& problem, std::vector<SegmentResidual>& resi
     return;
   }
   FitProblem weighted = problem;
-  Bootstrap bootstrap{.seed = options.bootstrap.seed};
-  bootstrap.coefficients.resize(options.bootstrap.replicates, problem.shared_count());
-  pgd::Random random(options.bootstrap.seed);
-  for (int replicate = 0; replicate < options.bootstrap.replicates; ++replicate) {
+  Bootstrap bootstrap{.seed = options.uncertainty.bootstrap.seed};
+  bootstrap.coefficients.resize(options.uncertainty.bootstrap.replicates, problem.shared_count());
+  pgd::Random random(options.uncertainty.bootstrap.seed);
+  for (int replicate = 0; replicate < options.uncertainty.bootstrap.replicates; ++replicate) {
     const Eigen::ArrayXd weights = random_weights(problem.cluster_count, random);
     for (Motion& motion : weighted.motions) motion.weight = weights[motion.cluster];
     draw_priors(problem, random, weighted);
     // Their scatter is known to ten per cent at best.
-    const MinimizeResult run = minimize(weighted, residuals, point, options.max_iterations, Precision::rough);
+    const MinimizeResult run =
+        minimize(weighted, residuals, point, options.solver.max_iterations, Precision::rough);
     if (run.status == FitStatus::failed) continue;
     bootstrap.converged += run.status == FitStatus::converged ? 1 : 0;
     bootstrap.coefficients.row(bootstrap.replicates++) = run.point.shared.transpose();
@@ -83,7 +84,7 @@ void add_bootstrap(const FitProblem& problem, std::vector<SegmentResidual>& resi
         fmt::format(
             "{} of {} fits with clusters weighted at random did not converge within {} iterations: the "
             "errors from their scatter may be much too small",
-            bootstrap.replicates - bootstrap.converged, bootstrap.replicates, options.max_iterations));
+            bootstrap.replicates - bootstrap.converged, bootstrap.replicates, options.solver.max_iterations));
   }
   result.bootstrap = std::move(bootstrap);
 }

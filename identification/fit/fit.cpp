@@ -55,7 +55,7 @@ class Descents {
     int iterations = 0;
     for (const double stage : options_.segments.stages) {
       weigh_joins(stage);
-      result = minimize(problem_, residuals_, std::move(point), options_.max_iterations);
+      result = minimize(problem_, residuals_, std::move(point), options_.solver.max_iterations);
       iterations += result.iterations;
       point = result.point;
       if (result.status == FitStatus::failed) break;
@@ -79,16 +79,17 @@ class Descents {
 
   /// From a minimum with other scales to the one beside it.
   MinimizeResult again(MinimizeResult last) {
-    MinimizeResult next = minimize(problem_, residuals_, std::move(last.point), options_.max_iterations);
+    MinimizeResult next =
+        minimize(problem_, residuals_, std::move(last.point), options_.solver.max_iterations);
     next.iterations += last.iterations;
     return next;
   }
 
   /// The first start, from a search of the box.
   std::optional<GlobalSearch> search() {
-    if (options_.global.method == GlobalMethod::none || problem_.shared_count() == 0) return {};
+    if (options_.starts.global.method == GlobalMethod::none || problem_.shared_count() == 0) return {};
     searched_.emplace(first_point(0));
-    return search_box(problem_, residuals_, options_.global, FitPoint(*searched_), *searched_);
+    return search_box(problem_, residuals_, options_.starts.global, FitPoint(*searched_), *searched_);
   }
 
   /// The largest difference between a segment's end and the next start, at the residuals' last point, over
@@ -115,13 +116,13 @@ class Descents {
 
   /// To a minimum, with start states found anew in each round; the best round.
   MinimizeResult in_rounds(FitPoint point) {
-    MinimizeResult best = minimize(problem_, residuals_, std::move(point), options_.max_iterations);
+    MinimizeResult best = minimize(problem_, residuals_, std::move(point), options_.solver.max_iterations);
     const models::ParametricModel* equations = family_.equations();
     if (equations == nullptr || !options_.segments.length) return best;
-    for (int round = 1; round < options_.rounds && best.status != FitStatus::failed; ++round) {
+    for (int round = 1; round < options_.starts.rounds && best.status != FitStatus::failed; ++round) {
       FitPoint again = best.point;
       find_start_states(*equations, problem_, residuals_, again, true);
-      MinimizeResult next = minimize(problem_, residuals_, std::move(again), options_.max_iterations);
+      MinimizeResult next = minimize(problem_, residuals_, std::move(again), options_.solver.max_iterations);
       const int spent = best.iterations + next.iterations;
       const bool is_better =
           next.status != FitStatus::failed && next.cost < best.cost - cost_margin(problem_, best.cost);
@@ -182,8 +183,9 @@ void record_starts(const FitProblem& problem, const std::vector<MinimizeResult>&
 /// Whether the start is to be made.
 bool goes_on(const FitOptions& options, int start) {
   if (!options.progress) return true;
-  const bool wanted = options.progress({.stage = fmt::format("start {} of {}", start + 1, options.starts),
-                                        .fraction = static_cast<double>(start) / options.starts});
+  const bool wanted =
+      options.progress({.stage = fmt::format("start {} of {}", start + 1, options.starts.count),
+                        .fraction = static_cast<double>(start) / options.starts.count});
   return wanted || start == 0;
 }
 
@@ -237,7 +239,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
   Descents descend(family, problem, residuals, options);
   const std::optional<GlobalSearch> search = descend.search();
   std::vector<MinimizeResult> runs;
-  for (int k = 0; k < options.starts && goes_on(options, k); ++k) runs.push_back(descend(k));
+  for (int k = 0; k < options.starts.count && goes_on(options, k); ++k) runs.push_back(descend(k));
   descend.finish_joins();
 
   FitResult result{.model = family.info().model,
@@ -257,7 +259,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     if (problem.is_joined()) result.join_defect = descend.join_defect();
     add_coefficients(problem, point, uncertainty, result);
     add_captures(problem, residuals, point, uncertainty, result);
-    conclude(runs[*best], uncertainty, options.max_iterations, result);
+    conclude(runs[*best], uncertainty, options.solver.max_iterations, result);
     add_misfit_warnings(problem, result);
     add_start_warning(family, options, result);
     add_warnings(problem, uncertainty, result);
@@ -265,8 +267,8 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     add_integration_shift(family, problem, residuals, point, uncertainty, result);
     add_whiteness(result);
     add_identifiability(problem, uncertainty, result);
-    if (options.profiles) {
-      add_profiles(problem, residuals, point, uncertainty, options.max_iterations, result);
+    if (options.uncertainty.profiles) {
+      add_profiles(problem, residuals, point, uncertainty, options.solver.max_iterations, result);
       add_profile_warnings(result);
     }
     add_bootstrap(problem, residuals, point, options, result);

@@ -196,7 +196,7 @@ void add_capture_warnings(const FamilyInfo& family, std::span<const Capture> cap
     }
   }
   for (const auto& [channel, id] : unknown) {
-    if (!options.outputs.empty()) break;  // chosen by name
+    if (!options.compared.outputs.empty()) break;  // chosen by name
     result.warnings.add(WarningKind::captures,
                         fmt::format("capture \"{}\": \"{}\" is no output of \"{}\", and was not compared{}",
                                     id, channel, family.model, suggestion(channel, known)));

@@ -97,7 +97,7 @@ std::optional<Eigen::MatrixXd> fitted_motion(const TrajectoryFamily& family, con
   const std::vector<std::string> requested = with_axes(outputs, axes);
   std::vector<double> since_start;
   for (const double time : times) since_start.push_back(time - one.start);
-  const FrameMean mean{.frames = options.averaged_frames, .interval = one.interval};
+  const FrameMean mean{.frames = options.compared.averaged_frames, .interval = one.interval};
   Eigen::MatrixXd values(static_cast<Eigen::Index>(times.size()),
                          static_cast<Eigen::Index>(requested.size()));
   const auto source = averaged_source(family, mean, since_start, requested, {});

@@ -13,7 +13,7 @@
 namespace samara::identification {
 
 /// What a fitted capture does at times at which there need be no frames: between them, or beyond. It starts
-/// from the capture's own start, and goes through the same mean of frames (FitOptions::averaged_frames).
+/// from the capture's own start, and goes through the same mean of frames (ComparisonOptions::averaged_frames).
 /// @param family, options those of the fit
 /// @param capture its number in `fitted.captures`
 /// @param times s, of the capture, not decreasing, not before CaptureFit::start and half a mean of frames

@@ -50,7 +50,7 @@ bool misses_captures(const FitResult& fit, const FitOptions& options) {
 /// The parameter that makes the body heavy, if it was held for all captures or known for each.
 std::optional<std::string> held_mass(const models::ParametricModel& model, const FitOptions& options) {
   for (const char* name : {"mass", "density"}) {
-    if (model.fixed().contains(name) || options.known.contains(name)) return name;
+    if (model.fixed().contains(name) || options.unknowns.known.contains(name)) return name;
   }
   return {};
 }
@@ -65,13 +65,13 @@ class OtherMasses {
         options_(options),
         name_(std::move(name)) {
     for (const FitCoordinate& c : family.info().coordinates) box_[c.name] = {c.lower, c.upper};
-    options_.profiles = false;
-    options_.global = {};
-    options_.starts = 1;
-    options_.rounds = 1;
-    options_.bootstrap = {};
+    options_.uncertainty.profiles = false;
+    options_.starts.global = {};
+    options_.starts.count = 1;
+    options_.starts.rounds = 1;
+    options_.uncertainty.bootstrap = {};
     options_.progress = {};
-    options_.max_iterations = std::min(options_.max_iterations, kMostIterations);
+    options_.solver.max_iterations = std::min(options_.solver.max_iterations, kMostIterations);
     // Costs are comparable where residuals have the same scales. A fit that failed has none.
     if (!fitted.noise.empty()) hold_noise(fitted, options_);
   }
@@ -81,18 +81,19 @@ class OtherMasses {
     FitOptions options = options_;
     if (const auto held = fixed.find(name_); held != fixed.end()) {
       held->second *= factor;
-      if (options.fixed.contains(name_)) options.fixed[name_] = held->second;
+      if (options.unknowns.fixed.contains(name_)) options.unknowns.fixed[name_] = held->second;
     }
     std::map<std::string, Interval> box = box_;
-    for (auto* intervals : {&box, &options.box}) {
+    for (auto* intervals : {&box, &options.unknowns.box}) {
       if (const auto known = intervals->find(name_); known != intervals->end())
         known->second = {factor * known->second.lower, factor * known->second.upper};
     }
-    if (const auto known = options.known.find(name_); known != options.known.end())
+    if (const auto known = options.unknowns.known.find(name_); known != options.unknowns.known.end())
       known->second.times *= factor;
     try {
-      const auto family = options.step ? step_trajectories(model_.shared_model(), fixed, box, *options.step)
-                                       : reference_trajectories(model_.shared_model(), fixed, box);
+      const auto family = options.solver.step
+                              ? step_trajectories(model_.shared_model(), fixed, box, *options.solver.step)
+                              : reference_trajectories(model_.shared_model(), fixed, box);
       FitResult result = fit(*family, captures_, options);
       if (result.status != FitStatus::failed) return result;
     } catch (const Error&) {

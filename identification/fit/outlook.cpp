@@ -60,14 +60,14 @@ bool can_be_fitted(const Eigen::MatrixXd& positions, const Eigen::MatrixXd& atti
 
 /// The options for one capture, which may lack what others say of themselves.
 FitOptions options_for(const FamilyInfo& family, const Capture& capture, FitOptions options) {
-  for (auto known = options.known.begin(); known != options.known.end();) {
+  for (auto known = options.unknowns.known.begin(); known != options.unknowns.known.end();) {
     if (has_value(capture, known->second)) {
       ++known;
       continue;
     }
     const auto c = std::ranges::find(family.coordinates, known->first, &FitCoordinate::name);
-    if (c != family.coordinates.end() && !c->is_initial) options.per_capture.push_back(known->first);
-    known = options.known.erase(known);
+    if (c != family.coordinates.end() && !c->is_initial) options.unknowns.per_capture.push_back(known->first);
+    known = options.unknowns.known.erase(known);
   }
   return options;
 }
@@ -75,12 +75,13 @@ FitOptions options_for(const FamilyInfo& family, const Capture& capture, FitOpti
 /// What a fit of the capture would give where nothing is its own.
 FitResult without_unknowns(const FamilyInfo& family, const Capture& capture, const FitOptions& options) {
   FitResult result{.status = FitStatus::converged, .fixed = family.fixed};
-  for (const auto& [name, value] : options.fixed) result.fixed[name] = value;
+  for (const auto& [name, value] : options.unknowns.fixed) result.fixed[name] = value;
   CaptureFit one{.id = capture.id, .labels = capture.labels};
-  for (const auto& [name, known] : options.known) one.known[name] = known_value(capture, name, known);
-  if (options.averaged_frames > 1) {
-    one.interval = median_interval(first(capture, *options.window).times);
-    one.start = -0.5 * (options.averaged_frames - 1) * one.interval;
+  for (const auto& [name, known] : options.unknowns.known)
+    one.known[name] = known_value(capture, name, known);
+  if (options.compared.averaged_frames > 1) {
+    one.interval = median_interval(first(capture, *options.compared.span).times);
+    one.start = -0.5 * (options.compared.averaged_frames - 1) * one.interval;
   }
   result.captures = {one};
   return result;
@@ -100,8 +101,8 @@ double last_time(const FamilyInfo& family, const FitOptions& options, const Capt
     if (has_attitude || !positions.row(row).array().isNaN().all()) start = capture.times[before[k]];
   }
   // It begins half the width of a mean earlier, and the last mean reaches as far beyond its frame.
-  if (options.averaged_frames > 1 && before.size() > 1)
-    start -= (options.averaged_frames - 1) * median_interval(capture.times(before));
+  if (options.compared.averaged_frames > 1 && before.size() > 1)
+    start -= (options.compared.averaged_frames - 1) * median_interval(capture.times(before));
   return start + family.end_time;
 }
 

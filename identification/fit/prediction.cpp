@@ -34,7 +34,7 @@ void check(const FitOptions& options, const PredictionOptions& prediction) {
         fmt::format("{} of a prediction is {}; a positive number of seconds was expected", name, value));
   }
   for (const std::string& name : prediction.hidden) {
-    if (options.known.contains(name)) continue;
+    if (options.unknowns.known.contains(name)) continue;
     throw ArgumentError(fmt::format(
         "a prediction hides \"{}\", which is not known of each capture; a name in `known` was expected",
         name));
@@ -45,37 +45,38 @@ void check(const FitOptions& options, const PredictionOptions& prediction) {
 FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions options,
                    const PredictionOptions& prediction) {
   for (const Coefficient& c : fitted.coefficients) {
-    if (std::ranges::count(options.per_capture, c.name) > 0) continue;
-    options.fixed[c.name] = c.value;
-    std::erase(options.shared, c.name);
-    std::erase(options.log_scale, c.name);
-    options.box.erase(c.name);
-    options.priors.erase(c.name);
-    options.initial.erase(c.name);
+    if (std::ranges::count(options.unknowns.per_capture, c.name) > 0) continue;
+    options.unknowns.fixed[c.name] = c.value;
+    std::erase(options.unknowns.shared, c.name);
+    std::erase(options.unknowns.log_scale, c.name);
+    options.unknowns.box.erase(c.name);
+    options.priors.coordinates.erase(c.name);
+    options.starts.initial.erase(c.name);
   }
   // What was fitted is compared, whatever the captures left out measure besides. What was read from a file
   // does not say it.
   if (const CaptureFit* const one = fitted.captures.empty() ? nullptr : &fitted.captures.front();
       one != nullptr && one->frames > 0) {
     const auto count = static_cast<std::size_t>(one->measured.cols());
-    options.outputs.clear();
-    for (std::size_t o = 0; o < count; ++o) options.outputs.push_back(fitted.residuals[o].output);
+    options.compared.outputs.clear();
+    for (std::size_t o = 0; o < count; ++o) options.compared.outputs.push_back(fitted.residuals[o].output);
     if (fitted.residuals.size() > count)
-      options.outputs.insert(options.outputs.end(), family.attitude.begin(), family.attitude.end());
+      options.compared.outputs.insert(options.compared.outputs.end(), family.attitude.begin(),
+                                      family.attitude.end());
   }
   for (const std::string& name : prediction.hidden) {
-    options.known.erase(name);
+    options.unknowns.known.erase(name);
     const auto c = std::ranges::find(family.coordinates, name, &FitCoordinate::name);
-    if (c != family.coordinates.end() && !c->is_initial) options.per_capture.push_back(name);
+    if (c != family.coordinates.end() && !c->is_initial) options.unknowns.per_capture.push_back(name);
   }
-  options.combinations.clear();
+  options.priors.combinations.clear();
   hold_noise(fitted, options);
-  options.window = prediction.window;
-  options.stride.reset();
-  options.cluster_by.clear();
-  options.profiles = false;
-  options.bootstrap = {};
-  options.global = {};
+  options.compared.span = prediction.window;
+  options.compared.stride.reset();
+  options.uncertainty.cluster_by.clear();
+  options.uncertainty.profiles = false;
+  options.uncertainty.bootstrap = {};
+  options.starts.global = {};
   options.progress = {};
   return options;
 }
@@ -288,7 +289,7 @@ void add_predictions(const TrajectoryFamily& family, std::span<const Capture> le
 void check_folds(std::span<const Capture> captures, const FitOptions& options,
                  const PredictionOptions& prediction, const Folds& folds) {
   check(options, prediction);
-  const int clusters = count_of(clusters_of(captures, options.cluster_by));
+  const int clusters = count_of(clusters_of(captures, options.uncertainty.cluster_by));
   if (folds.count >= 2 && folds.count <= clusters) return;
   if (clusters < 2) {
     throw ArgumentError(
@@ -303,11 +304,11 @@ void cross_validate(const TrajectoryFamily& family, std::span<const Capture> cap
                     const FitOptions& options, const PredictionOptions& prediction, const Folds& folds,
                     FitResult& fitted) {
   check_folds(captures, options, prediction, folds);
-  const std::vector<int> clusters = clusters_of(captures, options.cluster_by);
+  const std::vector<int> clusters = clusters_of(captures, options.uncertainty.cluster_by);
   const std::vector<int> fold_of = deal(count_of(clusters), folds);
   FitOptions plain = options;
-  plain.profiles = false;
-  plain.bootstrap = {};
+  plain.uncertainty.profiles = false;
+  plain.uncertainty.bootstrap = {};
   Prospect prospect;
   for (int fold = 0; fold < folds.count; ++fold) {
     std::vector<Capture> training, left_out;

@@ -29,7 +29,7 @@ struct PredictionOptions {
   double ahead = 0.0;   ///< s beyond it
   /// s: a window so often along each capture, with what follows it (windows() in capture.h). Empty: one.
   std::optional<double> stride = {};
-  /// Of FitOptions::known, what captures left out do not show, though they may have it: unknowns of their own
+  /// Of UnknownOptions::known, what captures left out do not show, though they may have it: unknowns of their own
   /// there, in their boxes and with their priors.
   std::vector<std::string> hidden = {};
 };

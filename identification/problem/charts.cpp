@@ -30,7 +30,7 @@ std::optional<std::size_t> own_attitude(const FamilyInfo& family, const FitProbl
 
 void add_charts(const FamilyInfo& family, const FitOptions& options, FitProblem& problem) {
   std::vector<Chart::Kind> kinds(problem.shared.size(), Chart::Kind::linear);
-  for (const std::string& name : options.log_scale) {
+  for (const std::string& name : options.unknowns.log_scale) {
     const std::optional<std::size_t> at = position(problem.shared, name);
     if (!at) {
       throw ArgumentError(fmt::format("log_scale: \"{}\" is not a shared coordinate{}", name,
@@ -47,7 +47,7 @@ void add_charts(const FamilyInfo& family, const FitOptions& options, FitProblem&
 
   const std::optional<std::size_t> attitude = own_attitude(family, problem);
   problem.own_attitude = attitude;
-  const Chart::Kind turns = options.round_body ? Chart::Kind::axis : Chart::Kind::quaternion;
+  const Chart::Kind turns = options.starts.round_body ? Chart::Kind::axis : Chart::Kind::quaternion;
   std::vector<Chart::Kind> own;
   for (std::size_t k = 0; k < static_cast<std::size_t>(problem.own_count()); ++k) {
     if (attitude && k > *attitude && k < *attitude + 4) continue;
@@ -64,7 +64,7 @@ void set_initial(const FitOptions& options, FitProblem& problem) {
                                                         ? std::sqrt(c.lower * c.upper)
                                                         : 0.5 * (c.lower + c.upper);
   }
-  for (const auto& [name, value] : options.initial) {
+  for (const auto& [name, value] : options.starts.initial) {
     const std::optional<std::size_t> at = position(problem.shared, name);
     if (!at) {
       throw ArgumentError(fmt::format("initial: \"{}\" is not a shared coordinate{}", name,

@@ -223,14 +223,54 @@ std::map<std::string, double> read_periods(const TomlTable& table, const Units& 
   return periods;
 }
 
-/// What concerns single coordinates and outputs.
-void read_tables(const TomlTable& root, const ConfigNames& names, FitOptions& options) {
-  if (root.has("fixed")) options.fixed = read_quantities(root.table("fixed"), names.coordinates);
-  if (root.has("initial")) options.initial = read_quantities(root.table("initial"), names.coordinates);
-  if (root.has("known")) options.known = read_known(root.table("known"), names.coordinates);
-  if (root.has("priors")) options.priors = read_priors(root.table("priors"), names.coordinates);
-  if (root.has("periods")) options.periods = read_periods(root.table("periods"), names.outputs);
-  if (root.has("box")) options.box = read_box(root.table("box"), names.coordinates);
+ComparisonOptions read_comparison(const TomlTable& root, const Units& outputs) {
+  ComparisonOptions compared;
+  if (root.has("window")) compared.span = positive_quantity(root, "window", "s");
+  if (root.has("stride")) compared.stride = positive_quantity(root, "stride", "s");
+  if (compared.stride && !compared.span)
+    throw root.error("stride", "belongs to `window`, which is not there");
+  if (root.has("outputs")) compared.outputs = known_names(root, "outputs", outputs);
+  if (root.has("periods")) compared.periods = read_periods(root.table("periods"), outputs);
+  if (root.has("averaged_frames")) compared.averaged_frames = positive_integer(root, "averaged_frames");
+  return compared;
+}
+
+UnknownOptions read_unknowns(const TomlTable& root, const ConfigNames& names) {
+  UnknownOptions unknowns;
+  if (root.has("shared")) unknowns.shared = known_names(root, "shared", names.coordinates);
+  if (root.has("per_capture")) unknowns.per_capture = known_names(root, "per_capture", names.coordinates);
+  if (root.has("offsets")) unknowns.offsets = known_names(root, "offsets", names.outputs);
+  if (root.has("log_scale")) unknowns.log_scale = known_names(root, "log_scale", names.coordinates);
+  if (root.has("fixed")) unknowns.fixed = read_quantities(root.table("fixed"), names.coordinates);
+  if (root.has("known")) unknowns.known = read_known(root.table("known"), names.coordinates);
+  if (root.has("box")) unknowns.box = read_box(root.table("box"), names.coordinates);
+  for (const auto& [list, chosen] :
+       {std::pair{"shared", &unknowns.shared}, std::pair{"per_capture", &unknowns.per_capture}}) {
+    for (const std::string& name : *chosen) {
+      if (!unknowns.fixed.contains(name)) continue;
+      throw root.error(list,
+                       fmt::format("\"{}\" is fixed in [fixed] as well; one of the two was expected", name));
+    }
+  }
+  return unknowns;
+}
+
+StartOptions read_starts(const TomlTable& root, const Units& coordinates) {
+  StartOptions starts;
+  if (root.has("starts")) starts.count = positive_integer(root, "starts");
+  if (root.has("initial")) starts.initial = read_quantities(root.table("initial"), coordinates);
+  if (root.has("global")) starts.global = read_global(root);
+  if (root.has("rounds")) starts.rounds = positive_integer(root, "rounds");
+  starts.round_body = root.optional_boolean("round_body").value_or(false);
+  return starts;
+}
+
+UncertaintyOptions read_uncertainty(const TomlTable& root) {
+  UncertaintyOptions uncertainty;
+  uncertainty.cluster_by = root.optional_strings("cluster_by").value_or(std::vector<std::string>{});
+  uncertainty.profiles = root.optional_boolean("profiles").value_or(false);
+  if (root.has("bootstrap")) uncertainty.bootstrap = read_bootstrap(root);
+  return uncertainty;
 }
 
 FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
@@ -242,39 +282,19 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
        "series",        // series_config.h
        "prediction"});  // prediction_config.h
   FitOptions options;
-  if (root.has("window")) options.window = positive_quantity(root, "window", "s");
-  if (root.has("stride")) options.stride = positive_quantity(root, "stride", "s");
-  if (options.stride && !options.window)
-    throw root.error("stride", "belongs to `window`, which is not there");
-  if (root.has("outputs")) options.outputs = known_names(root, "outputs", names.outputs);
+  options.compared = read_comparison(root, names.outputs);
   if (root.has("loss")) options.loss = read_loss(root.table("loss"), names.outputs);
-  if (root.has("shared")) options.shared = known_names(root, "shared", names.coordinates);
-  if (root.has("per_capture")) options.per_capture = known_names(root, "per_capture", names.coordinates);
-  if (root.has("offsets")) options.offsets = known_names(root, "offsets", names.outputs);
-  options.cluster_by = root.optional_strings("cluster_by").value_or(std::vector<std::string>{});
-  if (root.has("starts")) options.starts = positive_integer(root, "starts");
-  if (root.has("max_iterations")) options.max_iterations = positive_integer(root, "max_iterations");
-  options.profiles = root.optional_boolean("profiles").value_or(false);
-  if (root.has("bootstrap")) options.bootstrap = read_bootstrap(root);
-  if (root.has("segments")) options.segments = read_segments(root);
-  if (root.has("global")) options.global = read_global(root);
-  if (root.has("rounds")) options.rounds = positive_integer(root, "rounds");
-  if (root.has("averaged_frames")) options.averaged_frames = positive_integer(root, "averaged_frames");
-  options.round_body = root.optional_boolean("round_body").value_or(false);
-  if (root.has("step")) options.step = positive_quantity(root, "step", "s");
-  if (root.has("log_scale")) options.log_scale = known_names(root, "log_scale", names.coordinates);
-  if (root.has("attitude_scale")) options.attitude_scale = positive_quantity(root, "attitude_scale", "rad");
+  if (root.has("attitude_scale"))
+    options.loss.attitude_scale = positive_quantity(root, "attitude_scale", "rad");
   if (root.has("noise")) options.noise = read_noise(root, names.outputs);
+  options.unknowns = read_unknowns(root, names);
+  if (root.has("priors")) options.priors.coordinates = read_priors(root.table("priors"), names.coordinates);
   if (root.has("camera")) options.camera = read_camera(root, names.outputs);
-  read_tables(root, names, options);
-  for (const auto& [list, chosen] :
-       {std::pair{"shared", &options.shared}, std::pair{"per_capture", &options.per_capture}}) {
-    for (const std::string& name : *chosen) {
-      if (!options.fixed.contains(name)) continue;
-      throw root.error(list,
-                       fmt::format("\"{}\" is fixed in [fixed] as well; one of the two was expected", name));
-    }
-  }
+  if (root.has("segments")) options.segments = read_segments(root);
+  options.starts = read_starts(root, names.coordinates);
+  if (root.has("step")) options.solver.step = positive_quantity(root, "step", "s");
+  if (root.has("max_iterations")) options.solver.max_iterations = positive_integer(root, "max_iterations");
+  options.uncertainty = read_uncertainty(root);
   return options;
 }
 

@@ -56,7 +56,7 @@
 ///
 ///     const auto model = models::find_model("vertical_fall");
 ///     const FitOptions options = read_fit_config("fit.toml", config_names(model->info()));
-///     const auto family = reference_trajectories(model, options.fixed, options.box);
+///     const auto family = reference_trajectories(model, options.unknowns.fixed, options.unknowns.box);
 namespace samara::identification {
 
 /// What a config may name, with the units that its numbers are checked against.

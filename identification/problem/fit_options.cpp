@@ -22,6 +22,67 @@ constexpr std::array kGlobalNames = {
     std::pair{GlobalMethod::none, "none"}, std::pair{GlobalMethod::controlled_random, "crs"},
     std::pair{GlobalMethod::direct, "direct"}, std::pair{GlobalMethod::evolution, "isres"}};
 
+// Fields go by the names that they have in a config.
+
+void validate(const ComparisonOptions& compared) {
+  if (compared.span) require_positive(*compared.span, "window");
+  if (compared.stride) {
+    require_positive(*compared.stride, "stride");
+    if (!compared.span)
+      throw ArgumentError("stride is set without window; the length of a window was expected");
+  }
+  for (const auto& [name, period] : compared.periods) {
+    require(std::isfinite(period) && period >= 0.0, fmt::format("the period of \"{}\"", name), period,
+            "0 or more");
+  }
+  require(compared.averaged_frames >= 1 && compared.averaged_frames % 2 == 1, "averaged_frames",
+          compared.averaged_frames, "an odd number, at least 1,");
+}
+
+void validate(const LossOptions& loss) {
+  require_positive(loss.length_scale, "loss.length_scale");
+  require_positive(loss.attitude_scale, "attitude_scale");
+  for (const auto& [output, scale] : loss.scales)
+    require_positive(scale, fmt::format("the loss scale of \"{}\"", output));
+}
+
+void validate(const UnknownOptions& unknowns) {
+  for (const auto& [name, value] : unknowns.fixed)
+    require(std::isfinite(value), fmt::format("the fixed value of \"{}\"", name), value, "a finite number");
+  for (const auto& [name, interval] : unknowns.box) {
+    if (interval.width() > 0.0 && std::isfinite(interval.width())) continue;
+    throw ArgumentError(
+        fmt::format("the box of \"{}\" goes from {} to {}; an interval with a length was expected", name,
+                    interval.lower, interval.upper));
+  }
+}
+
+void validate(const PriorOptions& priors) {
+  for (const auto& [name, prior] : priors.coordinates) {
+    require_positive(prior.deviation, fmt::format("the deviation of the prior of \"{}\"", name));
+    if (prior.logarithmic) require_positive(prior.mean, fmt::format("the mean of the prior of \"{}\"", name));
+    require(std::isfinite(prior.mean), fmt::format("the mean of the prior of \"{}\"", name), prior.mean,
+            "a finite number");
+  }
+  for (const CombinationPrior& prior : priors.combinations)
+    require_positive(prior.deviation, "the deviation of a combination");
+}
+
+void validate(const SegmentOptions& segments) {
+  if (segments.length) require_positive(*segments.length, "segments.length");
+  if (segments.stages.empty())
+    throw ArgumentError("segments.stages is empty; one weight or more was expected");
+  for (const double stage : segments.stages) require_positive(stage, "a weight of segments.stages");
+}
+
+void validate(const StartOptions& starts) {
+  constexpr int kMostStarts = 10000;
+  require_at_least_one("starts", starts.count);
+  require(starts.count <= kMostStarts, "starts", starts.count, fmt::format("at most {}", kMostStarts));
+  require_at_least_one("global.budget", starts.global.budget);
+  require_at_least_one("rounds", starts.rounds);
+}
+
 }  // namespace
 
 std::string to_string(GlobalMethod method) {
@@ -38,58 +99,19 @@ GlobalMethod global_method_from_string(const std::string& name) {
 }
 
 void validate(const FitOptions& options) {
-  if (options.window) require_positive(*options.window, "window");
-  if (options.stride) {
-    require_positive(*options.stride, "stride");
-    if (!options.window)
-      throw ArgumentError("stride is set without window; the length of a window was expected");
-  }
-  require_positive(options.loss.length_scale, "loss.length_scale");
-  for (const auto& [output, scale] : options.loss.scales) {
-    require_positive(scale, fmt::format("the loss scale of \"{}\"", output));
-  }
-  for (const auto& [name, value] : options.fixed) {
-    require(std::isfinite(value), fmt::format("the fixed value of \"{}\"", name), value, "a finite number");
-  }
-  for (const auto& [name, interval] : options.box) {
-    if (interval.width() > 0.0 && std::isfinite(interval.width())) continue;
-    throw ArgumentError(
-        fmt::format("the box of \"{}\" goes from {} to {}; an interval with a length was expected", name,
-                    interval.lower, interval.upper));
-  }
-  if (options.step) require_positive(*options.step, "step");
-  if (options.segments.length) require_positive(*options.segments.length, "segments.length");
-  if (options.segments.stages.empty()) {
-    throw ArgumentError("segments.stages is empty; one weight or more was expected");
-  }
-  for (const double stage : options.segments.stages) require_positive(stage, "a weight of segments.stages");
-  require_positive(options.attitude_scale, "attitude_scale");
+  validate(options.compared);
+  validate(options.loss);
   require_at_least_one("noise.rounds", options.noise.rounds);
+  validate(options.unknowns);
+  validate(options.priors);
   if (options.camera.scale) require_positive(*options.camera.scale, "camera.scale");
   if (options.camera.rotation) require_positive(*options.camera.rotation, "camera.rotation");
-  for (const auto& [name, prior] : options.priors) {
-    require_positive(prior.deviation, fmt::format("the deviation of the prior of \"{}\"", name));
-    if (prior.logarithmic) require_positive(prior.mean, fmt::format("the mean of the prior of \"{}\"", name));
-    require(std::isfinite(prior.mean), fmt::format("the mean of the prior of \"{}\"", name), prior.mean,
-            "a finite number");
-  }
-  for (const CombinationPrior& prior : options.combinations) {
-    require_positive(prior.deviation, "the deviation of a combination");
-  }
-  for (const auto& [name, period] : options.periods) {
-    require(std::isfinite(period) && period >= 0.0, fmt::format("the period of \"{}\"", name), period,
-            "0 or more");
-  }
-  require_at_least_one("global.budget", options.global.budget);
-  require_at_least_one("starts", options.starts);
-  constexpr int kMostStarts = 10000;
-  require(options.starts <= kMostStarts, "starts", options.starts, fmt::format("at most {}", kMostStarts));
-  require_at_least_one("max_iterations", options.max_iterations);
-  require(options.bootstrap.replicates >= 0, "bootstrap.replicates", options.bootstrap.replicates,
-          "0 or more");
-  require_at_least_one("rounds", options.rounds);
-  require(options.averaged_frames >= 1 && options.averaged_frames % 2 == 1, "averaged_frames",
-          options.averaged_frames, "an odd number, at least 1,");
+  validate(options.segments);
+  validate(options.starts);
+  if (options.solver.step) require_positive(*options.solver.step, "step");
+  require_at_least_one("max_iterations", options.solver.max_iterations);
+  const int replicates = options.uncertainty.bootstrap.replicates;
+  require(replicates >= 0, "bootstrap.replicates", replicates, "0 or more");
 }
 
 }  // namespace samara::identification

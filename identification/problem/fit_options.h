@@ -19,6 +19,9 @@ struct LossOptions {
   LossKind kind = LossKind::huber;
   /// m, of every output that is a length: a few times the noise of a good video.
   double length_scale = 2e-3;
+  /// rad, of an attitude, if all captures measure its four outputs: the residual is the vector of the turn
+  /// between measured and model, in body axes.
+  double attitude_scale = 0.035;
   /// Of single outputs, by name, SI. Needed for outputs that are no lengths, unless there is one output only
   /// and the kind is none.
   std::map<std::string, double> scales = {};
@@ -81,6 +84,52 @@ struct CombinationPrior {
   double deviation = 1.0;
 };
 
+/// What of the captures is compared with the model.
+struct ComparisonOptions {
+  /// s: only this much of each capture, from its first frame. Empty: all of it.
+  std::optional<double> span = {};
+  /// s: from the start of one span to the next, each with unknowns of its own: see windows() in capture.h.
+  /// Empty: one span a capture, from its first frame.
+  std::optional<double> stride = {};
+  /// Names; empty: every output that all captures measure.
+  std::vector<std::string> outputs = {};
+  /// Outputs that repeat, with their periods: differences are taken on the circle. Those in rad do by 2 pi,
+  /// unless they are named here; 0 for none.
+  std::map<std::string, double> periods = {};
+  /// Each frame is the mean of so many frames of the source, centred on it: the model's frames go through the
+  /// same mean, from a start that lies half of them earlier. Odd; frames must come at equal times.
+  int averaged_frames = 1;
+};
+
+/// Which coordinates of the family are fitted, and where they may lie.
+struct UnknownOptions {
+  /// Coordinates with one value for all captures. Parameters are, unless named in `per_capture`.
+  std::vector<std::string> shared = {};
+  /// Coordinates with a value of each capture's own. Initial values are, unless named in `shared`.
+  std::vector<std::string> per_capture = {};
+  /// Coordinates held at a value (SI).
+  std::map<std::string, double> fixed = {};
+  /// Coordinates that are known for each capture, in the family's box. Captures that are left out of a fit
+  /// and predicted (prediction.h) may lack the value: there the coordinate is one of their own unknowns.
+  std::map<std::string, KnownValue> known = {};
+  /// Intervals within the family's box that the fit must not leave (SI).
+  std::map<std::string, Interval> box = {};
+  /// Shared coordinates that move by factors, not by differences; their boxes must be positive.
+  std::vector<std::string> log_scale = {};
+  /// Outputs that get a free constant for each capture, added to the model. Empty: those in which the model
+  /// has a translation symmetry and whose initial value is not a coordinate.
+  std::optional<std::vector<std::string>> offsets = {};
+};
+
+/// What is known of unknowns before the captures are seen.
+struct PriorOptions {
+  /// By coordinate: of shared ones, and of those of each capture's own. There the prior is the same for every
+  /// capture, and holds where its first segment starts. Of known coordinates: for captures left out that lack
+  /// the value.
+  std::map<std::string, Prior> coordinates = {};
+  std::vector<CombinationPrior> combinations = {};
+};
+
 /// Multiple shooting: every capture is cut into segments with a start state of each own. That a segment ends
 /// where the next begins is a penalty on the difference, which is raised in stages until it is a constraint:
 /// so that motion which forgets its start within a swing does not hide the coefficients.
@@ -112,87 +161,60 @@ struct GlobalOptions {
   std::uint64_t seed = 1;
 };
 
+/// Where the descents to a minimum begin.
+struct StartOptions {
+  /// From the centre of the box, or from `initial`, and from quasi-random points inside the box; 1 to 10000.
+  int count = 3;
+  /// Where the first start has shared coordinates (SI), in place of the centre of their boxes.
+  std::map<std::string, double> initial = {};
+  GlobalOptions global = {};
+  /// Where `segments.length` is given and segments are not joined: how often at most start states are found
+  /// (from the coefficients of the last time, the last start states among the candidates) and all is fitted.
+  /// It ends earlier where the cost falls no more.
+  int rounds = 1;
+  /// The body moves alike after any turn about its z axis: start attitudes do not turn that way. Not with
+  /// joined segments.
+  bool round_body = false;
+};
+
+struct SolverOptions {
+  /// s: a model without a codebook is integrated by Runge-Kutta steps of this length (step_trajectories.h).
+  /// Empty: by the reference integrator. Read by whoever makes the family; fit() takes the family as it is.
+  std::optional<double> step = {};
+  /// Of each start and round: steps of the shared unknowns, where those of each capture settle between them.
+  int max_iterations = 500;
+};
+
 /// Errors from fits with random weights, cluster by cluster: see FitResult::bootstrap.
 struct BootstrapOptions {
   int replicates = 0;  ///< 0: none; 50 tell an error to 10 %
   std::uint64_t seed = 1;
 };
 
-struct FitOptions {
-  // What is compared
-  /// s: only this much of each capture, from its first frame. Empty: all of it.
-  std::optional<double> window = {};
-  /// s: a window of each capture so often, from its first frame on, each with unknowns of its own: see
-  /// windows() in capture.h. Empty: one, from the first frame.
-  std::optional<double> stride = {};
-  /// Names; empty: every output that all captures measure.
-  std::vector<std::string> outputs = {};
-  LossOptions loss = {};
-  NoiseOptions noise = {};
-
-  // What is fitted
-  /// Coordinates with one value for all captures. Parameters are, unless named in `per_capture`.
-  std::vector<std::string> shared = {};
-  /// Coordinates with a value of each capture's own. Initial values are, unless named in `shared`.
-  std::vector<std::string> per_capture = {};
-  /// Coordinates held at a value (SI).
-  std::map<std::string, double> fixed = {};
-  /// Intervals within the family's box that the fit must not leave (SI).
-  std::map<std::string, Interval> box = {};
-  /// Coordinates that are known for each capture, in the family's box. Captures that are left out of a fit
-  /// and predicted (prediction.h) may lack the value: there the coordinate is one of their own unknowns.
-  std::map<std::string, KnownValue> known = {};
-  /// Shared coordinates that move by factors, not by differences; their boxes must be positive.
-  std::vector<std::string> log_scale = {};
-  /// Of shared coordinates, and of those of each capture's own: there of every capture alike, and of where
-  /// its first segment starts. Of known coordinates: for captures left out that lack the value.
-  std::map<std::string, Prior> priors = {};
-  std::vector<CombinationPrior> combinations = {};
-  /// Outputs that get a free constant for each capture, added to the model. Empty: those in which the model
-  /// has a translation symmetry and whose initial value is not a coordinate.
-  std::optional<std::vector<std::string>> offsets = {};
-  CameraOptions camera = {};
-
-  /// Outputs that repeat, with their periods: differences are taken on the circle. Those in rad do by 2 pi,
-  /// unless they are named here; 0 for none.
-  std::map<std::string, double> periods = {};
-  /// rad: the loss scale of an attitude, if all captures measure its four outputs: the residual is the vector
-  /// of the turn between measured and model, in body axes.
-  double attitude_scale = 0.035;
-  /// Each frame is the mean of so many frames of the source, centred on it: the model's frames go through the
-  /// same mean, from a start that lies half of them earlier. Odd; frames must come at equal times.
-  int averaged_frames = 1;
-
-  // How
-  /// s: a model without a codebook is integrated by Runge-Kutta steps of this length (step_trajectories.h),
-  /// not by the reference integrator. For whoever makes the family.
-  std::optional<double> step = {};
-  SegmentOptions segments = {};
-  GlobalOptions global = {};
-  /// So often at most, until it lowers the cost no more, start states are found (with the coefficients of the
-  /// last time, the last start states among the candidates) and all is fitted, where `segments.length` is
-  /// given and segments are not joined.
-  int rounds = 1;
-  /// The body moves alike after any turn about its z axis: start attitudes do not turn that way. Not with
-  /// joined segments.
-  bool round_body = false;
+/// What is said of the errors of coefficients.
+struct UncertaintyOptions {
   /// Columns of the captures' labels: captures with the same labels there count as one observation of the
   /// coefficients. Empty: each capture is one.
   std::vector<std::string> cluster_by = {};
-  /// From the centre of the box, or from `initial`, and from quasi-random points inside the box; 1 to 10000.
-  int starts = 3;
-  /// Where the first start has shared coordinates (SI), in place of the centre of their boxes.
-  std::map<std::string, double> initial = {};
-  /// Of each start and round: steps of the shared unknowns, where those of each capture settle between them.
-  int max_iterations = 500;
-  /// Told before each start; where it asks for an end, starts that remain are left out (the first never is).
-  ProgressCallback progress = {};
-
-  // What is said of the answer
   /// The profile of every shared coefficient: some ten fits each, with it held. Whether it is
   /// determined, bounded to one side, or not at all, and an interval that follows bends.
   bool profiles = false;
   BootstrapOptions bootstrap = {};
+};
+
+struct FitOptions {
+  ComparisonOptions compared = {};
+  LossOptions loss = {};
+  NoiseOptions noise = {};
+  UnknownOptions unknowns = {};
+  PriorOptions priors = {};
+  CameraOptions camera = {};
+  SegmentOptions segments = {};
+  StartOptions starts = {};
+  SolverOptions solver = {};
+  UncertaintyOptions uncertainty = {};
+  /// Told before each start; where it asks for an end, starts that remain are left out (the first never is).
+  ProgressCallback progress = {};
 };
 
 /// @throws ArgumentError naming field, value and requirement.

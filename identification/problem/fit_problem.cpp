@@ -41,10 +41,10 @@ void check_names(const FamilyInfo& family, const FitOptions& options) {
                       field, name));
     }
   };
-  for (const std::string& name : options.shared) check("shared", name);
-  for (const std::string& name : options.per_capture) check("per_capture", name);
-  for (const auto& [name, value] : options.known) check("known", name);
-  for (const auto& [name, value] : options.fixed) {
+  for (const std::string& name : options.unknowns.shared) check("shared", name);
+  for (const std::string& name : options.unknowns.per_capture) check("per_capture", name);
+  for (const auto& [name, value] : options.unknowns.known) check("known", name);
+  for (const auto& [name, value] : options.unknowns.fixed) {
     const auto held = family.fixed.find(name);
     if (held == family.fixed.end()) {
       check("fixed", name);
@@ -53,13 +53,13 @@ void check_names(const FamilyInfo& family, const FitOptions& options) {
                                       family.source, held->second));
     }
   }
-  for (const auto& [name, interval] : options.box) check_coordinate(family, "box", name);
+  for (const auto& [name, interval] : options.unknowns.box) check_coordinate(family, "box", name);
 }
 
 /// The coordinate with the box of the fit, which must lie in the family's.
 FitCoordinate narrowed(const FamilyInfo& family, const FitCoordinate& coordinate, const FitOptions& options) {
-  const auto found = options.box.find(coordinate.name);
-  if (found == options.box.end()) return coordinate;
+  const auto found = options.unknowns.box.find(coordinate.name);
+  if (found == options.unknowns.box.end()) return coordinate;
   const Interval& box = found->second;
   if (box.lower < coordinate.lower || box.upper > coordinate.upper) {
     throw ArgumentError(fmt::format(
@@ -89,18 +89,20 @@ void assign_roles(const FamilyInfo& family, const FitOptions& options, FitProble
       problem.slots.push_back({});
       continue;
     }
-    if (const auto fixed = options.fixed.find(coordinate.name); fixed != options.fixed.end()) {
+    if (const auto fixed = options.unknowns.fixed.find(coordinate.name);
+        fixed != options.unknowns.fixed.end()) {
       problem.slots.push_back(fixed_slot(family, coordinate, fixed->second));
       problem.fixed[coordinate.name] = fixed->second;
       continue;
     }
-    if (const auto known = options.known.find(coordinate.name); known != options.known.end()) {
-      const auto index = static_cast<int>(std::distance(options.known.begin(), known));
+    if (const auto known = options.unknowns.known.find(coordinate.name);
+        known != options.unknowns.known.end()) {
+      const auto index = static_cast<int>(std::distance(options.unknowns.known.begin(), known));
       problem.slots.push_back({CoordinateRole::known, index, 0.0});
       continue;
     }
-    const bool own = contains(options.per_capture, coordinate.name) ||
-                     (coordinate.is_initial && !contains(options.shared, coordinate.name));
+    const bool own = contains(options.unknowns.per_capture, coordinate.name) ||
+                     (coordinate.is_initial && !contains(options.unknowns.shared, coordinate.name));
     auto& list = own ? problem.own : problem.shared;
     problem.slots.push_back(
         {own ? CoordinateRole::own : CoordinateRole::shared, static_cast<int>(list.size()), 0.0});
@@ -183,13 +185,13 @@ void set_scale(const FitOutput& output, std::span<const Capture> captures, const
 }
 
 bool has_offset(const FamilyInfo& family, const FitOptions& options, const std::string& output) {
-  if (options.offsets) return contains(*options.offsets, output);
+  if (options.unknowns.offsets) return contains(*options.unknowns.offsets, output);
   return contains(family.translations, output) && !contains(names_of(family.coordinates), output + "(0)");
 }
 
 void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures, const FitOptions& options,
                     FitProblem& problem) {
-  const std::vector<FitOutput> chosen = choose_outputs(family, captures, options.outputs);
+  const std::vector<FitOutput> chosen = choose_outputs(family, captures, options.compared.outputs);
   for (const auto& [name, scale] : options.loss.scales) find_output(family, "loss.scale", name);
   for (const FitOutput& output : chosen) {
     ComparedOutput compared{.name = output.name, .unit = output.unit, .period = period_of(output, options)};
@@ -206,14 +208,14 @@ void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures,
   }
   // What is asked for must be measured, by every capture (segments.h).
   const bool is_asked_for = std::ranges::any_of(
-      options.outputs, [&](const std::string& name) { return contains(family.attitude, name); });
-  if (is_asked_for || (options.outputs.empty() && measure_attitude(family, captures))) {
-    problem.attitude_scale = options.attitude_scale;
+      options.compared.outputs, [&](const std::string& name) { return contains(family.attitude, name); });
+  if (is_asked_for || (options.compared.outputs.empty() && measure_attitude(family, captures))) {
+    problem.attitude_scale = options.loss.attitude_scale;
     problem.requested.insert(problem.requested.end(), family.attitude.begin(), family.attitude.end());
   }
-  for (const auto& [name, period] : options.periods) find_output(family, "periods", name);
-  if (!options.offsets) return;
-  for (const std::string& name : *options.offsets) {
+  for (const auto& [name, period] : options.compared.periods) find_output(family, "periods", name);
+  if (!options.unknowns.offsets) return;
+  for (const std::string& name : *options.unknowns.offsets) {
     if (contains(problem.offsets, name)) continue;
     throw ArgumentError(
         fmt::format("offsets: \"{}\" is not among the compared outputs ({})", name, join(problem.requested)));
@@ -270,8 +272,8 @@ Eigen::Vector4d unit_attitude(const Eigen::Vector4d& q) {
 
 double period_of(const FitOutput& output, const FitOptions& options) {
   constexpr double kFullTurn = 2.0 * std::numbers::pi;
-  const auto found = options.periods.find(output.name);
-  if (found != options.periods.end()) return found->second;
+  const auto found = options.compared.periods.find(output.name);
+  if (found != options.compared.periods.end()) return found->second;
   return output.unit == "rad" ? kFullTurn : 0.0;
 }
 
@@ -298,12 +300,13 @@ std::vector<Capture> cut(const FamilyInfo& family, std::span<const Capture> capt
   }
   std::vector<Capture> parts;
   for (const Capture& capture : captures) {
-    for (Capture& part : windows(capture, *options.window, *options.stride, options.outputs))
+    for (Capture& part :
+         windows(capture, *options.compared.span, *options.compared.stride, options.compared.outputs))
       parts.push_back(std::move(part));
   }
   if (parts.empty()) {
     throw ArgumentError(fmt::format("none of {} captures holds a window of {} s; a shorter one was expected",
-                                    captures.size(), *options.window));
+                                    captures.size(), *options.compared.span));
   }
   return parts;
 }
@@ -317,9 +320,9 @@ FitProblem describe_problem(const FamilyInfo& family, std::span<const Capture> c
   check_names(family, options);
   FitProblem problem;
   problem.loss = options.loss.kind;
-  problem.averaged_frames = options.averaged_frames;
+  problem.averaged_frames = options.compared.averaged_frames;
   problem.fixed = family.fixed;
-  for (const auto& [name, value] : options.known) problem.known.push_back(name);
+  for (const auto& [name, value] : options.unknowns.known) problem.known.push_back(name);
   assign_roles(family, options, problem);
   assign_outputs(family, captures, options, problem);
   add_camera(family, options, problem);
@@ -329,8 +332,8 @@ FitProblem describe_problem(const FamilyInfo& family, std::span<const Capture> c
 FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> whole, const FitOptions& options) {
   validate(options);
   std::vector<Capture> parts;
-  if (options.stride) parts = cut(family, whole, options);
-  const std::span<const Capture> captures = options.stride ? std::span<const Capture>(parts) : whole;
+  if (options.compared.stride) parts = cut(family, whole, options);
+  const std::span<const Capture> captures = options.compared.stride ? std::span<const Capture>(parts) : whole;
   FitProblem problem = describe_problem(family, captures, options);
   if (problem.shared_count() + problem.own_count() == 0) {
     throw ArgumentError("every coordinate is fixed; at least one to fit was expected");
@@ -339,7 +342,7 @@ FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> whole
   add_priors(options, problem);
   set_initial(options, problem);
   add_segments(family, captures, options, problem);
-  if (options.round_body && problem.is_joined()) {
+  if (options.starts.round_body && problem.is_joined()) {
     throw ArgumentError(
         "round_body is set and captures are cut into joined segments; segments.length no shorter than the "
         "captures was expected");

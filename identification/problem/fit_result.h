@@ -74,7 +74,7 @@ struct CaptureFit {
   std::string whole = {};  ///< id of the capture of which it is all, or a window
   std::map<std::string, std::string> labels = {};
   std::vector<std::string> notes = {};       ///< what reading and cleaning did to it
-  std::map<std::string, double> known = {};  ///< values of FitOptions::known, SI
+  std::map<std::string, double> known = {};  ///< values of UnknownOptions::known, SI
   int cluster = 0;                           ///< number of its cluster, from 0
   int frames = 0;                            ///< in the window, with something to compare
   int segments = 1;
@@ -120,7 +120,7 @@ struct NoiseLevel {
 
 /// A search of the whole box before the fit itself.
 struct GlobalSearch {
-  std::string method = {};  ///< as FitOptions::global
+  std::string method = {};  ///< to_string(GlobalMethod)
   int evaluations = 0;      ///< points of the box looked at
   double cost = 0.0;        ///< the least met, segments not joined; NaN if no point had a trajectory
   double seconds = 0.0;

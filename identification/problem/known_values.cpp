@@ -50,7 +50,7 @@ double known_value(const Capture& capture, const std::string& coordinate, const 
 std::vector<double> known_values(const FamilyInfo& family, const Capture& capture,
                                  const FitOptions& options) {
   std::vector<double> values;
-  for (const auto& [coordinate, known] : options.known) {
+  for (const auto& [coordinate, known] : options.unknowns.known) {
     const double value = known_value(capture, coordinate, known);
     const auto c = std::ranges::find(family.coordinates, coordinate, &FitCoordinate::name);
     if (!(value >= c->lower && value <= c->upper)) {

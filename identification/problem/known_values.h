@@ -18,7 +18,7 @@ namespace samara::identification {
 /// @throws ArgumentError or InputError if the capture does not say it
 double known_value(const Capture& capture, const std::string& coordinate, const KnownValue& known);
 
-/// Values of FitOptions::known, in its order.
+/// Values of UnknownOptions::known, in its order.
 /// @throws ArgumentError or InputError as above, and for values outside the family's box
 std::vector<double> known_values(const FamilyInfo& family, const Capture& capture, const FitOptions& options);
 

@@ -85,10 +85,10 @@ PriorTerm PriorTerm::moved(double deviations) const {
 }
 
 void add_priors(const FitOptions& options, FitProblem& problem) {
-  for (const auto& [name, prior] : options.priors) {
-    if (!options.known.contains(name)) add_prior(name, prior, problem);
+  for (const auto& [name, prior] : options.priors.coordinates) {
+    if (!options.unknowns.known.contains(name)) add_prior(name, prior, problem);
   }
-  for (const CombinationPrior& prior : options.combinations) add_combination(prior, problem);
+  for (const CombinationPrior& prior : options.priors.combinations) add_combination(prior, problem);
 }
 
 }  // namespace samara::identification

@@ -215,9 +215,9 @@ void add_motion(const FamilyInfo& family, const Capture& capture, const FitOptio
     Segment segment{.motion = static_cast<int>(problem.motions.size())};
     segment.joined = k + 1 < motion.segment_count;
     if (!starts.empty()) segment.start = capture.times[starts[k]];
-    if (options.averaged_frames > 1 && capture.times.size() > 1) {
+    if (options.compared.averaged_frames > 1 && capture.times.size() > 1) {
       segment.interval = median_interval(capture.times);
-      segment.lead = 0.5 * (options.averaged_frames - 1) * segment.interval;
+      segment.lead = 0.5 * (options.compared.averaged_frames - 1) * segment.interval;
       segment.start -= segment.lead;
     }
     for (const Eigen::Index frame : seen) {
@@ -349,11 +349,12 @@ void add_segments(const FamilyInfo& family, std::span<const Capture> captures, c
     if (!seen.insert({capture.file, capture.id}).second) {
       throw ArgumentError(fmt::format("capture \"{}\" of \"{}\" is given twice", capture.id, capture.file));
     }
-    add_motion(family, options.window ? first(capture, *options.window) : capture, options, problem);
+    add_motion(family, options.compared.span ? first(capture, *options.compared.span) : capture, options,
+               problem);
     check_boxes(problem, problem.motions.back());
   }
-  if (options.step) check_steps(problem, *options.step);
-  find_clusters(options.cluster_by, problem);
+  if (options.solver.step) check_steps(problem, *options.solver.step);
+  find_clusters(options.uncertainty.cluster_by, problem);
 }
 
 void check_capture(const Capture& capture, const FitProblem& problem) {

@@ -36,13 +36,13 @@ void check_coefficient(const models::ModelInfo& model, const FitOptions& options
         fmt::format("series: model \"{}\" has no parameter \"{}\" that could change in time{}", model.name,
                     name, suggestion(name, known)));
   }
-  if (options.fixed.contains(name) || options.known.contains(name) ||
-      std::ranges::count(options.per_capture, name) > 0) {
+  if (options.unknowns.fixed.contains(name) || options.unknowns.known.contains(name) ||
+      std::ranges::count(options.unknowns.per_capture, name) > 0) {
     throw ArgumentError(fmt::format(
         "series: \"{}\" is fixed, known or of each capture's own; a coefficient of the box was expected",
         name));
   }
-  if (!options.box.contains(name)) {
+  if (!options.unknowns.box.contains(name)) {
     throw ArgumentError(
         fmt::format("series: \"{}\" has no interval in the box, which is to hold at every instant", name));
   }
@@ -50,17 +50,17 @@ void check_coefficient(const models::ModelInfo& model, const FitOptions& options
 
 /// @throws ArgumentError for what has no meaning for a series.
 void check_combination(const FitOptions& options, const SeriesOptions& series) {
-  if (options.profiles) {
+  if (options.uncertainty.profiles) {
     throw ArgumentError(
         "profiles are of coefficients that stay constant; either profiles or a series was expected");
   }
-  if (options.bootstrap.replicates > 0) {
+  if (options.uncertainty.bootstrap.replicates > 0) {
     throw ArgumentError(fmt::format(
         "bootstrap asks for {} replicates, and the errors of a series are not made of them; either a "
         "bootstrap or a series was expected",
-        options.bootstrap.replicates));
+        options.uncertainty.bootstrap.replicates));
   }
-  if (options.stride) {
+  if (options.compared.stride) {
     throw ArgumentError(
         "stride cuts captures into windows, and a series follows each of them as a whole; either a stride or "
         "a series was expected");
@@ -80,15 +80,16 @@ void check_combination(const FitOptions& options, const SeriesOptions& series) {
 
 std::unique_ptr<TrajectoryFamily> constant_family(const std::shared_ptr<const models::Model>& model,
                                                   const FitOptions& options) {
-  return options.step ? step_trajectories(model, options.fixed, options.box, *options.step)
-                      : reference_trajectories(model, options.fixed, options.box);
+  return options.solver.step
+             ? step_trajectories(model, options.unknowns.fixed, options.unknowns.box, *options.solver.step)
+             : reference_trajectories(model, options.unknowns.fixed, options.unknowns.box);
 }
 
 /// A fit of the windows.
 FitOptions options_of_windows(const FitOptions& options, const SeriesWindows& windows,
                               const SeriesOptions& series) {
   FitOptions result = options;
-  result.window.reset();
+  result.compared.span.reset();
   if (!windows.joined) {
     result.segments.length = std::numeric_limits<double>::max();
   } else if (!result.segments.length) {
@@ -98,7 +99,7 @@ FitOptions options_of_windows(const FitOptions& options, const SeriesWindows& wi
   const double scale = std::sqrt(windows.overlap);
   result.loss.length_scale *= scale;
   for (auto& [name, value] : result.loss.scales) value *= scale;
-  result.attitude_scale *= scale;
+  result.loss.attitude_scale *= scale;
   return result;
 }
 
@@ -173,14 +174,14 @@ void add_replay(const models::ModelInfo& model, const FitResult& result, const S
   std::map<std::string, std::string> units;
   for (const models::ParameterInfo& parameter : model.parameters) units[parameter.name] = parameter.unit;
   for (const models::StateInfo& state : model.states) units[state.name + "(0)"] = state.unit;
-  series.replay = options.fixed;
+  series.replay = options.unknowns.fixed;
   for (const Coefficient& c : result.coefficients) {
     if (units.contains(c.name) && std::ranges::count(knots.coefficients, c.name) == 0)
       series.replay[c.name] = c.value;
   }
   // The state of a running mean of frames is before the first of them.
   const auto holds_at_first_frame = [&](std::string_view name) {
-    return options.averaged_frames == 1 || !name.ends_with("(0)");
+    return options.compared.averaged_frames == 1 || !name.ends_with("(0)");
   };
   const CaptureFit& first = result.captures.front();
   for (const auto& [name, value] : first.known) {

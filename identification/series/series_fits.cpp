@@ -28,20 +28,20 @@ FitOptions options_of_knots(FitOptions options, const SeriesKnots& knots) {
     const auto replace = [&](std::vector<std::string>& list) {
       if (std::erase(list, name) > 0) list.insert(list.end(), names.begin(), names.end());
     };
-    replace(options.shared);
-    replace(options.log_scale);
-    options.initial.erase(name);
-    options.box.erase(name);
-    if (const auto prior = options.priors.extract(name)) {
+    replace(options.unknowns.shared);
+    replace(options.unknowns.log_scale);
+    options.starts.initial.erase(name);
+    options.unknowns.box.erase(name);
+    if (const auto prior = options.priors.coordinates.extract(name)) {
       const Prior& known = prior.mapped();
       CombinationPrior mean{.mean = known.mean,
                             .deviation = known.logarithmic ? known.mean * known.deviation : known.deviation};
       for (const std::string& knot : names) mean.weights[knot] = 1.0 / knots.count();
-      options.combinations.push_back(std::move(mean));
+      options.priors.combinations.push_back(std::move(mean));
     }
   }
-  options.starts = 1;
-  options.global = {};
+  options.starts.count = 1;
+  options.starts.global = {};
   // Coefficients begin near their best constants: joins need not be so loose.
   if (options.segments.stages.size() > 3)
     options.segments.stages.erase(options.segments.stages.begin(), options.segments.stages.end() - 3);
@@ -68,7 +68,8 @@ SeriesFits::SeriesFits(const std::shared_ptr<const models::Model>& model, const 
       series_(series),
       noise_(options.noise),
       options_(options_of_knots(options, windows.knots)),
-      family_(knot_trajectories(model, options.fixed, options.box, options.step, windows.knots)),
+      family_(knot_trajectories(model, options.unknowns.fixed, options.unknowns.box, options.solver.step,
+                                windows.knots)),
       rows_(difference_rows(windows.knots.instants, series.order, windows.spacing)) {
   const SeriesKnots& knots = windows.knots;
   for (std::size_t c = 0; c < knots.coefficients.size(); ++c) {
@@ -77,10 +78,10 @@ SeriesFits::SeriesFits(const std::shared_ptr<const models::Model>& model, const 
     constants_.push_back(best.value);
     sizes_.push_back(std::max(std::abs(best.value), 0.1 * half_box));
     half_boxes_.push_back(half_box);
-    for (int k = 0; k < knots.count(); ++k) options_.initial[knots.name(c, k)] = best.value;
+    for (int k = 0; k < knots.count(); ++k) options_.starts.initial[knots.name(c, k)] = best.value;
   }
   for (const Coefficient& c : constant.coefficients) {
-    if (std::ranges::count(knots.coefficients, c.name) == 0) options_.initial[c.name] = c.value;
+    if (std::ranges::count(knots.coefficients, c.name) == 0) options_.starts.initial[c.name] = c.value;
   }
 }
 
@@ -113,12 +114,12 @@ FitResult SeriesFits::fit_with(double factor) {
       for (int k = 0; k < windows_.knots.count(); ++k) {
         if (rows_(row, k) != 0.0) difference.weights[windows_.knots.name(c, k)] = rows_(row, k);
       }
-      options.combinations.push_back(std::move(difference));
+      options.priors.combinations.push_back(std::move(difference));
     }
   }
   FitResult result = fit(*family_, windows_.captures, options);
   if (result.status != FitStatus::failed) {
-    for (const Coefficient& c : result.coefficients) options_.initial[c.name] = c.value;
+    for (const Coefficient& c : result.coefficients) options_.starts.initial[c.name] = c.value;
   }
   return result;
 }

@@ -34,7 +34,7 @@ Eigen::MatrixXd difference_rows(const Eigen::VectorXd& instants, int order, doub
 /// The trajectories of a model whose coefficients follow the knots: each has a coordinate for each instant,
 /// with the box of the coefficient.
 /// @param fixed, box as reference_trajectories(), the coefficients in the box
-/// @param step as FitOptions::step
+/// @param step as SolverOptions::step
 std::unique_ptr<TrajectoryFamily> knot_trajectories(std::shared_ptr<const models::Model> model,
                                                     const std::map<std::string, double>& fixed,
                                                     const std::map<std::string, Interval>& box,

@@ -127,7 +127,7 @@ SeriesWindows series_windows(std::span<const Capture> captures, const FitOptions
   if (captures.empty()) throw ArgumentError("there are no captures; at least one was expected");
   std::vector<Capture> seen;
   for (const Capture& capture : captures)
-    seen.push_back(options.window ? first(capture, *options.window) : capture);
+    seen.push_back(options.compared.span ? first(capture, *options.compared.span) : capture);
   const Range range = range_of(seen);
   check_length(seen, range, series);
   const double duration = range.end - range.begin;

@@ -10,7 +10,7 @@ void hold_noise(const FitResult& fitted, FitOptions& options) {
     const double scale = efficient_bend(options.loss.kind) * level.value;
     for (const std::string& output : level.outputs) {
       if (output == "attitude") {
-        options.attitude_scale = scale;
+        options.loss.attitude_scale = scale;
       } else {
         options.loss.scales[output] = scale;
       }

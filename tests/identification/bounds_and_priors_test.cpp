@@ -28,9 +28,9 @@ struct Linear {
       add_noise(captures.back(), noise, random);
     }
     options.loss = {.kind = LossKind::none, .length_scale = 0.5};
-    options.fixed["k"] = 1.0;
-    options.offsets = std::vector<std::string>{};
-    options.starts = 1;
+    options.unknowns.fixed["k"] = 1.0;
+    options.unknowns.offsets = std::vector<std::string>{};
+    options.starts.count = 1;
   }
 
   /// Residuals of a capture over the loss scale.
@@ -47,8 +47,8 @@ TEST_CASE("a prior counts in standard errors with its own deviation, frames with
   // (N v_data + P mean)/(N + P): its variance is (s^2 N + P)/(N + P)^2. Of the unknown, data determine N/(N +
   // P).
   Linear linear(0.02);
-  linear.options.shared = std::vector<std::string>{"v(0)"};
-  linear.options.priors["v(0)"] = {.mean = 1.1, .deviation = 0.1};
+  linear.options.unknowns.shared = std::vector<std::string>{"v(0)"};
+  linear.options.priors.coordinates["v(0)"] = {.mean = 1.1, .deviation = 0.1};
   const FitResult result = fit(BrakedFamily(), linear.captures, linear.options);
   const Coefficient& v = result.coefficients.at(0);
   const double N = 3.0 * linear.information();
@@ -69,7 +69,7 @@ TEST_CASE("a prior counts in standard errors with its own deviation, frames with
 
 TEST_CASE("a prior of a capture's own coordinate counts in its error with its own deviation") {
   Linear linear(0.02);
-  linear.options.priors["v(0)"] = {.mean = 1.1, .deviation = 0.3};
+  linear.options.priors.coordinates["v(0)"] = {.mean = 1.1, .deviation = 0.3};
   const FitResult result = fit(BrakedFamily(), linear.captures, linear.options);
   double squares = 0.0;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -86,8 +86,8 @@ TEST_CASE("a prior of a capture's own coordinate counts in its error with its ow
 TEST_CASE("a prior of own coordinates counts with its own deviation in the errors of shared ones, too") {
   // Frames scatter far less than the loss scale says; what is known of v(0) beforehand limits k.
   Linear linear(0.002);
-  linear.options.fixed.erase("k");
-  linear.options.priors["v(0)"] = {.mean = 1.2, .deviation = 0.05};
+  linear.options.unknowns.fixed.erase("k");
+  linear.options.priors.coordinates["v(0)"] = {.mean = 1.2, .deviation = 0.05};
   for (Capture& capture : linear.captures) {
     capture.times = capture.times.head(3).eval();
     capture.channels[0].values = capture.channels[0].values.head(3).eval();
@@ -126,10 +126,10 @@ TEST_CASE("a coefficient that only its prior holds has the prior's error, and is
     captures.push_back(make_capture(id, times, BrakedFamily::depths(1.0, 1.2, times)));
   FitOptions options;
   options.loss = {.kind = LossKind::none, .length_scale = 1e-3};
-  options.shared = std::vector<std::string>{"k", "v(0)"};
-  options.offsets = std::vector<std::string>{};
-  options.starts = 1;
-  options.priors["k"] = {.mean = 1.0, .deviation = 0.05};
+  options.unknowns.shared = std::vector<std::string>{"k", "v(0)"};
+  options.unknowns.offsets = std::vector<std::string>{};
+  options.starts.count = 1;
+  options.priors.coordinates["k"] = {.mean = 1.0, .deviation = 0.05};
   const FitResult result = fit(BrakedFamily(), captures, options);
   const Coefficient& k = result.coefficients.at(0);
   CHECK_THAT(k.standard_error.value(), WithinRel(0.05, 1e-3));
@@ -155,17 +155,17 @@ struct Bounded {
       add_noise(captures.back(), 2e-3, random);
     }
     options.loss = {.kind = LossKind::none, .length_scale = 2e-3};
-    options.shared = std::vector<std::string>{"k", "v(0)"};
-    options.box["v(0)"] = {0.3, 1.0};
-    options.offsets = std::vector<std::string>{};
-    options.starts = 6;
+    options.unknowns.shared = std::vector<std::string>{"k", "v(0)"};
+    options.unknowns.box["v(0)"] = {0.3, 1.0};
+    options.unknowns.offsets = std::vector<std::string>{};
+    options.starts.count = 6;
   }
 
   FitOptions held_at_bound() const {
     FitOptions held = options;
-    held.box.erase("v(0)");
-    held.fixed["v(0)"] = 1.0;
-    held.shared = std::vector<std::string>{"k"};
+    held.unknowns.box.erase("v(0)");
+    held.unknowns.fixed["v(0)"] = 1.0;
+    held.unknowns.shared = std::vector<std::string>{"k"};
     return held;
   }
 };
@@ -187,9 +187,9 @@ TEST_CASE("with an unknown at its bound every converged start has the minimum of
 TEST_CASE("an unknown that met a bound on its way leaves it again") {
   // The first start lies far off, so that steps overshoot the box; the minimum is inside.
   Bounded bounded;
-  bounded.options.box["v(0)"] = {0.3, 1.3};
-  bounded.options.box["k"] = {0.2, 5.0};
-  bounded.options.initial = {{"k", 4.9}, {"v(0)", 1.29}};
+  bounded.options.unknowns.box["v(0)"] = {0.3, 1.3};
+  bounded.options.unknowns.box["k"] = {0.2, 5.0};
+  bounded.options.starts.initial = {{"k", 4.9}, {"v(0)", 1.29}};
   const FitResult near = fit(BrakedFamily(), bounded.captures, bounded.options);
   REQUIRE_FALSE(near.coefficients.at(1).at_bound);
   for (const StartRecord& start : near.starts) CHECK_THAT(start.cost, WithinRel(near.cost, 1e-7));
@@ -197,7 +197,7 @@ TEST_CASE("an unknown that met a bound on its way leaves it again") {
 
 TEST_CASE("the profile beside a coefficient at its bound is that with the coefficient held there") {
   Bounded bounded;
-  bounded.options.profiles = true;
+  bounded.options.uncertainty.profiles = true;
   const FitResult free = fit(BrakedFamily(), bounded.captures, bounded.options);
   const FitResult held = fit(BrakedFamily(), bounded.captures, bounded.held_at_bound());
   const Profile& with_free = free.profiles.at(0);
@@ -222,11 +222,11 @@ TEST_CASE("a later start without trajectories does not change the errors of the 
   FitOptions options;
   options.loss = {.kind = LossKind::none, .length_scale = 2e-4};
   options.segments.length = 0.15;
-  options.initial["C_D"] = 1.0;
-  options.profiles = true;
-  options.starts = 1;
+  options.starts.initial["C_D"] = 1.0;
+  options.uncertainty.profiles = true;
+  options.starts.count = 1;
   const FitResult one = fit(*family, captures, options);
-  options.starts = 3;
+  options.starts.count = 3;
   const FitResult three = fit(*family, captures, options);
   REQUIRE(three.starts.back().status == FitStatus::failed);
   CHECK_THAT(three.coefficients.at(0).standard_error.value(),
@@ -239,13 +239,13 @@ TEST_CASE("a later start without trajectories does not change the errors of the 
 
 TEST_CASE("starts of coefficients fitted in logarithms spread over decades") {
   Linear linear(1e-3);
-  linear.options.fixed.clear();
-  linear.options.shared = std::vector<std::string>{"k"};
-  linear.options.fixed["v(0)"] = 1.2;
-  linear.options.log_scale = {"k"};
-  linear.options.starts = 1;
-  linear.options.max_iterations = 1;
-  linear.options.box["k"] = {0.2, 5.0};
+  linear.options.unknowns.fixed.clear();
+  linear.options.unknowns.shared = std::vector<std::string>{"k"};
+  linear.options.unknowns.fixed["v(0)"] = 1.2;
+  linear.options.unknowns.log_scale = {"k"};
+  linear.options.starts.count = 1;
+  linear.options.solver.max_iterations = 1;
+  linear.options.unknowns.box["k"] = {0.2, 5.0};
   // The centre of [0.2, 5] in logarithms is 1, where x of the captures lies: one step is enough.
   const FitResult result = fit(BrakedFamily(), linear.captures, linear.options);
   CHECK_THAT(result.coefficients.at(0).value, WithinAbs(1.0, 0.01));

@@ -67,7 +67,7 @@ FitOptions plate_options(bool with_camera) {
   options.loss = {.kind = LossKind::none,
                   .scales = {{"x", kCameraNoise}, {"y", kCameraNoise}, {"theta", kCameraNoise}}};
   options.segments.length = 1.0;
-  options.starts = 1;
+  options.starts.count = 1;
   if (with_camera) options.camera = {.scale = 0.05, .rotation = 0.05, .angles = {{"theta"}}};
   return options;
 }
@@ -183,7 +183,7 @@ TEST_CASE("segments seen by a camera join by the way from where the motion start
   Capture capture = plate(20.0, 1.0, 0.0, 1);
   capture.labels["x0"] = "0.7";
   FitOptions options = plate_options(true);
-  options.offsets = {{"x", "y"}};
+  options.unknowns.offsets = {{"x", "y"}};
   samara::pgd::Random random(5);
   const auto somewhere = [&](int count) {
     Eigen::VectorXd values(count);
@@ -201,9 +201,9 @@ TEST_CASE("segments seen by a camera join by the way from where the motion start
   for (const bool is_known : {false, true}) {
     FitOptions with_start = options;
     if (is_known) {
-      with_start.known["x(0)"] = "x0";
+      with_start.unknowns.known["x(0)"] = "x0";
     } else {
-      with_start.shared = {"x(0)"};
+      with_start.unknowns.shared = {"x(0)"};
     }
     const FitProblem problem = make_problem(family->info(), std::span(&capture, 1), with_start);
     Eigen::VectorXd values(problem.shared_count());
@@ -274,9 +274,9 @@ TEST_CASE(
   const std::vector captures = {card(turn, 12.0, 1), card(turn, -9.0, 2)};
   FitOptions options;
   options.loss = {.kind = LossKind::none, .length_scale = 3e-4};
-  options.attitude_scale = 0.0088;
+  options.loss.attitude_scale = 0.0088;
   options.segments.length = 0.06;
-  options.starts = 1;
+  options.starts.count = 1;
   options.camera.rotation = 0.05;
   const FitResult result = fit(*seen_card_family(), captures, options);
   INFO(result.message);
@@ -331,7 +331,7 @@ TEST_CASE("cameras are refused that have no place to look at") {
   options.camera.angles = {{"phi"}};
   CHECK_THROWS_WITH(fit(*plate_family(), captures, options), Contains("\"phi\" is not among the compared"));
   options = plate_options(true);
-  options.outputs = {"theta"};
+  options.compared.outputs = {"theta"};
   CHECK_THROWS_WITH(fit(*plate_family(), captures, options), Contains("none of its axes (x, y) is compared"));
   options = plate_options(true);
   options.camera.scale = -0.1;

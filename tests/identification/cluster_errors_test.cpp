@@ -116,8 +116,8 @@ TEST_CASE("errors count that an initial value at its bound may be elsewhere") {
   constexpr int kSeeds = 60;
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.box["v(0)"] = {0.2, 1.0};
-  options.starts = 1;
+  options.unknowns.box["v(0)"] = {0.2, 1.0};
+  options.starts.count = 1;
   int bounded = 0, beyond = 0, beyond_held = 0;
   for (int seed = 0; seed < kSeeds; ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));

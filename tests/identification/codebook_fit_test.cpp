@@ -69,8 +69,8 @@ TEST_CASE("a fit through a codebook equals linear least squares where the model 
   const std::vector<Capture> captures = noisy_captures();
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.offsets = {"x"};
-  options.window = kEnd;
+  options.unknowns.offsets = {"x"};
+  options.compared.span = kEnd;
   const FitResult result = fit(*family, captures, options);
   REQUIRE(result.status == FitStatus::converged);
 

@@ -62,16 +62,16 @@ Capture fluttering(double height, std::uint64_t seed) {
 
 FitOptions series_options() {
   FitOptions options;
-  options.fixed = plate_fixed();
-  options.box = {{"C_R", {0.3, 6.0}},
-                 {"vx(0)", {-8.0, 8.0}},
-                 {"vy(0)", {-8.0, 8.0}},
-                 {"w(0)", {-8.0, 8.0}},
-                 {"theta(0)", {-60.0, 60.0}}};
+  options.unknowns.fixed = plate_fixed();
+  options.unknowns.box = {{"C_R", {0.3, 6.0}},
+                          {"vx(0)", {-8.0, 8.0}},
+                          {"vy(0)", {-8.0, 8.0}},
+                          {"w(0)", {-8.0, 8.0}},
+                          {"theta(0)", {-60.0, 60.0}}};
   options.loss = {.kind = LossKind::none,
                   .scales = {{"x", kSeriesNoise}, {"y", kSeriesNoise}, {"theta", kSeriesNoise}}};
-  options.step = 0.034;  // two in a frame interval of 1/15
-  options.starts = 1;
+  options.solver.step = 0.034;  // two in a frame interval of 1/15
+  options.starts.count = 1;
   return options;
 }
 
@@ -183,7 +183,7 @@ TEST_CASE("a coefficient that does not change is a straight line within its erro
 
 TEST_CASE("noise levels that are estimated choose the smoothness that known ones choose") {
   FitOptions known = series_options();
-  known.step = 0.067;  // a frame interval: many fits
+  known.solver.step = 0.067;  // a frame interval: many fits
   FitOptions estimated = known;
   estimated.loss.scales.clear();
   estimated.noise.estimated = true;
@@ -247,12 +247,12 @@ TEST_CASE("differences do not depend on how instants are spaced where the course
 TEST_CASE("a replay has what is known of the capture, and what is its own where frames are means too") {
   const SeriesOptions given = {.coefficients = {"C_R"}, .window = 0.8, .scales = {{"C_R", 0.1}}};
   FitOptions options = series_options();
-  options.fixed.erase("mu1");
-  options.box["mu1"] = {0.1, 0.4};
+  options.unknowns.fixed.erase("mu1");
+  options.unknowns.box["mu1"] = {0.1, 0.4};
   Capture capture = fluttering(0.6, 5);
   {
     FitOptions known = options;
-    known.known = {{"mu1", "friction"}};
+    known.unknowns.known = {{"mu1", "friction"}};
     capture.labels["friction"] = "0.2";
     const auto series = fit_series(find_model("falling_plate_nd"), std::vector{capture}, known, given);
     REQUIRE(series.status == FitStatus::converged);
@@ -261,8 +261,8 @@ TEST_CASE("a replay has what is known of the capture, and what is its own where 
     CHECK(series.replay_units.at("mu1") == "1");
     CHECK(distance(series, capture, false) < 3.0 * kSeriesNoise);
   }
-  options.per_capture = {"mu1"};
-  options.averaged_frames = 3;
+  options.unknowns.per_capture = {"mu1"};
+  options.compared.averaged_frames = 3;
   const auto series = fit_series(find_model("falling_plate_nd"), std::vector{capture}, options, given);
   INFO(series.message);
   REQUIRE(series.status != FitStatus::failed);
@@ -281,8 +281,9 @@ TEST_CASE("what is asked of constant coefficients or joined segments is refused 
     change(options);
     return series_error(options, series);
   };
-  CHECK_THAT(with(joined, [](FitOptions& o) { o.profiles = true; }), Contains("profiles or a series"));
-  CHECK_THAT(with(joined, [](FitOptions& o) { o.bootstrap.replicates = 20; }),
+  CHECK_THAT(with(joined, [](FitOptions& o) { o.uncertainty.profiles = true; }),
+             Contains("profiles or a series"));
+  CHECK_THAT(with(joined, [](FitOptions& o) { o.uncertainty.bootstrap.replicates = 20; }),
              Contains("20 replicates") && Contains("bootstrap or a series"));
   CHECK_THAT(with(sliding, [](FitOptions& o) { o.segments.length = 0.8; }),
              Contains("segments of 0.8 s and a series.stride"));
@@ -299,19 +300,22 @@ TEST_CASE("what belongs to the start of a capture is not applied to each window 
   };
   const auto not_free = Contains("\"theta(0)\" is not free in each");
   CHECK_THAT(with([](FitOptions& o) {
-               o.box.erase("theta(0)");
-               o.fixed["theta(0)"] = 0.6;
+               o.unknowns.box.erase("theta(0)");
+               o.unknowns.fixed["theta(0)"] = 0.6;
              }),
              not_free);
-  CHECK_THAT(with([](FitOptions& o) { o.shared = {"theta(0)"}; }), not_free);
-  CHECK_THAT(with([](FitOptions& o) { o.box.erase("theta(0)"); }), not_free);
-  CHECK_THAT(with([](FitOptions& o) { o.offsets = {{"x"}}; }),
+  CHECK_THAT(with([](FitOptions& o) { o.unknowns.shared = {"theta(0)"}; }), not_free);
+  CHECK_THAT(with([](FitOptions& o) { o.unknowns.box.erase("theta(0)"); }), not_free);
+  CHECK_THAT(with([](FitOptions& o) { o.unknowns.offsets = {{"x"}}; }),
              Contains("\"y(0)\" is not free in each") && Contains("\"y\" among the offsets"));
-  CHECK_THAT(with([](FitOptions& o) { o.priors["w(0)"] = {0.0, 0.1}; }), Contains("the prior of \"w(0)\""));
   CHECK_THAT(with([](FitOptions& o) {
-               o.fixed.erase("mu1");
-               o.box["mu1"] = {0.1, 0.4};
-               o.per_capture = {"mu1"};
+               o.priors.coordinates["w(0)"] = {0.0, 0.1};
+             }),
+             Contains("the prior of \"w(0)\""));
+  CHECK_THAT(with([](FitOptions& o) {
+               o.unknowns.fixed.erase("mu1");
+               o.unknowns.box["mu1"] = {0.1, 0.4};
+               o.unknowns.per_capture = {"mu1"};
              }),
              Contains("\"mu1\" of each capture"));
   CHECK_THAT(with([](FitOptions& o) { o.camera.scale = 0.02; }), Contains("camera"));

@@ -37,29 +37,34 @@ FitOptions with(const auto& change) {
 }  // namespace
 
 TEST_CASE("names of coordinates must be known, and stand in one role") {
-  CHECK_THAT(fit_error(with([](FitOptions& o) { o.shared = {"v(O)"}; })), Contains("did you mean \"v(0)\"?"));
-  CHECK_THAT(fit_error(with([](FitOptions& o) { o.per_capture = {"kk"}; })), Contains("per_capture: "));
+  CHECK_THAT(fit_error(with([](FitOptions& o) { o.unknowns.shared = {"v(O)"}; })),
+             Contains("did you mean \"v(0)\"?"));
+  CHECK_THAT(fit_error(with([](FitOptions& o) { o.unknowns.per_capture = {"kk"}; })),
+             Contains("per_capture: "));
   CHECK_THAT(fit_error(with([](FitOptions& o) {
-               o.fixed = {{"m", 1.0}};
+               o.unknowns.fixed = {{"m", 1.0}};
              })),
              Contains("no free coordinate \"m\""));
   CHECK_THAT(fit_error(with([](FitOptions& o) {
-               o.box = {{"m", {0.0, 1.0}}};
+               o.unknowns.box = {{"m", {0.0, 1.0}}};
              })),
              Contains("no free coordinate \"m\""));
   CHECK_THAT(fit_error(with([](FitOptions& o) {
-               o.shared = {"k"};
-               o.fixed = {{"k", 1.0}};
+               o.unknowns.shared = {"k"};
+               o.unknowns.fixed = {{"k", 1.0}};
              })),
              Contains("\"k\" has a role already"));
   CHECK_THAT(fit_error(with([](FitOptions& o) {
-               o.fixed = {{"k", 9.0}};
+               o.unknowns.fixed = {{"k", 9.0}};
              })),
              Contains("\"k\" is fixed at 9") && Contains("0.2 to 5"));
-  CHECK_THAT(fit_error(with([](FitOptions& o) { o.box = {{"k", {0.1, 1.0}}}; })), Contains("within that of"));
   CHECK_THAT(fit_error(with([](FitOptions& o) {
-               o.fixed = {{"k", 1.0}, {"v(0)", 1.0}};
-               o.offsets = std::vector<std::string>{};
+               o.unknowns.box = {{"k", {0.1, 1.0}}};
+             })),
+             Contains("within that of"));
+  CHECK_THAT(fit_error(with([](FitOptions& o) {
+               o.unknowns.fixed = {{"k", 1.0}, {"v(0)", 1.0}};
+               o.unknowns.offsets = std::vector<std::string>{};
              })),
              Contains("every coordinate is fixed"));
 }
@@ -68,24 +73,27 @@ TEST_CASE("what the family holds may be fixed again at the same value only") {
   const auto family = coin_family();
   const std::vector captures = {coin_capture("a", 1.0, 0.0, 0.0)};
   FitOptions options;
-  options.fixed = {{"thickness", 2.55e-3}};
+  options.unknowns.fixed = {{"thickness", 2.55e-3}};
   CHECK(fit(*family, captures, options).status == FitStatus::converged);
-  options.fixed = {{"thickness", 2.6e-3}};
+  options.unknowns.fixed = {{"thickness", 2.6e-3}};
   CHECK_THAT(error_of<samara::ArgumentError>([&] { fit(*family, captures, options); }),
              Contains("holds it at 0.00255"));
 }
 
 TEST_CASE("outputs must be known, measured, and in the right dimension") {
-  CHECK_THAT(fit_error(with([](FitOptions& o) { o.outputs = {"z"}; })), Contains("no output \"z\""));
-  CHECK_THAT(fit_error(with([](FitOptions& o) { o.outputs = {"x", "x"}; })), Contains("stands there twice"));
-  CHECK_THAT(fit_error(with([](FitOptions& o) { o.offsets = {"z"}; })), Contains("offsets: \"z\""));
+  CHECK_THAT(fit_error(with([](FitOptions& o) { o.compared.outputs = {"z"}; })), Contains("no output \"z\""));
+  CHECK_THAT(fit_error(with([](FitOptions& o) {
+               o.compared.outputs = {"x", "x"};
+             })),
+             Contains("stands there twice"));
+  CHECK_THAT(fit_error(with([](FitOptions& o) { o.unknowns.offsets = {"z"}; })), Contains("offsets: \"z\""));
   std::vector<Capture> captures = two_captures();
   captures[1].channels[0].unit = kPixels;
   CHECK_THAT(fit_error({}, captures),
              Contains("capture \"b\" measures \"x\" in px; m was expected") && Contains("[scale]"));
   captures[1].channels[0].quantity = kDepth;
   CHECK_THAT(fit_error({}, captures), Contains("no quantity in common"));
-  CHECK_THAT(fit_error(with([](FitOptions& o) { o.outputs = {"x"}; }), captures),
+  CHECK_THAT(fit_error(with([](FitOptions& o) { o.compared.outputs = {"x"}; }), captures),
              Contains("capture \"b\" does not measure \"x\""));
   captures = two_captures();
   captures[0].channels[0].values[2] = std::numeric_limits<double>::infinity();
@@ -125,7 +133,7 @@ TEST_CASE("captures must have enough frames, within the times of the family") {
   CHECK_THAT(error_of<samara::ArgumentError>([&] { fit(family, two_captures()); }),
              Contains("lasts 1 s, but the closed form ends at 0.6 s; a `window`"));
   FitOptions options;
-  options.window = 0.6;
+  options.compared.span = 0.6;
   CHECK(fit(family, two_captures(), options).captures[0].frames == 6);
 }
 
@@ -149,14 +157,14 @@ TEST_CASE("a box must hold what was measured at the start, on a circle at any tu
   CHECK_THAT(error_of<samara::ArgumentError>([&] { fit(family, std::span(&capture, 1), options); }),
              Contains("capture \"a\" has x = 5 at 0 s") && Contains("\"x(0)\" goes from -1 to 1"));
   family.mutable_info().outputs[0].unit = "m";
-  options.periods = {{"x", 2.5}};
+  options.compared.periods = {{"x", 2.5}};
   CHECK_NOTHROW(make_problem(family.info(), std::span(&capture, 1), options));
 }
 
 TEST_CASE("a fit tells of its starts, and leaves out those that nobody waits for") {
   std::vector<std::string> told;
   FitOptions options;
-  options.starts = 4;
+  options.starts.count = 4;
   options.progress = [&](const samara::Progress& progress) {
     told.push_back(progress.stage);
     return told.size() < 3;
@@ -170,14 +178,15 @@ TEST_CASE("a fit tells of its starts, and leaves out those that nobody waits for
 TEST_CASE("steps without end are refused, and the times are asked about") {
   std::vector<Capture> captures = two_captures();
   FitOptions options;
-  options.step = 1e-15;
+  options.solver.step = 1e-15;
   CHECK_THAT(fit_error(options, captures), Contains("takes 2e+15 steps") && Contains("in another unit?"));
 }
 
 TEST_CASE("options outside their meaning are refused") {
-  CHECK_THAT(fit_error(with([](FitOptions& o) { o.window = -1.0; })), Contains("window is -1"));
-  CHECK_THAT(fit_error(with([](FitOptions& o) { o.starts = 0; })), Contains("starts is 0"));
-  CHECK_THAT(fit_error(with([](FitOptions& o) { o.max_iterations = 0; })), Contains("max_iterations is 0"));
+  CHECK_THAT(fit_error(with([](FitOptions& o) { o.compared.span = -1.0; })), Contains("window is -1"));
+  CHECK_THAT(fit_error(with([](FitOptions& o) { o.starts.count = 0; })), Contains("starts is 0"));
+  CHECK_THAT(fit_error(with([](FitOptions& o) { o.solver.max_iterations = 0; })),
+             Contains("max_iterations is 0"));
   CHECK_THAT(fit_error(with([](FitOptions& o) { o.loss.length_scale = 0.0; })),
              Contains("loss.length_scale is 0"));
   CHECK_THAT(fit_error(with([](FitOptions& o) {
@@ -189,14 +198,14 @@ TEST_CASE("options outside their meaning are refused") {
              })),
              Contains("no output \"z\""));
   CHECK_THAT(fit_error(with([](FitOptions& o) {
-               o.box = {{"k", {1.0, 1.0}}};
+               o.unknowns.box = {{"k", {1.0, 1.0}}};
              })),
              Contains("an interval with a length"));
   CHECK_THAT(fit_error(with([](FitOptions& o) {
-               o.fixed = {{"k", std::nan("")}};
+               o.unknowns.fixed = {{"k", std::nan("")}};
              })),
              Contains("a finite number"));
-  CHECK_THAT(fit_error(with([](FitOptions& o) { o.cluster_by = {"drop"}; })),
+  CHECK_THAT(fit_error(with([](FitOptions& o) { o.uncertainty.cluster_by = {"drop"}; })),
              Contains("capture \"a\" has no label \"drop\""));
 }
 

@@ -39,26 +39,26 @@ TEST_CASE("the configs of measured sets name what their models have") {
                                     {"table_tennis_predict", "sphere_flight_turned_spin"}}) {
     const auto path = folder / (std::string(file) + ".toml");
     const FitOptions options = read_fit_config(path, config_names(samara::models::find_model(model)->info()));
-    CHECK(options.step);
-    for (const auto& [name, known] : options.known) CHECK(options.box.contains(name));
+    CHECK(options.solver.step);
+    for (const auto& [name, known] : options.unknowns.known) CHECK(options.unknowns.box.contains(name));
     const PredictionConfig prediction = read_prediction_config(path);
-    const bool splits = !prediction.left_out.empty() && options.per_capture.empty();
+    const bool splits = !prediction.left_out.empty() && options.unknowns.per_capture.empty();
     if (!prediction.folds) CHECK(prediction.fitted.empty() == !splits);
-    for (const std::string& name : prediction.hidden) CHECK(options.known.contains(name));
+    for (const std::string& name : prediction.hidden) CHECK(options.unknowns.known.contains(name));
   }
   CHECK(read_fit_config(folder / "falling_paper_fit.toml",
                         config_names(samara::models::find_model("immersed_body")->info()))
-            .known.at("I_z")
+            .unknowns.known.at("I_z")
             .power == 4.0);
 }
 
 TEST_CASE("an empty config leaves every default") {
   const FitOptions options = parse_fit_config("", "fit.toml", names());
-  CHECK_FALSE(options.window);
+  CHECK_FALSE(options.compared.span);
   CHECK(options.loss.kind == LossKind::huber);
   CHECK(options.loss.length_scale == 2e-3);
-  CHECK(options.starts == 3);
-  CHECK_FALSE(options.offsets);
+  CHECK(options.starts.count == 3);
+  CHECK_FALSE(options.unknowns.offsets);
 }
 
 TEST_CASE("a config sets every option, with units converted") {
@@ -97,39 +97,39 @@ C_D = [0.6, 2.0]
 "v(0)" = ["-40 cm/s", "0.8 m/s"]
 )toml",
                                               "fit.toml", names());
-  CHECK_THAT(*options.window, WithinRel(0.4, 1e-15));
-  CHECK(options.outputs == std::vector<std::string>{"x"});
+  CHECK_THAT(*options.compared.span, WithinRel(0.4, 1e-15));
+  CHECK(options.compared.outputs == std::vector<std::string>{"x"});
   CHECK(options.loss.kind == LossKind::cauchy);
   CHECK_THAT(options.loss.length_scale, WithinRel(3e-3, 1e-15));
-  CHECK(options.shared == std::vector<std::string>{"C_D"});
-  CHECK(options.per_capture == std::vector<std::string>{"v(0)"});
-  CHECK(*options.offsets == std::vector<std::string>{"x"});
-  CHECK(options.cluster_by == std::vector<std::string>{"drop"});
-  CHECK(options.starts == 5);
+  CHECK(options.unknowns.shared == std::vector<std::string>{"C_D"});
+  CHECK(options.unknowns.per_capture == std::vector<std::string>{"v(0)"});
+  CHECK(*options.unknowns.offsets == std::vector<std::string>{"x"});
+  CHECK(options.uncertainty.cluster_by == std::vector<std::string>{"drop"});
+  CHECK(options.starts.count == 5);
   CHECK_THAT(*options.segments.length, WithinRel(0.06, 1e-15));
   CHECK(options.segments.stages == std::vector<double>{1.0, 10.0});
-  CHECK_THAT(*options.step, WithinRel(1e-3, 1e-15));
-  CHECK(options.log_scale == std::vector<std::string>{"C_D"});
-  CHECK_THAT(options.attitude_scale, WithinRel(2.0 * M_PI / 180.0, 1e-15));
-  CHECK(options.global.method == GlobalMethod::direct);
-  CHECK(options.global.budget == 40);
-  CHECK(options.global.seed == 7);
-  CHECK(options.averaged_frames == 5);
-  CHECK(options.round_body);
-  CHECK(options.rounds == 2);
-  CHECK(options.bootstrap.replicates == 50);
-  CHECK(options.bootstrap.seed == 3);
-  CHECK(options.initial.at("C_D") == 1.1);
-  CHECK(options.known.at("area").label == "area_m2");
-  CHECK(options.known.at("area").power == 1.0);
-  CHECK(options.priors.at("C_D").logarithmic);
-  CHECK(options.priors.at("C_D").deviation == 0.2);
-  CHECK_THAT(options.periods.at("x"), WithinRel(0.01, 1e-15));
-  CHECK(options.max_iterations == 50);
-  CHECK_THAT(options.fixed.at("density"), WithinRel(2700.0, 1e-15));
-  CHECK(options.fixed.at("thickness") == 0.002);
-  CHECK(options.box.at("C_D").upper == 2.0);
-  CHECK_THAT(options.box.at("v(0)").lower, WithinRel(-0.4, 1e-15));
+  CHECK_THAT(*options.solver.step, WithinRel(1e-3, 1e-15));
+  CHECK(options.unknowns.log_scale == std::vector<std::string>{"C_D"});
+  CHECK_THAT(options.loss.attitude_scale, WithinRel(2.0 * M_PI / 180.0, 1e-15));
+  CHECK(options.starts.global.method == GlobalMethod::direct);
+  CHECK(options.starts.global.budget == 40);
+  CHECK(options.starts.global.seed == 7);
+  CHECK(options.compared.averaged_frames == 5);
+  CHECK(options.starts.round_body);
+  CHECK(options.starts.rounds == 2);
+  CHECK(options.uncertainty.bootstrap.replicates == 50);
+  CHECK(options.uncertainty.bootstrap.seed == 3);
+  CHECK(options.starts.initial.at("C_D") == 1.1);
+  CHECK(options.unknowns.known.at("area").label == "area_m2");
+  CHECK(options.unknowns.known.at("area").power == 1.0);
+  CHECK(options.priors.coordinates.at("C_D").logarithmic);
+  CHECK(options.priors.coordinates.at("C_D").deviation == 0.2);
+  CHECK_THAT(options.compared.periods.at("x"), WithinRel(0.01, 1e-15));
+  CHECK(options.solver.max_iterations == 50);
+  CHECK_THAT(options.unknowns.fixed.at("density"), WithinRel(2700.0, 1e-15));
+  CHECK(options.unknowns.fixed.at("thickness") == 0.002);
+  CHECK(options.unknowns.box.at("C_D").upper == 2.0);
+  CHECK_THAT(options.unknowns.box.at("v(0)").lower, WithinRel(-0.4, 1e-15));
 }
 
 TEST_CASE("loss scales may be given output by output") {

@@ -52,7 +52,7 @@ TEST_CASE("a fit needs neither all frames nor the same frames in all captures") 
   std::vector<Capture> captures = coins();
   for (const Eigen::Index missing : {0, 3, 4, 20, 24}) captures[1].channels[0].values[missing] = std::nan("");
   FitOptions options;
-  options.window = 0.3;
+  options.compared.span = 0.3;
   const FitResult result = fit(*family, captures, options);
   CHECK_THAT(result.coefficients[0].value, WithinRel(kC_D, 1e-6));
   CHECK(result.captures[0].frames == 19);
@@ -65,7 +65,7 @@ TEST_CASE("coordinates take the roles they are given") {
   const std::vector<Capture> captures = coins();
   FitOptions options;
   SECTION("a parameter of each capture's own") {
-    options.per_capture = {"C_D"};
+    options.unknowns.per_capture = {"C_D"};
     const FitResult result = fit(*family, captures, options);
     CHECK(result.status == FitStatus::converged);
     CHECK(result.coefficients.empty());
@@ -74,7 +74,7 @@ TEST_CASE("coordinates take the roles they are given") {
       CHECK_THAT(capture.nuisances[0].value, WithinRel(kC_D, 1e-5));
   }
   SECTION("an initial value that is fixed") {
-    options.fixed = {{"v(0)", kV0[2]}};
+    options.unknowns.fixed = {{"v(0)", kV0[2]}};
     const FitResult result = fit(*family, std::span(captures).subspan(2, 1), options);
     CHECK_THAT(result.coefficients[0].value, WithinRel(kC_D, 1e-6));
     CHECK(result.captures[0].nuisances.size() == 1);
@@ -82,7 +82,7 @@ TEST_CASE("coordinates take the roles they are given") {
     CHECK(result.fixed.at("thickness") == 2.55e-3);
   }
   SECTION("an initial value that is shared") {
-    options.shared = {"v(0)"};
+    options.unknowns.shared = {"v(0)"};
     std::vector<Capture> equal = {coin_capture("a", kC_D, 0.1, 0.0), coin_capture("b", kC_D, 0.1, 0.4)};
     const FitResult result = fit(*family, equal, options);
     REQUIRE(result.coefficients.size() == 2);
@@ -90,8 +90,8 @@ TEST_CASE("coordinates take the roles they are given") {
     CHECK_THAT(result.coefficients[1].value, WithinRel(0.1, 1e-6));
   }
   SECTION("no unknowns of the captures' own at all") {
-    options.shared = {"v(0)"};
-    options.offsets = std::vector<std::string>{};
+    options.unknowns.shared = {"v(0)"};
+    options.unknowns.offsets = std::vector<std::string>{};
     const FitResult result = fit(*family, std::vector{coin_capture("a", kC_D, 0.1, 0.0)}, options);
     CHECK(result.status == FitStatus::converged);
     CHECK_THAT(result.coefficients[0].value, WithinRel(kC_D, 1e-6));

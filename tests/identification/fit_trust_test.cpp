@@ -79,7 +79,7 @@ TEST_CASE("the profile of a well-determined coefficient agrees with its standard
   const BrakedFamily family;
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.profiles = true;
+  options.uncertainty.profiles = true;
   const FitResult result = fit(family, braked(8, 2e-3), options);
   const Coefficient& k = result.coefficients[0];
   const Profile* p = result.find_profile("k");
@@ -98,8 +98,8 @@ TEST_CASE("intervals of profiles cover the truth about as often as they say") {
   const BrakedFamily family;
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.starts = 1;
-  options.profiles = true;
+  options.starts.count = 1;
+  options.uncertainty.profiles = true;
   const std::vector<double> times = even_times(20, 1.0);
   std::mt19937_64 random(11);
   for (const int count : {1, 4}) {
@@ -127,8 +127,8 @@ TEST_CASE("a capture that is too short gives a coefficient one limit, and the pr
   const BrakedFamily family;
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.starts = 1;
-  options.profiles = true;
+  options.starts.count = 1;
+  options.uncertainty.profiles = true;
   // Over 0.1 s at 2 mm the braking of 1/s is barely seen: it may be anything from none to strong.
   const FitResult result = fit(family, braked(1, 2e-3, 0.1), options);
   const Profile* p = result.find_profile("k");
@@ -140,7 +140,7 @@ TEST_CASE("a capture that is too short gives a coefficient one limit, and the pr
 TEST_CASE("two coefficients that act as a sum are named as one, whatever their profiles say") {
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.profiles = true;
+  options.uncertainty.profiles = true;
   const FitResult result = fit(SumFamily(), lines(3), options);
   CHECK(result.status == FitStatus::not_determined);
   REQUIRE(result.identifiability);
@@ -185,7 +185,7 @@ TEST_CASE("residuals of a fit to independent noise are white, those of a wrong m
 TEST_CASE("the JSON holds what a fit may claim") {
   const BrakedFamily family;
   FitOptions options;
-  options.profiles = true;
+  options.uncertainty.profiles = true;
   FitResult result = fit(family, braked(4, 2e-3), options);
   result.predictions = {
       {.predictor = "model", .quantity = "position, 0.1 s ahead", .captures = 2, .median = 0.01}};

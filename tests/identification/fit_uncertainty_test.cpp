@@ -47,7 +47,7 @@ Pulls pulls(const Noise& noise, const LossOptions& loss) {
   const BrakedFamily family;
   FitOptions options;
   options.loss = loss;
-  options.starts = 1;
+  options.starts.count = 1;
   Pulls sum;
   for (int seed = 0; seed < kSeeds; ++seed) {
     std::mt19937_64 random(static_cast<std::uint64_t>(seed));
@@ -100,7 +100,7 @@ TEST_CASE("captures of one cluster count as one observation") {
   }
   const FitResult single = fit(family, once);
   FitOptions by_drop;
-  by_drop.cluster_by = {"drop"};
+  by_drop.uncertainty.cluster_by = {"drop"};
   const FitResult clustered = fit(family, twice, by_drop);
   const FitResult split = fit(family, twice);
   CHECK(clustered.clusters == 10);
@@ -121,7 +121,7 @@ TEST_CASE("naive errors of a plain fit are those of linear least squares") {
   const std::vector<Capture> captures = braked_captures(1, {}, random);
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.fixed = {{"k", kTruth}};
+  options.unknowns.fixed = {{"k", kTruth}};
   const FitResult result = fit(family, captures, options);
   REQUIRE(result.status == FitStatus::converged);
 
@@ -190,7 +190,7 @@ namespace {
 double drawn_error(const std::vector<Capture>& captures, int repeats, std::mt19937_64& random) {
   std::uniform_int_distribution<std::size_t> which(0, captures.size() - 1);
   FitOptions options;
-  options.starts = 1;
+  options.starts.count = 1;
   Eigen::ArrayXd values(repeats);
   for (double& value : values) {
     std::vector<Capture> drawn;
@@ -213,8 +213,8 @@ TEST_CASE("random weights give the errors of captures drawn with replacement, an
   std::mt19937_64 random(5);
   const std::vector<Capture> captures = braked_captures(16, {.k = 0.05}, random);
   FitOptions options;
-  options.starts = 1;
-  options.bootstrap.replicates = kReplicates;
+  options.starts.count = 1;
+  options.uncertainty.bootstrap.replicates = kReplicates;
   const FitResult result = fit(BrakedFamily(), captures, options);
   REQUIRE(result.bootstrap);
   CHECK(result.bootstrap->replicates == kReplicates);
@@ -230,12 +230,12 @@ TEST_CASE("random weights are those of clusters, and of a seed") {
   std::vector<Capture> captures = braked_captures(6, {.k = 0.05}, random);
   for (std::size_t c = 0; c < captures.size(); ++c) captures[c].labels = {{"drop", fmt::format("{}", c / 2)}};
   FitOptions options;
-  options.cluster_by = {"drop"};
-  options.bootstrap.replicates = 5;
+  options.uncertainty.cluster_by = {"drop"};
+  options.uncertainty.bootstrap.replicates = 5;
   const auto replicates = [&] { return fit(BrakedFamily(), captures, options).bootstrap->coefficients; };
   const Eigen::MatrixXd first = replicates();
   CHECK(replicates() == first);
-  options.bootstrap.seed = 2;
+  options.uncertainty.bootstrap.seed = 2;
   CHECK(replicates() != first);
 
   // One of two clusters repeats the other: no weights can tell them apart.
@@ -269,16 +269,16 @@ TEST_CASE("what only a prior holds scatters by its deviation over fits of random
   };
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.starts = 1;
-  options.bootstrap.replicates = 400;
+  options.starts.count = 1;
+  options.uncertainty.bootstrap.replicates = 400;
   // Residuals over 1 km say nothing.
   options.loss.length_scale = 1e3;
-  options.priors["k"] = {.mean = 1.2, .deviation = kDeviation};
+  options.priors.coordinates["k"] = {.mean = 1.2, .deviation = kDeviation};
   CHECK_THAT(error(options), WithinRel(kDeviation, 0.15));
-  options.priors["k"] = {.mean = 1.2, .deviation = kDeviation, .logarithmic = true};
+  options.priors.coordinates["k"] = {.mean = 1.2, .deviation = kDeviation, .logarithmic = true};
   CHECK_THAT(error(options), WithinRel(1.2 * kDeviation, 0.15));
-  options.priors.clear();
-  options.combinations = {{.weights = {{"k", 2.0}}, .mean = 2.4, .deviation = 2.0 * kDeviation}};
+  options.priors.coordinates.clear();
+  options.priors.combinations = {{.weights = {{"k", 2.0}}, .mean = 2.4, .deviation = 2.0 * kDeviation}};
   CHECK_THAT(error(options), WithinRel(kDeviation, 0.15));
 }
 
@@ -286,9 +286,9 @@ TEST_CASE("a coefficient at a bound has no error from random weights") {
   std::mt19937_64 random(6);
   const std::vector<Capture> captures = braked_captures(4, {}, random);
   FitOptions options;
-  options.starts = 1;
-  options.bootstrap.replicates = 3;
-  options.box["k"] = {2.0, 3.0};
+  options.starts.count = 1;
+  options.uncertainty.bootstrap.replicates = 3;
+  options.unknowns.box["k"] = {2.0, 3.0};
   const FitResult result = fit(BrakedFamily(), captures, options);
   REQUIRE(result.coefficients[0].at_bound);
   CHECK(std::isnan(result.bootstrap->standard_errors.at(0)));
@@ -298,11 +298,11 @@ TEST_CASE("fits of random weights that stop early are told of") {
   std::mt19937_64 random(6);
   const std::vector<Capture> captures = braked_captures(6, {.k = 0.2}, random);
   FitOptions options;
-  options.starts = 1;
-  options.bootstrap.replicates = 4;
+  options.starts.count = 1;
+  options.uncertainty.bootstrap.replicates = 4;
   const FitResult whole = fit(BrakedFamily(), captures, options);
   CHECK(whole.bootstrap->converged == 4);
-  options.max_iterations = 1;
+  options.solver.max_iterations = 1;
   const FitResult cut = fit(BrakedFamily(), captures, options);
   REQUIRE(cut.bootstrap->converged < 4);
   CHECK(cut.warnings.has(WarningKind::errors, "weighted at random did not converge within 1 iterations"));

@@ -44,7 +44,7 @@ TEST_CASE("scales that were stated count without a loss, too") {
   for (Capture& capture : captures) capture.channels[0].values *= 3.0;
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.starts = 1;
+  options.starts.count = 1;
   CHECK_THAT(text_of(fit(*coin_family(), captures, options).warnings), !Contains("the model misses"));
   options.loss.scales = {{"x", 1e-3}};
   CHECK_THAT(text_of(fit(*coin_family(), captures, options).warnings), Contains("the loss scale of 0.001 m"));
@@ -57,14 +57,14 @@ TEST_CASE("a channel that means nothing to the model is warned of, with what was
   CHECK(text_of(fit(*coin_family(), captures, options).warnings) ==
         "capture \"coin 0\": \"xx\" is no output of \"vertical_fall\", and was not compared; did you mean "
         "\"x\"?");
-  options.outputs = {"x"};  // chosen by name
+  options.compared.outputs = {"x"};  // chosen by name
   CHECK(text_of(fit(*coin_family(), captures, options).warnings).empty());
 }
 
 TEST_CASE("a coefficient at a bound of its box is warned of, and has no error") {
   const auto family = coin_family();
   FitOptions options;
-  options.box = {{"C_D", {1.3, 2.0}}};
+  options.unknowns.box = {{"C_D", {1.3, 2.0}}};
   const FitResult result = fit(*family, coins(1.0), options);
   const Coefficient& C_D = result.coefficients[0];
   CHECK(C_D.at_bound);
@@ -77,7 +77,7 @@ TEST_CASE("a coefficient at a bound of its box is warned of, and has no error") 
 TEST_CASE("an initial value at a bound is warned of with its captures") {
   const auto family = coin_family();
   FitOptions options;
-  options.box = {{"v(0)", {-0.1, 0.08}}};
+  options.unknowns.box = {{"v(0)", {-0.1, 0.08}}};
   const FitResult result = fit(*family, coins(1.15), options);
   CHECK(result.captures[3].nuisances[0].at_bound);
   CHECK_FALSE(result.captures[3].nuisances[0].standard_error);
@@ -161,7 +161,7 @@ TEST_CASE("a single capture gives naive errors only, with a warning") {
 
 TEST_CASE("an iteration limit is a status, with the best point so far") {
   FitOptions options;
-  options.max_iterations = 1;
+  options.solver.max_iterations = 1;
   const FitResult result = fit(*coin_family(), coins(1.15), options);
   CHECK(result.status == FitStatus::iteration_limit);
   CHECK_THAT(result.message, Contains("did not converge"));
@@ -214,7 +214,7 @@ TEST_CASE(
   for (const char* id : {"a", "b"}) captures.push_back(make_capture(id, times, Eigen::VectorXd::Zero(10)));
   captures[0].notes = {"a note"};
   FitOptions options;
-  options.starts = 1;
+  options.starts.count = 1;
   for (const bool fails : {false, true}) {
     const FitResult result =
         fails ? fit(BrokenFamily(false), captures, options) : fit(BrakedFamily(), captures, options);
@@ -274,7 +274,7 @@ TEST_CASE("another optimum of nearly the same cost is reported, not hidden") {
   const TwoStraightValleys family;
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.starts = 6;
+  options.starts.count = 6;
   // By scanning p: minima of 1/2 sum (x - measured)^2 are 1.5451e-3 at p = -1.0781 and 1.6522e-3, 6.9 % more,
   // at p = 0.9113.
   const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(5, 0.0, 1.0);

@@ -38,8 +38,8 @@ TEST_CASE("captures in one piece start from where they are seen to start, also w
   const std::vector<Capture> captures = {ball_flight("a", 6.0, 150.0), ball_flight("b", -8.0, 60.0)};
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.known["wy(0)"] = "spin";
-  options.starts = 1;
+  options.unknowns.known["wy(0)"] = "spin";
+  options.starts.count = 1;
   options.segments.length = 10.0;
   const FitResult result = fit(*family, captures, options);
   REQUIRE(result.is_usable());

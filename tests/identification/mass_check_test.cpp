@@ -20,7 +20,7 @@ std::vector<std::string> doubts(double factor, FitOptions options = {}, bool lab
   const double density = factor * fixed.at("density");
   if (labelled) {
     for (Capture& capture : captures) capture.labels["rho"] = std::to_string(density);
-    options.known["density"] = "rho";
+    options.unknowns.known["density"] = "rho";
     fixed.erase("density");
     box["density"] = {1.0, 1e8};
   } else {
@@ -54,10 +54,10 @@ TEST_CASE("a known density is doubted beyond its box, and nothing that a trial r
     capture.labels["rho"] = fmt::format("{}", density);
   }
   FitOptions options;
-  options.known["density"] = "rho";
+  options.unknowns.known["density"] = "rho";
   const std::map<std::string, Interval> box = {
       {"C_D", {0.6, 2.0}}, {"v(0)", {-0.4, 0.8}}, {"density", {0.5 * density, 2.0 * density}}};
-  options.box["density"] = {0.7 * density, 1.5 * density};
+  options.unknowns.box["density"] = {0.7 * density, 1.5 * density};
   const auto family = reference_trajectories(samara::models::find_model("vertical_fall"), fixed, box);
   const FitResult fitted = fit(*family, captures, options);
   const auto said = mass_doubts(*family, captures, options, fitted);
@@ -68,8 +68,8 @@ TEST_CASE("a known density is doubted beyond its box, and nothing that a trial r
 TEST_CASE("fits of other masses hold the noise that the fit found, and are silent") {
   FitOptions options;
   options.noise.estimated = true;
-  options.bootstrap.replicates = 2;
-  options.starts = 1;
+  options.uncertainty.bootstrap.replicates = 2;
+  options.starts.count = 1;
   int told = 0;
   options.progress = [&](const samara::Progress&) { return ++told > 0; };
   const auto said = doubts(1e3, options);
@@ -82,6 +82,6 @@ TEST_CASE("the right density is in no doubt, and another error is not blamed on 
   CHECK(doubts(1.0).empty());
   // C_D = 1.1 is outside its box: no power of ten of the mass makes up for that.
   FitOptions narrow;
-  narrow.box = {{"C_D", {1.5, 2.0}}};
+  narrow.unknowns.box = {{"C_D", {1.5, 2.0}}};
   CHECK(doubts(1.0, narrow).empty());
 }

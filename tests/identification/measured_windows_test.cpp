@@ -24,7 +24,7 @@ TEST_CASE("falling paper: the body predicts drops that it has not seen better th
   const PaperSplit windows = split(drops, 5, 20, 1);
   const auto body = paper_family();
   auto options = paper_options();
-  options.rounds = 1;
+  options.starts.rounds = 1;
   const FitResult fitted = samara::identification::fit(*body, captures_of(windows.fitted), options);
   const Prediction unseen = predict_unseen(*body, options, values_of(fitted), windows.unseen);
   // 2.8 mm for 20 drops; 3.5 mm was found by an independent trial.

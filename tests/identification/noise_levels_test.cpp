@@ -79,7 +79,7 @@ FitOptions estimated(LossKind loss) {
   FitOptions options;
   options.loss.kind = loss;
   options.noise.estimated = true;
-  options.starts = 1;
+  options.starts.count = 1;
   return options;
 }
 
@@ -114,7 +114,7 @@ TEST_CASE("what is known of a combination of coefficients leaves its degree of f
     return result.noise[0].degrees_of_freedom + result.noise[1].degrees_of_freedom;
   };
   const double without = freedom();
-  options.combinations = {{.weights = {{"k", 1.0}}, .mean = kRate, .deviation = 1e-7}};
+  options.priors.combinations = {{.weights = {{"k", 1.0}}, .mean = kRate, .deviation = 1e-7}};
   CHECK(freedom() == Approx(without + 1.0).margin(1e-3));
 }
 

@@ -15,8 +15,8 @@ namespace {
 FitOptions held_values() {
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.fixed["k"] = 1.0;
-  options.starts = 1;
+  options.unknowns.fixed["k"] = 1.0;
+  options.starts.count = 1;
   return options;
 }
 
@@ -37,9 +37,9 @@ TEST_CASE("a prior of each capture's own coordinate weighs against its frames") 
   const Eigen::VectorXd a = BrakedFamily::depths(1.0, 1.0, times);
   const std::vector<Capture> captures = {make_capture("a", times, a), make_capture("b", times, 1.5 * a)};
   FitOptions options = held_values();
-  options.offsets = std::vector<std::string>{};
+  options.unknowns.offsets = std::vector<std::string>{};
   options.loss.length_scale = 0.5;
-  options.priors["v(0)"] = {.mean = 2.0, .deviation = 0.3};
+  options.priors.coordinates["v(0)"] = {.mean = 2.0, .deviation = 0.3};
   const FitResult result = fit(family, captures, options);
   const double frames = a.squaredNorm() / 0.25;
   const double prior = 1.0 / 0.09;
@@ -52,7 +52,7 @@ TEST_CASE("priors are for free coordinates, and logarithmic ones for positive bo
   const std::vector<double> times = even_times(9, 2.0);
   const std::vector<Capture> captures = {make_capture("a", times, BrakedFamily::depths(1.0, 1.0, times))};
   FitOptions options = held_values();
-  options.priors["k"] = {.mean = 1.0, .deviation = 0.1};
+  options.priors.coordinates["k"] = {.mean = 1.0, .deviation = 0.1};
   CHECK_THROWS_WITH(fit(family, captures, options), Catch::Matchers::Contains("is not a free coordinate"));
 }
 

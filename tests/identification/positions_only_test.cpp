@@ -98,8 +98,8 @@ TEST_CASE("frames that are means of five are met by the model's means, whose sta
   const std::vector<double> times = frames(0.3, 40);
   const Capture capture = braked_means(times, 1.7, 0.9);
   FitOptions options;
-  options.averaged_frames = 5;
-  options.offsets = {{"x"}};
+  options.compared.averaged_frames = 5;
+  options.unknowns.offsets = {{"x"}};
   options.segments.length = 10.0;
   const FitResult result = fit(family, std::vector{capture}, options);
   // The data are exact: only the convergence of the fit is left.
@@ -124,9 +124,9 @@ TEST_CASE("joined segments of means join at their states, not at means") {
   for (Eigen::Index k = 0; k < means.size(); ++k) means[k] = trajectory.states.col(1).segment(k, 5).mean();
   const Capture capture = make_capture("means", frames(0.0, 60), means);
   FitOptions options;
-  options.averaged_frames = 5;
+  options.compared.averaged_frames = 5;
   options.segments.length = 0.2;
-  options.starts = 1;
+  options.starts.count = 1;
   const FitResult result = fit(*coin_family(), std::vector{capture}, options);
   REQUIRE(result.captures[0].segments == 3);
   REQUIRE(result.join_defect);
@@ -137,7 +137,7 @@ TEST_CASE("joined segments of means join at their states, not at means") {
 }
 
 TEST_CASE("a mean of an even number of frames is refused") {
-  CHECK_THROWS_WITH(validate(FitOptions{.averaged_frames = 4}),
+  CHECK_THROWS_WITH(validate(FitOptions{.compared = {.averaged_frames = 4}}),
                     Catch::Matchers::Contains("averaged_frames is 4"));
 }
 
@@ -195,15 +195,15 @@ TEST_CASE("coefficients of a disc are found from positions alone, smoothed by th
   const std::vector<Capture> windows = disc_windows(6, 20);
   const auto family = disc_family();
   FitOptions options;
-  options.averaged_frames = 5;
-  options.round_body = true;
+  options.compared.averaged_frames = 5;
+  options.starts.round_body = true;
   options.segments.length = 10.0;
-  options.rounds = 2;
-  options.starts = 1;
-  options.max_iterations = 60;
+  options.starts.rounds = 2;
+  options.starts.count = 1;
+  options.solver.max_iterations = 60;
   for (const auto& [name, value] : disc_coefficients()) {
-    options.initial[name] = 1.3 * value;
-    options.log_scale.push_back(name);
+    options.starts.initial[name] = 1.3 * value;
+    options.unknowns.log_scale.push_back(name);
   }
   const FitResult result = fit(*family, windows, options);
   for (const Coefficient& c : result.coefficients) {
@@ -217,7 +217,7 @@ TEST_CASE("coefficients of a disc are found from positions alone, smoothed by th
 TEST_CASE("a parameter may be each capture's own where start states are found") {
   const std::vector<Capture> captures = {coin_capture("a", 1.0, 0.05, 0.3), coin_capture("b", 1.3, 0.1, 0.2)};
   FitOptions options;
-  options.per_capture = {"C_D"};
+  options.unknowns.per_capture = {"C_D"};
   options.segments.length = 10.0;
   const FitResult result = fit(*coin_family(), captures, options);
   // The data are the integrator's own.
@@ -227,7 +227,7 @@ TEST_CASE("a parameter may be each capture's own where start states are found") 
 
 TEST_CASE("a round body in joined segments is refused") {
   FitOptions options;
-  options.round_body = true;
+  options.starts.round_body = true;
   options.segments.length = 0.1;
   CHECK_THROWS_WITH(fit(*disc_family(), disc_windows(1, 40), options),
                     Catch::Matchers::Contains("round_body"));

@@ -57,7 +57,7 @@ inline std::unique_ptr<TrajectoryFamily> plate_family() {
 inline FitOptions plain() {
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.starts = 1;
+  options.starts.count = 1;
   return options;
 }
 

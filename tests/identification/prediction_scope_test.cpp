@@ -20,7 +20,7 @@ TEST_CASE("attitudes and rates are predicted, too, and by the rates measured") {
   const auto family = plate_family();
   FitOptions options = plain();
   options.loss.length_scale = 1e-3;
-  options.attitude_scale = 1e-3;
+  options.loss.attitude_scale = 1e-3;
   for (const char* name : {"ux", "uy", "uz", "wx", "wy", "wz"}) options.loss.scales[name] = 1e-2;
   const auto measured = [&](const std::string& id, double rate) {
     std::map<std::string, double> values = plate();
@@ -66,7 +66,7 @@ TEST_CASE("attitudes and rates are predicted, too, and by the rates measured") {
 TEST_CASE("known values that a capture left out lacks are unknowns of its own there") {
   const BrakedFamily family;
   FitOptions options = plain();
-  options.known = {{"v(0)", "speed"}};
+  options.unknowns.known = {{"v(0)", "speed"}};
   std::vector<Capture> captures = braked(0, 4, 0.0);
   for (int c = 0; c < 4; ++c)
     captures[static_cast<std::size_t>(c)].labels["speed"] = fmt::format("{}", 0.6 + 0.1 * c);
@@ -84,7 +84,7 @@ TEST_CASE("known values that a capture left out lacks are unknowns of its own th
   CHECK(of(scores, "model", ahead).largest > 0.05);
   // Also where nothing was unknown of the captures that were fitted, and segments find where others start.
   FitOptions no_own = options;
-  no_own.offsets = std::vector<std::string>{};
+  no_own.unknowns.offsets = std::vector<std::string>{};
   no_own.segments.length = 10.0;
   for (Capture& capture : captures) capture.channels[0].values.array() -= capture.channels[0].values[0];
   const FitResult without = fit(family, captures, no_own);
@@ -95,7 +95,7 @@ TEST_CASE("known values that a capture left out lacks are unknowns of its own th
   CHECK(of(predict_left_out(family, without, late, no_own, prediction), "model", ahead).largest < 1e-6);
   for (Capture& capture : captures) capture.channels[0].values.array() += 0.2 * std::stod(capture.id);
   // A prior is for them, not for the fit, where the value is known.
-  options.priors = {{"v(0)", {.mean = 1.0, .deviation = 1e-9}}};
+  options.priors.coordinates = {{"v(0)", {.mean = 1.0, .deviation = 1e-9}}};
   CHECK_THAT(fit(family, captures, options).coefficients[0].value, Catch::Matchers::WithinAbs(1.4, 1e-6));
   CHECK(of(predict_left_out(family, fitted, braked(4, 1, 0.0), options, prediction), "model", ahead).largest <
         1e-4);
@@ -106,8 +106,8 @@ TEST_CASE("known values that a capture left out lacks are unknowns of its own th
 TEST_CASE("windows along a capture are fitted with starts of their own, and predicted") {
   const BrakedFamily family;
   FitOptions options = plain();
-  options.window = 0.5;
-  options.stride = 0.25;
+  options.compared.span = 0.5;
+  options.compared.stride = 0.25;
   FitResult fitted = fit(family, braked(5, 3, 1e-4), options);
   // From 0, 0.25, .., 1 s of 1.5.
   CHECK(fitted.captures.size() == 15);
@@ -163,7 +163,7 @@ TEST_CASE("folds keep clusters together, and a seed draws them") {
   // Two captures of each drop; the drops' noise tells the fits apart.
   for (std::size_t k = 0; k < captures.size(); ++k) captures[k].labels["drop"] = fmt::format("{}", k / 2);
   FitOptions options = plain();
-  options.cluster_by = {"drop"};
+  options.uncertainty.cluster_by = {"drop"};
   const PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
   const std::string ahead = "position, 0.5 s ahead";
   const auto error_of = [&](const std::vector<PredictionScore>& scores, const std::string& capture) {
@@ -204,8 +204,8 @@ TEST_CASE("folds keep clusters together, and a seed draws them") {
 TEST_CASE("what is known of captures may be hidden where they are left out") {
   const BrakedFamily family;
   FitOptions options = plain();
-  options.known = {{"v(0)", "speed"}};
-  options.priors = {{"v(0)", {.mean = 0.8, .deviation = 1.0}}};
+  options.unknowns.known = {{"v(0)", "speed"}};
+  options.priors.coordinates = {{"v(0)", {.mean = 0.8, .deviation = 1.0}}};
   std::vector<Capture> captures = braked(0, 6, 0.0);
   for (std::size_t k = 0; k < captures.size(); ++k)
     captures[k].labels["speed"] = fmt::format("{}", 0.6 + 0.1 * static_cast<double>(k));

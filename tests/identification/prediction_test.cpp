@@ -146,15 +146,15 @@ TEST_CASE("captures without a window, or with nothing beyond it, are left out of
 TEST_CASE("coordinates that the family holds from its box, and shared ones, are taken over") {
   const BrakedFamily family;
   FitOptions options = plain();
-  options.shared = {"v(0)"};
-  options.box = {{"k", {0.5, 3.0}}};
+  options.unknowns.shared = {"v(0)"};
+  options.unknowns.box = {{"k", {0.5, 3.0}}};
   std::vector<Capture> same = braked(0, 1, 0.0);
   const FitResult fitted = fit(family, same, options);
   same[0].id = "again";
   const auto scores = predict_left_out(family, fitted, same, options, {.window = 0.6, .ahead = 0.5});
   CHECK(of(scores, "model", "position, 0.5 s ahead").largest < 1e-6);
   // Nothing at all is the capture's own.
-  options.offsets = std::vector<std::string>{};
+  options.unknowns.offsets = std::vector<std::string>{};
   const FitResult without = fit(family, same, options);
   CHECK(predict_left_out(family, without, same, options, {.window = 0.6, .ahead = 0.5})[0].largest < 1e-6);
 }
@@ -162,7 +162,7 @@ TEST_CASE("coordinates that the family holds from its box, and shared ones, are 
 TEST_CASE("windows may be fitted by multiple shooting, and captures may begin late") {
   const auto family = coin_family();
   FitOptions options;
-  options.starts = 1;
+  options.starts.count = 1;
   std::vector<Capture> captures;
   for (int c = 0; c < 3; ++c) captures.push_back(coin_capture(fmt::format("{}", c), 1.2, 0.1 * c, 0.05));
   const FitResult fitted = fit(*family, captures, options);
@@ -179,7 +179,7 @@ TEST_CASE("predictions see the attitudes of the window, which count as values") 
   const auto family = plate_family();
   FitOptions options = plain();
   options.loss.length_scale = 1e-3;
-  options.attitude_scale = 1e-3;
+  options.loss.attitude_scale = 1e-3;
   const FitResult fitted =
       fit(*family, std::vector{turning_plate("a", 2.0, random), turning_plate("b", 3.0, random)}, options);
   std::vector left_out = {turning_plate("c", 2.5, random)};
@@ -206,7 +206,7 @@ TEST_CASE("predictions see the attitudes of the window, which count as values") 
 TEST_CASE("means of frames are predicted over the interval of the fit, also where frames are missing") {
   const BrakedFamily family;
   FitOptions options = plain();
-  options.averaged_frames = 5;
+  options.compared.averaged_frames = 5;
   const std::vector captures = {braked_means("a", 0.8, 60), braked_means("b", 1.1, 60)};
   const FitResult fitted = fit(family, captures, options);
   CHECK(fitted.captures[0].interval == Approx(kFrameInterval));
@@ -220,8 +220,8 @@ TEST_CASE("means of frames are predicted over the interval of the fit, also wher
            "position, 0.2 s ahead")
             .largest < 1e-6);
   // Also of captures of which nothing is their own.
-  options.fixed = {{"v(0)", 0.9}};
-  options.offsets = std::vector<std::string>{};
+  options.unknowns.fixed = {{"v(0)", 0.9}};
+  options.unknowns.offsets = std::vector<std::string>{};
   const std::vector one = {braked_means("a", 0.9, 60)};
   const FitResult shared = fit(family, one, options);
   CHECK(of(predict_left_out(family, shared, left_out, options, {.window = 0.3, .ahead = 0.2}), "model",
@@ -251,7 +251,7 @@ TEST_CASE("angles are predicted on their circle") {
     return capture;
   };
   FitOptions options = plain();
-  options.initial = {{"rate", 5.8}};
+  options.starts.initial = {{"rate", 5.8}};
   options.loss.scales = {{"theta", 0.01}};
   const std::vector<Capture> seen = {turning("seen", 0.3, true)};
   const FitResult fitted = fit(family, seen, options);
@@ -346,7 +346,7 @@ TEST_CASE("the frame on the border of the window is seen, and not predicted") {
 TEST_CASE("priors of combinations are of no concern once coefficients are held") {
   const BrakedFamily family;
   FitOptions options = plain();
-  options.combinations = {{.weights = {{"k", 2.0}}, .mean = 2.8, .deviation = 0.1}};
+  options.priors.combinations = {{.weights = {{"k", 2.0}}, .mean = 2.8, .deviation = 0.1}};
   const FitResult fitted = fit(family, braked(0, 3, 0.0), options);
   const auto scores =
       predict_left_out(family, fitted, braked(3, 1, 0.0), options, {.window = 0.6, .ahead = 0.5});
@@ -358,7 +358,7 @@ TEST_CASE("with segments a codebook lasts from the first frame seen on, whatever
   family.mutable_info().source = "codebook";
   family.mutable_info().end_time = 1.0;
   FitOptions options = plain();
-  options.window = 0.6;
+  options.compared.span = 0.6;
   options.segments.length = 0.6;
   const PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
   FitResult fitted = fit(family, braked(0, 3, 0.0), options);

@@ -75,16 +75,16 @@ TEST_CASE("derivatives of the residuals agree with finite differences") {
   }
   SECTION("when everything is the capture's own") {
     FitOptions options;
-    options.per_capture = {"C_D"};
+    options.unknowns.per_capture = {"C_D"};
     const FitProblem problem = make_problem(family->info(), std::vector{capture}, options);
     SegmentResidual residual(*family, problem, problem.segments[0]);
     check_gradient(residual, Eigen::VectorXd(), Eigen::Vector3d(1.3, 0.2, 0.1));
   }
   SECTION("when everything is shared, and a coordinate is held") {
     FitOptions options;
-    options.shared = {"v(0)"};
-    options.fixed = {{"C_D", 1.0}};
-    options.offsets = std::vector<std::string>{};
+    options.unknowns.shared = {"v(0)"};
+    options.unknowns.fixed = {{"C_D", 1.0}};
+    options.unknowns.offsets = std::vector<std::string>{};
     const FitProblem problem = make_problem(family->info(), std::vector{capture}, options);
     SegmentResidual residual(*family, problem, problem.segments[0]);
     check_gradient(residual, Eigen::VectorXd::Constant(1, 0.2), Eigen::VectorXd());

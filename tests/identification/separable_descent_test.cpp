@@ -63,8 +63,8 @@ TEST_CASE("a descent ends within a hundredth of a standard error of the minimum,
     const std::vector<Capture> captures = wobbling_captures(8, wobble);
     FitOptions options;
     options.loss.kind = LossKind::none;
-    options.starts = 3;
-    options.max_iterations = 25;
+    options.starts.count = 3;
+    options.solver.max_iterations = 25;
     const FitResult result = fit(BrakedFamily(), captures, options);
     REQUIRE(result.status == FitStatus::converged);
     CHECK(result.starts_at_best == 3);
@@ -77,7 +77,7 @@ TEST_CASE("outliers do not keep a descent from ending") {
   std::vector<Capture> captures = wobbling_captures(6, 0.05);
   for (Capture& capture : captures) capture.channels[0].values[7] += 0.5;
   FitOptions options;
-  options.max_iterations = 25;
+  options.solver.max_iterations = 25;
   for (const LossKind kind : {LossKind::huber, LossKind::soft_l1, LossKind::cauchy}) {
     INFO(to_string(kind));
     options.loss = {.kind = kind, .length_scale = 0.01};
@@ -86,8 +86,8 @@ TEST_CASE("outliers do not keep a descent from ending") {
     if (kind == LossKind::cauchy) continue;  // which has other optima
     // From where it ended there is nowhere to go.
     FitOptions again = options;
-    again.starts = 1;
-    again.initial["k"] = first.coefficients[0].value;
+    again.starts.count = 1;
+    again.starts.initial["k"] = first.coefficients[0].value;
     const FitResult second = fit(BrakedFamily(), captures, again);
     CHECK_THAT(
         second.coefficients[0].value,

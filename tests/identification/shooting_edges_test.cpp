@@ -28,7 +28,7 @@ FitOptions in_segments(double length) {
   FitOptions options;
   options.loss.kind = LossKind::none;
   options.segments.length = length;
-  options.starts = 1;
+  options.starts.count = 1;
   return options;
 }
 
@@ -86,10 +86,10 @@ Capture body_capture(int frames) {
 TEST_CASE("a search of the box needs nothing that is the captures' own") {
   const std::vector captures = {coin_capture("a", 1.2, 0.1, 0.0)};
   FitOptions options;
-  options.starts = 1;
-  options.fixed = {{"v(0)", 0.1}};
-  options.offsets = std::vector<std::string>{};
-  options.global = {.method = GlobalMethod::controlled_random, .budget = 20};
+  options.starts.count = 1;
+  options.unknowns.fixed = {{"v(0)", 0.1}};
+  options.unknowns.offsets = std::vector<std::string>{};
+  options.starts.global = {.method = GlobalMethod::controlled_random, .budget = 20};
   const FitResult result = fit(*coin_family(), captures, options);
   CHECK(result.global_search->evaluations == 20);
   CHECK_THAT(result.coefficients.at(0).value, WithinRel(1.2, 1e-6));
@@ -98,7 +98,7 @@ TEST_CASE("a search of the box needs nothing that is the captures' own") {
 TEST_CASE("a parameter of each capture's own is one number over its segments") {
   const std::vector captures = {coin_capture("a", 1.0, 0.1, 0.0), coin_capture("b", 1.5, 0.2, 0.0)};
   FitOptions options = in_segments(0.15);
-  options.per_capture = {"C_D"};
+  options.unknowns.per_capture = {"C_D"};
   const FitResult result = fit(*coin_family(), captures, options);
   INFO(result.message);
   REQUIRE(result.captures.at(0).segments == 3);
@@ -111,10 +111,10 @@ TEST_CASE("a parameter of each capture's own is one number over its segments") {
 TEST_CASE("segments are refused if each would begin at the same place") {
   const std::vector captures = {coin_capture("a", 1.2, 0.1, 0.0)};
   FitOptions options = in_segments(0.15);
-  options.offsets = std::vector<std::string>{};
+  options.unknowns.offsets = std::vector<std::string>{};
   CHECK_THROWS_WITH(fit(*coin_family(), captures, options),
                     Contains("of \"x\" each would start at the same value") && Contains("offsets"));
-  options.shared = {"x(0)"};
+  options.unknowns.shared = {"x(0)"};
   CHECK_THROWS_WITH(fit(*placed_coin_family(), captures, options), Contains("a box for \"x(0)\""));
   // One segment has nothing to join.
   options.segments.length = 1.0;
@@ -125,8 +125,8 @@ TEST_CASE("offsets of segments join from the start that is known of the capture"
   Capture capture = coin_capture("a", 1.2, 0.1, 0.05);
   capture.labels["release"] = "0.5";
   FitOptions options = in_segments(0.15);
-  options.known = {{"x(0)", "release"}};
-  options.offsets = {{"x"}};
+  options.unknowns.known = {{"x(0)", "release"}};
+  options.unknowns.offsets = {{"x"}};
   const FitResult result = fit(*placed_coin_family(), std::vector{capture}, options);
   CHECK(result.join_defect.value() < 1e-3);
   CHECK_THAT(result.coefficients.at(0).value, WithinRel(1.2, 1e-4));
@@ -135,8 +135,8 @@ TEST_CASE("offsets of segments join from the start that is known of the capture"
 
 TEST_CASE("where all segments start does not open their joins") {
   FitOptions options = in_segments(0.2);
-  options.shared = {"x(0)"};
-  options.offsets = {{"x"}};
+  options.unknowns.shared = {"x(0)"};
+  options.unknowns.offsets = {{"x"}};
   const auto family = placed_coin_family();
   const FitProblem problem =
       make_problem(family->info(), std::vector{coin_capture("a", 1.2, 0.1, 0.0)}, options);
@@ -214,7 +214,7 @@ TEST_CASE("an attitude that is free in part is fitted, but not cut into segments
   box.erase("qz(0)");
   const auto family = step_trajectories(find_model("immersed_body"), held, box, 2e-3);
   FitOptions options;
-  options.starts = 1;
+  options.starts.count = 1;
   const std::vector captures = {body_capture(20)};
   const FitResult result = fit(*family, captures, options);
   INFO(result.message);
@@ -227,7 +227,7 @@ TEST_CASE("an attitude that is free in part is fitted, but not cut into segments
 
 TEST_CASE("a body whose attitude is free is fitted without segments") {
   FitOptions options;
-  options.starts = 1;
+  options.starts.count = 1;
   const FitResult result = fit(*body_family(), std::vector{body_capture(20)}, options);
   INFO(result.message);
   REQUIRE(result.status == FitStatus::converged);
@@ -238,7 +238,7 @@ TEST_CASE("values known of captures must lie in the box") {
   Capture capture = coin_capture("a", 1.2, 0.1, 0.0);
   capture.labels["drag"] = "-1";
   FitOptions options = in_segments(1.0);
-  options.known = {{"C_D", "drag"}};
+  options.unknowns.known = {{"C_D", "drag"}};
   CHECK_THROWS_WITH(
       fit(*coin_family(), std::vector{capture}, options),
       Contains("capture \"a\": the label \"drag\" says that \"C_D\" is -1") && Contains("0.6 to 2"));
@@ -259,7 +259,7 @@ TEST_CASE("means of frames end with the family where rounding puts their last ju
   // Half a mean before the first frame, half a mean behind the last.
   family.endless.mutable_info().end_time = 1.1 - 1e-9;
   FitOptions options;
-  options.averaged_frames = 3;
+  options.compared.averaged_frames = 3;
   CHECK(fit(family, std::vector{capture}, options).status == FitStatus::converged);
 }
 
@@ -267,10 +267,10 @@ TEST_CASE("a round that leads nowhere costs iterations too, and is the last one"
   const std::vector captures = {coin_capture("a", 1.2, 0.1, 0.0), coin_capture("b", 1.2, 0.3, 0.0)};
   FitOptions options = in_segments(1.0);
   const int one = fit(*coin_family(), captures, options).iterations;
-  options.rounds = 2;
+  options.starts.rounds = 2;
   const int two = fit(*coin_family(), captures, options).iterations;
   CHECK(two >= one + 1);
-  options.rounds = 4;
+  options.starts.rounds = 4;
   CHECK(fit(*coin_family(), captures, options).iterations == two);
 }
 

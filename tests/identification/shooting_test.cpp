@@ -53,7 +53,7 @@ FitOptions plate_options() {
   FitOptions options;
   options.loss = {.kind = LossKind::none, .scales = {{"x", kNoise}, {"y", kNoise}, {"theta", kNoise}}};
   options.segments.length = 1.0;
-  options.starts = 1;
+  options.starts.count = 1;
   return options;
 }
 
@@ -100,7 +100,7 @@ Capture card_capture() {
 
 TEST_CASE("a tumbling plate gives its coefficients back from a start 30 percent away") {
   FitOptions options = plate_options();
-  options.initial = {{"C_T", 0.84}, {"C_R", 4.1}, {"A", 1.82}, {"mu1", 0.14}};
+  options.starts.initial = {{"C_T", 0.84}, {"C_R", 4.1}, {"A", 1.82}, {"mu1", 0.14}};
   const FitResult result = fit(*plate_family(), std::vector{tumbling(kNoise, 7)}, options);
   INFO(result.message);
   CHECK(result.status == FitStatus::converged);
@@ -165,7 +165,7 @@ TEST_CASE("an angle that was measured on the circle fits as one that was unwrapp
   Capture wrapped = unwrapped;
   for (double& theta : wrapped.channels[0].values) theta = std::remainder(theta, 2.0 * M_PI);
   FitOptions options = plate_options();
-  options.periods = {{"theta", 2.0 * M_PI}};
+  options.compared.periods = {{"theta", 2.0 * M_PI}};
   const FitResult a = fit(*plate_family(), std::vector{unwrapped}, plate_options());
   const FitResult b = fit(*plate_family(), std::vector{wrapped}, options);
   for (std::size_t k = 0; k < a.coefficients.size(); ++k) {
@@ -178,7 +178,7 @@ TEST_CASE("coefficients that move by factors end where those end that move by di
   const std::vector captures = {tumbling(kNoise, 13)};
   FitOptions options = plate_options();
   const FitResult linear = fit(*plate_family(), captures, options);
-  options.log_scale = {"C_T", "mu1"};
+  options.unknowns.log_scale = {"C_T", "mu1"};
   const FitResult logarithmic = fit(*plate_family(), captures, options);
   for (std::size_t k = 0; k < linear.coefficients.size(); ++k) {
     const double error = linear.coefficients[k].naive_standard_error.value();
@@ -194,10 +194,10 @@ TEST_CASE("a strong prior decides, a weak one leaves the data alone") {
   const auto coefficient = [](const FitResult& result, const std::string& name) {
     return *std::ranges::find(result.coefficients, name, &Coefficient::name);
   };
-  options.priors = {{"C_T", {.mean = 2.0, .deviation = 100.0}}};
+  options.priors.coordinates = {{"C_T", {.mean = 2.0, .deviation = 100.0}}};
   CHECK(coefficient(fit(*plate_family(), captures, options), "C_T").value ==
         Approx(coefficient(alone, "C_T").value).epsilon(1e-4));
-  options.priors = {{"C_T", {.mean = 1.5, .deviation = 1e-6, .logarithmic = true}}};
+  options.priors.coordinates = {{"C_T", {.mean = 1.5, .deviation = 1e-6, .logarithmic = true}}};
   const Coefficient held = coefficient(fit(*plate_family(), captures, options), "C_T");
   CHECK(held.value == Approx(1.5).epsilon(1e-4));
   CHECK(held.naive_standard_error.value() < 1e-4);
@@ -217,7 +217,7 @@ TEST_CASE("what is known of a capture is taken from its label") {
   const auto family =
       step_trajectories(find_model("falling_plate_nd"), {{"beta", 1.0 / 14.0}, {"B", 1.0}}, box, 0.01);
   FitOptions options = plate_options();
-  options.known = {{"inertia_ratio", "inertia"}};
+  options.unknowns.known = {{"inertia_ratio", "inertia"}};
   const FitResult known = fit(*family, captures, options);
   const FitResult held = fit(*plate_family(), captures, plate_options());
   REQUIRE(known.coefficients.size() == 4);
@@ -230,8 +230,8 @@ TEST_CASE("what is known of a capture is taken from its label") {
   captures[1].channels.push_back(
       {"inertia", "1", Eigen::VectorXd::Constant(captures[1].frame_count(), std::sqrt(1.4 / 2.0))});
   FitOptions of_power = options;
-  of_power.known = {{"inertia_ratio", {"inertia", 2.0, 2.0}}};
-  of_power.outputs = {"x", "y", "theta"};
+  of_power.unknowns.known = {{"inertia_ratio", {"inertia", 2.0, 2.0}}};
+  of_power.compared.outputs = {"x", "y", "theta"};
   const FitResult powers = fit(*family, captures, of_power);
   CHECK_THAT(powers.captures[1].known.at("inertia_ratio"), Catch::Matchers::WithinRel(1.4, 1e-12));
   for (std::size_t k = 0; k < 4; ++k)
@@ -268,9 +268,9 @@ TEST_CASE("a capture that the model cannot follow is said not to join") {
 TEST_CASE("a search of the box finds the valley from a corner, the same one every time") {
   const std::vector captures = {tumbling(kNoise, 19)};
   FitOptions options = plate_options();
-  options.initial = {{"C_T", 3.5}, {"C_R", 1.0}, {"A", 4.0}, {"mu1", 0.07}};
+  options.starts.initial = {{"C_T", 3.5}, {"C_R", 1.0}, {"A", 4.0}, {"mu1", 0.07}};
   for (const GlobalMethod method : {GlobalMethod::controlled_random, GlobalMethod::direct}) {
-    options.global = {.method = method, .budget = 120, .seed = 3};
+    options.starts.global = {.method = method, .budget = 120, .seed = 3};
     const FitResult result = fit(*plate_family(), captures, options);
     INFO(to_string(method));
     REQUIRE(result.global_search);

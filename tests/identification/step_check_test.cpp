@@ -41,7 +41,7 @@ FitResult fit_with(double step, double segment) {
   options.loss = {.kind = LossKind::none,
                   .scales = {{"x", kStepNoise}, {"y", kStepNoise}, {"theta", kStepNoise}}};
   options.segments.length = segment;
-  options.starts = 1;
+  options.starts.count = 1;
   return fit(*step_trajectories(find_model("falling_plate_nd"), fixed, box, step), std::vector{fluttering()},
              options);
 }

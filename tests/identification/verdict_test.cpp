@@ -66,7 +66,7 @@ std::vector<Capture> valley_captures(double bend, double scatter, std::uint64_t 
 FitResult valley_fit(double bend, const std::vector<Capture>& captures) {
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.starts = 6;
+  options.starts.count = 6;
   return fit(TwoValleys(bend), captures, options);
 }
 
@@ -118,14 +118,14 @@ TEST_CASE("what has not converged, or had one start, is said not to be known pla
   const std::vector<Capture> captures = valley_captures(0.2, 0.01, 1, 4);
   FitOptions options;
   options.loss.kind = LossKind::none;
-  options.starts = 1;
-  options.initial["p"] = 2.0;
-  options.max_iterations = 1;
+  options.starts.count = 1;
+  options.starts.initial["p"] = 2.0;
+  options.solver.max_iterations = 1;
   const FitResult stopped = fit(TwoValleys(0.2), captures, options);
   REQUIRE(stopped.status == FitStatus::iteration_limit);
   CHECK_THAT(verdict(stopped, stopped.coefficients[0]),
              Contains("not converged, stopped at") && !Contains("+-"));
-  options.max_iterations = 100;
+  options.solver.max_iterations = 100;
   const FitResult single = fit(TwoValleys(0.2), captures, options);
   CHECK_THAT(text_of(single.warnings), Contains("one start cannot tell"));
 }
