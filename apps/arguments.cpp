@@ -162,7 +162,7 @@ void add_fit(CLI::App& app, Arguments& arguments) {
       "--coefficients", values->coefficients,
       "JSON of another fit: its coefficients are where this one begins, or held where the "
       "config has no box for them; without a CAPTURE all are held, and --left-out is predicted");
-  command->add_option("--window", values->window,
+  command->add_option("--span,--window", values->span,
                       "only this much of each capture from its first frame, s or with a unit");
   command->add_flag("--reference", values->reference,
                     "integrate (CVODES with sensitivities) instead of querying the codebook; only with one");
@@ -171,11 +171,11 @@ void add_fit(CLI::App& app, Arguments& arguments) {
                     "limit to both sides");
   command->add_option(
       "--left-out", values->left_out,
-      "captures to predict, one or more: their window is seen, with the coefficients held, and --ahead is "
+      "captures to predict, one or more: their span is seen, with the coefficients held, and --ahead is "
       "compared");
-  command->add_option("--left-out-window", values->left_out_window,
-                      "how much of each of them is seen, s or with a unit; default: as --window");
-  command->add_option("--ahead", values->ahead, "how far beyond the window to predict, s or with a unit");
+  command->add_option("--left-out-span,--left-out-window", values->left_out_span,
+                      "how much of each of them is seen, s or with a unit; default: as --span");
+  command->add_option("--ahead", values->ahead, "how far beyond the span to predict, s or with a unit");
   command->add_option("--series", values->series,
                       "write the coefficients that change in time, those of [series] in the config, to this "
                       "codebook, for samara simulate --coefficients");

@@ -65,12 +65,12 @@ struct FitArguments {
   std::vector<std::string> captures;
   std::string sidecar;  ///< of every table; empty: those beside them
   std::string config;
-  std::string window;
+  std::string span;
   std::string coefficients;  ///< JSON of another fit
   bool reference = false;
   bool profiles = false;
   std::vector<std::string> left_out;
-  std::string left_out_window;
+  std::string left_out_span;
   std::string ahead;
   std::string output;
   std::string report;

@@ -16,7 +16,7 @@
 #include "samara/identification/files/fit_files.h"
 #include "samara/identification/report/fit_page.h"
 #include "samara/identification/report/fit_report.h"
-#include "samara/identification/series/series_book.h"
+#include "samara/identification/series/series_codebook.h"
 #include "samara/identification/series/series_report.h"
 #include "samara/io/atomic_file.h"
 #include "terminal.h"
@@ -40,8 +40,8 @@ id::FitRequest request_of(const FitArguments& arguments) {
                          .sidecar = arguments.sidecar,
                          .config = arguments.config,
                          .coefficients = arguments.coefficients,
-                         .window = time_of("--window", arguments.window),
-                         .left_out_window = time_of("--left-out-window", arguments.left_out_window),
+                         .span = time_of("--span", arguments.span),
+                         .left_out_span = time_of("--left-out-span", arguments.left_out_span),
                          .ahead = time_of("--ahead", arguments.ahead),
                          .reference = arguments.reference,
                          .profiles = arguments.profiles,

@@ -5,7 +5,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/identification/series/coefficient_series.h"
-#include "samara/identification/series/series_book.h"
+#include "samara/identification/series/series_codebook.h"
 #include "samara/models/interface/following_model.h"
 
 namespace samara::apps {

@@ -202,6 +202,12 @@ bool TomlTable::has(const std::string& key) const {
   return node_->find(key) != nullptr;
 }
 
+std::string TomlTable::renamed(const std::string& key, const std::string& former) const {
+  if (!has(former)) return key;
+  if (has(key)) throw error(former, "it is `" + key + "` under its former name; one of the two was expected");
+  return former;
+}
+
 std::vector<std::string> TomlTable::keys() const {
   std::vector<const toml::key*> entries;
   for (auto&& [key, value] : *node_->table) entries.push_back(&key);

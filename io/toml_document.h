@@ -41,6 +41,9 @@ class TomlTable {
   int line(const std::string& key) const;
 
   bool has(const std::string& key) const;
+  /// The name under which a value stands that was called `former` once: `key`, unless there is only `former`.
+  /// @throws InputError if both are there.
+  std::string renamed(const std::string& key, const std::string& former) const;
   /// In the order of the file.
   std::vector<std::string> keys() const;
   /// @throws InputError for the first key that is not in `known`, naming the nearest.

@@ -16,10 +16,10 @@ echo "== 2. Ask it: depth and speed at C_D = 1.15, released with 0.1 m/s, and ho
 "$samara" query "$book" --set C_D=1.15 --set "v(0)=0.1" --at 0.1 0.3 0.5 --gradient
 echo
 echo "== 3. Fit C_D to all ten tracks of the five drops; every track has its own start and offset"
-for window in 0.3 0.4 0.5; do
-  "$samara" fit "$book" "$here/coin.toml" --config "$here/fit.toml" --window "$window" \
-    -o "$output/fit_$window.json" >"$output/fit_$window.txt"
-  "$samara" fit "$book" "$here/coin.toml" --config "$here/fit.toml" --window "$window" --reference \
-    -o "$output/reference_$window.json" >"$output/reference_$window.txt"
+for span in 0.3 0.4 0.5; do
+  "$samara" fit "$book" "$here/coin.toml" --config "$here/fit.toml" --span "$span" \
+    -o "$output/fit_$span.json" >"$output/fit_$span.txt"
+  "$samara" fit "$book" "$here/coin.toml" --config "$here/fit.toml" --span "$span" --reference \
+    -o "$output/reference_$span.json" >"$output/reference_$span.txt"
 done
 /usr/bin/python3 "$here/table.py" "$output" 0.3 0.4 0.5

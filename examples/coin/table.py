@@ -1,7 +1,7 @@
-"""Usage: table.py DIRECTORY WINDOW ..
+"""Usage: table.py DIRECTORY SPAN ..
 
-Prints the coin's fits side by side: from the codebook (fit_WINDOW.json) and by direct integration
-(reference_WINDOW.json). Ends with 1 if they differ by more than 0.5 %.
+Prints the coin's fits side by side: from the codebook (fit_SPAN.json) and by direct integration
+(reference_SPAN.json). Ends with 1 if they differ by more than 0.5 %.
 """
 
 import json
@@ -17,15 +17,15 @@ def drag(name):
     return coefficient["value"], coefficient["standard_error"], result["seconds"], result
 
 
-print(f"{'window':>8}  {'C_D, codebook':>18}  {'C_D, integration':>18}  {'differ':>8}  {'seconds':>17}")
+print(f"{'span':>8}  {'C_D, codebook':>18}  {'C_D, integration':>18}  {'differ':>8}  {'seconds':>17}")
 worst = 0.0
-for window in sys.argv[2:]:
-    value, error, seconds, result = drag(f"fit_{window}.json")
-    reference, reference_error, reference_seconds, _ = drag(f"reference_{window}.json")
+for span in sys.argv[2:]:
+    value, error, seconds, result = drag(f"fit_{span}.json")
+    reference, reference_error, reference_seconds, _ = drag(f"reference_{span}.json")
     difference = abs(value / reference - 1.0)
     worst = max(worst, difference)
     print(
-        f"{window:>6} s  {value:>9.4f} +- {error:.4f}  {reference:>9.4f} +- {reference_error:.4f}  "
+        f"{span:>6} s  {value:>9.4f} +- {error:.4f}  {reference:>9.4f} +- {reference_error:.4f}  "
         f"{100 * difference:>6.3f} %  {seconds:>7.3f} / {reference_seconds:.3f}"
     )
 print(f"({len(result['captures'])} tracks in {result['clusters']} clusters; errors from the scatter between clusters)")

@@ -64,9 +64,9 @@ bool is_seen(const Capture& capture, Eigen::Index first, Eigen::Index count, dou
 
 }  // namespace
 
-std::vector<Capture> windows(const Capture& capture, double length, double stride,
-                             const std::vector<std::string>& quantities) {
-  for (const auto& [name, value] : {std::pair{"a window", length}, {"the stride of windows", stride}}) {
+std::vector<Capture> spans(const Capture& capture, double length, double stride,
+                           const std::vector<std::string>& quantities) {
+  for (const auto& [name, value] : {std::pair{"a span", length}, {"the stride of spans", stride}}) {
     if (value > 0.0 && std::isfinite(value)) continue;
     throw ArgumentError(fmt::format("{} is {} s long; more than 0 s was expected", name, value));
   }
@@ -96,11 +96,11 @@ std::vector<Capture> windows(const Capture& capture, double length, double strid
 
 Capture first(const Capture& capture, double seconds) {
   if (!(seconds > 0.0))
-    throw ArgumentError(fmt::format("a window is {} s long; more than 0 s was expected", seconds));
+    throw ArgumentError(fmt::format("a span is {} s long; more than 0 s was expected", seconds));
   const Eigen::Index count = frames_within(capture, seconds);
   if (count < 3) {
     throw ArgumentError(
-        fmt::format("a window of {} s leaves {} frames of capture \"{}\"; at least 3 were expected", seconds,
+        fmt::format("a span of {} s leaves {} frames of capture \"{}\"; at least 3 were expected", seconds,
                     count, capture.id));
   }
   Capture part = capture;

@@ -29,7 +29,7 @@ struct Capture {
   Eigen::VectorXd times;                      ///< s, strictly increasing
   std::vector<Channel> channels;
   std::vector<std::string> notes = {};  ///< what reading and cleaning did to it, in sentences
-  std::string motion = {};              ///< of a window: the id of the capture that it was cut from
+  std::string motion = {};              ///< of a span: the id of the capture that it was cut from
 
   int frame_count() const { return static_cast<int>(times.size()); }
   bool has(const std::string& quantity) const;
@@ -38,21 +38,22 @@ struct Capture {
 };
 
 /// How many frames are at most `seconds` after the first. A frame on the border belongs to them, also where
-/// rounding of the times (a thousandth of a frame interval) puts it just behind.
+/// rounding of the times (a thousandth of a frame interval) puts it just after.
 Eigen::Index frames_within(const Capture& capture, double seconds);
 
 /// The part of a capture that is at most `seconds` after its first frame, as frames_within() counts.
 /// @throws ArgumentError if `seconds` is not positive, or fewer than 3 frames are left.
 Capture first(const Capture& capture, double seconds);
 
-/// Windows of a capture, the first from its first frame, the next ones from the first frames that are
-/// `stride` or more after the start of the one before. They have the capture's labels, and times of their own
-/// that count from their first frame. Left out are those that reach beyond the end of the capture, and those
-/// of whose frames fewer than half (or than 3) are seen.
-/// @param length, stride s
+/// Spans of a capture: the first begins at its first frame, each next one at the first frame that is `stride`
+/// or more after the start of the one before. They keep the capture's labels; their times count from their
+/// own first frame. Left out are spans that reach beyond the end of the capture, and those of which fewer
+/// than half of the frames (or than 3) are seen.
+/// @param length s, of a span
+/// @param stride s, from start to start
 /// @param quantities of which a frame that is seen has all; empty: any
 /// @throws ArgumentError for times that are not positive.
-std::vector<Capture> windows(const Capture& capture, double length, double stride,
-                             const std::vector<std::string>& quantities = {});
+std::vector<Capture> spans(const Capture& capture, double length, double stride,
+                           const std::vector<std::string>& quantities = {});
 
 }  // namespace samara::identification

@@ -86,7 +86,7 @@ std::vector<Gap> gaps(const Capture& capture, const std::string& quantity) {
   return found;
 }
 
-std::vector<Capture> continuous_pieces(const Capture& capture, const PieceOptions& options) {
+std::vector<Capture> continuous_parts(const Capture& capture, const PartOptions& options) {
   if (!(options.longest_gap > 0.0)) {
     throw ArgumentError(
         fmt::format("the longest gap is {} s; more than 0 was expected", options.longest_gap));
@@ -117,20 +117,20 @@ std::vector<Capture> continuous_pieces(const Capture& capture, const PieceOption
     }
   }
   close();
-  std::vector<Capture> pieces;
+  std::vector<Capture> parts;
   for (const auto& [first, last] : ranges) {
-    Capture piece = capture;
-    piece.times = capture.times.segment(first, last + 1 - first);
-    for (Channel& channel : piece.channels)
+    Capture part = capture;
+    part.times = capture.times.segment(first, last + 1 - first);
+    for (Channel& channel : part.channels)
       channel.values = channel.values.segment(first, last + 1 - first).eval();
-    if (piece.frame_count() < capture.frame_count()) {
-      piece.notes.push_back(fmt::format("a piece of {} of {} frames, between gaps or jumps",
-                                        piece.frame_count(), capture.frame_count()));
+    if (part.frame_count() < capture.frame_count()) {
+      part.notes.push_back(fmt::format("a part of {} of {} frames, between gaps or jumps", part.frame_count(),
+                                       capture.frame_count()));
     }
-    if (ranges.size() > 1) piece.id += fmt::format("#{}", pieces.size() + 1);
-    pieces.push_back(std::move(piece));
+    if (ranges.size() > 1) part.id += fmt::format("#{}", parts.size() + 1);
+    parts.push_back(std::move(part));
   }
-  return pieces;
+  return parts;
 }
 
 WithoutOutliers without_outliers(const Capture& capture, const SmoothingOptions& options,

@@ -9,14 +9,14 @@
 #include "samara/identification/smoothing/continuous_angles.h"
 #include "samara/identification/smoothing/smoothing.h"
 
-/// What real captures need before a fit. Every step returns a new capture and says what it did: as numbers,
+/// Cleaning captures before a fit. Every step returns a new capture and says what it did: as numbers,
 /// and as a sentence in `capture.notes`.
 ///
 /// A flight of a ball that bounces, with rounded times:
 ///
 ///     Capture flight = on_frame_grid(capture).capture;
 ///     flight = before_impact(flight, {.jump = 1.2}).capture;
-///     flight = without_outliers(flight, {.window = 0.1}).capture;
+///     flight = without_outliers(flight, {.bandwidth = 0.1}).capture;
 ///
 /// An impact comes before outliers: frames beside a bounce are outliers of every smooth curve.
 namespace samara::identification {
@@ -33,17 +33,17 @@ struct Gap {
 /// @throws ArgumentError if there is no such channel
 std::vector<Gap> gaps(const Capture& capture, const std::string& quantity = "");
 
-struct PieceOptions {
+struct PartOptions {
   std::vector<std::string> quantities = {"x", "y", "z"};  ///< positions that count
   double longest_gap = 0.1;                               ///< s between frames in which all of them are seen
   double fastest = 0.0;                                   ///< m/s from one such frame to the next; 0: any
   int least_frames = 8;
 };
 
-/// The pieces of a capture without gaps and without jumps (a tracker that went on with another body), in
+/// The parts of a capture without gaps and without jumps (a tracker that went on with another body), in
 /// order. They keep the times of the capture, and its id with "#1", "#2", ... where there are several.
 /// @throws ArgumentError if a quantity is not measured, or an option is out of its range
-std::vector<Capture> continuous_pieces(const Capture& capture, const PieceOptions& options = {});
+std::vector<Capture> continuous_parts(const Capture& capture, const PartOptions& options = {});
 
 /// The channels of an attitude: all four are set to NaN together.
 inline const std::vector<std::string> kQuaternionChannels = {"qw", "qx", "qy", "qz"};
@@ -54,8 +54,8 @@ struct WithoutOutliers {
   std::map<std::string, std::vector<int>> frames;
 };
 
-/// Takes out what lies far from its neighbours: see smoothing.h. Quantities seen in too few frames to tell
-/// are left alone.
+/// Replaces values that lie far from their neighbours by NaN: see smoothing.h. Quantities seen in too few
+/// frames to tell are left alone.
 /// @param periods of angles, by quantity, rad: such a channel is unwrapped to be judged, and stays as it is
 WithoutOutliers without_outliers(const Capture& capture, const SmoothingOptions& options = {},
                                  const std::map<std::string, double>& periods = {});

@@ -145,9 +145,10 @@ Capture cleaned(Capture capture, const Sidecar& sidecar) {
       capture = while_inside(capture, quantity, ends.first, ends.second);
     step = "outliers";
     if (steps.outliers) {
-      capture = without_outliers(capture, {.window = steps.window, .outlier_threshold = *steps.outliers},
-                                 periods_of(capture, steps))
-                    .capture;
+      capture =
+          without_outliers(capture, {.bandwidth = steps.bandwidth, .outlier_threshold = *steps.outliers},
+                           periods_of(capture, steps))
+              .capture;
     }
   } catch (const ArgumentError& error) {
     throw sidecar.error("clean", step, error.what());
@@ -157,20 +158,20 @@ Capture cleaned(Capture capture, const Sidecar& sidecar) {
 
 /// Captures without long gaps of the place and the attitude; all of one motion belong together.
 std::vector<Capture> pieces_of(const std::vector<Capture>& captures, const Sidecar& sidecar) {
-  std::vector<Capture> pieces;
+  std::vector<Capture> parts;
   for (const Capture& capture : captures) {
     std::vector<std::string> pose;
     for (const std::string name : {"x", "y", "z", "qw"}) {
       if (capture.has(name)) pose.push_back(name);
     }
-    for (Capture& piece : continuous_pieces(capture, {.quantities = pose,
-                                                     .longest_gap = *sidecar.clean.longest_gap,
-                                                     .least_frames = std::max(3, sidecar.least_frames)})) {
-      piece.motion = capture.id;
-      pieces.push_back(std::move(piece));
+    for (Capture& part : continuous_parts(capture, {.quantities = pose,
+                                                   .longest_gap = *sidecar.clean.longest_gap,
+                                                   .least_frames = std::max(3, sidecar.least_frames)})) {
+      part.motion = capture.id;
+      parts.push_back(std::move(part));
     }
   }
-  return pieces;
+  return parts;
 }
 
 std::vector<Capture> read_all(Sidecar sidecar) {

@@ -55,9 +55,9 @@
 ///     before_impact = "1.2 m/s"
 ///     inside = { z = ["3 cm", "3 m"] }   # ends before the first frame outside
 ///     outliers = 5
-///     window = "0.1 s"                   # of outliers
+///     bandwidth = "0.1 s"                # of outliers
 ///     periods = { theta = "180 deg" }    # of outliers; angles have a turn
-///     longest_gap = "35 ms"              # where place or attitude is not seen for longer, a piece ends
+///     longest_gap = "35 ms"              # where place or attitude is not seen for longer, a part ends
 ///
 /// With start = "first visible", the default, a capture begins at the first frame in which all its quantities
 /// are visible, and times count from there: that frame is the model's t = 0. "as given" keeps all frames and

@@ -161,12 +161,12 @@ void suspect_span(const Channel& channel, const SeenValues& seen, Sentences& fou
 /// One for all positions: the length of the acceleration says it, whatever the axes.
 void suspect_acceleration(const Capture& capture, Sentences& found) {
   constexpr double kMost = 5.0;  // times gravity
-  // Windows are wide: some of the frames say the same, in a time that every fit can bear.
+  // Bandwidths are wide: some of the frames say the same, in a time that every fit can bear.
   constexpr Index kFrames = 40;
   const Index stride = 1 + capture.times.size() / kFrames;
   const Eigen::VectorXd times = capture.times(Eigen::seq(0, capture.times.size() - 1, stride));
   const SmoothingOptions options{
-      .degree = 2, .window = 0.25 * (capture.times[capture.times.size() - 1] - capture.times[0])};
+      .degree = 2, .bandwidth = 0.25 * (capture.times[capture.times.size() - 1] - capture.times[0])};
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(times.size());
   Eigen::VectorXd errors = Eigen::VectorXd::Zero(times.size());
   for (const Channel& channel : capture.channels) {
@@ -269,10 +269,10 @@ std::vector<std::string> suspicions_of_all(std::span<const Capture> captures) {
   for (const Capture& capture : captures) {
     for (const std::string& sentence : suspicions(capture)) all.emplace_back(capture.id, sentence);
   }
-  return alike_together(all);
+  return merge_alike(all);
 }
 
-std::vector<std::string> alike_together(const std::vector<std::pair<std::string, std::string>>& sentences) {
+std::vector<std::string> merge_alike(const std::vector<std::pair<std::string, std::string>>& sentences) {
   struct Kind {
     std::string without_numbers, first;
     std::vector<std::string> others = {};  ///< ids

@@ -33,7 +33,8 @@ std::vector<std::string> suspicions(const Capture& capture);
 /// their numbers alone are said of the first capture, with the ids of the others.
 std::vector<std::string> suspicions_of_all(std::span<const Capture> captures);
 
-/// Sentences about captures by their ids, in this form.
-std::vector<std::string> alike_together(const std::vector<std::pair<std::string, std::string>>& sentences);
+/// @param sentences each with the id of its capture
+/// @returns them in this form
+std::vector<std::string> merge_alike(const std::vector<std::pair<std::string, std::string>>& sentences);
 
 }  // namespace samara::identification

@@ -88,7 +88,7 @@ std::optional<double> unslowed_rise(const Capture& capture, const Weight& weight
   if (std::ssize(some) < kFewestFrames) return {};
   const Eigen::VectorXd times = capture.times(some);
   const Smoothed path = smooth(times, (*depth)(some), times,
-                               {.degree = 2, .window = 0.25 * (times[times.size() - 1] - times[0])});
+                               {.degree = 2, .bandwidth = 0.25 * (times[times.size() - 1] - times[0])});
   double rising = 0.0, slowed = 0.0;
   for (Index k = 0; k < times.size(); ++k) {
     if (!(path.rate(k, 0) < -kCertain * path.rate_error(k, 0))) continue;
@@ -102,8 +102,8 @@ std::optional<double> unslowed_rise(const Capture& capture, const Weight& weight
 
 }  // namespace
 
-std::vector<std::string> gravity_doubts(const models::ParametricModel& equations, std::span<const double> q,
-                                        std::span<const Capture> captures) {
+std::vector<std::string> check_gravity(const models::ParametricModel& equations, std::span<const double> q,
+                                       std::span<const Capture> captures) {
   const Weight weight = weight_of(equations, q);
   // A body that floats, nearly, goes where anything else drives it.
   constexpr double kHeavy = 0.5;  // m/s^2
@@ -118,7 +118,7 @@ std::vector<std::string> gravity_doubts(const models::ParametricModel& equations
                     "its frames without being slowed: is an axis upside down?",
                     axis_of(weight), 100.0 * *share));
   }
-  return alike_together(found);
+  return merge_alike(found);
 }
 
 }  // namespace samara::identification

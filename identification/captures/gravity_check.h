@@ -14,11 +14,11 @@
 /// elsewhere than the model.
 namespace samara::identification {
 
-/// Sentences as of suspicions_of_all(). Nothing where the body has hardly a weight (at rest it accelerates by
-/// less than 0.5 m/s^2), or where places along it were not measured.
+/// Warnings, one sentence each, as of suspicions_of_all(). None where the body has hardly a weight (at rest
+/// it accelerates by less than 0.5 m/s^2), or where positions along it were not measured.
 /// @param equations with the coordinates of a fit free
 /// @param q their values: the middle of the box does
-std::vector<std::string> gravity_doubts(const models::ParametricModel& equations, std::span<const double> q,
-                                        std::span<const Capture> captures);
+std::vector<std::string> check_gravity(const models::ParametricModel& equations, std::span<const double> q,
+                                       std::span<const Capture> captures);
 
 }  // namespace samara::identification

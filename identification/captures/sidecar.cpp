@@ -184,21 +184,23 @@ std::map<std::string, std::pair<double, double>> read_intervals(const TomlTable&
 
 CleaningSteps read_cleaning(const TomlTable& clean) {
   clean.expect_keys(
-      {"frame_grid", "before_impact", "inside", "outliers", "window", "periods", "longest_gap"});
+      {"frame_grid", "before_impact", "inside", "outliers", "bandwidth", "window", "periods", "longest_gap"});
+  const std::string bandwidth = clean.renamed("bandwidth", "window");
   CleaningSteps steps;
   steps.frame_grid = clean.optional_boolean("frame_grid").value_or(false);
   steps.impact = clean.optional_quantity("before_impact", "m/s");
   steps.outliers = clean.optional_number("outliers");
-  steps.window = clean.optional_quantity("window", "s");
+  steps.bandwidth = clean.optional_quantity(bandwidth, "s");
   steps.longest_gap = clean.optional_quantity("longest_gap", "s");
+  using Step = std::pair<std::string, std::optional<double>>;
   for (const auto& [key, value] :
-       {std::pair("before_impact", steps.impact), std::pair("outliers", steps.outliers),
-        std::pair("window", steps.window), std::pair("longest_gap", steps.longest_gap)}) {
+       {Step("before_impact", steps.impact), Step("outliers", steps.outliers),
+        Step(bandwidth, steps.bandwidth), Step("longest_gap", steps.longest_gap)}) {
     if (value && !(*value > 0.0)) throw clean.error(key, fmt::format("{}; more than 0 was expected", *value));
   }
   if (clean.has("inside")) steps.inside = read_intervals(clean.table("inside"));
   if (clean.has("periods")) steps.periods = read_periods(clean.table("periods"));
-  for (const std::string key : {"window", "periods"}) {
+  for (const std::string& key : {bandwidth, std::string("periods")}) {
     if (clean.has(key) && !steps.outliers)
       throw clean.error(key, "belongs to `outliers`, which is not there");
   }

@@ -39,8 +39,8 @@ struct CleaningSteps {
   std::optional<double> impact = {};                             ///< m/s
   std::map<std::string, std::pair<double, double>> inside = {};  ///< m, lower and upper
   std::optional<double> outliers = {};                           ///< standard deviations
-  std::optional<double> window = {};                             ///< s, for outliers
-  std::optional<double> longest_gap = {};                        ///< s, where a capture is cut into pieces
+  std::optional<double> bandwidth = {};                          ///< s, for outliers
+  std::optional<double> longest_gap = {};                        ///< s, where a capture is cut into parts
   /// Of quantities that go around a circle, SI. Angles have a turn unless another is given.
   std::map<std::string, double> periods = {};
 

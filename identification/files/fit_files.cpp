@@ -42,10 +42,10 @@ std::vector<Capture> read_all(const std::vector<std::filesystem::path>& files,
 std::optional<PredictionOptions> prediction_of(const FitRequest& request, const FitSource& source) {
   const PredictionConfig& config = source.prediction;
   if (request.left_out.empty() && config.left_out.empty() && !config.folds) {
-    if (!request.ahead && !request.left_out_window) return {};
+    if (!request.ahead && !request.left_out_span) return {};
     throw ArgumentError(
         fmt::format("{} says how to predict captures; --left-out, with their files, was expected",
-                    request.ahead ? "--ahead" : "--left-out-window"));
+                    request.ahead ? "--ahead" : "--left-out-span"));
   }
   if (config.folds && !request.left_out.empty()) {
     throw ArgumentError(
@@ -56,26 +56,24 @@ std::optional<PredictionOptions> prediction_of(const FitRequest& request, const 
   const std::optional<double> ahead = request.ahead ? request.ahead : config.ahead;
   if (!ahead) {
     throw ArgumentError(
-        "--left-out needs --ahead, or `ahead` in [prediction]: the time beyond the window that is to be "
+        "--left-out needs --ahead, or `ahead` in [prediction]: the time beyond the span that is to be "
         "predicted");
   }
   prediction.ahead = *ahead;
-  for (const std::optional<double>& window :
-       {request.left_out_window, config.window, request.window, source.options.compared.span}) {
-    if (!window) continue;
-    prediction.window = *window;
+  for (const std::optional<double>& span :
+       {request.left_out_span, config.span, request.span, source.options.compared.span}) {
+    if (!span) continue;
+    prediction.span = *span;
     return prediction;
   }
   throw ArgumentError(
-      "--left-out needs --left-out-window or --window, or a window in the config: what is seen of each "
+      "--left-out needs --left-out-span or --span, or a span in the config: what is seen of each "
       "capture");
 }
 
 void check_times(const FitRequest& request) {
   const std::pair<const char*, std::optional<double>> times[] = {
-      {"--window", request.window},
-      {"--left-out-window", request.left_out_window},
-      {"--ahead", request.ahead}};
+      {"--span", request.span}, {"--left-out-span", request.left_out_span}, {"--ahead", request.ahead}};
   for (const auto& [name, time] : times) {
     if (time && !(*time > 0.0 && std::isfinite(*time)))
       throw ArgumentError(fmt::format("{} is {} s; more than 0 was expected", name, *time));
@@ -110,30 +108,31 @@ class WarningTeller {
   Warnings told_;
 };
 
-/// The family as equations have it; a program that was sampled, or a model of the user's own, has none here.
-std::unique_ptr<TrajectoryFamily> behind_codebook(const FitSource& source) {
+/// The family by integrating the codebook's equations; null for a codebook of a program, or of a model that
+/// is not in the registry.
+std::unique_ptr<TrajectoryFamily> equations_of_codebook(const FitSource& source) {
   const std::vector<std::string> known = models::model_names();
   if (!source.book || std::ranges::count(known, source.book->model().name) == 0) return {};
   return codebooks::reference_trajectories(*source.book);
 }
 
-std::vector<std::string> doubts_of_mass(const FitSource& source, const std::vector<Capture>& captures,
-                                        const FitResult& fitted) {
+std::vector<std::string> check_mass_of(const FitSource& source, const std::vector<Capture>& captures,
+                                       const FitResult& fitted) {
   if (source.family->equations() != nullptr)
-    return mass_doubts(*source.family, captures, source.options, fitted);
-  const auto family = behind_codebook(source);
+    return check_mass(*source.family, captures, source.options, fitted);
+  const auto family = equations_of_codebook(source);
   if (!family) return {};
-  return mass_doubts(*family, captures, source.options, fitted);
+  return check_mass(*family, captures, source.options, fitted);
 }
 
 /// Whether an axis of the captures seems to point the other way.
-std::vector<std::string> doubts_of_gravity(const FitSource& source, const std::vector<Capture>& captures) {
-  const auto behind = source.family->equations() == nullptr ? behind_codebook(source) : nullptr;
-  const TrajectoryFamily& family = behind ? *behind : *source.family;
+std::vector<std::string> check_gravity_of(const FitSource& source, const std::vector<Capture>& captures) {
+  const auto integrated = source.family->equations() == nullptr ? equations_of_codebook(source) : nullptr;
+  const TrajectoryFamily& family = integrated ? *integrated : *source.family;
   if (family.equations() == nullptr) return {};
   std::vector<double> middle;
   for (const FitCoordinate& c : family.info().coordinates) middle.push_back(0.5 * (c.lower + c.upper));
-  return gravity_doubts(*family.equations(), middle, captures);
+  return check_gravity(*family.equations(), middle, captures);
 }
 
 /// Coefficients that change in time.
@@ -171,10 +170,10 @@ CaptureSplit read_split(const FitRequest& request, const FitSource& source) {
         "there is no CAPTURE; files to fit, or with --coefficients --left-out and files to predict, were "
         "expected");
   if (request.captures.empty() && request.coefficients.empty()) {
-    throw ArgumentError(fmt::format(
-        "there is no CAPTURE to fit: all files given stand behind --left-out ({}); captures before it, "
-        "or --coefficients, were expected",
-        fmt::join(texts_of(request.left_out), ", ")));
+    throw ArgumentError(
+        fmt::format("there is no CAPTURE to fit: all files given follow --left-out ({}); captures before it, "
+                    "or --coefficients, were expected",
+                    fmt::join(texts_of(request.left_out), ", ")));
   }
   return of_file(request.config, [&] {
     const std::vector<Capture> given = read_all(request.captures, request.sidecar);
@@ -209,7 +208,7 @@ FitResult predicted(const FitRequest& request, const FitSource& source, const st
 FitResult fit_and_predict(const FitSource& source, const CaptureSplit& captures,
                           const std::optional<PredictionOptions>& prediction) {
   FitResult result = fit(*source.family, captures.fitted, source.options);
-  result.warnings.add_all(WarningKind::model, doubts_of_mass(source, captures.fitted, result));
+  result.warnings.add_all(WarningKind::model, check_mass_of(source, captures.fitted, result));
   if (!prediction) return result;
   if (source.prediction.folds) {
     cross_validate(*source.family, captures.fitted, source.options, *prediction, *source.prediction.folds,
@@ -220,14 +219,14 @@ FitResult fit_and_predict(const FitSource& source, const CaptureSplit& captures,
   return result;
 }
 
-/// The window of the request holds in place of the config's.
-void take_window(const FitRequest& request, FitSource& source, std::vector<Capture>& captures) {
-  if (!request.window) return;
+/// The span of the request holds in place of the config's.
+void take_span(const FitRequest& request, FitSource& source, std::vector<Capture>& captures) {
+  if (!request.span) return;
   if (source.options.compared.stride || source.prediction.folds) {
-    source.options.compared.span = request.window;
+    source.options.compared.span = request.span;
     return;
   }
-  for (Capture& capture : captures) capture = first(capture, *request.window);
+  for (Capture& capture : captures) capture = first(capture, *request.span);
   source.options.compared.span.reset();
 }
 
@@ -258,13 +257,13 @@ FitReport fit_files(const FitRequest& request) {
   source.options.uncertainty.profiles = source.options.uncertainty.profiles || request.profiles;
   const std::optional<PredictionOptions> prediction = prediction_of(request, source);
   CaptureSplit captures = read_split(request, source);
-  take_window(request, source, captures.fitted);
+  take_span(request, source, captures.fitted);
   // A fit may take long: what is strange about the captures should not have to wait for it.
   const bool fits = !captures.fitted.empty();
   const std::vector<Capture>& looked_at = fits ? captures.fitted : captures.left_out;
   Warnings of_captures;
   of_captures.add_all(WarningKind::captures, suspicions_of_all(looked_at));
-  const std::vector<std::string> upside_down = doubts_of_gravity(source, looked_at);
+  const std::vector<std::string> upside_down = check_gravity_of(source, looked_at);
   of_captures.add_all(WarningKind::captures, upside_down);
   teller.tell(of_captures);
   if (source.series) return series_of(request, source, captures.fitted, teller);

@@ -25,7 +25,7 @@ struct FitRequest {
   std::filesystem::path config = {};                 ///< TOML; empty: a codebook's own box
   std::filesystem::path coefficients = {};           ///< JSON of another fit: where this one begins
   /// s, in place of the config's: of each capture that is fitted, of each that is left out, and beyond it.
-  std::optional<double> window = {}, left_out_window = {}, ahead = {};
+  std::optional<double> span = {}, left_out_span = {}, ahead = {};
   bool reference = false;     ///< integrate the equations of a codebook instead of asking it
   bool profiles = false;      ///< of the shared coefficients
   bool needs_series = false;  ///< refuse a config without [series]

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "samara/identification/fit/bootstrap.h"
+#include "samara/identification/fit/fit_diagnostics.h"
 #include "samara/identification/fit/fit_summary.h"
-#include "samara/identification/fit/fit_trust.h"
 #include "samara/identification/fit/fit_warnings.h"
 #include "samara/identification/fit/integration_check.h"
 #include "samara/identification/problem/fit_problem.h"
@@ -275,7 +275,7 @@ FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
     add_other_optima(problem, residuals, runs, *best, result);
   } else {
     result.message =
-        fmt::format("none of {} starts led anywhere; the first: {}", runs.size(), runs.front().message);
+        fmt::format("none of {} starts succeeded; the first: {}", runs.size(), runs.front().message);
     add_speed_warnings(family, captures, result);
   }
   for (const SegmentResidual& residual : residuals) result.evaluations += residual.evaluations();

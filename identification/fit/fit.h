@@ -37,7 +37,7 @@
 ///
 ///     const auto book = codebooks::load("coin.h5");
 ///     const auto family = codebook_trajectories(book);
-///     const FitResult result = fit(*family, read_captures("coin.toml"), {.window = 0.4});
+///     const FitResult result = fit(*family, read_captures("coin.toml"), {.compared = {.span = 0.4}});
 ///     std::cout << fit_text(result);
 namespace samara::identification {
 

@@ -170,7 +170,7 @@ void add_misfit_warnings(const FitProblem& problem, FitResult& result) {
         WarningKind::model,
         fmt::format(
             "the model misses {} by {:.3g}{} in the root mean square, {:.2g} times the loss scale of "
-            "{:.3g}{}: perhaps the model, what is fixed, a unit or the window is not that of the captures",
+            "{:.3g}{}: perhaps the model, what is fixed, a unit or the span is not that of the captures",
             residual.output, residual.rms, unit, residual.rms / scale, scale, unit));
   }
 }
@@ -179,10 +179,9 @@ void add_start_warning(const TrajectoryFamily& family, const FitOptions& options
   if (!options.segments.length || family.equations() != nullptr) return;
   result.warnings.add(
       WarningKind::segments,
-      fmt::format(
-          "the equations behind the {} of \"{}\" are not known: segments began in the middle of their "
-          "boxes, not where the captures show them, and in one round",
-          result.source, result.model));
+      fmt::format("the equations of the {} of \"{}\" are not known: segments began in the middle of their "
+                  "boxes, not where the captures show them, and in one round",
+                  result.source, result.model));
 }
 
 void add_capture_warnings(const FamilyInfo& family, std::span<const Capture> captures,

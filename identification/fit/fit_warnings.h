@@ -6,13 +6,13 @@
 #include "samara/identification/problem/fit_result.h"
 #include "samara/identification/solve/uncertainty.h"
 
-/// Internal to identification/: what the reader of a fit must know.
+/// Internal to identification/: the warnings of a fit. A new one goes here, its kind in warnings.h.
 namespace samara::identification {
 
 /// Outputs whose residuals are many times their loss scale. Needs the residuals over all captures.
 void add_misfit_warnings(const FitProblem& problem, FitResult& result);
 
-/// Segments for whose starts nobody knows the equations.
+/// Segments whose starts could not be found, because the equations of the family are not known.
 void add_start_warning(const TrajectoryFamily& family, const FitOptions& options, FitResult& result);
 
 /// What is suspicious about the captures as such, what was done to them, and what in them means nothing to

@@ -28,7 +28,7 @@ bool is_at_bound(const FitResult& fit) {
   return std::ranges::any_of(fit.coefficients, &Coefficient::at_bound);
 }
 
-/// What counts as a large residual; empty where nobody said.
+/// What counts as a large residual; empty where none was given.
 std::optional<double> scale_of(const OutputRms& output, const FitResult& fit, const FitOptions& options) {
   const auto scale = options.loss.scales.find(output.output);
   if (scale != options.loss.scales.end()) return scale->second;
@@ -116,8 +116,8 @@ std::string power_text(int power) {
 
 }  // namespace
 
-std::vector<std::string> mass_doubts(const TrajectoryFamily& family, std::span<const Capture> captures,
-                                     const FitOptions& options, const FitResult& fitted) {
+std::vector<std::string> check_mass(const TrajectoryFamily& family, std::span<const Capture> captures,
+                                    const FitOptions& options, const FitResult& fitted) {
   if (family.equations() == nullptr) return {};
   const bool failed = fitted.status == FitStatus::failed;
   if (!failed && !is_at_bound(fitted) && !misses_captures(fitted, options)) return {};

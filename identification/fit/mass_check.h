@@ -17,10 +17,10 @@
 /// inside their boxes, the mass that was given is in doubt.
 namespace samara::identification {
 
-/// One sentence, or none: if no coefficient of the fit lies at a bound and no output is missed by many loss
-/// scales, if neither "mass" nor "density" was held, or if no power of ten does much better.
+/// A warning in one sentence, or none: if no coefficient of the fit lies at a bound and no output is missed
+/// by many loss scales, if neither "mass" nor "density" was held, or if no power of ten does much better.
 /// @param family, captures, options those of the fit; the family must know its equations
-std::vector<std::string> mass_doubts(const TrajectoryFamily& family, std::span<const Capture> captures,
-                                     const FitOptions& options, const FitResult& fitted);
+std::vector<std::string> check_mass(const TrajectoryFamily& family, std::span<const Capture> captures,
+                                    const FitOptions& options, const FitResult& fitted);
 
 }  // namespace samara::identification

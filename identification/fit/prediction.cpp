@@ -13,9 +13,9 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/units.h"
+#include "samara/identification/fit/capture_prediction.h"
 #include "samara/identification/fit/fit.h"
-#include "samara/identification/fit/outlook.h"
-#include "samara/identification/fit/prediction_tally.h"
+#include "samara/identification/fit/prediction_scores.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/segments.h"
 #include "samara/identification/solve/held_noise.h"
@@ -26,7 +26,7 @@ namespace samara::identification {
 namespace {
 
 void check(const FitOptions& options, const PredictionOptions& prediction) {
-  for (const auto& [name, value] : {std::pair{"window", prediction.window},
+  for (const auto& [name, value] : {std::pair{"span", prediction.span},
                                     {"ahead", prediction.ahead},
                                     {"stride", prediction.stride.value_or(1.0)}}) {
     if (value > 0.0 && std::isfinite(value)) continue;
@@ -71,7 +71,7 @@ FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions
   }
   options.priors.combinations.clear();
   hold_noise(fitted, options);
-  options.compared.span = prediction.window;
+  options.compared.span = prediction.span;
   options.compared.stride.reset();
   options.uncertainty.cluster_by.clear();
   options.uncertainty.profiles = false;
@@ -81,7 +81,7 @@ FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions
   return options;
 }
 
-/// What the windows are fitted to, and what else captures measure of what the model says: velocities, angles
+/// What the spans are fitted to, and what else captures measure of what the model says: velocities, angles
 /// and attitudes, but no place of which the fit knows no start.
 PredictedOutputs predicted_outputs(const FamilyInfo& family, std::span<const Capture> left_out,
                                    const FitOptions& held) {
@@ -132,7 +132,7 @@ void refuse_twice(std::span<const Capture> left_out) {
   }
 }
 
-/// Captures, or windows of each with what follows them.
+/// Captures, or spans of each with what follows them.
 std::vector<Capture> cut(std::span<const Capture> left_out, const PredictedOutputs& predicted,
                          const PredictionOptions& prediction) {
   if (!prediction.stride) return {left_out.begin(), left_out.end()};
@@ -142,16 +142,16 @@ std::vector<Capture> cut(std::span<const Capture> left_out, const PredictedOutpu
   }
   std::vector<Capture> parts;
   for (const Capture& capture : left_out) {
-    for (Capture& part : windows(capture, prediction.window + prediction.ahead, *prediction.stride, places))
+    for (Capture& part : spans(capture, prediction.span + prediction.ahead, *prediction.stride, places))
       parts.push_back(std::move(part));
   }
   return parts;
 }
 
 /// Captures left out of one fit, predicted by it.
-struct Prospect {
+struct PredictedCaptures {
   std::vector<Quantity> compared = {};
-  std::vector<Outlook> outlooks = {};
+  std::vector<CapturePrediction> predictions = {};
   /// Why some could not be predicted, and which.
   std::vector<std::pair<std::string, std::vector<std::string>>> lacks = {};
   std::vector<std::string> sentences = {};  ///< what else the reader of the scores must know
@@ -163,9 +163,9 @@ struct Prospect {
     named.insert(named.end(), captures.begin(), captures.end());
   }
 
-  void add(Prospect other) {
+  void add(PredictedCaptures other) {
     if (!other.compared.empty()) compared = std::move(other.compared);
-    for (Outlook& outlook : other.outlooks) outlooks.push_back(std::move(outlook));
+    for (CapturePrediction& one : other.predictions) predictions.push_back(std::move(one));
     for (const auto& [reason, captures] : other.lacks) add_lack(reason, captures);
     for (std::string& sentence : other.sentences) sentences.push_back(std::move(sentence));
   }
@@ -181,20 +181,20 @@ std::string lack_sentence(const std::string& reason, const std::vector<std::stri
 }
 
 /// What the captures left out can show.
-void add_outlooks(const TrajectoryFamily& family, std::span<const Capture> left_out,
-                  const PredictedOutputs& predicted, const FitOptions& held,
-                  const PredictionOptions& prediction, Prospect& prospect) {
-  std::vector<Outlook> all(left_out.size());
+void add_capture_predictions(const TrajectoryFamily& family, std::span<const Capture> left_out,
+                             const PredictedOutputs& predicted, const FitOptions& held,
+                             const PredictionOptions& prediction, PredictedCaptures& outcome) {
+  std::vector<CapturePrediction> all(left_out.size());
   tbb::parallel_for(std::size_t{0}, left_out.size(), [&](std::size_t k) {
-    all[k] = outlook_of(family, left_out[k], predicted, held, prediction);
+    all[k] = predict_capture(family, left_out[k], predicted, held, prediction);
   });
-  std::vector<Outlook>& outlooks = prospect.outlooks;
-  std::vector<std::string>& sentences = prospect.sentences;
+  std::vector<CapturePrediction>& predictions = outcome.predictions;
+  std::vector<std::string>& sentences = outcome.sentences;
   int failures = 0;
   for (std::size_t k = 0; k < all.size(); ++k) {
     const std::string& id = left_out[k].id;
     if (!all[k].lack.empty()) {
-      prospect.add_lack(all[k].lack, {id});
+      outcome.add_lack(all[k].lack, {id});
       continue;
     }
     if (!all[k].failure.empty()) {
@@ -202,16 +202,16 @@ void add_outlooks(const TrajectoryFamily& family, std::span<const Capture> left_
       sentences.push_back(fmt::format(
           "capture \"{}\" counts for the baselines only, since the model failed: {}", id, all[k].failure));
     }
-    outlooks.push_back(std::move(all[k]));
+    predictions.push_back(std::move(all[k]));
   }
   if (failures > 0) {
     sentences.push_back(
-        fmt::format("the model failed on {} of {} captures left out", failures, outlooks.size()));
+        fmt::format("the model failed on {} of {} captures left out", failures, predictions.size()));
   }
-  if (outlooks.empty()) {
+  if (predictions.empty()) {
     if (!left_out.empty()) sentences.emplace_back("none of the captures left out could be predicted");
-  } else if (const double reach = reach_of(outlooks, prediction); reach < prediction.ahead) {
-    const bool is_cut = std::ranges::any_of(outlooks, &Outlook::is_cut);
+  } else if (const double reach = reach_of(predictions, prediction); reach < prediction.ahead) {
+    const bool is_cut = std::ranges::any_of(predictions, &CapturePrediction::is_cut);
     sentences.push_back(fmt::format("predictions go to {:.4g} s ahead, not to {:.4g} s: {}", reach,
                                     prediction.ahead,
                                     is_cut ? fmt::format("the {} ends there", family.info().source)
@@ -219,9 +219,9 @@ void add_outlooks(const TrajectoryFamily& family, std::span<const Capture> left_
   }
 }
 
-Prospect look_ahead(const TrajectoryFamily& family, const FitResult& fitted,
-                    std::span<const Capture> left_out, const FitOptions& options,
-                    const PredictionOptions& prediction) {
+PredictedCaptures look_ahead(const TrajectoryFamily& family, const FitResult& fitted,
+                             std::span<const Capture> left_out, const FitOptions& options,
+                             const PredictionOptions& prediction) {
   check(options, prediction);
   refuse_twice(left_out);
   if (fitted.status == FitStatus::failed || left_out.empty()) return {};
@@ -229,9 +229,9 @@ Prospect look_ahead(const TrajectoryFamily& family, const FitResult& fitted,
   const FitOptions held = holding(family.info(), fitted, options, prediction);
   const PredictedOutputs predicted = predicted_outputs(family.info(), left_out, held);
   const std::vector<Capture> parts = cut(left_out, predicted, prediction);
-  Prospect prospect{.compared = quantities(predicted, options)};
-  add_outlooks(family, parts, predicted, held, prediction, prospect);
-  return prospect;
+  PredictedCaptures outcome{.compared = quantities(predicted, options)};
+  add_capture_predictions(family, parts, predicted, held, prediction, outcome);
+  return outcome;
 }
 
 /// The fold of each cluster: as cards are dealt.
@@ -253,11 +253,11 @@ int count_of(const std::vector<int>& clusters) {
   return clusters.empty() ? 0 : 1 + *std::ranges::max_element(clusters);
 }
 
-void add_scores(Prospect prospect, const PredictionOptions& prediction, FitResult& fitted) {
-  for (const auto& [reason, captures] : prospect.lacks)
+void add_scores(PredictedCaptures outcome, const PredictionOptions& prediction, FitResult& fitted) {
+  for (const auto& [reason, captures] : outcome.lacks)
     fitted.warnings.add(WarningKind::predictions, lack_sentence(reason, captures));
-  fitted.warnings.add_all(WarningKind::predictions, std::move(prospect.sentences));
-  Scores scores = scores_of(prospect.compared, std::move(prospect.outlooks), prediction);
+  fitted.warnings.add_all(WarningKind::predictions, std::move(outcome.sentences));
+  Scores scores = scores_of(outcome.compared, std::move(outcome.predictions), prediction);
   fitted.predictions = std::move(scores.all);
   fitted.capture_predictions = std::move(scores.by_capture);
 }
@@ -277,8 +277,8 @@ void check_left_out(const TrajectoryFamily& family, std::span<const Capture> cap
 std::vector<PredictionScore> predict_left_out(const TrajectoryFamily& family, const FitResult& fitted,
                                               std::span<const Capture> left_out, const FitOptions& options,
                                               const PredictionOptions& prediction) {
-  Prospect prospect = look_ahead(family, fitted, left_out, options, prediction);
-  return scores_of(prospect.compared, std::move(prospect.outlooks), prediction).all;
+  PredictedCaptures outcome = look_ahead(family, fitted, left_out, options, prediction);
+  return scores_of(outcome.compared, std::move(outcome.predictions), prediction).all;
 }
 
 void add_predictions(const TrajectoryFamily& family, std::span<const Capture> left_out,
@@ -309,7 +309,7 @@ void cross_validate(const TrajectoryFamily& family, std::span<const Capture> cap
   FitOptions plain = options;
   plain.uncertainty.profiles = false;
   plain.uncertainty.bootstrap = {};
-  Prospect prospect;
+  PredictedCaptures outcome;
   for (int fold = 0; fold < folds.count; ++fold) {
     std::vector<Capture> training, left_out;
     for (std::size_t k = 0; k < captures.size(); ++k)
@@ -319,9 +319,9 @@ void cross_validate(const TrajectoryFamily& family, std::span<const Capture> cap
     if (of_others.status != FitStatus::converged)
       fitted.warnings.add(WarningKind::predictions,
                           fmt::format("the fit without {}: {}", which, of_others.message));
-    prospect.add(look_ahead(family, of_others, left_out, options, prediction));
+    outcome.add(look_ahead(family, of_others, left_out, options, prediction));
   }
-  add_scores(std::move(prospect), prediction, fitted);
+  add_scores(std::move(outcome), prediction, fitted);
 }
 
 }  // namespace samara::identification

@@ -15,22 +15,23 @@
 
 /// How well fitted coefficients predict captures that were left out of the fit.
 ///
-/// Of each such capture the first `window` seconds are seen, attitudes too if the fit compared them: its own
+/// Of each such capture the first `span` seconds are seen, attitudes too if the fit compared them: its own
 /// unknowns (initial values, offsets, and known coordinates of which it has no value) are fitted there with
-/// the coefficients held, and the model is carried on. Baselines (prediction_score.h) see the same window.
-/// Compared are the frames that follow, up to `ahead` seconds after the window.
+/// the coefficients held, and the model is carried on. Baselines (prediction_score.h) see the same span.
+/// Compared are the frames that follow, up to `ahead` seconds after the span.
 ///
 ///     const FitResult result = fit(*family, training, options);
-///     const auto scores = predict_left_out(*family, result, test, options, {.window = 0.2, .ahead = 0.1});
+///     const auto scores = predict_left_out(*family, result, test, options, {.span = 0.2, .ahead = 0.1});
 namespace samara::identification {
 
 struct PredictionOptions {
-  double window = 0.0;  ///< s of each capture that are seen, from its first frame
-  double ahead = 0.0;   ///< s beyond it
-  /// s: a window so often along each capture, with what follows it (windows() in capture.h). Empty: one.
+  double span = 0.0;   ///< s of each capture that are seen, from its first frame
+  double ahead = 0.0;  ///< s beyond it
+  /// s: from the start of one span to the next along each capture, each with what follows it (spans() in
+  /// capture.h). Empty: one span.
   std::optional<double> stride = {};
-  /// Of UnknownOptions::known, what captures left out do not show, though they may have it: unknowns of their own
-  /// there, in their boxes and with their priors.
+  /// Of UnknownOptions::known, what captures left out do not show, though they may have it: unknowns of their
+  /// own there, in their boxes and with their priors.
   std::vector<std::string> hidden = {};
 };
 
@@ -46,13 +47,12 @@ struct Folds {
 /// ("velocity", "angular velocity"), the attitude by the angle of the turn between; every other output by
 /// itself. For each, two scores: over all frames ahead
 /// ("position, up to 0.1 s ahead"; less where no capture goes so far), and of the last one, within the last
-/// tenth of the way ("position, 0.1 s ahead"). Captures that have too few frames in the window or none beyond
-/// are left out of all scores; those on which the fit of the window fails, of the model's. A score that no
+/// tenth of the way ("position, 0.1 s ahead"). Captures that have too few frames in the span or none beyond
+/// are left out of all scores; those on which the fit of the span fails, of the model's. A score that no
 /// capture counts for is left out. After the scores of all captures follow those of each.
-/// @param fitted its coefficients are held at their values, unless `options` makes them each capture's own;
-/// as
-///   made by fit(), or by read_fit()
-/// @param options of that fit; window, starts and roles of what is not held are taken over
+/// @param fitted made by fit() or by read_fit(); its coefficients are held at their values, unless `options`
+///   makes them each capture's own
+/// @param options of that fit; span, starts and roles of what is not held are taken over
 /// @returns nothing if the fit failed
 /// @throws ArgumentError as fit(), for a capture that does not measure what was fitted, and for times that
 /// are not positive; InputError for a capture of a file that was fitted itself.

@@ -58,8 +58,8 @@ PredictionConfig read(const TomlTable& root) {
   PredictionConfig config;
   if (!root.has("prediction")) return config;
   const TomlTable table = root.table("prediction");
-  table.expect_keys({"window", "ahead", "stride", "left_out", "fitted", "folds", "hidden"});
-  config.window = positive_time(table, "window");
+  table.expect_keys({"span", "window", "ahead", "stride", "left_out", "fitted", "folds", "hidden"});
+  config.span = positive_time(table, table.renamed("span", "window"));
   config.ahead = positive_time(table, "ahead");
   config.stride = positive_time(table, "stride");
   config.left_out = read_choice(table, "left_out");

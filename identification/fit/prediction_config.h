@@ -14,7 +14,7 @@
 /// What the config of a fit says of predictions:
 ///
 ///     [prediction]
-///     window = "0.1 s"                    # seen of each capture left out; else the window of the fit
+///     span = "0.1 s"                      # seen of each capture left out; else the span of the fit
 ///     ahead = "1 s"
 ///     stride = "0.5 s"                    # a prediction so often along a capture, not one from its start
 ///     left_out = { flight = ["98", "126"] }   # of the captures given, those with one of these labels
@@ -29,8 +29,8 @@ namespace samara::identification {
 using LabelChoice = std::map<std::string, std::vector<std::string>>;
 
 struct PredictionConfig {
-  std::optional<double> window = {}, ahead = {}, stride = {};  ///< s
-  LabelChoice fitted = {}, left_out = {};                      ///< empty: not said
+  std::optional<double> span = {}, ahead = {}, stride = {};  ///< s
+  LabelChoice fitted = {}, left_out = {};                    ///< empty: not said
   std::optional<Folds> folds = {};
   std::vector<std::string> hidden = {};
 };

@@ -225,10 +225,10 @@ std::map<std::string, double> read_periods(const TomlTable& table, const Units& 
 
 ComparisonOptions read_comparison(const TomlTable& root, const Units& outputs) {
   ComparisonOptions compared;
-  if (root.has("window")) compared.span = positive_quantity(root, "window", "s");
+  const std::string span = root.renamed("span", "window");
+  if (root.has(span)) compared.span = positive_quantity(root, span, "s");
   if (root.has("stride")) compared.stride = positive_quantity(root, "stride", "s");
-  if (compared.stride && !compared.span)
-    throw root.error("stride", "belongs to `window`, which is not there");
+  if (compared.stride && !compared.span) throw root.error("stride", "belongs to `span`, which is not there");
   if (root.has("outputs")) compared.outputs = known_names(root, "outputs", outputs);
   if (root.has("periods")) compared.periods = read_periods(root.table("periods"), outputs);
   if (root.has("averaged_frames")) compared.averaged_frames = positive_integer(root, "averaged_frames");
@@ -274,13 +274,14 @@ UncertaintyOptions read_uncertainty(const TomlTable& root) {
 }
 
 FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
-  root.expect_keys(
-      {"window",     "outputs",         "loss",      "shared",         "per_capture", "offsets", "cluster_by",
-       "starts",     "max_iterations",  "profiles",  "segments",       "global",      "step",    "rounds",
-       "round_body", "averaged_frames", "log_scale", "attitude_scale", "fixed",       "initial", "known",
-       "priors",     "periods",         "box",       "bootstrap",      "noise",       "camera",  "stride",
-       "series",        // series_config.h
-       "prediction"});  // prediction_config.h
+  root.expect_keys({"span",        "window",          "outputs",    "loss",           "shared",
+                    "per_capture", "offsets",         "cluster_by", "starts",         "max_iterations",
+                    "profiles",    "segments",        "global",     "step",           "rounds",
+                    "round_body",  "averaged_frames", "log_scale",  "attitude_scale", "fixed",
+                    "initial",     "known",           "priors",     "periods",        "box",
+                    "bootstrap",   "noise",           "camera",     "stride",
+                    "series",        // series_config.h
+                    "prediction"});  // prediction_config.h
   FitOptions options;
   options.compared = read_comparison(root, names.outputs);
   if (root.has("loss")) options.loss = read_loss(root.table("loss"), names.outputs);

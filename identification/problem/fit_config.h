@@ -12,8 +12,8 @@
 
 /// Options of a fit from a TOML file:
 ///
-///     window = "0.4 s"
-///     stride = "0.4 s"                                # a window so often, not one at the start of a capture
+///     span = "0.4 s"
+///     stride = "0.4 s"                                # a span so often, not one at the start of a capture
 ///     outputs = ["x"]
 ///     loss = { kind = "huber", scale = "2 mm" }       # or scale = { x = "2 mm", theta = "3 deg" }
 ///     shared = ["C_D"]
@@ -44,11 +44,15 @@
 ///
 ///     [initial]                                       # of the first start
 ///     C_D = 1.1
-///     [known]                                         # a label of the captures holds it, in SI units, or
-///     the thickness = "thickness_m"                       # first value of a channel; { label, times, power
-///     } of it [priors] C_D = { mean = 1.1, deviation = 0.2 }           # logarithmic = true: median and
-///     relative deviation [periods]                                       # of outputs; those in rad have 360
-///     deg theta = "180 deg"
+///
+///     [known]                                         # by a label of each capture, SI, or else by the
+///     thickness = "thickness_m"                       # first value of a channel; { label, times, power }
+///
+///     [priors]                                        # logarithmic = true: median and relative deviation
+///     C_D = { mean = 1.1, deviation = 0.2 }
+///
+///     [periods]                                       # of outputs; those in rad have 360 deg
+///     theta = "180 deg"
 ///
 /// Tables [series] and [prediction] are for series_config.h and prediction_config.h. Every key may be left
 /// out; fit_options.h has the meanings and defaults. To fit a model without a codebook, its family takes

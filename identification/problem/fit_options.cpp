@@ -25,11 +25,10 @@ constexpr std::array kGlobalNames = {
 // Fields go by the names that they have in a config.
 
 void validate(const ComparisonOptions& compared) {
-  if (compared.span) require_positive(*compared.span, "window");
+  if (compared.span) require_positive(*compared.span, "span");
   if (compared.stride) {
     require_positive(*compared.stride, "stride");
-    if (!compared.span)
-      throw ArgumentError("stride is set without window; the length of a window was expected");
+    if (!compared.span) throw ArgumentError("stride is set without span; the length of a span was expected");
   }
   for (const auto& [name, period] : compared.periods) {
     require(std::isfinite(period) && period >= 0.0, fmt::format("the period of \"{}\"", name), period,

@@ -88,7 +88,7 @@ struct CombinationPrior {
 struct ComparisonOptions {
   /// s: only this much of each capture, from its first frame. Empty: all of it.
   std::optional<double> span = {};
-  /// s: from the start of one span to the next, each with unknowns of its own: see windows() in capture.h.
+  /// s: from the start of one span to the next, each with unknowns of its own: see spans() in capture.h.
   /// Empty: one span a capture, from its first frame.
   std::optional<double> stride = {};
   /// Names; empty: every output that all captures measure.

@@ -289,23 +289,23 @@ bool FitProblem::is_joined() const {
 
 namespace {
 
-/// Captures, or the windows of each.
+/// Captures, or the spans of each.
 std::vector<Capture> cut(const FamilyInfo& family, std::span<const Capture> captures,
                          const FitOptions& options) {
   if (!family.autonomous) {
     throw ArgumentError(
-        fmt::format("stride: the equations of \"{}\" depend on time, and windows have times of their own; "
+        fmt::format("stride: the equations of \"{}\" depend on time, and spans have times of their own; "
                     "whole captures were expected",
                     family.model));
   }
   std::vector<Capture> parts;
   for (const Capture& capture : captures) {
     for (Capture& part :
-         windows(capture, *options.compared.span, *options.compared.stride, options.compared.outputs))
+         spans(capture, *options.compared.span, *options.compared.stride, options.compared.outputs))
       parts.push_back(std::move(part));
   }
   if (parts.empty()) {
-    throw ArgumentError(fmt::format("none of {} captures holds a window of {} s; a shorter one was expected",
+    throw ArgumentError(fmt::format("none of {} captures holds a span of {} s; a shorter one was expected",
                                     captures.size(), *options.compared.span));
   }
   return parts;

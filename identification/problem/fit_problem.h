@@ -69,7 +69,7 @@ struct Segment {
 /// A capture as the fit sees it: its segments follow one another.
 struct Motion {
   std::string id, file;
-  std::string whole;  ///< id of the capture of which it is all, or a window
+  std::string whole;  ///< id of the capture of which it is all, or a span
   std::map<std::string, std::string> labels;
   std::vector<std::string> notes = {};
   int cluster = 0;
@@ -128,7 +128,7 @@ struct FitProblem {
   Eigen::VectorXd initial;                  ///< of the shared coordinates, at the first start
   std::vector<ComparedOutput> outputs;
   std::optional<double> attitude_scale;  ///< if attitudes are compared
-  int averaged_frames = 1;               ///< in the mean behind each frame
+  int averaged_frames = 1;               ///< of which each frame is the mean
   std::vector<std::string> offsets;      ///< outputs with one
   std::optional<Camera> camera = {};
   /// Outputs taken from the family: the compared ones, then the attitude, then what camera and joins need.

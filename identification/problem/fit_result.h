@@ -20,7 +20,7 @@ enum class FitStatus {
   converged,
   not_determined,   ///< converged, but coefficients can change together without changing the residuals
   iteration_limit,  ///< max_iterations were spent; what is reported is the best point so far
-  failed,           ///< no start led anywhere; the message has the reason, the values mean nothing
+  failed,           ///< no start succeeded; the message has the reason, the values mean nothing
 };
 
 /// "converged", "not determined", "iteration limit", "failed".
@@ -71,12 +71,12 @@ struct OutputRms {
 struct CaptureFit {
   std::string id = {};
   std::string file = {};
-  std::string whole = {};  ///< id of the capture of which it is all, or a window
+  std::string whole = {};  ///< id of the capture of which it is all, or a span
   std::map<std::string, std::string> labels = {};
   std::vector<std::string> notes = {};       ///< what reading and cleaning did to it
   std::map<std::string, double> known = {};  ///< values of UnknownOptions::known, SI
   int cluster = 0;                           ///< number of its cluster, from 0
-  int frames = 0;                            ///< in the window, with something to compare
+  int frames = 0;                            ///< in the span, with something to compare
   int segments = 1;
   double start = 0.0;     ///< s, of the first segment, in the capture's times
   double interval = 0.0;  ///< s, between the frames that are means of several; 0 where frames are no means
@@ -131,7 +131,7 @@ struct GlobalSearch {
 /// the slopes at the answer, they move away from it, and show where it bends. They do not look for other
 /// optima.
 struct Bootstrap {
-  int replicates = 0;  ///< that led somewhere
+  int replicates = 0;  ///< that did not fail
   int converged = 0;   ///< of them; the others stopped at the limit on iterations, short of their minimum
   std::uint64_t seed = 1;
   Eigen::MatrixXd coefficients = {};  ///< replicates x coefficients, SI
@@ -185,7 +185,7 @@ struct FitResult {
   std::vector<Profile> profiles = {};  ///< of coefficients, by name
   std::optional<Identifiability> identifiability = {};
   std::optional<Whiteness> whiteness = {};
-  std::vector<PredictionScore> predictions = {};          ///< on captures or windows left out of the fit
+  std::vector<PredictionScore> predictions = {};          ///< on captures or spans left out of the fit
   std::vector<PredictionScore> capture_predictions = {};  ///< the same of each capture by itself
   std::optional<GlobalSearch> global_search = {};
   std::optional<Bootstrap> bootstrap = {};

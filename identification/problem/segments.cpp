@@ -123,11 +123,11 @@ void check_times(const FamilyInfo& family, const Motion& motion, Segment& segmen
   }
   if (averages) previous += segment.lead;
   if (previous <= family.end_time) return;
-  // Rounding may put a frame on the border just behind it, as in first().
+  // Rounding may put a frame on the border just after it, as in first().
   const double interval = previous / static_cast<double>(segment.times.size());
   if (previous > family.end_time + 1e-3 * interval) {
     refuse(motion.file,
-           fmt::format("capture \"{}\" lasts {} s, but the {} ends at {} s; a `window` of at most that was "
+           fmt::format("capture \"{}\" lasts {} s, but the {} ends at {} s; a `span` of at most that was "
                        "expected",
                        motion.id, previous, family.source, family.end_time));
   }
@@ -222,8 +222,8 @@ void add_motion(const FamilyInfo& family, const Capture& capture, const FitOptio
     }
     for (const Eigen::Index frame : seen) {
       const bool before = !starts.empty() && frame < starts[k];
-      const bool behind = segment.joined && frame >= starts[k + 1];
-      if (!before && !behind) frames.add(frame, segment);
+      const bool after = segment.joined && frame >= starts[k + 1];
+      if (!before && !after) frames.add(frame, segment);
     }
     if (segment.joined) {
       // The next one's state is before its first frame by as much as this one's.
@@ -276,7 +276,7 @@ void check_boxes(const FitProblem& problem, const Motion& motion) {
   }
 }
 
-/// Nobody waits for so many.
+/// So many steps would take days: a unit is wrong.
 void check_steps(const FitProblem& problem, double step) {
   constexpr double kMostSteps = 1e7;
   double seconds = 0.0;

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "samara/base/names.h"
-#include "samara/identification/report/trust_report.h"
+#include "samara/identification/report/diagnostics_report.h"
 
 namespace samara::identification {
 
@@ -195,7 +195,7 @@ std::string fit_json(const FitResult& result) {
                  {"iterations", result.iterations},
                  {"evaluations", result.evaluations},
                  {"seconds", result.seconds}};
-  add_trust(result, object);
+  add_diagnostics(result, object);
   // Ids and labels come from files in any encoding.
   return object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -223,7 +223,7 @@ std::string fit_text(const FitResult& result) {
                    "what reading and cleaning did to {} of {} captures stands in the JSON and the report\n",
                    noted, result.captures.size());
   }
-  add_trust_text(result, text);
+  add_diagnostics_text(result, text);
   if (result.evaluations > 0) {
     fmt::format_to(out, "{} iterations, {} trajectories, {:.3g} s\n", result.iterations, result.evaluations,
                    result.seconds);

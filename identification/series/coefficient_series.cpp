@@ -14,7 +14,7 @@
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/series/series_fits.h"
 #include "samara/identification/series/series_knots.h"
-#include "samara/identification/series/series_windows.h"
+#include "samara/identification/series/series_spans.h"
 #include "samara/models/trajectories/reference_trajectories.h"
 #include "samara/models/trajectories/step_trajectories.h"
 
@@ -62,18 +62,18 @@ void check_combination(const FitOptions& options, const SeriesOptions& series) {
   }
   if (options.compared.stride) {
     throw ArgumentError(
-        "stride cuts captures into windows, and a series follows each of them as a whole; either a stride or "
+        "stride cuts captures into spans, and a series follows each of them as a whole; either a stride or "
         "a series was expected");
   }
   if (series.stride && options.segments.length) {
     throw ArgumentError(fmt::format(
-        "segments of {} s and a series.stride: windows that slide are the segments, unjoined; one of "
+        "segments of {} s and a series.stride: spans that slide are the segments, unjoined; one of "
         "the two was expected",
         *options.segments.length));
   }
   if (series.stride && options.noise.estimated) {
     throw ArgumentError(
-        "noise is not estimated where windows slide, since frames count in several of them; loss scales, or "
+        "noise is not estimated where spans slide, since frames count in several of them; loss scales, or "
         "no series.stride, were expected");
   }
 }
@@ -85,18 +85,18 @@ std::unique_ptr<TrajectoryFamily> constant_family(const std::shared_ptr<const mo
              : reference_trajectories(model, options.unknowns.fixed, options.unknowns.box);
 }
 
-/// A fit of the windows.
-FitOptions options_of_windows(const FitOptions& options, const SeriesWindows& windows,
-                              const SeriesOptions& series) {
+/// A fit of the spans.
+FitOptions options_of_spans(const FitOptions& options, const SeriesSpans& spans,
+                            const SeriesOptions& series) {
   FitOptions result = options;
   result.compared.span.reset();
-  if (!windows.joined) {
+  if (!spans.joined) {
     result.segments.length = std::numeric_limits<double>::max();
   } else if (!result.segments.length) {
-    result.segments.length = series.window;
+    result.segments.length = series.span;
   }
-  // A frame in m windows counts m times by 1/m.
-  const double scale = std::sqrt(windows.overlap);
+  // A frame in m spans counts m times by 1/m.
+  const double scale = std::sqrt(spans.overlap);
   result.loss.length_scale *= scale;
   for (auto& [name, value] : result.loss.scales) value *= scale;
   result.loss.attitude_scale *= scale;
@@ -209,7 +209,7 @@ void add_series_warnings(CoefficientSeries& series) {
     series.warnings.add(
         WarningKind::series,
         "the roughest series that was tried is the likeliest: values at neighbouring instants are not held "
-        "together, and a shorter window may be needed");
+        "together, and a shorter span may be needed");
   }
   if (series.correlation_factor > 1.0) {
     series.warnings.add(
@@ -254,13 +254,13 @@ void validate(const SeriesOptions& options) {
     throw ArgumentError(
         fmt::format("series.coefficients names \"{}\" twice; each coefficient once was expected", name));
   }
-  require_positive(options.window, "series.window");
+  require_positive(options.span, "series.span");
   if (options.stride) require_positive(*options.stride, "series.stride");
-  if (options.stride && *options.stride > options.window) {
+  if (options.stride && *options.stride > options.span) {
     throw ArgumentError(
-        fmt::format("series.stride is {}, and series.window {}; a stride of at most the window "
+        fmt::format("series.stride is {}, and series.span {}; a stride of at most the span "
                     "was expected",
-                    *options.stride, options.window));
+                    *options.stride, options.span));
   }
   require(options.order == 1 || options.order == 2, "series.order", options.order, "1 or 2");
   for (const auto& [name, scale] : options.scales) {
@@ -279,21 +279,21 @@ CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
   check_combination(options, series);
   const models::ModelInfo& info = model->info();
   for (const std::string& name : series.coefficients) check_coefficient(info, options, name);
-  const SeriesWindows windows = series_windows(captures, options, series);
-  const FitOptions windowed = options_of_windows(options, windows, series);
+  const SeriesSpans spans = series_spans(captures, options, series);
+  const FitOptions cut_options = options_of_spans(options, spans, series);
 
   CoefficientSeries result{.model = info.name,
                            .time_unit = models::time_unit(info),
-                           .joined = windows.joined,
-                           .windows = windows.count,
-                           .instants = windows.knots.instants};
+                           .joined = spans.joined,
+                           .spans = spans.count,
+                           .instants = spans.knots.instants};
   const auto family = constant_family(model, options);
-  if (!windows.joined) check_sliding(family->info(), windows, windowed);
-  result.constant = fit(*family, windows.captures, windowed);
+  if (!spans.joined) check_sliding(family->info(), spans, cut_options);
+  result.constant = fit(*family, spans.captures, cut_options);
   result.message = fmt::format("with constant coefficients: {}", result.constant.message);
   if (result.constant.status == FitStatus::failed) return result;
 
-  SeriesFits fits(model, windows, windowed, series, result.constant);
+  SeriesFits fits(model, spans, cut_options, series, result.constant);
   Chosen chosen;
   if (fits.has_free_scales()) {
     chosen = fits.estimates_noise() ? choose_with_levels(fits, result.constant, result.trials)
@@ -313,7 +313,7 @@ CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
     result.coefficients.push_back(
         fits.describe(result.fit, c, chosen.factor, chosen.judgement, result.correlation_factor));
   }
-  add_replay(info, result.fit, windows.knots, options, result);
+  add_replay(info, result.fit, spans.knots, options, result);
   add_series_warnings(result);
   return result;
 }

@@ -15,12 +15,12 @@
 #include "samara/identification/problem/warnings.h"
 #include "samara/models/interface/model.h"
 
-/// Coefficients that change along a motion: the source's "instantaneous coefficients", as a series that a
+/// Coefficients that change along a motion ("instantaneous coefficients"), as a series in time that a
 /// simulation can replay.
 ///
-/// A window of the capture gets a value of each coefficient at its centre; between centres (and the first and
+/// A span of the capture gets a value of each coefficient at its centre; between centres (and the first and
 /// last frame, which have values too) coefficients are straight lines. All values are fitted at once, with
-/// the start states of the windows and the coefficients that stay constant:
+/// the start states of the spans and the coefficients that stay constant:
 ///
 ///     1/2 sum rho((measured - model)/scale) + 1/2 sum_j sum_k (D c_j)_k^2/s_j^2,
 ///
@@ -30,9 +30,9 @@
 /// likelihood (Laplace's approximation; S. N. Wood, J. R. Stat. Soc. B 73 (2011) 3-36), which prefers no
 /// change where the capture shows none.
 ///
-/// Windows either adjoin and are joined (the motion is one, as in a replay), or slide by `stride`, each with
-/// a start state of its own: then what the model misses in one window does not spoil the next, and frames
-/// that lie in several windows count by their share.
+/// Spans either adjoin and are joined (the motion is one, as in a replay), or slide by `stride`, each with
+/// a start state of its own: then what the model misses in one span does not spoil the next, and frames
+/// that lie in several spans count by their share.
 ///
 /// Errors. With D the information of the captures about all shared values, P that of the differences, and phi
 /// the variance of a residual, cov = phi (D + P)^-1, phi = 2 cost/(n - own - trace((D + P)^-1 D)), and errors
@@ -41,7 +41,7 @@
 /// through smoothness.
 ///
 ///     const auto series = fit_series(find_model("falling_plate"), captures, options,
-///                                    {.coefficients = {"C_R"}, .window = 0.04});
+///                                    {.coefficients = {"C_R"}, .span = 0.04});
 ///     codebooks::save(series_codebook(series), "series.h5");
 namespace samara::identification {
 
@@ -49,9 +49,9 @@ struct SeriesOptions {
   /// Parameters of the model that change along the captures; free in the box of the fit, which holds at every
   /// instant.
   std::vector<std::string> coefficients = {};
-  /// Length of a window [s], or in the model's unit of time.
-  double window = 0.0;
-  /// From window to window, at most the window; each then has a start state of its own. Empty: windows adjoin
+  /// Length of a span [s], or in the model's unit of time.
+  double span = 0.0;
+  /// From span to span, at most the span; each then has a start state of its own. Empty: spans adjoin
   /// and are joined.
   std::optional<double> stride = {};
   int order = 2;  ///< of the differences that are small: 1 or 2
@@ -100,7 +100,7 @@ struct CoefficientSeries {
   std::string model = {};
   std::string time_unit = {};
   bool joined = true;
-  int windows = 0;
+  int spans = 0;
   Eigen::VectorXd instants = {};  ///< in the captures' times
   std::vector<SeriesCoefficient> coefficients = {};
   /// The factor of the scales that were not given; empty if all were.
@@ -118,11 +118,13 @@ struct CoefficientSeries {
   FitResult fit = {};       ///< with a coefficient "C_R@0.125" for each value
 };
 
-/// @param model whose coefficients are fitted  @param options with fixed, box (of the coefficients too) and,
-///   for fixed steps, step  @param captures their times are on one axis: all see the same series
-/// A search of the box (`global`) and `starts` are for the constant fit, from which the others begin.
-/// @throws ArgumentError as fit(), and for windows longer than half of the captures, coefficients that are no
-///   parameters or not free, options outside their meaning, profiles and a bootstrap; where windows slide,
+/// Fits first with constant coefficients, to which `options.starts` belong; the others begin from there.
+/// @param model whose coefficients are fitted
+/// @param captures their times are on one axis: all see the same series
+/// @param options with `unknowns.fixed`, `unknowns.box` (of the coefficients too), and for fixed steps
+///   `solver.step`
+/// @throws ArgumentError as fit(), and for spans longer than half of the captures, coefficients that are no
+///   parameters or not free, options outside their meaning, profiles and a bootstrap; where spans slide,
 ///   for segments, noise to be estimated, and all that belongs to the start of a capture: states that are not
 ///   free, their priors, a camera, and parameters of each capture.
 CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,

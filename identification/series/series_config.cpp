@@ -21,7 +21,7 @@ double positive_quantity(const TomlTable& table, const std::string& key, const s
 std::optional<SeriesOptions> read_series(const TomlTable& root, const ConfigNames& names) {
   if (!root.has("series")) return {};
   const TomlTable table = root.table("series");
-  table.expect_keys({"coefficients", "window", "stride", "order", "smoothness"});
+  table.expect_keys({"coefficients", "span", "window", "stride", "order", "smoothness"});
   std::vector<std::string> known;
   for (const auto& [name, unit] : names.coordinates) known.push_back(name);
   SeriesOptions series;
@@ -35,7 +35,7 @@ std::optional<SeriesOptions> read_series(const TomlTable& root, const ConfigName
     if (names.coordinates.contains(name)) continue;
     throw table.error("coefficients", fmt::format("unknown name \"{}\"{}", name, suggestion(name, known)));
   }
-  series.window = positive_quantity(table, "window", "s");
+  series.span = positive_quantity(table, table.renamed("span", "window"), "s");
   if (table.has("stride")) series.stride = positive_quantity(table, "stride", "s");
   if (table.has("order")) series.order = static_cast<int>(table.integer("order"));
   if (table.has("smoothness")) {

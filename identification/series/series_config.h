@@ -12,8 +12,8 @@
 ///
 ///     [series]
 ///     coefficients = ["C_R"]                          # these change along the captures
-///     window = "40 ms"
-///     stride = "20 ms"                                # windows slide, unjoined; else they adjoin, joined
+///     span = "40 ms"
+///     stride = "20 ms"                                # spans slide, unjoined; else they adjoin, joined
 ///     order = 2                                       # first or second differences are small
 ///     smoothness = { C_R = 0.2 }                      # their size; else the captures choose
 namespace samara::identification {

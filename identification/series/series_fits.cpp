@@ -62,16 +62,16 @@ Eigen::VectorXd values_at(const FitResult& result, const std::vector<int>& at) {
 
 }  // namespace
 
-SeriesFits::SeriesFits(const std::shared_ptr<const models::Model>& model, const SeriesWindows& windows,
+SeriesFits::SeriesFits(const std::shared_ptr<const models::Model>& model, const SeriesSpans& spans,
                        const FitOptions& options, const SeriesOptions& series, const FitResult& constant)
-    : windows_(windows),
+    : spans_(spans),
       series_(series),
       noise_(options.noise),
-      options_(options_of_knots(options, windows.knots)),
+      options_(options_of_knots(options, spans.knots)),
       family_(knot_trajectories(model, options.unknowns.fixed, options.unknowns.box, options.solver.step,
-                                windows.knots)),
-      rows_(difference_rows(windows.knots.instants, series.order, windows.spacing)) {
-  const SeriesKnots& knots = windows.knots;
+                                spans.knots)),
+      rows_(difference_rows(spans.knots.instants, series.order, spans.spacing)) {
+  const SeriesKnots& knots = spans.knots;
   for (std::size_t c = 0; c < knots.coefficients.size(); ++c) {
     const Coefficient& best = coefficient_of(constant, knots.coefficients[c]);
     const double half_box = 0.5 * (best.upper - best.lower);
@@ -86,12 +86,12 @@ SeriesFits::SeriesFits(const std::shared_ptr<const models::Model>& model, const 
 }
 
 bool SeriesFits::has_free_scales() const {
-  return std::ranges::any_of(windows_.knots.coefficients,
+  return std::ranges::any_of(spans_.knots.coefficients,
                              [&](const std::string& name) { return !series_.scales.contains(name); });
 }
 
 double SeriesFits::scale(std::size_t c, double factor) const {
-  const auto given = series_.scales.find(windows_.knots.coefficients[c]);
+  const auto given = series_.scales.find(spans_.knots.coefficients[c]);
   return given == series_.scales.end() ? factor * sizes_[c] : given->second;
 }
 
@@ -108,16 +108,16 @@ FitResult SeriesFits::fit_with_levels(double factor) {
 
 FitResult SeriesFits::fit_with(double factor) {
   FitOptions options = options_;
-  for (std::size_t c = 0; c < windows_.knots.coefficients.size(); ++c) {
+  for (std::size_t c = 0; c < spans_.knots.coefficients.size(); ++c) {
     for (Eigen::Index row = 0; row < rows_.rows(); ++row) {
       CombinationPrior difference{.deviation = scale(c, factor)};
-      for (int k = 0; k < windows_.knots.count(); ++k) {
-        if (rows_(row, k) != 0.0) difference.weights[windows_.knots.name(c, k)] = rows_(row, k);
+      for (int k = 0; k < spans_.knots.count(); ++k) {
+        if (rows_(row, k) != 0.0) difference.weights[spans_.knots.name(c, k)] = rows_(row, k);
       }
       options.priors.combinations.push_back(std::move(difference));
     }
   }
-  FitResult result = fit(*family_, windows_.captures, options);
+  FitResult result = fit(*family_, spans_.captures, options);
   if (result.status != FitStatus::failed) {
     for (const Coefficient& c : result.coefficients) options_.starts.initial[c.name] = c.value;
   }
@@ -129,7 +129,7 @@ SeriesFits::Judgement SeriesFits::judge(const FitResult& result, double factor) 
   const auto count = static_cast<Eigen::Index>(result.coefficients.size());
   Eigen::MatrixXd differences = Eigen::MatrixXd::Zero(count, count);
   double penalty = 0.0;
-  for (std::size_t c = 0; c < windows_.knots.coefficients.size(); ++c) {
+  for (std::size_t c = 0; c < spans_.knots.coefficients.size(); ++c) {
     const std::vector<int> at = places(result, c);
     const double s = scale(c, factor);
     differences(at, at) += rows_.transpose() * rows_ / (s * s);
@@ -152,13 +152,13 @@ SeriesFits::Judgement SeriesFits::judge(const FitResult& result, double factor) 
   judgement.resolution = inverse * (whole - smooth);
   judgement.effective = judgement.resolution.trace();
 
-  const double residual_count = result.residual_count / windows_.overlap;
+  const double residual_count = result.residual_count / spans_.overlap;
   const double own = own_unknowns(result);
   const double left = std::max(1.0, residual_count - own - judgement.effective);
   const double total = 2.0 * result.cost;
   judgement.variance =
       std::max(0.0, total - penalty) / left * inverse.diagonal().cwiseProduct(size.cwiseAbs2());
-  const auto series = static_cast<double>(windows_.knots.coefficients.size());
+  const auto series = static_cast<double>(spans_.knots.coefficients.size());
   const double straight = static_cast<double>(count) - series * static_cast<double>(rows_.rows());
   const double log_determinant = 2.0 * Eigen::MatrixXd(factorised.matrixL()).diagonal().array().log().sum();
   judgement.criterion = (residual_count - own - straight) * std::log(total) + log_determinant +
@@ -171,7 +171,7 @@ SeriesCoefficient SeriesFits::describe(const FitResult& result, std::size_t c, d
   const std::vector<int> at = places(result, c);
   const Coefficient& first = result.coefficients[static_cast<std::size_t>(at.front())];
   const auto count = static_cast<Eigen::Index>(at.size());
-  SeriesCoefficient series{.name = windows_.knots.coefficients[c],
+  SeriesCoefficient series{.name = spans_.knots.coefficients[c],
                            .unit = first.unit,
                            .scale = scale(c, factor),
                            .constant = constants_[c],
@@ -200,13 +200,13 @@ SeriesCoefficient SeriesFits::describe(const FitResult& result, std::size_t c, d
 
 double SeriesFits::free_scales() const {
   return static_cast<double>(std::ranges::count_if(
-      windows_.knots.coefficients, [&](const std::string& name) { return !series_.scales.contains(name); }));
+      spans_.knots.coefficients, [&](const std::string& name) { return !series_.scales.contains(name); }));
 }
 
 std::vector<int> SeriesFits::places(const FitResult& result, std::size_t c) const {
   std::vector<int> at;
-  for (int k = 0; k < windows_.knots.count(); ++k) {
-    const auto found = std::ranges::find(result.coefficients, windows_.knots.name(c, k), &Coefficient::name);
+  for (int k = 0; k < spans_.knots.count(); ++k) {
+    const auto found = std::ranges::find(result.coefficients, spans_.knots.name(c, k), &Coefficient::name);
     at.push_back(static_cast<int>(found - result.coefficients.begin()));
   }
   return at;
@@ -221,7 +221,7 @@ double SeriesFits::own_unknowns(const FitResult& result) const {
       count += 1.0;
     }
   }
-  return count / windows_.overlap;
+  return count / spans_.overlap;
 }
 
 }  // namespace samara::identification

@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "samara/identification/series/coefficient_series.h"
-#include "samara/identification/series/series_windows.h"
+#include "samara/identification/series/series_spans.h"
 #include "samara/identification/trajectories/trajectory_source.h"
 
 /// Internal to identification/.
@@ -17,9 +17,10 @@ namespace samara::identification {
 /// Fits of one series at different smoothness, each from where the one before it ended.
 class SeriesFits {
  public:
-  /// @param windows, series must outlive it  @param options of the windows  @param constant where nothing
-  /// changes
-  SeriesFits(const std::shared_ptr<const models::Model>& model, const SeriesWindows& windows,
+  /// @param spans, series must outlive it
+  /// @param options of the spans
+  /// @param constant the fit where nothing changes
+  SeriesFits(const std::shared_ptr<const models::Model>& model, const SeriesSpans& spans,
              const FitOptions& options, const SeriesOptions& series, const FitResult& constant);
 
   /// Whether a factor means anything.
@@ -53,10 +54,10 @@ class SeriesFits {
  private:
   double free_scales() const;
   std::vector<int> places(const FitResult& result, std::size_t c) const;
-  /// Of all windows, by their share; a quaternion moves in three directions.
+  /// Of all spans, by their share; a quaternion moves in three directions.
   double own_unknowns(const FitResult& result) const;
 
-  const SeriesWindows& windows_;
+  const SeriesSpans& spans_;
   const SeriesOptions& series_;
   NoiseOptions noise_;
   FitOptions options_;

@@ -53,7 +53,7 @@ class KnotCourse final : public models::ParameterCourse {
 
   void derivatives(double t, std::span<const double> own, Eigen::Ref<Eigen::MatrixXd> by_own) const override {
     const Place place = find(t + own[0]);
-    by_own.setZero();  // nobody asks for the derivative by the clock
+    by_own.setZero();  // the derivative by the clock is not used
     for (std::size_t c = 0; c < knots_.coefficients.size(); ++c) {
       const auto row = static_cast<Eigen::Index>(c);
       const Eigen::Index column = static_cast<Eigen::Index>(first(c)) + place.knot;
@@ -65,13 +65,13 @@ class KnotCourse final : public models::ParameterCourse {
  private:
   struct Place {
     Eigen::Index knot = 0;  ///< the one before
-    double share = 0.0;     ///< of the one behind it
+    double share = 0.0;     ///< of the one after it
   };
 
   Place find(double t) const {
     const Eigen::VectorXd& at = knots_.instants;
-    const auto behind = std::upper_bound(at.begin() + 1, at.end() - 1, t);
-    const Eigen::Index knot = (behind - at.begin()) - 1;
+    const auto next = std::upper_bound(at.begin() + 1, at.end() - 1, t);
+    const Eigen::Index knot = (next - at.begin()) - 1;
     return {knot, std::clamp((t - at[knot]) / (at[knot + 1] - at[knot]), 0.0, 1.0)};
   }
 

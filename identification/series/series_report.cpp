@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "samara/identification/report/diagnostics_report.h"
 #include "samara/identification/report/fit_report.h"
-#include "samara/identification/report/trust_report.h"
 
 namespace samara::identification {
 
@@ -66,7 +66,7 @@ std::string series_json(const CoefficientSeries& series) {
                        {"model", series.model},
                        {"time_unit", series.time_unit},
                        {"joined", series.joined},
-                       {"windows", series.windows},
+                       {"windows", series.spans},
                        {"instants", column(series.instants)},
                        {"series", coefficients},
                        {"factor", number(series.factor)},
@@ -82,7 +82,7 @@ std::string series_json(const CoefficientSeries& series) {
 std::string series_text(const CoefficientSeries& series) {
   std::string text;
   const auto out = std::back_inserter(text);
-  fmt::format_to(out, "series of {} in {} {} windows: {}\n", series.model, series.windows,
+  fmt::format_to(out, "series of {} in {} {} spans: {}\n", series.model, series.spans,
                  series.joined ? "joined" : "sliding", series.message);
   if (series.coefficients.empty()) return text;
   add_table(series, out);

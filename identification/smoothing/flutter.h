@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
-/// What a falling plate does on the average: for bodies whose motion forgets its start, a fit of trajectories
-/// alone may meet every window and still fall too slowly in the long run.
+/// What a falling plate does on the average. Where a motion forgets its start, a fit of trajectories alone
+/// may meet every short span and still fall too slowly in the long run.
 namespace samara::identification {
 
 struct Flutter {

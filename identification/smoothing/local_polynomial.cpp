@@ -157,7 +157,7 @@ Eigen::RowVectorXd deviation_from(const LocalFrames& frames, const LocalChart& c
 }
 
 /// An outlier at an end of the record bends the polynomials there to itself, so that its neighbours seem
-/// wrong. Seen from the inside it stands alone: frames of the last half window are held one by one against
+/// wrong. Seen from the inside it stands alone: frames of the last half bandwidth are held one by one against
 /// those before them, and the first against those after them.
 void judge_ends_from_inside(LocalFrames& frames, const LocalChart& chart, const Eigen::RowVectorXd& scales,
                             double limit) {
@@ -165,14 +165,14 @@ void judge_ends_from_inside(LocalFrames& frames, const LocalChart& chart, const 
   const auto test = [&](Index i, bool forward) {
     Frames inside;
     for (Index k = i + (forward ? -1 : 1); k >= 0 && k < frames.count(); k += forward ? -1 : 1) {
-      if (std::abs(frames.times[k] - frames.times[i]) > frames.window && inside.size() >= wanted) break;
+      if (std::abs(frames.times[k] - frames.times[i]) > frames.bandwidth && inside.size() >= wanted) break;
       if (frames.weights[k] > 0.0) inside.push_back(k);
     }
     if (inside.size() < wanted) return;
     if (forward) std::ranges::reverse(inside);
     frames.weights[i] = lengths_of(deviation_from(frames, chart, i, inside), scales)[0] <= limit ? 1.0 : 0.0;
   };
-  const double half = 0.5 * frames.window;
+  const double half = 0.5 * frames.bandwidth;
   const double begin = frames.times[0];
   const double end = frames.times[frames.count() - 1];
   for (Index i = frames.count() - 1; i >= 0; --i) {
@@ -202,13 +202,13 @@ Frames LocalFrames::nearest(double t, std::size_t wanted, Index but) const {
 }
 
 Frames LocalFrames::around(double t, Index but) const {
-  const double slack = kSameTime * window / 15.0;
+  const double slack = kSameTime * bandwidth / 15.0;
   const double begin = times[0];
   const double end = times[count() - 1];
-  double lower = t - 0.5 * window;
-  double upper = t + 0.5 * window;
-  if (lower < begin) upper = begin + window;
-  if (upper > end) lower = std::min(lower, end - window);
+  double lower = t - 0.5 * bandwidth;
+  double upper = t + 0.5 * bandwidth;
+  if (lower < begin) upper = begin + bandwidth;
+  if (upper > end) lower = std::min(lower, end - bandwidth);
   Frames inside;
   const Index first = std::ranges::lower_bound(times, lower - slack) - times.begin();
   for (Index i = first; i < count() && times[i] <= upper + slack; ++i) {

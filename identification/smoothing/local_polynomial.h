@@ -14,15 +14,15 @@ struct LocalFrames {
   Eigen::VectorXd times;    ///< s, strictly increasing
   Eigen::VectorXd weights;  ///< one per frame; 0: never used
   int degree = 4;
-  double window = 0.0;  ///< s
+  double bandwidth = 0.0;  ///< s
   /// Noise is a running mean over so many frames: that of frames less than so many intervals apart is
   /// correlated.
   int averaged = 1;
   double interval = 0.0;  ///< s, between frames
 
   Eigen::Index count() const { return times.size(); }
-  /// The frames with a weight in the window around t: shifted inward at an end of the record, and grown to
-  /// the nearest degree + 2 where it holds fewer (all, if there are not so many).
+  /// The frames with a weight within half a bandwidth of t, shifted inward at an end of the record; where
+  /// these are fewer than degree + 2, the nearest degree + 2 (all, if there are not so many).
   /// @param but a frame to leave out; -1: none
   std::vector<Eigen::Index> around(double t, Eigen::Index but = -1) const;
   /// The nearest frames with a weight, in order; fewer if there are not so many.

@@ -118,7 +118,7 @@ LocalFrames seen_frames(const Eigen::VectorXd& times, const std::vector<Index>& 
   return {.times = times(seen),
           .weights = {},
           .degree = options.degree,
-          .window = options.window.value_or(15.0 * interval),
+          .bandwidth = options.bandwidth.value_or(15.0 * interval),
           .averaged = options.averaged_frames,
           .interval = interval};
 }
@@ -139,8 +139,8 @@ void check_smoothing(const Eigen::VectorXd& times, Index rows, const Eigen::Vect
                      const SmoothingOptions& options) {
   if (options.degree < 2 || options.degree > 6)
     throw ArgumentError(fmt::format("polynomials have degree {}; 2 to 6 was expected", options.degree));
-  if (options.window && !(*options.window > 0.0 && std::isfinite(*options.window)))
-    throw ArgumentError(fmt::format("a window is {} s wide; more than 0 s was expected", *options.window));
+  if (options.bandwidth && !(*options.bandwidth > 0.0 && std::isfinite(*options.bandwidth)))
+    throw ArgumentError(fmt::format("the bandwidth is {} s; more than 0 s was expected", *options.bandwidth));
   if (options.noise && !(*options.noise >= 0.0 && std::isfinite(*options.noise)))
     throw ArgumentError(fmt::format("the noise is {}; a size was expected", *options.noise));
   if (options.averaged_frames < 1)

@@ -7,10 +7,10 @@
 
 /// Values, rates and accelerations of a capture, with their standard errors: starting values for fits.
 ///
-/// At each time asked for, a polynomial is fitted by least squares to the frames in a window around it
-/// (Savitzky and Golay 1964, for frames at any times and with gaps). A window that would reach over the end
-/// of the record is shifted inward; one that holds too few frames (a gap, a short window) grows to the
-/// nearest degree + 2.
+/// At each time asked for, a polynomial is fitted by least squares to the frames within half a bandwidth of
+/// it (Savitzky and Golay 1964, for frames at any times and with gaps). Where these would reach over the end
+/// of the record they are shifted inward; where they are too few (a gap, a small bandwidth), the nearest
+/// degree + 2 frames are taken.
 ///
 /// Outliers get no weight: frames whose distance from the polynomial through their *neighbours* is more than
 /// `outlier_threshold` times its standard deviation. They are found by iterated reweighting (Cleveland 1979,
@@ -19,17 +19,17 @@
 ///
 /// What the standard errors mean: noise of one size over the frames, independent from frame to frame unless
 /// `averaged_frames` says otherwise, carried through the fit. They do not know what a polynomial of this
-/// degree cannot follow: choose a window of at most about half a swing.
+/// degree cannot follow: choose a bandwidth of at most about half a swing.
 ///
-///     const auto start = smooth(times, positions, Eigen::VectorXd::Constant(1, 0.1), {.window = 0.15});
+///     const auto start = smooth(times, positions, Eigen::VectorXd::Constant(1, 0.1), {.bandwidth = 0.15});
 ///     start.value.row(0), start.rate.row(0), start.rate_error.row(0)
 namespace samara::identification {
 
 struct SmoothingOptions {
   /// Of the polynomials; 2 to 6.
   int degree = 4;
-  /// Width of a window, s. None: 15 median intervals between frames.
-  std::optional<double> window = {};
+  /// s: width of the range of frames around each time. None: 15 median intervals between frames.
+  std::optional<double> bandwidth = {};
   /// Standard deviation of one frame's noise, in the channel's unit (rad for attitudes). None: estimated for
   /// each channel from the residuals. Outliers are judged by it, or by how the frames scatter if that is
   /// more.

@@ -22,7 +22,7 @@ struct SmoothedAttitude {
 
 /// Attitudes: made continuous, then smoothed as rotation vectors from a local reference.
 /// @param quaternions frames x 4, (w, x, y, z), body to world, of any length but 0; NaN where not seen. The
-///   body must turn by less than a turn within half a window.
+///   body must turn by less than a turn within half a bandwidth.
 /// @throws ArgumentError as smooth()
 SmoothedAttitude smooth_attitude(const Eigen::VectorXd& times, const Eigen::MatrixX4d& quaternions,
                                  const Eigen::VectorXd& at, const SmoothingOptions& options = {},

@@ -7,15 +7,15 @@
 /// Internal to identification/.
 namespace samara::identification {
 
-/// The minimum of a cost whose motions hang together by shared unknowns alone: variable projection (G. Golub,
+/// The minimum of a cost whose motions are coupled by shared unknowns alone: variable projection (G. Golub,
 /// V. Pereyra, Inverse Problems 19 (2003) R1-R26). The shared unknowns take damped steps on the cost with
 /// each motion's own unknowns minimised, which follow every step to first order and are then settled, motion
-/// by motion, each with a damping of its own: one window in a narrow valley does not shorten the steps of the
+/// by motion, each with a damping of its own: one span in a narrow valley does not shorten the steps of the
 /// others.
 ///
-/// Where residuals are large, J^T J lacks much of the Hessian, and Gauss-Newton steps creep. What it lacks is
-/// learned from the steps, as NL2SOL does (J. E. Dennis, D. M. Gay, R. E. Welsch, ACM Trans. Math. Softw. 7
-/// (1981) 348-368), for the shared unknowns and for each motion.
+/// Where residuals are large, J^T J lacks much of the Hessian, and Gauss-Newton converges slowly. What it
+/// lacks is learned from the steps, as NL2SOL does (J. E. Dennis, D. M. Gay, R. E. Welsch, ACM Trans. Math.
+/// Softw. 7 (1981) 348-368), for the shared unknowns and for each motion.
 ///
 /// It ends where no step would move an unknown by more than a share of its naive standard error (D. M. Bates,
 /// D. G. Watts, Technometrics 23 (1981) 179-183): with the gradient g, the Hessian H and the dispersion d of

@@ -42,11 +42,11 @@ bool follows_end(Baseline baseline) {
 void check_count(const char* what, Eigen::Index count, const Eigen::VectorXd& times) {
   if (count == times.size()) return;
   throw ArgumentError(
-      fmt::format("a window of {} times has {} {}; as many were expected", times.size(), count, what));
+      fmt::format("a span of {} times has {} {}; as many were expected", times.size(), count, what));
 }
 
-void check_times(const Eigen::VectorXd& window, const Eigen::VectorXd& times) {
-  if (!window.allFinite() || !times.allFinite())
+void check_times(const Eigen::VectorXd& span, const Eigen::VectorXd& times) {
+  if (!span.allFinite() || !times.allFinite())
     throw ArgumentError("a time of a prediction is not finite; finite times were expected");
 }
 
@@ -93,27 +93,27 @@ class RateLine {
   Eigen::Vector2d line_;
 };
 
-Eigen::VectorXd carry_on(const SeenMotion& window, Eigen::Index component, const Eigen::VectorXd& times) {
+Eigen::VectorXd carry_on(const SeenMotion& span, Eigen::Index component, const Eigen::VectorXd& times) {
   std::vector<Eigen::Index> frames;
-  for (Eigen::Index k = 0; k < window.rates.rows(); ++k) {
-    if (std::isfinite(window.positions(k, component)) && std::isfinite(window.rates(k, component)))
+  for (Eigen::Index k = 0; k < span.rates.rows(); ++k) {
+    if (std::isfinite(span.positions(k, component)) && std::isfinite(span.rates(k, component)))
       frames.push_back(k);
   }
   if (frames.size() < 2) return Eigen::VectorXd::Constant(times.size(), kNaN);
-  const Eigen::VectorXd seen = window.times(frames);
-  const RateLine line(seen, window.rates(frames, component));
+  const Eigen::VectorXd seen = span.times(frames);
+  const RateLine line(seen, span.rates(frames, component));
   const auto moved = [&](double time) { return line.moved(time); };
-  const Eigen::VectorXd positions = window.positions(frames, component);
+  const Eigen::VectorXd positions = span.positions(frames, component);
   const double end = (positions - seen.unaryExpr(moved)).mean();
   return end + times.unaryExpr(moved).array();
 }
 
-Eigen::VectorXd predict_component(Baseline baseline, const Eigen::VectorXd& window_times,
+Eigen::VectorXd predict_component(Baseline baseline, const Eigen::VectorXd& seen_times,
                                   const Eigen::VectorXd& component, const Eigen::VectorXd& times) {
   const int degree = degree_of(baseline);
   const std::vector<Eigen::Index> frames = seen_frames(component, follows_end(baseline));
   if (static_cast<int>(frames.size()) <= degree) return Eigen::VectorXd::Constant(times.size(), kNaN);
-  const Eigen::VectorXd t = window_times(frames);
+  const Eigen::VectorXd t = seen_times(frames);
   const double origin = t[t.size() - 1];
   const double length = std::max(t.maxCoeff() - t.minCoeff(), std::numeric_limits<double>::min());
   const Eigen::VectorXd values = component(frames);
@@ -151,15 +151,15 @@ const std::vector<Baseline>& all_baselines() {
   return all;
 }
 
-Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& window, const Eigen::VectorXd& times) {
-  check_count("positions", window.positions.rows(), window.times);
-  if (window.rates.size() > 0) check_count("rates", window.rates.rows(), window.times);
-  check_times(window.times, times);
-  Eigen::MatrixXd result(times.size(), window.positions.cols());
+Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& span, const Eigen::VectorXd& times) {
+  check_count("positions", span.positions.rows(), span.times);
+  if (span.rates.size() > 0) check_count("rates", span.rates.rows(), span.times);
+  check_times(span.times, times);
+  Eigen::MatrixXd result(times.size(), span.positions.cols());
   for (Eigen::Index c = 0; c < result.cols(); ++c) {
     result.col(c) = baseline == Baseline::measured_velocity
-                        ? carry_on(window, c, times)
-                        : predict_component(baseline, window.times, window.positions.col(c), times);
+                        ? carry_on(span, c, times)
+                        : predict_component(baseline, span.times, span.positions.col(c), times);
   }
   return result;
 }
@@ -167,19 +167,19 @@ Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& window, const Eigen
 namespace {
 
 /// With the rates of a straight line, by steps of a rotation each.
-Eigen::MatrixX4d turn_on(const SeenTurn& window, Eigen::Index last, const Eigen::VectorXd& times) {
+Eigen::MatrixX4d turn_on(const SeenTurn& span, Eigen::Index last, const Eigen::VectorXd& times) {
   constexpr int kSteps = 50;  // from one time to the next
   Eigen::MatrixX4d result = Eigen::MatrixX4d::Constant(times.size(), 4, kNaN);
   std::vector<Eigen::Index> frames;
-  for (Eigen::Index k = 0; k < window.body_rates.rows(); ++k) {
-    if (window.body_rates.row(k).allFinite()) frames.push_back(k);
+  for (Eigen::Index k = 0; k < span.body_rates.rows(); ++k) {
+    if (span.body_rates.row(k).allFinite()) frames.push_back(k);
   }
   if (frames.size() < 2) return result;
-  const Eigen::VectorXd seen = window.times(frames);
+  const Eigen::VectorXd seen = span.times(frames);
   std::vector<RateLine> lines;
-  for (Eigen::Index axis = 0; axis < 3; ++axis) lines.emplace_back(seen, window.body_rates(frames, axis));
-  Attitude q = attitude_of(window.attitudes.row(last).transpose()).normalized();
-  double now = window.times[last];
+  for (Eigen::Index axis = 0; axis < 3; ++axis) lines.emplace_back(seen, span.body_rates(frames, axis));
+  Attitude q = attitude_of(span.attitudes.row(last).transpose()).normalized();
+  double now = span.times[last];
   for (Eigen::Index row = 0; row < times.size(); ++row) {
     const double step = (times[row] - now) / kSteps;
     for (int k = 0; k < kSteps; ++k) {
@@ -195,24 +195,24 @@ Eigen::MatrixX4d turn_on(const SeenTurn& window, Eigen::Index last, const Eigen:
 
 }  // namespace
 
-Eigen::MatrixX4d predict_turn(Baseline baseline, const SeenTurn& window, const Eigen::VectorXd& times) {
-  check_count("attitudes", window.attitudes.rows(), window.times);
-  if (window.body_rates.size() > 0) check_count("rates", window.body_rates.rows(), window.times);
-  check_times(window.times, times);
-  Eigen::Index last = window.times.size();
-  while (last-- > 0 && !window.attitudes.row(last).allFinite()) {
+Eigen::MatrixX4d predict_turn(Baseline baseline, const SeenTurn& span, const Eigen::VectorXd& times) {
+  check_count("attitudes", span.attitudes.rows(), span.times);
+  if (span.body_rates.size() > 0) check_count("rates", span.body_rates.rows(), span.times);
+  check_times(span.times, times);
+  Eigen::Index last = span.times.size();
+  while (last-- > 0 && !span.attitudes.row(last).allFinite()) {
   }
   if (last < 0) return Eigen::MatrixX4d::Constant(times.size(), 4, kNaN);
-  if (baseline == Baseline::measured_velocity) return turn_on(window, last, times);
+  if (baseline == Baseline::measured_velocity) return turn_on(span, last, times);
 
-  const Eigen::MatrixX4d seen = continuous_attitudes(window.times, window.attitudes);
+  const Eigen::MatrixX4d seen = continuous_attitudes(span.times, span.attitudes);
   const Attitude reference = attitude_of(seen.row(last).transpose());
   Eigen::MatrixXd turns = Eigen::MatrixXd::Constant(seen.rows(), 3, kNaN);
   for (Eigen::Index k = 0; k < seen.rows(); ++k) {
     if (seen.row(k).allFinite())
       turns.row(k) = rotation_vector(reference, attitude_of(seen.row(k).transpose())).transpose();
   }
-  const Eigen::MatrixXd ahead = predict(baseline, SeenMotion{window.times, turns}, times);
+  const Eigen::MatrixXd ahead = predict(baseline, SeenMotion{span.times, turns}, times);
   Eigen::MatrixX4d result = Eigen::MatrixX4d::Constant(times.size(), 4, kNaN);
   for (Eigen::Index row = 0; row < times.size(); ++row) {
     if (ahead.row(row).allFinite())

@@ -5,16 +5,16 @@
 
 #include <Eigen/Core>
 
-/// How well a motion is predicted beyond a window that was seen, beside predictions that know no physics.
+/// How well a motion is predicted beyond a span that was seen, beside predictions that know no physics.
 ///
-/// The fit inside the window is no merit: a cubic wins it and predicts worst. What counts is the error on
-/// frames after the window, of captures whose coefficients were fitted without them.
+/// The fit inside the span is no merit: a cubic wins it and predicts worst. What counts is the error on
+/// frames after the span, of captures whose coefficients were fitted without them.
 ///
 /// Baselines are polynomials in time, fitted by least squares to each component of the positions in the
-/// window: the straight line (degree 1), the parabola (2) and the cubic (3) to all of it; "constant velocity"
+/// span: the straight line (degree 1), the parabola (2) and the cubic (3) to all of it; "constant velocity"
 /// and "constant acceleration" (degrees 1 and 2) to its last third, at least 5 frames: they follow the state
-/// at the end of the window. "Measured velocity" is for sensors that say how fast a component changes: a
-/// straight line through that over the window, carried on from the place on which all frames agree best.
+/// at the end of the span. "Measured velocity" is for sensors that say how fast a component changes: a
+/// straight line through that over the span, carried on from the place on which all frames agree best.
 /// Attitudes are predicted as rotation vectors from the last one seen.
 namespace samara::identification {
 
@@ -50,11 +50,11 @@ struct SeenTurn {
 /// The baseline's positions at other times, times x components. A component with too few frames for its
 /// degree (degree + 1; for the measured velocity 2 with a rate) is NaN.
 /// @throws ArgumentError for sizes that differ or times that are not finite.
-Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& window, const Eigen::VectorXd& times);
+Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& span, const Eigen::VectorXd& times);
 
 /// The baseline's attitudes at other times, not before those seen: unit quaternions, or NaN.
 /// @throws ArgumentError as above, and for a quaternion of length 0.
-Eigen::MatrixX4d predict_turn(Baseline baseline, const SeenTurn& window, const Eigen::VectorXd& times);
+Eigen::MatrixX4d predict_turn(Baseline baseline, const SeenTurn& span, const Eigen::VectorXd& times);
 
 /// Distances between prediction and measurement, frame by frame; frames with a component missing in either
 /// are left out.

@@ -131,7 +131,7 @@ class BadCaptures(Case):
             self.check_error(run("fit", book("coin", COIN_PLAN), capture, "--config", config), 3, "config.toml", word)
         config = write("config.toml", "[fixed]\ndensity = -1.0\narea = 1e-4\nthickness = 1e-3\n[box]\nC_D = [1.0, 2.0]\n")
         self.check_error(run("fit", "vertical_fall", capture, "--config", config), 3, "config.toml", "density")
-        self.check_error(run("fit", book("coin", COIN_PLAN), capture, "--window", "-1"), 2, "window")
+        self.check_error(run("fit", book("coin", COIN_PLAN), capture, "--span", "-1"), 2, "span")
 
     def test_a_header_without_units(self):
         self.check_error(self.fit("t,x\n" + self.ROWS), 3, "capture.csv", "unit")

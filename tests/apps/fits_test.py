@@ -80,7 +80,7 @@ class Fits(Case):
     def test_all_files_behind_left_out_are_left_out(self):
         path, capture = book("coin", COIN_PLAN), self.capture()
         unseen = [write(f"unseen{k}.csv", capture.read_text()) for k in range(3)]
-        times = ("--window", "0.2 s", "--ahead", "0.1 s", "--json")
+        times = ("--span", "0.2 s", "--ahead", "0.1 s", "--json")
         for arguments in ((capture, "--left-out", *unseen), ("--left-out", *unseen, "--", path, capture)):
             call = arguments if path in arguments else (path, *arguments)
             result = run("fit", *times, *call) if path in arguments else run("fit", *call, *times)
@@ -96,10 +96,10 @@ class Fits(Case):
     def test_a_value_too_many_is_no_input_of_another_kind(self):
         path, capture = book("coin", COIN_PLAN), self.capture()
         other = write("other.csv", capture.read_text())
-        config = write("window.toml", 'window = "0.3 s"\n')
-        for option, value in [("--config", config), ("--window", "0.3 s"), ("-o", FOLDER / "more.json"), ("--ahead", "0.1 s"),
+        config = write("span.toml", 'span = "0.3 s"\n')
+        for option, value in [("--config", config), ("--span", "0.3 s"), ("-o", FOLDER / "more.json"), ("--ahead", "0.1 s"),
                               ("--report", FOLDER / "more.html"), ("--series", FOLDER / "more.h5"), ("--sidecar", config),
-                              ("--coefficients", config), ("--left-out-window", "0.1 s")]:
+                              ("--coefficients", config), ("--left-out-span", "0.1 s")]:
             self.check_error(run("fit", path, capture, option, value, other), 2, "other.csv", option.strip("-")[:1], "one row")
         self.assertFalse((FOLDER / "more.json").exists())
         # Flags take no values, and other commands no second input.
@@ -124,9 +124,9 @@ class Fits(Case):
         self.assertEqual(len(lines), 1, result.stderr)
         self.assertIn('capture "a": it has 7 frames; the like of 2 more: "b", "c"', lines[0])
 
-    def test_the_window_of_a_prediction_is_a_setting_of_its_own(self):
+    def test_the_span_of_a_prediction_is_a_setting_of_its_own(self):
         path, capture = book("coin", COIN_PLAN), self.capture()
-        unseen = write("own_window.csv", capture.read_text())
+        unseen = write("own_span.csv", capture.read_text())
         def frames(*arguments):
             result = run("fit", path, capture, "--left-out", unseen, "--json", *arguments)
             self.assertEqual(result.returncode, 0, result.stderr)
@@ -134,11 +134,11 @@ class Fits(Case):
             counts = {p["quantity"]: p["count"] for p in answer["predictions"] if p["predictor"] == "model"}
             return answer["captures"][0]["frames"], counts["position, up to 0.1 s ahead"]
         # Frames every 1/60 s: 13 in 0.2 s; six lie in each tenth of a second.
-        self.assertEqual(frames("--window", "0.2 s", "--left-out-window", "0.1 s", "--ahead", "0.1 s"), (13, 6))
+        self.assertEqual(frames("--span", "0.2 s", "--left-out-span", "0.1 s", "--ahead", "0.1 s"), (13, 6))
         config = write("both.toml", '[prediction]\nwindow = "0.1 s"\nahead = "0.1 s"\n')
         self.assertEqual(frames("--config", config), (22, 6))
-        self.assertEqual(frames("--config", config, "--window", "0.3 s"), (19, 6))
-        self.check_error(run("fit", path, capture, "--left-out-window", "0.1 s"), 2, "--left-out-window", "--left-out")
+        self.assertEqual(frames("--config", config, "--span", "0.3 s"), (19, 6))
+        self.check_error(run("fit", path, capture, "--left-out-span", "0.1 s"), 2, "--left-out-span", "--left-out")
 
     def test_coefficients_of_a_fit_go_into_a_prediction_without_one(self):
         path, capture = book("coin", COIN_PLAN), self.capture()
@@ -224,22 +224,22 @@ class Fits(Case):
             result = run("fit", *source)
             self.assertNotIn("upside down", result.stderr)
 
-    def test_a_prediction_needs_captures_a_window_and_a_time(self):
+    def test_a_prediction_needs_captures_a_span_and_a_time(self):
         path, capture = book("coin", COIN_PLAN), self.capture()
         self.check_error(run("fit", path, capture, "--ahead", "0.1 s"), 2, "--ahead", "--left-out")
         self.check_error(run("fit", path, capture, "--left-out", capture), 2, "--left-out", "--ahead")
-        self.check_error(run("fit", path, capture, "--left-out", capture, "--ahead", "0.1 s"), 2, "--window")
+        self.check_error(run("fit", path, capture, "--left-out", capture, "--ahead", "0.1 s"), 2, "--span")
 
     def test_a_time_of_a_prediction_that_is_none_is_a_wrong_call(self):
         path, capture = book("coin", COIN_PLAN), self.capture()
         for ahead in ("0", "-1 s"):
-            self.check_error(run("fit", path, capture, "--left-out", capture, "--window", "0.2 s", f"--ahead={ahead}"), 2, "--ahead")
+            self.check_error(run("fit", path, capture, "--left-out", capture, "--span", "0.2 s", f"--ahead={ahead}"), 2, "--ahead")
 
     def test_what_is_wrong_with_captures_left_out_is_found_before_the_fit(self):
         path, capture = book("coin", COIN_PLAN), self.capture()
         wrong = write("wrong.csv", capture.read_text().replace("x[m]", "y[m]"))
         target = FOLDER / "none.json"
-        arguments = ("--window", "0.2 s", "--ahead", "0.1 s", "-o", target)
+        arguments = ("--span", "0.2 s", "--ahead", "0.1 s", "-o", target)
         self.check_error(run("fit", path, capture, "--left-out", wrong, *arguments), 3, "wrong.csv", '"x"')
         self.assertFalse(target.exists())
         self.check_error(run("fit", path, capture, "--left-out", f"{FOLDER}/./fall.csv", *arguments), 3, "fitted as well as left out")
@@ -386,7 +386,7 @@ class Series(Case):
 
     def test_a_series_that_cannot_be_is_one_sentence(self):
         text = (self.FILES / "series.toml").read_text()
-        for old, new, words in [('"80 ms"', '"3 s"', ["series.window is 3 s", "lasts"]),
+        for old, new, words in [('"80 ms"', '"3 s"', ["series.span is 3 s", "lasts"]),
                                 ('["C_R"]', "[]", ["coefficients", "empty"]),
                                 ('["C_R"]', '["C_R", "C_R"]', ["C_R", "twice"]),
                                 ('["C_R"]', '["C_r"]', ["C_r", "did you mean"]),

@@ -161,8 +161,8 @@ TEST_CASE("a track that goes on with another body, or after a long gap, is sever
   Eigen::VectorXd x = 2.0 * times;
   x.tail(45).array() += 0.3;  // 17 m/s from frame 14 to 15
   x.segment(25, 3).setConstant(NAN);
-  const auto pieces = continuous_pieces(capture_of(times, {{"x", "m", x}}),
-                                        {.quantities = {"x"}, .longest_gap = 0.1, .fastest = 5.0});
+  const auto pieces = continuous_parts(capture_of(times, {{"x", "m", x}}),
+                                       {.quantities = {"x"}, .longest_gap = 0.1, .fastest = 5.0});
   REQUIRE(pieces.size() == 3);
   CHECK(pieces[0].frame_count() == 15);
   CHECK(pieces[1].frame_count() == 25);
@@ -170,8 +170,8 @@ TEST_CASE("a track that goes on with another body, or after a long gap, is sever
   CHECK(pieces[1].id == "ball#2");
   CHECK(pieces[1].times[0] == times[15]);
   CHECK(pieces[2].channel("x").values[0] == x[40]);
-  const auto longest = continuous_pieces(capture_of(times, {{"x", "m", x}}),
-                                         {.quantities = {"x"}, .longest_gap = 1.0, .least_frames = 30});
+  const auto longest = continuous_parts(capture_of(times, {{"x", "m", x}}),
+                                        {.quantities = {"x"}, .longest_gap = 1.0, .least_frames = 30});
   REQUIRE(longest.size() == 1);
   CHECK(longest[0].id == "ball");
   CHECK(longest[0].notes.empty());
@@ -202,7 +202,7 @@ TEST_CASE("outliers become missing values and are counted") {
                                              {"qy", "1", q.col(2)},
                                              {"qz", "1", q.col(3)}});
   const WithoutOutliers clean =
-      without_outliers(capture, {.window = 0.15}, {{"theta", 2.0 * std::numbers::pi}});
+      without_outliers(capture, {.bandwidth = 0.15}, {{"theta", 2.0 * std::numbers::pi}});
   CHECK(clean.frames ==
         std::map<std::string, std::vector<int>>{{"attitude", {11}}, {"theta", {50}}, {"x", {30, 31}}});
   for (const Channel& channel : clean.capture.channels) {

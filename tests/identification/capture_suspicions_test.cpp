@@ -116,7 +116,7 @@ TEST_CASE("bad captures are suspected for what is wrong with them") {
 }
 
 TEST_CASE("a long recording is suspected by some of its frames") {
-  // With all of them in windows of a quarter of the recording this would take minutes.
+  // With all of them in spans of a quarter of the recording this would take minutes.
   Capture capture = fall(20001);
   capture.times *= 1e-3;
   capture.channels[0].values = 1000.0 * (2.0 - 0.5 * 9.81 * capture.times.array().square()).matrix();

@@ -21,7 +21,7 @@ Capture ten_frames_a_second() {
 
 }  // namespace
 
-TEST_CASE("a window holds the frames up to its end, the one on the border included") {
+TEST_CASE("a span holds the frames up to its end, the one on the border included") {
   const Capture capture = ten_frames_a_second();
   // 0.1 * 3 is a little more than 0.3.
   const Capture part = first(capture, 0.3);
@@ -33,13 +33,13 @@ TEST_CASE("a window holds the frames up to its end, the one on the border includ
   CHECK(capture.frame_count() == 11);
 }
 
-TEST_CASE("a window counts from the first frame, wherever that is") {
+TEST_CASE("a span counts from the first frame, wherever that is") {
   Capture capture = ten_frames_a_second();
   capture.times.array() += 5.0;
   CHECK(first(capture, 0.5).frame_count() == 6);
 }
 
-TEST_CASE("a window that is not positive or leaves too few frames is refused") {
+TEST_CASE("a span that is not positive or leaves too few frames is refused") {
   const Capture capture = ten_frames_a_second();
   CHECK_THAT(error_of<samara::ArgumentError>([&] { first(capture, 0.0); }), Contains("more than 0 s"));
   CHECK_THAT(error_of<samara::ArgumentError>([&] { first(capture, std::nan("")); }),
@@ -48,12 +48,12 @@ TEST_CASE("a window that is not positive or leaves too few frames is refused") {
              Contains("2 frames of capture \"drop\"") && Contains("at least 3"));
 }
 
-TEST_CASE("windows of a capture begin a stride apart, count from their first frames, and lie within it") {
+TEST_CASE("spans of a capture begin a stride apart, count from their first frames, and lie within it") {
   Capture capture = ten_frames_a_second();
   capture.labels["drop"] = "7";
   capture.times.array() += 2.0;
-  const std::vector<Capture> parts = windows(capture, 0.3, 0.4);
-  // From 0, 0.4; from 0.8 on there is no window of 0.3 s.
+  const std::vector<Capture> parts = spans(capture, 0.3, 0.4);
+  // From 0, 0.4; from 0.8 on there is no span of 0.3 s.
   REQUIRE(parts.size() == 2);
   for (const Capture& part : parts) {
     CHECK(part.frame_count() == 4);
@@ -63,14 +63,14 @@ TEST_CASE("windows of a capture begin a stride apart, count from their first fra
   }
   CHECK(parts[1].id == "drop from 2.4 s");
   CHECK(parts[1].channel("x").values[0] == capture.channel("x").values[4]);
-  // A stride between frames goes to the next one, and windows may overlap.
-  CHECK(windows(capture, 0.3, 0.15).size() == 4);
-  // Most of a window must be seen.
+  // A stride between frames goes to the next one, and spans may overlap.
+  CHECK(spans(capture, 0.3, 0.15).size() == 4);
+  // Most of a span must be seen.
   capture.channels[0].values.segment(4, 3).setConstant(std::nan(""));
-  CHECK(windows(capture, 0.3, 0.4).size() == 1);
-  CHECK(windows(capture, 0.3, 0.4, {"y"}).size() == 2);
-  CHECK_THROWS_AS(windows(capture, 0.3, 0.0), samara::ArgumentError);
-  CHECK_THROWS_AS(windows(capture, std::nan(""), 0.1), samara::ArgumentError);
+  CHECK(spans(capture, 0.3, 0.4).size() == 1);
+  CHECK(spans(capture, 0.3, 0.4, {"y"}).size() == 2);
+  CHECK_THROWS_AS(spans(capture, 0.3, 0.0), samara::ArgumentError);
+  CHECK_THROWS_AS(spans(capture, std::nan(""), 0.1), samara::ArgumentError);
 }
 
 TEST_CASE("a quantity that was not measured is named with the nearest one") {

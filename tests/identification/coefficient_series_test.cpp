@@ -9,7 +9,7 @@
 #include "plate_captures.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/query/query.h"
-#include "samara/identification/series/series_book.h"
+#include "samara/identification/series/series_codebook.h"
 #include "samara/identification/series/series_knots.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
@@ -128,11 +128,11 @@ double distance(const CoefficientSeries& series, const Capture& capture, bool co
 TEST_CASE(
     "a coefficient that changes smoothly is recovered within its errors, and its replay is the capture") {
   const Capture capture = fluttering(0.6, 5);
-  const CoefficientSeries series = series_of(capture, {.coefficients = {"C_R"}, .window = 0.8});
+  const CoefficientSeries series = series_of(capture, {.coefficients = {"C_R"}, .span = 0.8});
   INFO(series.message);
   REQUIRE(series.status == FitStatus::converged);
   CHECK(series.joined);
-  CHECK(series.windows == 10);
+  CHECK(series.spans == 10);
   REQUIRE(series.instants.size() == 12);
   CHECK(series.instants[1] == Approx(0.4));
   // A normal error beyond three standard errors is one in 370; errors of neighbours are correlated.
@@ -140,7 +140,7 @@ TEST_CASE(
   // A sine has some 4 to 8 free values in 12.
   CHECK(series.effective > 3.0);
   CHECK(series.effective < 12.0);
-  // The windows are joined: a simulation from the first frame stays at the capture, to its noise and the
+  // The spans are joined: a simulation from the first frame stays at the capture, to its noise and the
   // error of the steps; with the best constant coefficient it does not.
   CHECK(distance(series, capture, false) < 3.0 * kSeriesNoise);
   CHECK(distance(series, capture, true) > 2.0 * distance(series, capture, false));
@@ -172,7 +172,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a coefficient that does not change is a straight line within its errors, and the series says so") {
-  const CoefficientSeries series = series_of(fluttering(0.0, 6), {.coefficients = {"C_R"}, .window = 0.8});
+  const CoefficientSeries series = series_of(fluttering(0.0, 6), {.coefficients = {"C_R"}, .span = 0.8});
   REQUIRE(series.status == FitStatus::converged);
   CHECK(misses(series, 0.0) == 0);
   // A straight line has two free values; the smoothest factors bring little more.
@@ -187,9 +187,9 @@ TEST_CASE("noise levels that are estimated choose the smoothness that known ones
   FitOptions estimated = known;
   estimated.loss.scales.clear();
   estimated.noise.estimated = true;
-  const SeriesOptions windows = {.coefficients = {"C_R"}, .window = 0.8};
+  const SeriesOptions spans = {.coefficients = {"C_R"}, .span = 0.8};
   const auto series_by = [&](const FitOptions& options, double height) {
-    return fit_series(find_model("falling_plate_nd"), std::vector{fluttering(height, 5)}, options, windows);
+    return fit_series(find_model("falling_plate_nd"), std::vector{fluttering(height, 5)}, options, spans);
   };
   const auto height = GENERATE(0.6, 0.0);
   const CoefficientSeries series = series_by(estimated, height);
@@ -209,20 +209,20 @@ TEST_CASE("noise levels that are estimated choose the smoothness that known ones
   }
 }
 
-TEST_CASE("windows that slide recover the coefficient too, with start states of their own") {
+TEST_CASE("spans that slide recover the coefficient too, with start states of their own") {
   const CoefficientSeries series =
-      series_of(fluttering(0.6, 7), {.coefficients = {"C_R"}, .window = 1.6, .stride = 0.8});
+      series_of(fluttering(0.6, 7), {.coefficients = {"C_R"}, .span = 1.6, .stride = 0.8});
   INFO(series.message);
   REQUIRE(series.status == FitStatus::converged);
   CHECK_FALSE(series.joined);
-  CHECK(series.windows == 9);
+  CHECK(series.spans == 9);
   CHECK(series.fit.captures.size() == 9);
   CHECK(misses(series, 0.6) <= 1);
 }
 
 TEST_CASE("the caller's smoothness is the one used, and a hard one gives a straight line") {
   const CoefficientSeries series =
-      series_of(fluttering(0.6, 5), {.coefficients = {"C_R"}, .window = 0.8, .scales = {{"C_R", 1e-4}}});
+      series_of(fluttering(0.6, 5), {.coefficients = {"C_R"}, .span = 0.8, .scales = {{"C_R", 1e-4}}});
   CHECK_FALSE(series.factor);
   CHECK(series.trials.empty());
   CHECK(series.coefficients[0].scale == 1e-4);
@@ -245,7 +245,7 @@ TEST_CASE("differences do not depend on how instants are spaced where the course
 }
 
 TEST_CASE("a replay has what is known of the capture, and what is its own where frames are means too") {
-  const SeriesOptions given = {.coefficients = {"C_R"}, .window = 0.8, .scales = {{"C_R", 0.1}}};
+  const SeriesOptions given = {.coefficients = {"C_R"}, .span = 0.8, .scales = {{"C_R", 0.1}}};
   FitOptions options = series_options();
   options.unknowns.fixed.erase("mu1");
   options.unknowns.box["mu1"] = {0.1, 0.4};
@@ -273,7 +273,7 @@ TEST_CASE("a replay has what is known of the capture, and what is its own where 
 }
 
 TEST_CASE("what is asked of constant coefficients or joined segments is refused where there is no answer") {
-  const SeriesOptions joined = {.coefficients = {"C_R"}, .window = 0.8};
+  const SeriesOptions joined = {.coefficients = {"C_R"}, .span = 0.8};
   SeriesOptions sliding = joined;
   sliding.stride = 0.4;
   const auto with = [&](const SeriesOptions& series, auto change) {
@@ -288,11 +288,11 @@ TEST_CASE("what is asked of constant coefficients or joined segments is refused 
   CHECK_THAT(with(sliding, [](FitOptions& o) { o.segments.length = 0.8; }),
              Contains("segments of 0.8 s and a series.stride"));
   CHECK_THAT(with(sliding, [](FitOptions& o) { o.noise.estimated = true; }),
-             Contains("noise is not estimated where windows slide"));
+             Contains("noise is not estimated where spans slide"));
 }
 
-TEST_CASE("what belongs to the start of a capture is not applied to each window that slides") {
-  const SeriesOptions sliding = {.coefficients = {"C_R"}, .window = 0.8, .stride = 0.4};
+TEST_CASE("what belongs to the start of a capture is not applied to each span that slides") {
+  const SeriesOptions sliding = {.coefficients = {"C_R"}, .span = 0.8, .stride = 0.4};
   const auto with = [&](auto change) {
     FitOptions options = series_options();
     change(options);
@@ -322,14 +322,14 @@ TEST_CASE("what belongs to the start of a capture is not applied to each window 
 }
 
 TEST_CASE("what a series cannot be is one sentence") {
-  const SeriesOptions good = {.coefficients = {"C_R"}, .window = 0.8};
+  const SeriesOptions good = {.coefficients = {"C_R"}, .span = 0.8};
   const auto with = [&](auto change) {
     SeriesOptions series = good;
     change(series);
     return series_error(series_options(), series);
   };
-  CHECK_THAT(with([](SeriesOptions& s) { s.window = 9.0; }),
-             Contains("series.window is 9 s, but capture \"plate\" lasts 8 s"));
+  CHECK_THAT(with([](SeriesOptions& s) { s.span = 9.0; }),
+             Contains("series.span is 9 s, but capture \"plate\" lasts 8 s"));
   CHECK_THAT(with([](SeriesOptions& s) { s.coefficients.clear(); }),
              Contains("series.coefficients is empty"));
   CHECK_THAT(with([](SeriesOptions& s) { s.coefficients = {"C_R", "C_R"}; }), Contains("\"C_R\" twice"));
@@ -337,9 +337,9 @@ TEST_CASE("what a series cannot be is one sentence") {
              Contains("no parameter \"C_r\"") && Contains("did you mean"));
   CHECK_THAT(with([](SeriesOptions& s) { s.coefficients = {"A"}; }), Contains("\"A\" is fixed"));
   CHECK_THAT(with([](SeriesOptions& s) { s.coefficients = {"mu2"}; }), Contains("no interval in the box"));
-  CHECK_THAT(with([](SeriesOptions& s) { s.window = NAN; }), Contains("series.window is nan"));
+  CHECK_THAT(with([](SeriesOptions& s) { s.span = NAN; }), Contains("series.span is nan"));
   CHECK_THAT(with([](SeriesOptions& s) { s.stride = 1.0; }), Contains("series.stride is 1"));
   CHECK_THAT(with([](SeriesOptions& s) { s.order = 3; }), Contains("series.order is 3"));
   CHECK_THAT(with([](SeriesOptions& s) { s.scales = {{"A", 1.0}}; }), Contains("none of its coefficients"));
-  CHECK_THAT(with([](SeriesOptions& s) { s.window = 1e-3; }), Contains("8000 values"));
+  CHECK_THAT(with([](SeriesOptions& s) { s.span = 1e-3; }), Contains("8000 values"));
 }

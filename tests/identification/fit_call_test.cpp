@@ -131,7 +131,7 @@ TEST_CASE("captures must have enough frames, within the times of the family") {
   BrakedFamily family;
   family.mutable_info().end_time = 0.6;
   CHECK_THAT(error_of<samara::ArgumentError>([&] { fit(family, two_captures()); }),
-             Contains("lasts 1 s, but the closed form ends at 0.6 s; a `window`"));
+             Contains("lasts 1 s, but the closed form ends at 0.6 s; a `span`"));
   FitOptions options;
   options.compared.span = 0.6;
   CHECK(fit(family, two_captures(), options).captures[0].frames == 6);
@@ -183,7 +183,7 @@ TEST_CASE("steps without end are refused, and the times are asked about") {
 }
 
 TEST_CASE("options outside their meaning are refused") {
-  CHECK_THAT(fit_error(with([](FitOptions& o) { o.compared.span = -1.0; })), Contains("window is -1"));
+  CHECK_THAT(fit_error(with([](FitOptions& o) { o.compared.span = -1.0; })), Contains("span is -1"));
   CHECK_THAT(fit_error(with([](FitOptions& o) { o.starts.count = 0; })), Contains("starts is 0"));
   CHECK_THAT(fit_error(with([](FitOptions& o) { o.solver.max_iterations = 0; })),
              Contains("max_iterations is 0"));

@@ -63,7 +63,7 @@ TEST_CASE("an empty config leaves every default") {
 
 TEST_CASE("a config sets every option, with units converted") {
   const FitOptions options = parse_fit_config(R"toml(
-window = "400 ms"
+span = "400 ms"
 outputs = ["x"]
 loss = { kind = "cauchy", scale = "3 mm" }
 shared = ["C_D"]
@@ -132,6 +132,13 @@ C_D = [0.6, 2.0]
   CHECK_THAT(options.unknowns.box.at("v(0)").lower, WithinRel(-0.4, 1e-15));
 }
 
+TEST_CASE("a span may go by its former name, window, but not by both") {
+  CHECK(parse_fit_config("window = \"0.4 s\"", "fit.toml", names()).compared.span == 0.4);
+  CHECK_THAT(config_error("span = \"0.4 s\"\nwindow = \"0.4 s\""),
+             StartsWith("fit.toml:2: window: ") && Contains("one of the two"));
+  CHECK_THAT(config_error("window = 0"), StartsWith("fit.toml:1: window: ") && Contains("more than 0"));
+}
+
 TEST_CASE("loss scales may be given output by output") {
   const FitOptions options =
       parse_fit_config("loss = { scale = { v = \"5 mm/s\", x = 0.001 } }", "fit.toml", names());
@@ -141,10 +148,10 @@ TEST_CASE("loss scales may be given output by output") {
 }
 
 TEST_CASE("whatever a config gets wrong is named with its line") {
-  CHECK_THAT(config_error("windw = \"1 s\""),
-             StartsWith("fit.toml:1: ") && Contains("did you mean \"window\"?"));
-  CHECK_THAT(config_error("window = \"1 m\""), StartsWith("fit.toml:1: window: "));
-  CHECK_THAT(config_error("\nwindow = 0"), StartsWith("fit.toml:2: window: ") && Contains("more than 0"));
+  CHECK_THAT(config_error("spann = \"1 s\""),
+             StartsWith("fit.toml:1: ") && Contains("did you mean \"span\"?"));
+  CHECK_THAT(config_error("span = \"1 m\""), StartsWith("fit.toml:1: span: "));
+  CHECK_THAT(config_error("\nspan = 0"), StartsWith("fit.toml:2: span: ") && Contains("more than 0"));
   CHECK_THAT(config_error("outputs = [\"y\"]"), Contains("unknown name \"y\""));
   CHECK_THAT(config_error("shared = [\"C_d\"]"), Contains("did you mean \"C_D\"?"));
   CHECK_THAT(config_error("loss = { kind = \"hubert\" }"), Contains("did you mean \"huber\"?"));

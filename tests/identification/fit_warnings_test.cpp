@@ -200,7 +200,7 @@ TEST_CASE("a fit without any trajectory fails with a status") {
   const std::vector captures = {make_capture("a", times, BrakedFamily::depths(1.0, 1.0, times))};
   const FitResult result = fit(BrokenFamily(false), captures);
   CHECK(result.status == FitStatus::failed);
-  CHECK_THAT(result.message, Contains("none of 3 starts led anywhere"));
+  CHECK_THAT(result.message, Contains("none of 3 starts succeeded"));
   CHECK(result.coefficients.empty());
   // What is wrong with the capture may be why.
   CHECK(text_of(result.warnings) == "capture \"a\": it has 5 frames");

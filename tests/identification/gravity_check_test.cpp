@@ -31,7 +31,7 @@ std::vector<std::string> doubts(const std::string& name, const std::map<std::str
   const ParametricModel model(samara::models::find_model(name), values, {});
   std::vector<Capture> captures = motions(model, times, up);
   std::erase_if(captures[0].channels, [](const Channel& c) { return c.unit != "m"; });
-  return gravity_doubts(model, {}, captures);
+  return check_gravity(model, {}, captures);
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ TEST_CASE("a fall at its final speed is suspected where it goes up, whatever the
   std::vector<Capture> captures = {
       make_capture("down", times, 0.4 * Eigen::VectorXd::LinSpaced(41, 0.0, 1.5)),
       make_capture("up", times, -0.4 * Eigen::VectorXd::LinSpaced(41, 0.0, 1.5))};
-  const auto found = gravity_doubts(model, {}, captures);
+  const auto found = check_gravity(model, {}, captures);
   REQUIRE(found.size() == 1);
   CHECK_THAT(found[0], Catch::Contains("\"up\"") && Catch::Contains("along +x"));
 }

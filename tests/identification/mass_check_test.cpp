@@ -28,7 +28,7 @@ std::vector<std::string> doubts(double factor, FitOptions options = {}, bool lab
   }
   const auto family = reference_trajectories(samara::models::find_model("vertical_fall"), fixed, box);
   const FitResult fitted = fit(*family, captures, options);
-  return mass_doubts(*family, captures, options, fitted);
+  return check_mass(*family, captures, options, fitted);
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ TEST_CASE("a known density is doubted beyond its box, and nothing that a trial r
   options.unknowns.box["density"] = {0.7 * density, 1.5 * density};
   const auto family = reference_trajectories(samara::models::find_model("vertical_fall"), fixed, box);
   const FitResult fitted = fit(*family, captures, options);
-  const auto said = mass_doubts(*family, captures, options, fitted);
+  const auto said = check_mass(*family, captures, options, fitted);
   REQUIRE(said.size() == 1);
   CHECK_THAT(said[0], Contains("a density 10^3 times as small would leave"));
 }

@@ -29,7 +29,7 @@ double along_track_noise(const Capture& flight) {
   for (Index k = 0; k < 3; ++k) positions.col(k) = flight.channels[static_cast<std::size_t>(k)].values;
   const Eigen::Vector3d way = (positions.bottomRows(1) - positions.topRows(1)).transpose().normalized();
   return smooth(flight.times, positions * way, flight.times.head(1),
-                {.degree = 3, .window = 1.0, .outlier_threshold = INFINITY})
+                {.degree = 3, .bandwidth = 1.0, .outlier_threshold = INFINITY})
       .noise[0];
 }
 
@@ -79,8 +79,8 @@ TEST_CASE("blimp: pose and rates in SI units and the world z up agree with one a
   for (Index k = 0; k < 3; ++k) positions.col(k) = flight.channel(std::string(1, "xyz"[k])).values;
   for (Index k = 0; k < 4; ++k)
     quaternions.col(k) = flight.channel(kQuaternionChannels[static_cast<std::size_t>(k)]).values;
-  const Smoothed path = smooth(flight.times, positions, at, {.window = 0.5});
-  const SmoothedAttitude attitude = smooth_attitude(flight.times, quaternions, at, {.window = 0.5});
+  const Smoothed path = smooth(flight.times, positions, at, {.bandwidth = 0.5});
+  const SmoothedAttitude attitude = smooth_attitude(flight.times, quaternions, at, {.bandwidth = 0.5});
   double speed_error = 0.0;
   double rate_error = 0.0;
   for (Index k = 0; k < at.size(); ++k) {

@@ -216,7 +216,7 @@ TEST_CASE("captures left out are fitted with the levels that were found") {
   const FitOptions options = estimated(LossKind::huber);
   const FitResult fitted = fit(BrakedWithRate(), captures, options);
   const auto scores =
-      predict_left_out(BrakedWithRate(), fitted, braked(8, 3), options, {.window = 0.75, .ahead = 0.5});
+      predict_left_out(BrakedWithRate(), fitted, braked(8, 3), options, {.span = 0.75, .ahead = 0.5});
   REQUIRE_FALSE(scores.empty());
   CHECK(scores[0].predictor == "model");
   // Within a few deviations of one frame.

@@ -52,8 +52,8 @@ const Values& disc_coefficients() {
   return values;
 }
 
-/// Windows of a fluttering disc, positions alone, each frame the mean of five.
-std::vector<Capture> disc_windows(int count, int window_frames) {
+/// Spans of a fluttering disc, positions alone, each frame the mean of five.
+std::vector<Capture> disc_spans(int count, int span_frames) {
   Values fixed = disc();
   fixed.insert(disc_coefficients().begin(), disc_coefficients().end());
   const double tilt = 0.3;
@@ -61,24 +61,24 @@ std::vector<Capture> disc_windows(int count, int window_frames) {
   fixed["qx(0)"] = std::sin(0.5 * tilt) * std::cos(0.4);
   fixed["qy(0)"] = std::sin(0.5 * tilt) * std::sin(0.4);
   const samara::models::ParametricModel model(samara::models::find_model("immersed_body"), fixed, {});
-  const std::vector<double> times = frames(0.0, 40 + count * window_frames);
+  const std::vector<double> times = frames(0.0, 40 + count * span_frames);
   const auto trajectory = samara::models::integrate(model, {}, times);
-  std::vector<Capture> windows;
+  std::vector<Capture> spans;
   for (int n = 0; n < count; ++n) {
-    Capture window;
-    window.id = std::to_string(n);
-    const std::vector<double> own = frames(0.0, window_frames);
-    window.times = Eigen::Map<const Eigen::VectorXd>(own.data(), window_frames);
+    Capture span;
+    span.id = std::to_string(n);
+    const std::vector<double> own = frames(0.0, span_frames);
+    span.times = Eigen::Map<const Eigen::VectorXd>(own.data(), span_frames);
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      Eigen::VectorXd means(window_frames);
-      for (int k = 0; k < window_frames; ++k) {
-        means[k] = trajectory.states.col(axis).segment(28 + n * window_frames + k, 5).mean();
+      Eigen::VectorXd means(span_frames);
+      for (int k = 0; k < span_frames; ++k) {
+        means[k] = trajectory.states.col(axis).segment(28 + n * span_frames + k, 5).mean();
       }
-      window.channels.push_back({std::string(1, static_cast<char>('x' + axis)), "m", means});
+      span.channels.push_back({std::string(1, static_cast<char>('x' + axis)), "m", means});
     }
-    windows.push_back(std::move(window));
+    spans.push_back(std::move(span));
   }
-  return windows;
+  return spans;
 }
 
 std::unique_ptr<TrajectoryFamily> disc_family() {
@@ -107,7 +107,7 @@ TEST_CASE("frames that are means of five are met by the model's means, whose sta
   CHECK_THAT(result.captures[0].start, WithinAbs(0.28, 1e-12));
   CHECK_THAT(result.captures[0].nuisances[0].value, WithinRel(0.9 * std::exp(-1.7 * 0.28), 1e-6));
 
-  // And beyond the window, at the mean of frames there.
+  // And beyond the span, at the mean of frames there.
   const std::vector<double> later = frames(1.0, 3);
   const Capture truth = braked_means(later, 1.7, 0.9);
   const auto predicted = fitted_motion(family, options, result, 0, later, {"x"});
@@ -192,7 +192,7 @@ TEST_CASE("a plate's normal lies along what pushes it, and turns with it") {
 }
 
 TEST_CASE("coefficients of a disc are found from positions alone, smoothed by their source") {
-  const std::vector<Capture> windows = disc_windows(6, 20);
+  const std::vector<Capture> spans = disc_spans(6, 20);
   const auto family = disc_family();
   FitOptions options;
   options.compared.averaged_frames = 5;
@@ -205,7 +205,7 @@ TEST_CASE("coefficients of a disc are found from positions alone, smoothed by th
     options.starts.initial[name] = 1.3 * value;
     options.unknowns.log_scale.push_back(name);
   }
-  const FitResult result = fit(*family, windows, options);
+  const FitResult result = fit(*family, spans, options);
   for (const Coefficient& c : result.coefficients) {
     INFO(c.name << " " << c.value);
     // Without noise; Runge-Kutta steps of 2.5 ms err by some 1e-5 m. Edge-on drag is next to unknown.
@@ -229,8 +229,7 @@ TEST_CASE("a round body in joined segments is refused") {
   FitOptions options;
   options.starts.round_body = true;
   options.segments.length = 0.1;
-  CHECK_THROWS_WITH(fit(*disc_family(), disc_windows(1, 40), options),
-                    Catch::Matchers::Contains("round_body"));
+  CHECK_THROWS_WITH(fit(*disc_family(), disc_spans(1, 40), options), Catch::Matchers::Contains("round_body"));
 }
 
 TEST_CASE("flutter is found in a drifting ellipse") {

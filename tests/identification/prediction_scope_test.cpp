@@ -41,7 +41,7 @@ TEST_CASE("attitudes and rates are predicted, too, and by the rates measured") {
   FitResult fitted = fit(*family, std::vector{measured("a", 2.0), measured("b", 3.0)}, options);
   REQUIRE(fitted.status == FitStatus::converged);
   const std::vector left_out = {measured("c", 2.5), measured("d", 1.5)};
-  add_predictions(*family, left_out, options, {.window = 0.15, .ahead = 0.1}, fitted);
+  add_predictions(*family, left_out, options, {.span = 0.15, .ahead = 0.1}, fitted);
   const auto& scores = fitted.predictions;
   for (const char* quantity : {"position", "velocity", "angular velocity", "attitude"}) {
     const std::string ahead = fmt::format("{}, 0.1 s ahead", quantity);
@@ -72,7 +72,7 @@ TEST_CASE("known values that a capture left out lacks are unknowns of its own th
     captures[static_cast<std::size_t>(c)].labels["speed"] = fmt::format("{}", 0.6 + 0.1 * c);
   const FitResult fitted = fit(family, captures, options);
   CHECK_THAT(fitted.coefficients[0].value, Catch::Matchers::WithinAbs(1.4, 1e-6));
-  const PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
+  const PredictionOptions prediction{.span = 0.6, .ahead = 0.5};
   std::vector<Capture> left_out = braked(4, 2, 0.0);
   const std::string ahead = "position, 0.5 s ahead";
   CHECK(of(predict_left_out(family, fitted, left_out, options, prediction), "model", ahead).largest < 1e-6);
@@ -103,7 +103,7 @@ TEST_CASE("known values that a capture left out lacks are unknowns of its own th
         1e-3);
 }
 
-TEST_CASE("windows along a capture are fitted with starts of their own, and predicted") {
+TEST_CASE("spans along a capture are fitted with starts of their own, and predicted") {
   const BrakedFamily family;
   FitOptions options = plain();
   options.compared.span = 0.5;
@@ -116,20 +116,20 @@ TEST_CASE("windows along a capture are fitted with starts of their own, and pred
   CHECK(fitted.captures[1].whole == "5");
   CHECK_THAT(fitted.coefficients[0].value, Catch::Matchers::WithinAbs(1.4, 0.02));
   const std::vector left_out = braked(8, 2, 1e-4);
-  add_predictions(family, left_out, options, {.window = 0.5, .ahead = 0.25, .stride = 0.25}, fitted);
+  add_predictions(family, left_out, options, {.span = 0.5, .ahead = 0.25, .stride = 0.25}, fitted);
   CHECK(of(fitted.predictions, "model", "position, 0.25 s ahead").captures == 8);
   CHECK(of(fitted.predictions, "model", "position, 0.25 s ahead").median < 2e-3);
   CHECK(of(fitted.predictions, "straight line", "position, 0.25 s ahead").median > 5e-3);
-  // By capture, not by window.
+  // By capture, not by span.
   CHECK(std::ranges::count_if(fitted.capture_predictions, [](const PredictionScore& s) {
           return s.predictor == "model" && s.quantity == "position, 0.25 s ahead" && s.captures == 4;
         }) == 2);
-  // Nor can windows of what was fitted be left out.
+  // Nor can spans of what was fitted be left out.
   std::vector<Capture> same = braked(5, 1, 0.0);
   same[0].file = "drops.csv";
   const FitResult of_file = fit(family, same, options);
   CHECK_THROWS_AS(
-      predict_left_out(family, of_file, same, options, {.window = 0.5, .ahead = 0.25, .stride = 0.25}),
+      predict_left_out(family, of_file, same, options, {.span = 0.5, .ahead = 0.25, .stride = 0.25}),
       samara::InputError);
 }
 
@@ -137,7 +137,7 @@ TEST_CASE("each fold is predicted by a fit of the others") {
   const BrakedFamily family;
   const std::vector captures = braked(0, 6, 1e-4);
   FitResult fitted = fit(family, captures, plain());
-  const PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
+  const PredictionOptions prediction{.span = 0.6, .ahead = 0.5};
   cross_validate(family, captures, plain(), prediction, {.count = 3}, fitted);
   CHECK(of(fitted.predictions, "model", "position, 0.5 s ahead").captures == 6);
   CHECK(fitted.capture_predictions.size() == 6 * fitted.predictions.size());
@@ -164,7 +164,7 @@ TEST_CASE("folds keep clusters together, and a seed draws them") {
   for (std::size_t k = 0; k < captures.size(); ++k) captures[k].labels["drop"] = fmt::format("{}", k / 2);
   FitOptions options = plain();
   options.uncertainty.cluster_by = {"drop"};
-  const PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
+  const PredictionOptions prediction{.span = 0.6, .ahead = 0.5};
   const std::string ahead = "position, 0.5 s ahead";
   const auto error_of = [&](const std::vector<PredictionScore>& scores, const std::string& capture) {
     const auto found = std::ranges::find_if(scores, [&](const PredictionScore& s) {
@@ -183,7 +183,7 @@ TEST_CASE("folds keep clusters together, and a seed draws them") {
   };
   // What cannot be predicted is said once, whichever folds it is in.
   FitResult short_sighted = fitted;
-  cross_validate(family, captures, options, {.window = 0.6, .ahead = 1e-3}, {.count = 2}, short_sighted);
+  cross_validate(family, captures, options, {.span = 0.6, .ahead = 1e-3}, {.count = 2}, short_sighted);
   CHECK(std::ranges::count_if(short_sighted.warnings, [](const Warning& warning) {
           return warning.sentence.find("was not predicted: it has no frame") != std::string::npos;
         }) == 1);
@@ -210,7 +210,7 @@ TEST_CASE("what is known of captures may be hidden where they are left out") {
   for (std::size_t k = 0; k < captures.size(); ++k)
     captures[k].labels["speed"] = fmt::format("{}", 0.6 + 0.1 * static_cast<double>(k));
   const FitResult fitted = fit(family, std::span(captures).first(5), options);
-  PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
+  PredictionOptions prediction{.span = 0.6, .ahead = 0.5};
   const std::string ahead = "position, 0.5 s ahead";
   captures[5].labels["speed"] = "0.7";
   const auto left_out = std::span(captures).last(1);

@@ -28,8 +28,8 @@ const Eigen::VectorXd kSeen = Eigen::VectorXd::LinSpaced(16, 0.0, 0.15);
 const Eigen::VectorXd kNext = Eigen::VectorXd::LinSpaced(10, 0.16, 0.25);
 
 double worst(Baseline baseline, const std::vector<double>& a) {
-  const SeenMotion window{kSeen, polynomial(kSeen, a)};
-  return (predict(baseline, window, kNext) - polynomial(kNext, a)).cwiseAbs().maxCoeff();
+  const SeenMotion span{kSeen, polynomial(kSeen, a)};
+  return (predict(baseline, span, kNext) - polynomial(kNext, a)).cwiseAbs().maxCoeff();
 }
 
 }  // namespace
@@ -45,25 +45,25 @@ TEST_CASE("each baseline continues the polynomials of its degree exactly, and no
     CHECK(worst(b, cubic) > 1e-3);
   }
   CHECK(worst(Baseline::cubic, cubic) < 1e-11);
-  // What follows the end of the window errs less than what is fitted to all of it.
+  // What follows the end of the span errs less than what is fitted to all of it.
   CHECK(worst(Baseline::constant_velocity, parabola) < worst(Baseline::straight_line, parabola));
   CHECK(worst(Baseline::constant_acceleration, cubic) < worst(Baseline::quadratic, cubic));
 }
 
 TEST_CASE("a measured velocity that changes evenly is carried on exactly, from the mean of noisy places") {
-  SeenMotion window{kSeen, polynomial(kSeen, {0.1, 2.0, -4.9})};
-  CHECK(predict(Baseline::measured_velocity, window, kNext).array().isNaN().all());
-  window.rates = window.positions;
-  window.rates.col(0) = (2.0 - 9.8 * kSeen.array()).matrix();
-  window.rates.col(1) = -window.rates.col(0);
-  window.rates(2, 0) = kNaN;
+  SeenMotion span{kSeen, polynomial(kSeen, {0.1, 2.0, -4.9})};
+  CHECK(predict(Baseline::measured_velocity, span, kNext).array().isNaN().all());
+  span.rates = span.positions;
+  span.rates.col(0) = (2.0 - 9.8 * kSeen.array()).matrix();
+  span.rates.col(1) = -span.rates.col(0);
+  span.rates(2, 0) = kNaN;
   const Eigen::MatrixXd truth = polynomial(kNext, {0.1, 2.0, -4.9});
-  CHECK((predict(Baseline::measured_velocity, window, kNext) - truth).cwiseAbs().maxCoeff() < 1e-12);
+  CHECK((predict(Baseline::measured_velocity, span, kNext) - truth).cwiseAbs().maxCoeff() < 1e-12);
   // Noise of a place counts by its mean, 1/16 of one frame's, and by nothing else: a cubic errs by its size.
-  window.positions(15, 1) += 0.016;
-  const Eigen::MatrixXd off = predict(Baseline::measured_velocity, window, kNext) - truth;
+  span.positions(15, 1) += 0.016;
+  const Eigen::MatrixXd off = predict(Baseline::measured_velocity, span, kNext) - truth;
   CHECK((off.col(1).array() - 0.001).abs().maxCoeff() < 1e-12);
-  CHECK((predict(Baseline::cubic, window, kNext) - truth).col(1).cwiseAbs().maxCoeff() > 0.016);
+  CHECK((predict(Baseline::cubic, span, kNext) - truth).col(1).cwiseAbs().maxCoeff() > 0.016);
 }
 
 namespace {
@@ -86,31 +86,31 @@ double largest(const std::vector<double>& values) {
 }  // namespace
 
 TEST_CASE("attitudes go on turning about their axis, whatever the signs of their quaternions") {
-  SeenTurn window{kSeen, turns(kSeen, 30.0, 20.0)};
-  for (Eigen::Index k = 0; k < kSeen.size(); k += 3) window.attitudes.row(k) *= -1.0;
-  window.attitudes.row(5).setConstant(kNaN);
+  SeenTurn span{kSeen, turns(kSeen, 30.0, 20.0)};
+  for (Eigen::Index k = 0; k < kSeen.size(); k += 3) span.attitudes.row(k) *= -1.0;
+  span.attitudes.row(5).setConstant(kNaN);
   const Eigen::MatrixX4d truth = turns(kNext, 30.0, 20.0);
-  CHECK(largest(turn_distances(predict_turn(Baseline::quadratic, window, kNext), truth)) < 1e-9);
+  CHECK(largest(turn_distances(predict_turn(Baseline::quadratic, span, kNext), truth)) < 1e-9);
   // The line through 0.15 s runs on at the mean rate: at the end it lacks 20 (0.25 - 0.075)^2 rad, and some.
-  CHECK(largest(turn_distances(predict_turn(Baseline::straight_line, window, kNext), truth)) > 0.5);
-  CHECK(predict_turn(Baseline::measured_velocity, window, kNext).array().isNaN().all());
+  CHECK(largest(turn_distances(predict_turn(Baseline::straight_line, span, kNext), truth)) > 0.5);
+  CHECK(predict_turn(Baseline::measured_velocity, span, kNext).array().isNaN().all());
   const Eigen::Vector3d axis = Eigen::Vector3d(1.0, -2.0, 0.5).normalized();
-  window.body_rates = (30.0 + 40.0 * kSeen.array()).matrix() * axis.transpose();
-  CHECK(largest(turn_distances(predict_turn(Baseline::measured_velocity, window, kNext), truth)) < 1e-9);
+  span.body_rates = (30.0 + 40.0 * kSeen.array()).matrix() * axis.transpose();
+  CHECK(largest(turn_distances(predict_turn(Baseline::measured_velocity, span, kNext), truth)) < 1e-9);
 }
 
-TEST_CASE("missing values are left out of window and score") {
-  SeenMotion window{kSeen, polynomial(kSeen, {0.0, 1.0})};
-  window.positions(3, 0) = kNaN;
+TEST_CASE("missing values are left out of span and score") {
+  SeenMotion span{kSeen, polynomial(kSeen, {0.0, 1.0})};
+  span.positions(3, 0) = kNaN;
   Eigen::MatrixXd truth = polynomial(kNext, {0.0, 1.0});
   truth(4, 1) = kNaN;
-  const auto distances = prediction_distances(predict(Baseline::straight_line, window, kNext), truth);
+  const auto distances = prediction_distances(predict(Baseline::straight_line, span, kNext), truth);
   REQUIRE(distances.size() == 9);
   for (const double d : distances) CHECK(d < 1e-12);
   // Two frames make no parabola.
-  window.positions.col(0).tail(14).setConstant(kNaN);
-  CHECK(predict(Baseline::quadratic, window, kNext).col(0).array().isNaN().all());
-  CHECK_FALSE(predict(Baseline::quadratic, window, kNext).col(1).array().isNaN().any());
+  span.positions.col(0).tail(14).setConstant(kNaN);
+  CHECK(predict(Baseline::quadratic, span, kNext).col(0).array().isNaN().all());
+  CHECK_FALSE(predict(Baseline::quadratic, span, kNext).col(1).array().isNaN().any());
 }
 
 TEST_CASE("a tally has median and root mean square over captures") {

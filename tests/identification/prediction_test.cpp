@@ -103,7 +103,7 @@ TEST_CASE("the true model predicts captures left out to the last digits, and bas
   const BrakedFamily family;
   const FitResult fitted = fit(family, braked(0, 4, 0.0), plain());
   const std::vector<Capture> left_out = braked(4, 3, 0.0);
-  const auto scores = predict_left_out(family, fitted, left_out, plain(), {.window = 0.6, .ahead = 0.5});
+  const auto scores = predict_left_out(family, fitted, left_out, plain(), {.span = 0.6, .ahead = 0.5});
   // Six predictors, at the end and on the way.
   REQUIRE(scores.size() == 12);
   const PredictionScore& model = of(scores, "model", "position, 0.5 s ahead");
@@ -111,7 +111,7 @@ TEST_CASE("the true model predicts captures left out to the last digits, and bas
   CHECK(model.count == 3);
   CHECK(model.unit == "m");
   CHECK(model.largest < 1e-6);
-  // v = exp(-1.4 t): the straight line runs on at the mean speed of the window.
+  // v = exp(-1.4 t): the straight line runs on at the mean speed of the span.
   CHECK(of(scores, "straight line", "position, 0.5 s ahead").median > 0.05);
   CHECK(of(scores, "cubic", "position, 0.5 s ahead").median <
         of(scores, "quadratic", "position, 0.5 s ahead").median);
@@ -123,7 +123,7 @@ TEST_CASE("with noise the model is better than every baseline") {
   const BrakedFamily family;
   const FitResult fitted = fit(family, braked(0, 6, 2e-3), plain());
   const auto scores =
-      predict_left_out(family, fitted, braked(6, 20, 2e-3), plain(), {.window = 0.6, .ahead = 0.5});
+      predict_left_out(family, fitted, braked(6, 20, 2e-3), plain(), {.span = 0.6, .ahead = 0.5});
   const double model = of(scores, "model", "position, 0.5 s ahead").median;
   CHECK(model < 0.01);
   for (const Baseline baseline : all_baselines()) {
@@ -133,13 +133,13 @@ TEST_CASE("with noise the model is better than every baseline") {
   for (const PredictionScore& score : scores) CHECK(score.best == (score.predictor == "model"));
 }
 
-TEST_CASE("captures without a window, or with nothing beyond it, are left out of all scores") {
+TEST_CASE("captures without a span, or with nothing beyond it, are left out of all scores") {
   const BrakedFamily family;
   const FitResult fitted = fit(family, braked(0, 4, 0.0), plain());
   std::vector<Capture> left_out = braked(4, 3, 0.0);
   left_out[0] = first(left_out[0], 0.6);
   left_out[1].channels[0].values.head(11).setConstant(std::nan(""));
-  const auto scores = predict_left_out(family, fitted, left_out, plain(), {.window = 0.6, .ahead = 0.5});
+  const auto scores = predict_left_out(family, fitted, left_out, plain(), {.span = 0.6, .ahead = 0.5});
   for (const PredictionScore& score : scores) CHECK(score.captures == 1);
 }
 
@@ -151,15 +151,15 @@ TEST_CASE("coordinates that the family holds from its box, and shared ones, are 
   std::vector<Capture> same = braked(0, 1, 0.0);
   const FitResult fitted = fit(family, same, options);
   same[0].id = "again";
-  const auto scores = predict_left_out(family, fitted, same, options, {.window = 0.6, .ahead = 0.5});
+  const auto scores = predict_left_out(family, fitted, same, options, {.span = 0.6, .ahead = 0.5});
   CHECK(of(scores, "model", "position, 0.5 s ahead").largest < 1e-6);
   // Nothing at all is the capture's own.
   options.unknowns.offsets = std::vector<std::string>{};
   const FitResult without = fit(family, same, options);
-  CHECK(predict_left_out(family, without, same, options, {.window = 0.6, .ahead = 0.5})[0].largest < 1e-6);
+  CHECK(predict_left_out(family, without, same, options, {.span = 0.6, .ahead = 0.5})[0].largest < 1e-6);
 }
 
-TEST_CASE("windows may be fitted by multiple shooting, and captures may begin late") {
+TEST_CASE("spans may be fitted by multiple shooting, and captures may begin late") {
   const auto family = coin_family();
   FitOptions options;
   options.starts.count = 1;
@@ -168,13 +168,13 @@ TEST_CASE("windows may be fitted by multiple shooting, and captures may begin la
   const FitResult fitted = fit(*family, captures, options);
   for (Capture& capture : captures) capture.channels[0].values.head(2).setConstant(std::nan(""));
   options.segments.length = 0.1;
-  const auto scores = predict_left_out(*family, fitted, captures, options, {.window = 0.25, .ahead = 0.1});
+  const auto scores = predict_left_out(*family, fitted, captures, options, {.span = 0.25, .ahead = 0.1});
   // Segments join to a part of their own uncertainty, which without noise is that of the integrator.
   CHECK(scores[0].captures == 3);
   CHECK(of(scores, "model", "position, 0.1 s ahead").largest < 1e-5);
 }
 
-TEST_CASE("predictions see the attitudes of the window, which count as values") {
+TEST_CASE("predictions see the attitudes of the span, which count as values") {
   std::mt19937_64 random(8);
   const auto family = plate_family();
   FitOptions options = plain();
@@ -185,21 +185,19 @@ TEST_CASE("predictions see the attitudes of the window, which count as values") 
   std::vector left_out = {turning_plate("c", 2.5, random)};
   const std::string ahead = "position, 0.1 s ahead";
   const double seen =
-      of(predict_left_out(*family, fitted, left_out, options, {.window = 0.15, .ahead = 0.1}), "model", ahead)
+      of(predict_left_out(*family, fitted, left_out, options, {.span = 0.15, .ahead = 0.1}), "model", ahead)
           .largest;
   // Noise of 1 mm: speeds from 16 frames over 0.15 s err by 6 mm/s in each axis, carried 0.175 s from the
   // middle; with the noise of the frame ahead, 2.5 mm in space. Twice that.
   CHECK(seen < 5e-3);
   // Four frames hold 12 positions and 12 parts of turns, for 13 unknowns.
-  CHECK(
-      of(predict_left_out(*family, fitted, left_out, options, {.window = 0.03, .ahead = 0.1}), "model", ahead)
-          .captures == 1);
+  CHECK(of(predict_left_out(*family, fitted, left_out, options, {.span = 0.03, .ahead = 0.1}), "model", ahead)
+            .captures == 1);
   for (std::size_t k = 3; k < 7; ++k) left_out[0].channels[k].values.setConstant(0.5);
-  CHECK(
-      of(predict_left_out(*family, fitted, left_out, options, {.window = 0.15, .ahead = 0.1}), "model", ahead)
-          .largest > 2.0 * seen);
+  CHECK(of(predict_left_out(*family, fitted, left_out, options, {.span = 0.15, .ahead = 0.1}), "model", ahead)
+            .largest > 2.0 * seen);
   left_out[0].channels.resize(3);
-  CHECK_THROWS_WITH(predict_left_out(*family, fitted, left_out, options, {.window = 0.15, .ahead = 0.1}),
+  CHECK_THROWS_WITH(predict_left_out(*family, fitted, left_out, options, {.span = 0.15, .ahead = 0.1}),
                     Catch::Contains("capture \"c\" does not measure \"qw\""));
 }
 
@@ -216,7 +214,7 @@ TEST_CASE("means of frames are predicted over the interval of the fit, also wher
   }
   const std::vector left_out = {without_frames(braked_means("c", 0.9, 60), kept)};
   // Means over a quarter more would be off by k v/2 (1.25^2 - 1) 2 (10 ms)^2, some 5e-5 m.
-  CHECK(of(predict_left_out(family, fitted, left_out, options, {.window = 0.3, .ahead = 0.2}), "model",
+  CHECK(of(predict_left_out(family, fitted, left_out, options, {.span = 0.3, .ahead = 0.2}), "model",
            "position, 0.2 s ahead")
             .largest < 1e-6);
   // Also of captures of which nothing is their own.
@@ -224,20 +222,20 @@ TEST_CASE("means of frames are predicted over the interval of the fit, also wher
   options.unknowns.offsets = std::vector<std::string>{};
   const std::vector one = {braked_means("a", 0.9, 60)};
   const FitResult shared = fit(family, one, options);
-  CHECK(of(predict_left_out(family, shared, left_out, options, {.window = 0.3, .ahead = 0.2}), "model",
+  CHECK(of(predict_left_out(family, shared, left_out, options, {.span = 0.3, .ahead = 0.2}), "model",
            "position, 0.2 s ahead")
             .largest < 1e-6);
 }
 
 TEST_CASE("predictions refuse times that are none, and say nothing of fits that failed") {
   const BrakedFamily family;
-  CHECK_THROWS_AS(predict_left_out(family, {}, {}, plain(), {.window = 0.0, .ahead = 0.5}),
+  CHECK_THROWS_AS(predict_left_out(family, {}, {}, plain(), {.span = 0.0, .ahead = 0.5}),
                   samara::ArgumentError);
-  CHECK(predict_left_out(family, {}, {}, plain(), {.window = 0.5, .ahead = 0.5}).empty());
+  CHECK(predict_left_out(family, {}, {}, plain(), {.span = 0.5, .ahead = 0.5}).empty());
 }
 
 TEST_CASE("angles are predicted on their circle") {
-  // An angle that goes on evenly, read from -pi to pi: it jumps within the window, and beyond it.
+  // An angle that goes on evenly, read from -pi to pi: it jumps within the span, and beyond it.
   TurningFamily family;
   const std::vector<double> times = even_times(41, 2.0);
   const auto turning = [&](const std::string& id, double start, bool wraps) {
@@ -256,7 +254,7 @@ TEST_CASE("angles are predicted on their circle") {
   const std::vector<Capture> seen = {turning("seen", 0.3, true)};
   const FitResult fitted = fit(family, seen, options);
   const std::vector<Capture> wrapped = {turning("a", 1.0, true), turning("b", 2.0, true)};
-  const auto scores = predict_left_out(family, fitted, wrapped, options, {.window = 1.0, .ahead = 0.9});
+  const auto scores = predict_left_out(family, fitted, wrapped, options, {.span = 1.0, .ahead = 0.9});
   for (const char* predictor : {"model", "straight line", "cubic"}) {
     CHECK(of(scores, predictor, "theta, up to 0.9 s ahead").captures == 2);
     CHECK(of(scores, predictor, "theta, up to 0.9 s ahead").largest < 1e-6);
@@ -271,7 +269,7 @@ TEST_CASE("captures that cannot be predicted are named with the reason, and empt
   left_out[1].channels[0].values.head(11).setConstant(std::nan(""));
   fitted.warnings = {};
   // The frames end at 1.5 s: nothing is 5 s ahead.
-  add_predictions(family, left_out, plain(), {.window = 0.6, .ahead = 5.0}, fitted);
+  add_predictions(family, left_out, plain(), {.span = 0.6, .ahead = 5.0}, fitted);
   REQUIRE(fitted.warnings.size() == 3);
   CHECK_THAT(fitted.warnings.at(0).sentence,
              Contains("capture \"4\" was not predicted: it has no frame between 0.6 s"));
@@ -283,7 +281,7 @@ TEST_CASE("captures that cannot be predicted are named with the reason, and empt
     CHECK(score.quantity == "position, up to 0.9 s ahead");
     CHECK(score.captures == 1);
   }
-  add_predictions(family, std::span(left_out).first(1), plain(), {.window = 0.6, .ahead = 0.5}, fitted);
+  add_predictions(family, std::span(left_out).first(1), plain(), {.span = 0.6, .ahead = 0.5}, fitted);
   CHECK(fitted.predictions.empty());
   CHECK(fitted.warnings.sentences().back() == "none of the captures left out could be predicted");
 }
@@ -308,7 +306,7 @@ TEST_CASE("a capture on which the model fails counts for the baselines, and the 
   FitResult fitted = fit(family, braked(0, 4, 0.0), plain());
   fitted.warnings = {};
   family.fails = true;
-  add_predictions(family, braked(4, 2, 0.0), plain(), {.window = 0.6, .ahead = 0.5}, fitted);
+  add_predictions(family, braked(4, 2, 0.0), plain(), {.span = 0.6, .ahead = 0.5}, fitted);
   CHECK(of(fitted.predictions, "model", "position, 0.5 s ahead").captures == 0);
   CHECK(of(fitted.predictions, "cubic", "position, 0.5 s ahead").captures == 2);
   REQUIRE(fitted.warnings.size() == 3);
@@ -320,7 +318,7 @@ TEST_CASE("captures that were fitted are not predicted") {
   const BrakedFamily family;
   std::vector<Capture> captures = braked(0, 3, 0.0);
   for (Capture& capture : captures) capture.file = "drops.csv";
-  const PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
+  const PredictionOptions prediction{.span = 0.6, .ahead = 0.5};
   const FitResult fitted = fit(family, captures, plain());
   const std::string refusal = "capture \"2\" is fitted as well as left out";
   const std::span<const Capture> left_out = std::span(captures).last(1);
@@ -332,14 +330,14 @@ TEST_CASE("captures that were fitted are not predicted") {
       Contains(refusal));
 }
 
-TEST_CASE("the frame on the border of the window is seen, and not predicted") {
+TEST_CASE("the frame on the border of the span is seen, and not predicted") {
   const BrakedFamily family;
   const FitResult fitted = fit(family, braked(0, 3, 0.0), plain());
   std::vector<Capture> left_out = braked(3, 1, 0.0);
-  // Rounding has put it a little behind, where first() still takes it for the window's.
+  // Rounding has put it a little behind, where first() still takes it for the span's.
   left_out[0].times[12] += 1e-6;
   CHECK(first(left_out[0], 0.6).frame_count() == 13);
-  const auto scores = predict_left_out(family, fitted, left_out, plain(), {.window = 0.6, .ahead = 0.5});
+  const auto scores = predict_left_out(family, fitted, left_out, plain(), {.span = 0.6, .ahead = 0.5});
   CHECK(of(scores, "model", "position, up to 0.5 s ahead").count == 10);
 }
 
@@ -349,7 +347,7 @@ TEST_CASE("priors of combinations are of no concern once coefficients are held")
   options.priors.combinations = {{.weights = {{"k", 2.0}}, .mean = 2.8, .deviation = 0.1}};
   const FitResult fitted = fit(family, braked(0, 3, 0.0), options);
   const auto scores =
-      predict_left_out(family, fitted, braked(3, 1, 0.0), options, {.window = 0.6, .ahead = 0.5});
+      predict_left_out(family, fitted, braked(3, 1, 0.0), options, {.span = 0.6, .ahead = 0.5});
   CHECK(of(scores, "model", "position, 0.5 s ahead").largest < 1e-6);
 }
 
@@ -360,7 +358,7 @@ TEST_CASE("with segments a codebook lasts from the first frame seen on, whatever
   FitOptions options = plain();
   options.compared.span = 0.6;
   options.segments.length = 0.6;
-  const PredictionOptions prediction{.window = 0.6, .ahead = 0.5};
+  const PredictionOptions prediction{.span = 0.6, .ahead = 0.5};
   FitResult fitted = fit(family, braked(0, 3, 0.0), options);
   std::vector<Capture> left_out = braked(3, 2, 0.0);
   left_out[0].times.array() += 1.0;                                  // ends at 1.0 s after its first frame
@@ -381,13 +379,13 @@ TEST_CASE("with segments a codebook lasts from the first frame seen on, whatever
   add_predictions(family, std::span(left_out).first(1), options, prediction, fitted);
   REQUIRE(fitted.warnings.size() == 2);
   CHECK_THAT(fitted.warnings.at(0).sentence,
-             Contains("the codebook ends at 1.6 s of its times and the window at 1.6 s"));
+             Contains("the codebook ends at 1.6 s of its times and the span at 1.6 s"));
 }
 
 TEST_CASE("captures that lack what was fitted are refused before the fit") {
   const BrakedFamily family;
   std::vector<Capture> left_out = braked(4, 1, 0.0);
   left_out[0].channels[0].quantity = "z";
-  CHECK_THROWS_AS(check_left_out(family, braked(0, 2, 0.0), left_out, plain(), {.window = 0.6, .ahead = 0.5}),
+  CHECK_THROWS_AS(check_left_out(family, braked(0, 2, 0.0), left_out, plain(), {.span = 0.6, .ahead = 0.5}),
                   samara::ArgumentError);
 }

@@ -81,7 +81,7 @@ TEST_CASE("a steady spin is reproduced exactly, whatever the signs and lengths o
   }
   seen.quaternions.middleRows(20, 5).setConstant(kUnseenPart);
   Eigen::Vector4d at(0.0, 0.222, 0.4005, 0.79);
-  const SmoothedAttitude s = smooth_attitude(seen.times, seen.quaternions, at, {.window = 0.12});
+  const SmoothedAttitude s = smooth_attitude(seen.times, seen.quaternions, at, {.bandwidth = 0.12});
   for (Index k = 0; k < at.size(); ++k) {
     CHECK(std::abs(s.attitude.row(k).norm() - 1.0) < 1e-15);
     CHECK(small_rotation(start * rotated(rate * at[k]), attitude_in(s, k)).norm() < 1e-13);
@@ -94,19 +94,19 @@ TEST_CASE("a steady spin is reproduced exactly, whatever the signs and lengths o
 TEST_CASE("attitude, angular velocity and its derivative converge with the order of the degree") {
   const Top top;
   const double t = 0.37;
-  const auto errors = [&](double window) -> Vector3d {
-    Seen seen{Eigen::VectorXd::LinSpaced(201, t - window, t + window), Eigen::MatrixX4d(201, 4)};
+  const auto errors = [&](double bandwidth) -> Vector3d {
+    Seen seen{Eigen::VectorXd::LinSpaced(201, t - bandwidth, t + bandwidth), Eigen::MatrixX4d(201, 4)};
     for (Index k = 0; k < 201; ++k) {
       const Quaterniond q = top.attitude(seen.times[k]);
       seen.quaternions.row(k) << q.w(), q.x(), q.y(), q.z();
     }
     const SmoothedAttitude s = smooth_attitude(seen.times, seen.quaternions, Eigen::VectorXd::Constant(1, t),
-                                               {.window = window, .outlier_threshold = INFINITY});
+                                               {.bandwidth = bandwidth, .outlier_threshold = INFINITY});
     return {small_rotation(top.attitude(t), attitude_in(s, 0)).norm(),
             (s.angular_velocity.row(0).transpose() - top.rate(t)).norm(),
             (s.angular_acceleration.row(0).transpose() - top.rate_derivative(t)).norm()};
   };
-  // Quartics in a window about the time: h^6, h^4 and h^4 (see smoothing_test.cpp).
+  // Quartics through the frames about the time: h^6, h^4 and h^4 (see smoothing_test.cpp).
   const Vector3d order = (errors(0.16).array() / errors(0.08).array()).log() / std::log(2.0);
   CHECK(order[0] > 5.7);
   CHECK(order[1] > 3.8);
@@ -124,7 +124,7 @@ TEST_CASE("standard errors of attitudes cover the truth as often as they say") {
     const Seen seen = seen_top(top, 60, 1.0 / 240.0, noise, random);
     const double t = record % 2 == 0 ? 0.12 : seen.times[0];
     const SmoothedAttitude s =
-        smooth_attitude(seen.times, seen.quaternions, Eigen::VectorXd::Constant(1, t), {.window = 0.08});
+        smooth_attitude(seen.times, seen.quaternions, Eigen::VectorXd::Constant(1, t), {.bandwidth = 0.08});
     estimated += s.noise / records;
     const Vector3d errors[3] = {small_rotation(top.attitude(t), attitude_in(s, 0)),
                                 s.angular_velocity.row(0).transpose() - top.rate(t),
@@ -166,7 +166,8 @@ TEST_CASE("a tumbling plate whose sides look alike keeps its sense of rotation")
       seen.quaternions.row(k) << q.w(), q.x(), q.y(), q.z();
     }
     const Eigen::VectorXd at = seen.times.segment(2, 116);
-    const SmoothedAttitude s = smooth_attitude(seen.times, seen.quaternions, at, {.window = 0.1}, symmetries);
+    const SmoothedAttitude s =
+        smooth_attitude(seen.times, seen.quaternions, at, {.bandwidth = 0.1}, symmetries);
     // The symmetry of the first frame is everyone's.
     Quaterniond look = Quaterniond::Identity();
     double nearest = small_rotation(top.attitude(at[0]), attitude_in(s, 0)).norm();

@@ -66,7 +66,7 @@ TEST_CASE("a polynomial of the smoothing's degree is reproduced exactly, ends an
   values.block(20, 0, 11, 1).setConstant(kUnseen);
   Eigen::VectorXd at(5);
   at << times[0], 0.123, times[25], 0.4, times[59];
-  const Smoothed smoothed = smooth(times, values, at, {.window = 0.12});
+  const Smoothed smoothed = smooth(times, values, at, {.bandwidth = 0.12});
   for (Index k = 0; k < at.size(); ++k) {
     // Rounding of 1e-16, times n!/reach^n: 1/0.1 and 2/0.1^2 with a margin for the ends.
     CHECK(std::abs(smoothed.value(k, 0) - quartic(at[k])) < 1e-13);
@@ -78,19 +78,19 @@ TEST_CASE("a polynomial of the smoothing's degree is reproduced exactly, ends an
   CHECK(smoothed.outlier.count() == 0);
 }
 
-TEST_CASE("smoothing converges with the order of its degree as the window shrinks") {
-  // Inside, a window symmetric about the time: degree d reproduces t^(d+1) in the value for even d only, so
+TEST_CASE("smoothing converges with the order of its degree as the bandwidth shrinks") {
+  // Inside, frames symmetric about the time: degree d reproduces t^(d+1) in the value for even d only, so
   // that the value errs by h^(d+2), the rate by h^d, the acceleration by h^d. At the end of the record, where
-  // the window lies on one side: h^(d+1), h^d, h^(d-1).
+  // they lie on one side: h^(d+1), h^d, h^(d-1).
   const int degree = GENERATE(2, 4);
   const double exact = 0.3;
-  const auto errors = [&](double window, bool at_end) -> Eigen::Vector3d {
+  const auto errors = [&](double bandwidth, bool at_end) -> Eigen::Vector3d {
     const int count = 401;
     const Eigen::VectorXd times =
-        at_end ? Eigen::VectorXd::LinSpaced(count, exact, exact + 2.0 * window).eval()
-               : Eigen::VectorXd::LinSpaced(count, exact - window, exact + window).eval();
+        at_end ? Eigen::VectorXd::LinSpaced(count, exact, exact + 2.0 * bandwidth).eval()
+               : Eigen::VectorXd::LinSpaced(count, exact - bandwidth, exact + bandwidth).eval();
     const Smoothed s = smooth(times, values_of(swing, times), Eigen::VectorXd::Constant(1, exact),
-                              {.degree = degree, .window = window, .outlier_threshold = INFINITY});
+                              {.degree = degree, .bandwidth = bandwidth, .outlier_threshold = INFINITY});
     return {std::abs(s.value(0, 0) - swing(exact)), std::abs(s.rate(0, 0) - swing_rate(exact)),
             std::abs(s.acceleration(0, 0) - swing_acceleration(exact))};
   };
@@ -120,7 +120,7 @@ TEST_CASE("standard errors cover the truth as often as they say") {
     add_noise_to(values, 0.02, random);
     values.segment(30, 8).setConstant(kUnseen);
     const Eigen::Vector3d at(times[0], 0.15, 0.29);
-    const Smoothed s = smooth(times, values, at, {.window = 0.15});
+    const Smoothed s = smooth(times, values, at, {.bandwidth = 0.15});
     noise += s.noise[0] / records;
     for (int k = 0; k < 3; ++k) {
       const double t = at[k];
@@ -155,12 +155,12 @@ TEST_CASE("standard errors hold where the source has averaged neighbouring frame
     const double t = record % 2 == 0 ? 0.0 : 0.4;
     const Eigen::VectorXd at = Eigen::VectorXd::Constant(1, t);
     const Smoothed s =
-        smooth(times, values, at, {.window = 0.2, .averaged_frames = 5, .outlier_threshold = INFINITY});
+        smooth(times, values, at, {.bandwidth = 0.2, .averaged_frames = 5, .outlier_threshold = INFINITY});
     noise += s.noise[0] / records;
     inside[0] += std::abs(s.value(0, 0) - quartic(t)) < 1.96 * s.value_error(0, 0);
     inside[1] += std::abs(s.rate(0, 0) - quartic_rate(t)) < 1.96 * s.rate_error(0, 0);
     inside[2] += std::abs(s.acceleration(0, 0) - quartic_acceleration(t)) < 1.96 * s.acceleration_error(0, 0);
-    const Smoothed untold = smooth(times, values, at, {.window = 0.2, .outlier_threshold = INFINITY});
+    const Smoothed untold = smooth(times, values, at, {.bandwidth = 0.2, .outlier_threshold = INFINITY});
     inside_untold += std::abs(untold.value(0, 0) - quartic(t)) < 1.96 * untold.value_error(0, 0);
   }
   for (const int count : inside) {
@@ -187,7 +187,7 @@ TEST_CASE("one frame in twenty that is grossly wrong changes nothing, and is nam
       wrong[k] = std::uniform_real_distribution<double>()(random) < 0.05;
       if (wrong[k]) values[k] += std::uniform_real_distribution<double>(0.2, 3.0)(random);
     }
-    const Smoothed s = smooth(times, values, times.segment(2, 116), {.window = 0.15});
+    const Smoothed s = smooth(times, values, times.segment(2, 116), {.bandwidth = 0.15});
     // At the very ends a polynomial predicts too badly to tell smaller ones.
     missed += static_cast<int>((wrong && !s.outlier.col(0)).segment(2, 116).count());
     invented += static_cast<int>((!wrong && s.outlier.col(0)).count());
@@ -205,7 +205,7 @@ TEST_CASE("values rounded to a coarse step are not outliers of those that happen
   const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(100, 0.0, 0.99);
   Eigen::VectorXd values(100);
   for (Index k = 0; k < 100; ++k) values[k] = k < 60 ? 0.0 : std::round(40.0 * std::pow(times[k] - 0.6, 2));
-  CHECK(smooth(times, values, times, {.window = 0.15}).outlier.count() == 0);
+  CHECK(smooth(times, values, times, {.bandwidth = 0.15}).outlier.count() == 0);
 }
 
 TEST_CASE("where all frames are farther off than the stated noise, enough of them still count") {
@@ -214,7 +214,7 @@ TEST_CASE("where all frames are farther off than the stated noise, enough of the
   const Eigen::VectorXd times = jittered_times(31, 1.0 / 60.0, 4);
   Eigen::VectorXd values = values_of(swing, times);
   add_noise_to(values, 0.3, random);
-  const Smoothed s = smooth(times, values, times, {.window = 0.2, .noise = 3e-4});
+  const Smoothed s = smooth(times, values, times, {.bandwidth = 0.2, .noise = 3e-4});
   CHECK(s.value.allFinite());
   CHECK(s.rate.allFinite());
   CHECK(s.outlier.count() <= 31 - 6);  // a quartic and one more frame are left
@@ -244,7 +244,7 @@ TEST_CASE("an angle is unwrapped through full turns, gaps and a wrong frame") {
         CHECK(std::abs(angles[k] - truth[k]) < 0.3);
       }
     }
-    const Smoothed s = smooth_angle(times, seen, period, times.segment(40, 1), {.window = 0.12});
+    const Smoothed s = smooth_angle(times, seen, period, times.segment(40, 1), {.bandwidth = 0.12});
     const double rate = period / two_pi * (30.0 + 460.0 * times[40] - 270.0 * times[40] * times[40]);
     CHECK(std::abs(s.rate(0, 0) - rate) < 4.0 * s.rate_error(0, 0));
     CHECK(s.outlier(50, 0));
@@ -262,7 +262,7 @@ TEST_CASE("smoothing refuses what has no meaning") {
   };
   CHECK(refusal(times, values, at, {}) == "no exception");
   CHECK(refusal(times, values, at, {.degree = 7}) == "polynomials have degree 7; 2 to 6 was expected");
-  CHECK(refusal(times, values, at, {.window = 0.0}) == "a window is 0 s wide; more than 0 s was expected");
+  CHECK(refusal(times, values, at, {.bandwidth = 0.0}) == "the bandwidth is 0 s; more than 0 s was expected");
   CHECK(refusal(times.head(9), values, at, {}) == "there are 9 times for 10 frames");
   CHECK(refusal(times, values, at * 3.0, {}) == "1.5 s was asked for; the frames are from 0 s to 0.9 s");
   CHECK(refusal(times.reverse(), values, at, {}) ==
@@ -283,7 +283,7 @@ TEST_CASE("frames that scatter far more than the noise that is given are not out
   Eigen::VectorXd values = values_of(swing, times);
   add_noise_to(values, 0.5, random);
   for (const double noise : {1e-12, 1e-3, 0.05}) {
-    const Smoothed smoothed = smooth(times, values, times, {.degree = 2, .window = 0.02, .noise = noise});
+    const Smoothed smoothed = smooth(times, values, times, {.degree = 2, .bandwidth = 0.02, .noise = noise});
     // Of so few neighbours a normal frame is seldom 5 of their deviations away.
     CHECK(smoothed.outlier.count() <= 3);
     CHECK(smoothed.value.allFinite());
@@ -302,7 +302,7 @@ TEST_CASE("a noise that is far too small makes no frame an outlier") {
   // Few frames of a curve that polynomials do not follow: all stand off by many times such a noise.
   const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(16, 0.0, 6.0);
   const Eigen::MatrixXd values = (3.0 * times.array()).sin().matrix();
-  const Smoothed smoothed = smooth(times, values, times, {.window = 2.0, .noise = 1e-9});
+  const Smoothed smoothed = smooth(times, values, times, {.bandwidth = 2.0, .noise = 1e-9});
   CHECK_FALSE(smoothed.outlier.any());
   CHECK(smoothed.value.allFinite());
 }

@@ -16,7 +16,7 @@ std::vector<std::string> cells_of(std::string_view line, char delimiter);
 /// A line of as many cells as there are columns: empty ones are added or taken from its end.
 std::string joined(std::vector<std::string> cells, std::size_t columns, char delimiter);
 
-/// Names with a number behind each that stood before.
+/// Adds a number to every name that occurred before.
 std::vector<std::string> made_unique(std::vector<std::string> names);
 
 /// A text of the lines from `header` on; those above become comments, so that line numbers stay.

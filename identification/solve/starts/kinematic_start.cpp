@@ -85,7 +85,7 @@ Eigen::Index seen_frames(const Eigen::VectorXd& channel) {
 }
 
 /// s, of two frames or more
-double window_of(const Eigen::VectorXd& times, const StartSmoothing& smoothing) {
+double bandwidth_of(const Eigen::VectorXd& times, const StartSmoothing& smoothing) {
   const double duration = times[times.size() - 1] - times[0];
   return (smoothing.frames - 0.5) * duration / static_cast<double>(times.size() - 1);
 }
@@ -105,8 +105,9 @@ void add_smoothed(const models::ParametricModel& equations, const FitProblem& pr
     const ComparedOutput& output = problem.outputs[o];
     const Eigen::VectorXd channel = record.values.col(static_cast<Eigen::Index>(o));
     if (!are_enough(seen_frames(channel), smoothing)) continue;
-    const SmoothingOptions options{
-        .degree = smoothing.degree, .window = window_of(record.times, smoothing), .noise = output.scale};
+    const SmoothingOptions options{.degree = smoothing.degree,
+                                   .bandwidth = bandwidth_of(record.times, smoothing),
+                                   .noise = output.scale};
     const Smoothed smoothed = output.period > 0.0
                                   ? smooth_angle(record.times, channel, output.period, at, options)
                                   : smooth(record.times, channel, at, options);
@@ -125,10 +126,10 @@ void add_smoothed_attitude(const models::ParametricModel& equations, const FitPr
                            const Record& record, const Eigen::VectorXd& at, const StartSmoothing& smoothing,
                            std::vector<Known>& known) {
   if (!are_enough(seen_frames(record.attitudes.col(0)), smoothing)) return;
-  const double window = window_of(record.times, smoothing);
+  const double bandwidth = bandwidth_of(record.times, smoothing);
   const SmoothedAttitude smoothed =
       smooth_attitude(record.times, record.attitudes, at,
-                      {.degree = smoothing.degree, .window = window, .noise = *problem.attitude_scale});
+                      {.degree = smoothing.degree, .bandwidth = bandwidth, .noise = *problem.attitude_scale});
   const auto column = static_cast<std::size_t>(problem.attitude_column());
   for (std::size_t k = 0; k < known.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
@@ -166,9 +167,10 @@ std::optional<Eigen::MatrixX3d> pushes(const models::ParametricModel& equations,
     if (output == problem.outputs.end()) return {};
     const Eigen::VectorXd channel = record.values.col(output - problem.outputs.begin());
     if (!are_enough(seen_frames(channel), smoothing)) return {};
-    const double window = window_of(record.times, smoothing);
-    const Smoothed smoothed = smooth(record.times, channel, at,
-                                     {.degree = smoothing.degree, .window = window, .noise = output->scale});
+    const double bandwidth = bandwidth_of(record.times, smoothing);
+    const Smoothed smoothed =
+        smooth(record.times, channel, at,
+               {.degree = smoothing.degree, .bandwidth = bandwidth, .noise = output->scale});
     result.col(axis) = smoothed.acceleration.col(0);
   }
   result.col(2).array() += kGravity;

@@ -13,13 +13,13 @@ namespace samara::identification {
 /// The polynomials from which rates are taken.
 struct StartSmoothing {
   int degree = 4;
-  int frames = 15;  ///< in the window
+  int frames = 15;  ///< within the bandwidth
   /// Of an attitude that is free and was not measured.
   std::optional<AttitudeGuess> guess = {};
 };
 
 /// Start states of the segments of a motion, from the capture alone: what is measured is smoothed
-/// (smoothing.h), and the states behind it are those with which the equations give the measured rates.
+/// (smoothing.h); states that were not measured are those with which the equations give the measured rates.
 /// For example the velocity in body axes u follows from (x, y, z)' = R(q) u, and a rate of rotation from the
 /// rate of an angle. States that no rate depends on stay in the middle of their boxes.
 ///

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// From frames that nearly touch, for bodies that turn fast, to a window that averages much noise away.
+/// From frames that nearly touch, for bodies that turn fast, to a bandwidth that averages much noise away.
 constexpr std::array kSmoothings = {StartSmoothing{2, 5}, StartSmoothing{3, 7}, StartSmoothing{3, 9},
                                     StartSmoothing{4, 15}};
 /// Where attitudes are free and were not measured: as the pushes of the fluid say, at rest or turning, and

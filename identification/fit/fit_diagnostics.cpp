@@ -1,4 +1,4 @@
-#include "samara/identification/fit/fit_trust.h"
+#include "samara/identification/fit/fit_diagnostics.h"
 
 #include <algorithm>
 #include <cmath>

@@ -22,9 +22,9 @@ Json column(const Eigen::Ref<const Eigen::VectorXd>& values);
 
 /// Adds "profiles", "identifiability", "whiteness", "bootstrap", "predictions" and "global_search"; null or
 /// empty where the result has none.
-void add_trust(const FitResult& result, Json& object);
+void add_diagnostics(const FitResult& result, Json& object);
 
 /// The same in sentences and a table.
-void add_trust_text(const FitResult& result, std::string& text);
+void add_diagnostics_text(const FitResult& result, std::string& text);
 
 }  // namespace samara::identification

@@ -1,4 +1,4 @@
-#include "samara/identification/series/series_windows.h"
+#include "samara/identification/series/series_spans.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ namespace {
 constexpr Eigen::Index kFewestFrames = 3;
 /// Unknowns of a series: their matrix is dense.
 constexpr double kMostValues = 1000.0;
-/// Of a spacing: rounding of times must not make or break a window.
+/// Of a spacing: rounding of times must not make or break a span.
 constexpr double kRounding = 1e-6;
 
 struct Range {
@@ -34,25 +34,25 @@ Range range_of(std::span<const Capture> captures) {
   return range;
 }
 
-/// The frames of a capture in a window, both ends included.
+/// The frames of a capture in a span, both ends included.
 std::optional<Capture> part(const Capture& capture, double begin, double end, double rounding) {
   std::vector<Eigen::Index> frames;
   for (Eigen::Index k = 0; k < capture.times.size(); ++k) {
     if (capture.times[k] >= begin - rounding && capture.times[k] <= end + rounding) frames.push_back(k);
   }
   if (static_cast<Eigen::Index>(frames.size()) < kFewestFrames) return {};
-  Capture window = capture;
-  window.id = fmt::format("{} from {:.6g} s", capture.id, begin);
-  window.labels["window"] = fmt::format("{:.6g}", begin);
-  window.times = Eigen::VectorXd(capture.times(frames));
-  for (std::size_t c = 0; c < window.channels.size(); ++c) {
+  Capture span = capture;
+  span.id = fmt::format("{} from {:.6g} s", capture.id, begin);
+  span.labels["span"] = fmt::format("{:.6g}", begin);
+  span.times = Eigen::VectorXd(capture.times(frames));
+  for (std::size_t c = 0; c < span.channels.size(); ++c) {
     if (capture.channels[c].values.size() == capture.times.size())
-      window.channels[c].values = Eigen::VectorXd(capture.channels[c].values(frames));
+      span.channels[c].values = Eigen::VectorXd(capture.channels[c].values(frames));
   }
-  return window;
+  return span;
 }
 
-/// The centres of the windows, and the first and the last frame.
+/// The centres of the spans, and the first and the last frame.
 Eigen::VectorXd instants_of(const std::vector<double>& centres, const Range& range) {
   Eigen::VectorXd instants(static_cast<Eigen::Index>(centres.size()) + 2);
   instants[0] = range.begin;
@@ -69,29 +69,29 @@ void check_length(std::span<const Capture> captures, const Range& range, const S
                     "expected for a series",
                     captures.front().id));
   }
-  if (2.0 * series.window > duration * (1.0 + kRounding)) {
+  if (2.0 * series.span > duration * (1.0 + kRounding)) {
     throw ArgumentError(
-        fmt::format("series.window is {} s, but {} {} s; a window of at most half of that was "
+        fmt::format("series.span is {} s, but {} {} s; a span of at most half of that was "
                     "expected",
-                    series.window,
+                    series.span,
                     captures.size() == 1 ? fmt::format("capture \"{}\" lasts", captures.front().id)
                                          : fmt::format("the {} captures last", captures.size()),
                     duration));
   }
   const double values =
-      duration / series.stride.value_or(series.window) * static_cast<double>(series.coefficients.size());
+      duration / series.stride.value_or(series.span) * static_cast<double>(series.coefficients.size());
   if (values > kMostValues) {
     throw ArgumentError(
         fmt::format("series would have {:.0f} values over {} s; at most {:.0f} were expected, "
-                    "from longer windows or strides",
+                    "from longer spans or strides",
                     values, duration, kMostValues));
   }
 }
 
 }  // namespace
 
-void check_sliding(const FamilyInfo& family, const SeriesWindows& windows, const FitOptions& options) {
-  const FitProblem problem = make_problem(family, windows.captures, options);
+void check_sliding(const FamilyInfo& family, const SeriesSpans& spans, const FitOptions& options) {
+  const FitProblem problem = make_problem(family, spans.captures, options);
   std::vector<std::string> outputs;
   for (const FitOutput& output : family.outputs) outputs.push_back(output.name);
   for (const std::string& state : family.states.empty() ? outputs : family.states) {
@@ -100,30 +100,30 @@ void check_sliding(const FamilyInfo& family, const SeriesWindows& windows, const
     const bool moves = contains(family.translations, state);
     if (moves && (compared == problem.outputs.end() || compared->offset)) continue;
     throw ArgumentError(fmt::format(
-        "series.stride: each window starts with a state of its own, but \"{0}(0)\" is not free in each; a "
+        "series.stride: each span starts with a state of its own, but \"{0}(0)\" is not free in each; a "
         "box for it{1}, was expected",
         state, moves ? fmt::format(", or \"{}\" among the offsets", state) : ", not shared, fixed or known"));
   }
   for (const FitCoordinate& own : problem.own) {
     if (own.is_initial) continue;
     throw ArgumentError(fmt::format(
-        "series.stride: \"{}\" of each capture would be of each window; no per_capture was expected",
+        "series.stride: \"{}\" of each capture would be of each span; no per_capture was expected",
         own.name));
   }
   if (problem.camera) {
     throw ArgumentError(
-        "series.stride: the camera of a capture would be another one in each window; no camera was expected");
+        "series.stride: the camera of a capture would be another one in each span; no camera was expected");
   }
   for (const PriorTerm& prior : problem.own_priors) {
     throw ArgumentError(fmt::format(
-        "series.stride: the prior of \"{}\" is of where a capture starts, not of each window; no prior "
+        "series.stride: the prior of \"{}\" is of where a capture starts, not of each span; no prior "
         "was expected",
         problem.own[static_cast<std::size_t>(prior.weights().front().unknown)].name));
   }
 }
 
-SeriesWindows series_windows(std::span<const Capture> captures, const FitOptions& options,
-                             const SeriesOptions& series) {
+SeriesSpans series_spans(std::span<const Capture> captures, const FitOptions& options,
+                         const SeriesOptions& series) {
   if (captures.empty()) throw ArgumentError("there are no captures; at least one was expected");
   std::vector<Capture> seen;
   for (const Capture& capture : captures)
@@ -132,39 +132,39 @@ SeriesWindows series_windows(std::span<const Capture> captures, const FitOptions
   check_length(seen, range, series);
   const double duration = range.end - range.begin;
 
-  SeriesWindows windows{.captures = {}, .knots = {.instants = {}, .coefficients = series.coefficients}};
+  SeriesSpans spans{.captures = {}, .knots = {.instants = {}, .coefficients = series.coefficients}};
   std::vector<double> centres;
-  windows.joined = !series.stride;
-  if (windows.joined) {
-    windows.count = static_cast<int>(std::round(duration / series.window));
-    windows.spacing = duration / windows.count;
-    for (int k = 0; k < windows.count; ++k) centres.push_back(range.begin + (k + 0.5) * windows.spacing);
-    windows.captures = std::move(seen);
+  spans.joined = !series.stride;
+  if (spans.joined) {
+    spans.count = static_cast<int>(std::round(duration / series.span));
+    spans.spacing = duration / spans.count;
+    for (int k = 0; k < spans.count; ++k) centres.push_back(range.begin + (k + 0.5) * spans.spacing);
+    spans.captures = std::move(seen);
   } else {
-    windows.spacing = *series.stride;
-    windows.count = 1 + static_cast<int>(std::floor((duration - series.window) / *series.stride + kRounding));
+    spans.spacing = *series.stride;
+    spans.count = 1 + static_cast<int>(std::floor((duration - series.span) / *series.stride + kRounding));
     double frames = 0.0, distinct = 0.0;
     for (const Capture& capture : seen) distinct += static_cast<double>(capture.times.size());
-    for (int k = 0; k < windows.count; ++k) {
-      const double begin = range.begin + k * windows.spacing;
-      centres.push_back(begin + 0.5 * series.window);
+    for (int k = 0; k < spans.count; ++k) {
+      const double begin = range.begin + k * spans.spacing;
+      centres.push_back(begin + 0.5 * series.span);
       for (const Capture& capture : seen) {
-        auto window = part(capture, begin, begin + series.window, kRounding * windows.spacing);
-        if (!window) continue;
-        frames += static_cast<double>(window->times.size());
-        windows.captures.push_back(std::move(*window));
+        auto span = part(capture, begin, begin + series.span, kRounding * spans.spacing);
+        if (!span) continue;
+        frames += static_cast<double>(span->times.size());
+        spans.captures.push_back(std::move(*span));
       }
     }
-    if (windows.captures.empty()) {
+    if (spans.captures.empty()) {
       throw ArgumentError(
-          fmt::format("no window of {} s holds {} frames or more; a longer series.window was "
+          fmt::format("no span of {} s holds {} frames or more; a longer series.span was "
                       "expected",
-                      series.window, kFewestFrames));
+                      series.span, kFewestFrames));
     }
-    windows.overlap = std::max(1.0, frames / distinct);
+    spans.overlap = std::max(1.0, frames / distinct);
   }
-  windows.knots.instants = instants_of(centres, range);
-  return windows;
+  spans.knots.instants = instants_of(centres, range);
+  return spans;
 }
 
 }  // namespace samara::identification

@@ -1,4 +1,4 @@
-#include "samara/identification/fit/outlook.h"
+#include "samara/identification/fit/capture_prediction.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +48,7 @@ std::vector<std::string> names_of(const std::vector<FitOutput>& outputs) {
   return names;
 }
 
-/// Whether the window holds more values than unknowns.
+/// Whether the span holds more values than unknowns.
 /// @param attitudes frames x 4, or none
 bool can_be_fitted(const Eigen::MatrixXd& positions, const Eigen::MatrixXd& attitudes, int unknowns) {
   const auto is_seen = [](const auto& value) { return value == value; };  // not NaN
@@ -88,8 +88,8 @@ FitResult without_unknowns(const FamilyInfo& family, const Capture& capture, con
 }
 
 /// Of the capture's times, the last at which a frame has a trajectory. That begins at 0, or, with segments,
-/// at the first frame of the window with something to compare.
-/// @param before frames of the window
+/// at the first frame of the span with something to compare.
+/// @param before frames of the span
 /// @param attitudes of these, frames x 4, or none
 double last_time(const FamilyInfo& family, const FitOptions& options, const Capture& capture,
                  const std::vector<Eigen::Index>& before, const Eigen::MatrixXd& positions,
@@ -109,7 +109,7 @@ double last_time(const FamilyInfo& family, const FitOptions& options, const Capt
 /// How fast outputs and the attitude change in each frame, by the equations at the measured state: that of
 /// places and angles is kinematics, whatever the coefficients. NaN where the state was not measured.
 void add_rates(const TrajectoryFamily& family, const Capture& capture, const PredictedOutputs& predicted,
-               const std::vector<Eigen::Index>& frames, Outlook& outlook) {
+               const std::vector<Eigen::Index>& frames, CapturePrediction& result) {
   const models::ParametricModel* equations = family.equations();
   if (equations == nullptr) return;
   const std::vector<models::StateInfo>& states = equations->model().info().states;
@@ -123,8 +123,8 @@ void add_rates(const TrajectoryFamily& family, const Capture& capture, const Pre
   for (const FitCoordinate& c : family.info().coordinates) q.push_back(0.5 * (c.lower + c.upper));
   models::ParametricModel::Workspace workspace = equations->make_workspace();
   std::vector<double> x(names.size()), rates(names.size());
-  outlook.seen.rates = Eigen::MatrixXd::Constant(seen.rows(), std::ssize(predicted.outputs), kNaN);
-  if (!predicted.attitude.empty()) outlook.turn.body_rates = Eigen::MatrixX3d::Constant(seen.rows(), 3, kNaN);
+  result.seen.rates = Eigen::MatrixXd::Constant(seen.rows(), std::ssize(predicted.outputs), kNaN);
+  if (!predicted.attitude.empty()) result.turn.body_rates = Eigen::MatrixX3d::Constant(seen.rows(), 3, kNaN);
   for (Eigen::Index row = 0; row < seen.rows(); ++row) {
     for (std::size_t s = 0; s < x.size(); ++s) x[s] = seen(row, static_cast<Eigen::Index>(s));
     equations->rhs(0.0, x, q, rates, workspace);
@@ -132,88 +132,89 @@ void add_rates(const TrajectoryFamily& family, const Capture& capture, const Pre
       const FitOutput& output = predicted.outputs[o];
       const std::size_t at = place_of(output.name);
       const bool is_kinematic = output.unit == "m" || output.unit == "rad";
-      if (is_kinematic && at < rates.size())
-        outlook.seen.rates(row, static_cast<Eigen::Index>(o)) = rates[at];
+      if (is_kinematic && at < rates.size()) result.seen.rates(row, static_cast<Eigen::Index>(o)) = rates[at];
     }
     if (predicted.attitude.empty() || place_of(predicted.attitude[0]) + 4 > rates.size()) continue;
     const double* const turn = &rates[place_of(predicted.attitude[0])];
-    const Attitude now = attitude_of(outlook.turn.attitudes.row(row).transpose());
+    const Attitude now = attitude_of(result.turn.attitudes.row(row).transpose());
     const Attitude product = now.conjugate() * Attitude(turn[0], turn[1], turn[2], turn[3]);
-    outlook.turn.body_rates.row(row) = 2.0 / now.squaredNorm() * product.vec().transpose();
+    result.turn.body_rates.row(row) = 2.0 / now.squaredNorm() * product.vec().transpose();
   }
 }
 
-/// Where the model goes after the window.
+/// Where the model goes after the span.
 void carry_on(const TrajectoryFamily& family, const Capture& capture, const PredictedOutputs& predicted,
-              const FitOptions& options, int unknowns, const Eigen::VectorXd& times, Outlook& outlook) {
+              const FitOptions& options, int unknowns, const Eigen::VectorXd& times,
+              CapturePrediction& result) {
   const auto outputs = std::ssize(predicted.outputs);
-  outlook.model = Eigen::MatrixXd::Constant(times.size(), outputs, kNaN);
-  outlook.model_attitude = Eigen::MatrixX4d::Constant(times.size(), 4, kNaN);
-  const FitResult window = unknowns > 0 ? fit(family, std::span(&capture, 1), options)
-                                        : without_unknowns(family.info(), capture, options);
-  if (window.status == FitStatus::failed) {
-    outlook.failure = window.message;
+  result.model = Eigen::MatrixXd::Constant(times.size(), outputs, kNaN);
+  result.model_attitude = Eigen::MatrixX4d::Constant(times.size(), 4, kNaN);
+  const FitResult span = unknowns > 0 ? fit(family, std::span(&capture, 1), options)
+                                      : without_unknowns(family.info(), capture, options);
+  if (span.status == FitStatus::failed) {
+    result.failure = span.message;
     return;
   }
   std::vector<std::string> names = names_of(predicted.outputs);
   names.insert(names.end(), predicted.attitude.begin(), predicted.attitude.end());
   const std::optional<Eigen::MatrixXd> model =
-      fitted_motion(family, options, window, 0, {times.begin(), times.end()}, names);
+      fitted_motion(family, options, span, 0, {times.begin(), times.end()}, names);
   if (!model) {
-    outlook.failure = "there is no trajectory beyond the window";
+    result.failure = "there is no trajectory beyond the span";
     return;
   }
-  outlook.model = model->leftCols(outputs);
-  if (!predicted.attitude.empty()) outlook.model_attitude = model->rightCols<4>();
+  result.model = model->leftCols(outputs);
+  if (!predicted.attitude.empty()) result.model_attitude = model->rightCols<4>();
 }
 
 }  // namespace
 
-Outlook outlook_of(const TrajectoryFamily& family, const Capture& capture, const PredictedOutputs& predicted,
-                   const FitOptions& all_options, const PredictionOptions& prediction) {
-  Outlook outlook{.motion = capture.motion.empty() ? capture.id : capture.motion};
+CapturePrediction predict_capture(const TrajectoryFamily& family, const Capture& capture,
+                                  const PredictedOutputs& predicted, const FitOptions& all_options,
+                                  const PredictionOptions& prediction) {
+  CapturePrediction result{.motion = capture.motion.empty() ? capture.id : capture.motion};
   if (capture.times.size() == 0) {
-    outlook.lack = "it has no frames";
-    return outlook;
+    result.lack = "it has no frames";
+    return result;
   }
   FitOptions options = options_for(family.info(), capture, all_options);
   const FitProblem problem = describe_problem(family.info(), std::span(&capture, 1), options);
   const int unknowns = problem.own_count();
   if (unknowns == 0) options.segments.length.reset();  // it starts where its values say, at 0
   const std::vector<std::string> names = names_of(predicted.outputs);
-  const std::vector<Eigen::Index> before = frames_between(capture, -1.0, prediction.window);
+  const std::vector<Eigen::Index> before = frames_between(capture, -1.0, prediction.span);
   const Eigen::VectorXd since = capture.times.array() - capture.times[0];
-  outlook.seen = {since(before), measured(capture, names, before)};
+  result.seen = {since(before), measured(capture, names, before)};
   if (!predicted.attitude.empty())
-    outlook.turn = {since(before), measured(capture, predicted.attitude, before)};
+    result.turn = {since(before), measured(capture, predicted.attitude, before)};
 
-  // What the fit of the window compares.
-  const Eigen::MatrixXd values = outlook.seen.positions.leftCols(std::ssize(problem.outputs));
+  // What the fit of the span compares.
+  const Eigen::MatrixXd values = result.seen.positions.leftCols(std::ssize(problem.outputs));
   const Eigen::MatrixXd attitudes =
-      problem.attitude_scale ? Eigen::MatrixXd(outlook.turn.attitudes) : Eigen::MatrixXd();
+      problem.attitude_scale ? Eigen::MatrixXd(result.turn.attitudes) : Eigen::MatrixXd();
   const double last = last_time(family.info(), options, capture, before, values, attitudes);
-  const double wanted = prediction.window + prediction.ahead;
+  const double wanted = prediction.span + prediction.ahead;
   const double end = std::min(wanted, last - capture.times[0]);
-  const std::vector<Eigen::Index> after = frames_between(capture, prediction.window, end);
-  outlook.is_cut = frames_between(capture, prediction.window, wanted).size() > after.size();
-  outlook.times = since(after);
-  outlook.truth = measured(capture, names, after);
-  outlook.truth_attitude = Eigen::MatrixX4d::Constant(std::ssize(after), 4, kNaN);
-  if (!predicted.attitude.empty()) outlook.truth_attitude = measured(capture, predicted.attitude, after);
+  const std::vector<Eigen::Index> after = frames_between(capture, prediction.span, end);
+  result.is_cut = frames_between(capture, prediction.span, wanted).size() > after.size();
+  result.times = since(after);
+  result.truth = measured(capture, names, after);
+  result.truth_attitude = Eigen::MatrixX4d::Constant(std::ssize(after), 4, kNaN);
+  if (!predicted.attitude.empty()) result.truth_attitude = measured(capture, predicted.attitude, after);
   if (!can_be_fitted(values, attitudes, unknowns)) {
-    outlook.lack = fmt::format("its first {} s, {} frames, hold too little to fit its {} unknowns",
-                               prediction.window, before.size(), unknowns);
-  } else if (after.empty() && outlook.is_cut) {
-    outlook.lack =
-        fmt::format("the {} ends at {:.4g} s of its times and the window at {:.4g} s, with no frame between",
-                    family.info().source, last, capture.times[0] + prediction.window);
+    result.lack = fmt::format("its first {} s, {} frames, hold too little to fit its {} unknowns",
+                              prediction.span, before.size(), unknowns);
+  } else if (after.empty() && result.is_cut) {
+    result.lack =
+        fmt::format("the {} ends at {:.4g} s of its times and the span at {:.4g} s, with no frame between",
+                    family.info().source, last, capture.times[0] + prediction.span);
   } else if (after.empty()) {
-    outlook.lack = fmt::format("it has no frame between {} s and {} s", prediction.window, end);
+    result.lack = fmt::format("it has no frame between {} s and {} s", prediction.span, end);
   }
-  if (!outlook.lack.empty()) return outlook;
-  add_rates(family, capture, predicted, before, outlook);
-  carry_on(family, capture, predicted, options, unknowns, capture.times(after).cwiseMin(last), outlook);
-  return outlook;
+  if (!result.lack.empty()) return result;
+  add_rates(family, capture, predicted, before, result);
+  carry_on(family, capture, predicted, options, unknowns, capture.times(after).cwiseMin(last), result);
+  return result;
 }
 
 }  // namespace samara::identification

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "samara/identification/fit/outlook.h"
+#include "samara/identification/fit/capture_prediction.h"
 #include "samara/identification/fit/prediction.h"
 #include "samara/identification/problem/fit_options.h"
 
@@ -21,14 +21,14 @@ struct Quantity {
 
 std::vector<Quantity> quantities(const PredictedOutputs& predicted, const FitOptions& options);
 
-/// s beyond the window, of the last frame of all.
-double reach_of(const std::vector<Outlook>& outlooks, const PredictionOptions& prediction);
+/// s beyond the span, of the last frame of all.
+double reach_of(const std::vector<CapturePrediction>& predictions, const PredictionOptions& prediction);
 
 /// Scores of all captures together, and of each.
 struct Scores {
   std::vector<PredictionScore> all = {}, by_capture = {};
 };
-Scores scores_of(const std::vector<Quantity>& compared, std::vector<Outlook> outlooks,
+Scores scores_of(const std::vector<Quantity>& compared, std::vector<CapturePrediction> predictions,
                  const PredictionOptions& prediction);
 
 }  // namespace samara::identification

@@ -21,18 +21,18 @@ TEST_CASE("falling paper: the body predicts drops that it has not seen better th
   if (folder.empty()) return;
   const auto drops = paper_drops(folder);
   CHECK(drops.size() == 85);
-  const PaperSplit windows = split(drops, 5, 20, 1);
+  const PaperSplit spans = split(drops, 5, 20, 1);
   const auto body = paper_family();
   auto options = paper_options();
   options.starts.rounds = 1;
-  const FitResult fitted = samara::identification::fit(*body, captures_of(windows.fitted), options);
-  const Prediction unseen = predict_unseen(*body, options, values_of(fitted), windows.unseen);
+  const FitResult fitted = samara::identification::fit(*body, captures_of(spans.fitted), options);
+  const Prediction unseen = predict_unseen(*body, options, values_of(fitted), spans.unseen);
   // 2.8 mm for 20 drops; 3.5 mm was found by an independent trial.
   CHECK(median_of(window_misfits(fitted)) < 3.5e-3);
-  CHECK(median_of(unseen.errors) < 0.85 * median_of(baseline_errors(Baseline::quadratic, windows.unseen)));
-  CHECK(median_of(unseen.errors) < 0.75 * median_of(baseline_errors(Baseline::cubic, windows.unseen)));
+  CHECK(median_of(unseen.errors) < 0.85 * median_of(baseline_errors(Baseline::quadratic, spans.unseen)));
+  CHECK(median_of(unseen.errors) < 0.75 * median_of(baseline_errors(Baseline::cubic, spans.unseen)));
   // Against the straight line it takes the benchmark's twenty drops to tell.
-  CHECK(rms_of(unseen.errors) < 0.85 * rms_of(baseline_errors(Baseline::quadratic, windows.unseen)));
+  CHECK(rms_of(unseen.errors) < 0.85 * rms_of(baseline_errors(Baseline::quadratic, spans.unseen)));
 }
 
 TEST_CASE("settling plates: drops left out flutter like the ones fitted") {
@@ -59,19 +59,19 @@ TEST_CASE("settling plates: drops left out flutter like the ones fitted") {
 TEST_CASE("rough poses of a paper card: a report, and no number for what they do not determine") {
   const auto folder = measured_data("paper-6dof-apriltag");
   if (folder.empty()) return;
-  const auto windows = april_windows(folder);
-  CHECK(windows.size() > 8);
-  const FitResult fitted = samara::identification::fit(*april_family(kAprilSize), windows, april_options());
+  const auto spans = april_windows(folder);
+  CHECK(spans.size() > 8);
+  const FitResult fitted = samara::identification::fit(*april_family(kAprilSize), spans, april_options());
   INFO(fitted.message);
   REQUIRE_FALSE(fitted.captures.empty());
   CHECK_FALSE(fitted.message.empty());
-  const auto verdicts = april_verdicts(fitted, april_variants(windows, true));
+  const auto verdicts = april_verdicts(fitted, april_variants(spans, true));
   CHECK(verdicts.size() == 5);
   for (const AprilVerdict& v : verdicts) {
     CHECK(std::isfinite(v.value));
     CHECK_FALSE(v.words.empty());
   }
   // One drop, a card of unknown size, and every other angle wrong: whatever looks well determined (C_D0, to 6
-  // % by the scatter between windows) is another number without one of the cameras.
+  // % by the scatter between spans) is another number without one of the cameras.
   CHECK(std::ranges::none_of(verdicts, &AprilVerdict::identified));
 }

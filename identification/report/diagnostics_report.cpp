@@ -1,4 +1,4 @@
-#include "samara/identification/report/trust_report.h"
+#include "samara/identification/report/diagnostics_report.h"
 
 #include <algorithm>
 #include <cmath>
@@ -215,7 +215,7 @@ Json column(const Eigen::Ref<const Eigen::VectorXd>& values) {
   return array;
 }
 
-void add_trust(const FitResult& result, Json& object) {
+void add_diagnostics(const FitResult& result, Json& object) {
   object["profiles"] = Json::array();
   for (const Profile& p : result.profiles) object["profiles"].push_back(json_of(p));
   object["identifiability"] = result.identifiability ? json_of(*result.identifiability) : Json(nullptr);
@@ -233,7 +233,7 @@ void add_trust(const FitResult& result, Json& object) {
   object["global_search"] = result.global_search ? json_of(*result.global_search) : Json(nullptr);
 }
 
-void add_trust_text(const FitResult& result, std::string& text) {
+void add_diagnostics_text(const FitResult& result, std::string& text) {
   const auto out = std::back_inserter(text);
   add_bootstrap_text(result, out);
   add_prediction_table(result, out);

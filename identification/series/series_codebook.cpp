@@ -1,4 +1,4 @@
-#include "samara/identification/series/series_book.h"
+#include "samara/identification/series/series_codebook.h"
 
 #include <algorithm>
 #include <cmath>
@@ -156,8 +156,8 @@ codebooks::Codebook series_codebook(const CoefficientSeries& series) {
                                "instants",
                                names),
       .frames = "those of the model",
-      .source = fmt::format("a fit to {} of captures: {}",
-                            series.joined ? "joined windows" : "sliding windows", series.message),
+      .source = fmt::format("a fit to {} of captures: {}", series.joined ? "joined spans" : "sliding spans",
+                            series.message),
       .fixed = series.replay,
       .fixed_units = series.replay_units};
   codebooks::BuildRecord build{.builder = "fit",

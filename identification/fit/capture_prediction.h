@@ -21,8 +21,8 @@ struct PredictedOutputs {
 };
 
 /// What was seen, what followed, and what the model made of it.
-struct Outlook {
-  std::string motion = {};  ///< id of the capture, also of its windows
+struct CapturePrediction {
+  std::string motion = {};  ///< id of the capture, also of its spans
   SeenMotion seen = {};
   SeenTurn turn = {};                      ///< empty where no attitudes are predicted
   Eigen::VectorXd times = {};              ///< since the first frame
@@ -33,10 +33,11 @@ struct Outlook {
   std::string failure = {};  ///< why the model says nothing; empty: it does
 };
 
-/// Fits what is the capture's own to its window, and carries the model on.
+/// Fits what is the capture's own to its span, and carries the model on.
 /// @param options of a fit with the coefficients held; known coordinates of which the capture has no value
 ///   are unknowns of its own
-Outlook outlook_of(const TrajectoryFamily& family, const Capture& capture, const PredictedOutputs& predicted,
-                   const FitOptions& options, const PredictionOptions& prediction);
+CapturePrediction predict_capture(const TrajectoryFamily& family, const Capture& capture,
+                                  const PredictedOutputs& predicted, const FitOptions& options,
+                                  const PredictionOptions& prediction);
 
 }  // namespace samara::identification

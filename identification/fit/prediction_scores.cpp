@@ -1,4 +1,4 @@
-#include "samara/identification/fit/prediction_tally.h"
+#include "samara/identification/fit/prediction_scores.h"
 
 #include <algorithm>
 #include <cmath>
@@ -96,9 +96,9 @@ class Tallies {
 };
 
 /// Only where the last frame lies near the end of the way does its distance count as one there.
-bool reaches_end(const Outlook& outlook, const PredictionOptions& prediction) {
-  const double end = prediction.window + prediction.ahead;
-  return outlook.times[outlook.times.size() - 1] >= end - kAtEnd * prediction.ahead;
+bool reaches_end(const CapturePrediction& one, const PredictionOptions& prediction) {
+  const double end = prediction.span + prediction.ahead;
+  return one.times[one.times.size() - 1] >= end - kAtEnd * prediction.ahead;
 }
 
 /// What repeats goes on where it was seen to jump: baselines are polynomials.
@@ -117,31 +117,31 @@ Eigen::MatrixXd nearest(const Eigen::MatrixXd& points, const Eigen::MatrixXd& ot
 }
 
 /// Distances of one quantity in the last frames of a capture that was predicted.
-std::vector<double> distances_of(const Outlook& outlook, const Quantity& quantity,
+std::vector<double> distances_of(const CapturePrediction& one, const Quantity& quantity,
                                  const Eigen::MatrixXd& predicted, const Eigen::MatrixX4d& attitudes,
                                  Eigen::Index frames) {
   if (quantity.is_attitude)
-    return turn_distances(attitudes.bottomRows(frames), outlook.truth_attitude.bottomRows(frames));
+    return turn_distances(attitudes.bottomRows(frames), one.truth_attitude.bottomRows(frames));
   const Eigen::MatrixXd guess = predicted(Eigen::all, quantity.columns).bottomRows(frames);
-  const Eigen::MatrixXd truth = outlook.truth(Eigen::all, quantity.columns).bottomRows(frames);
+  const Eigen::MatrixXd truth = one.truth(Eigen::all, quantity.columns).bottomRows(frames);
   return prediction_distances(guess, nearest(truth, guess, quantity.period));
 }
 
 /// @param tallies to which the capture adds: of all, and its own
-void tally(const Outlook& outlook, const std::vector<Predictor>& predictors,
+void tally(const CapturePrediction& one, const std::vector<Predictor>& predictors,
            const std::vector<Quantity>& compared, const PredictionOptions& prediction,
            std::span<Tallies* const> tallies) {
-  const Eigen::Index frames = outlook.times.size();
+  const Eigen::Index frames = one.times.size();
   for (std::size_t p = 0; p < predictors.size(); ++p) {
     const std::optional<Baseline>& baseline = predictors[p].baseline;
-    const Eigen::MatrixXd values = baseline ? predict(*baseline, outlook.seen, outlook.times) : outlook.model;
+    const Eigen::MatrixXd values = baseline ? predict(*baseline, one.seen, one.times) : one.model;
     const Eigen::MatrixX4d attitudes =
-        baseline ? predict_turn(*baseline, outlook.turn, outlook.times) : outlook.model_attitude;
+        baseline ? predict_turn(*baseline, one.turn, one.times) : one.model_attitude;
     for (std::size_t k = 0; k < compared.size(); ++k) {
-      const auto all = distances_of(outlook, compared[k], values, attitudes, frames);
+      const auto all = distances_of(one, compared[k], values, attitudes, frames);
       const auto last =
-          distances_of(outlook, compared[k], values, attitudes, reaches_end(outlook, prediction) ? 1 : 0);
-      for (Tallies* const one : tallies) one->add(k, p, all, last);
+          distances_of(one, compared[k], values, attitudes, reaches_end(one, prediction) ? 1 : 0);
+      for (Tallies* const each : tallies) each->add(k, p, all, last);
     }
   }
 }
@@ -167,25 +167,25 @@ std::vector<Quantity> quantities(const PredictedOutputs& predicted, const FitOpt
   return result;
 }
 
-double reach_of(const std::vector<Outlook>& outlooks, const PredictionOptions& prediction) {
+double reach_of(const std::vector<CapturePrediction>& predictions, const PredictionOptions& prediction) {
   double reach = 0.0;
-  for (const Outlook& outlook : outlooks)
-    reach = std::max(reach, outlook.times[outlook.times.size() - 1] - prediction.window);
+  for (const CapturePrediction& one : predictions)
+    reach = std::max(reach, one.times[one.times.size() - 1] - prediction.span);
   return reach >= (1.0 - kAtEnd) * prediction.ahead ? prediction.ahead : reach;
 }
 
-Scores scores_of(const std::vector<Quantity>& compared, std::vector<Outlook> outlooks,
+Scores scores_of(const std::vector<Quantity>& compared, std::vector<CapturePrediction> predictions,
                  const PredictionOptions& prediction) {
   const std::vector<Predictor> predictors = all_predictors();
-  Tallies all(predictors, compared, prediction, reach_of(outlooks, prediction));
+  Tallies all(predictors, compared, prediction, reach_of(predictions, prediction));
   std::vector<std::pair<std::string, Tallies>> motions;
-  for (Outlook& outlook : outlooks) {
-    unwrap(compared, outlook.seen);
-    if (motions.empty() || motions.back().first != outlook.motion)
-      motions.emplace_back(outlook.motion,
-                           Tallies(predictors, compared, prediction, reach_of(outlooks, prediction)));
+  for (CapturePrediction& one : predictions) {
+    unwrap(compared, one.seen);
+    if (motions.empty() || motions.back().first != one.motion)
+      motions.emplace_back(one.motion,
+                           Tallies(predictors, compared, prediction, reach_of(predictions, prediction)));
     Tallies* const tallies[] = {&all, &motions.back().second};
-    tally(outlook, predictors, compared, prediction, tallies);
+    tally(one, predictors, compared, prediction, tallies);
   }
   Scores scores;
   all.add_scores("", scores.all);
