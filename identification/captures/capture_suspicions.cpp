@@ -161,7 +161,7 @@ void suspect_span(const Channel& channel, const SeenValues& seen, Sentences& fou
 /// One for all positions: the length of the acceleration says it, whatever the axes.
 void suspect_acceleration(const Capture& capture, Sentences& found) {
   constexpr double kMost = 5.0;  // times gravity
-  // Bandwidths are wide: some of the frames say the same, in a time that every fit can bear.
+  // The bandwidth is wide: accelerations at some of the frames are enough, and much faster.
   constexpr Index kFrames = 40;
   const Index stride = 1 + capture.times.size() / kFrames;
   const Eigen::VectorXd times = capture.times(Eigen::seq(0, capture.times.size() - 1, stride));
@@ -294,7 +294,7 @@ std::vector<std::string> merge_alike(const std::vector<std::pair<std::string, st
     std::string more;
     if (count > 0) {
       kind.others.resize(std::min(count, kNamed));
-      more = fmt::format("; the like of {} more: {}{}", count, fmt::join(kind.others, ", "),
+      more = fmt::format("; likewise {} more: {}{}", count, fmt::join(kind.others, ", "),
                          count > kNamed ? ", .." : "");
     }
     all.push_back(kind.first + more);

@@ -70,7 +70,7 @@ std::optional<Eigen::VectorXd> depths(const Capture& capture, const Weight& weig
 /// The share of frames in which the body rises, where it does so unslowed.
 std::optional<double> unslowed_rise(const Capture& capture, const Weight& weight) {
   constexpr Index kFewestFrames = 10;
-  constexpr Index kFrames = 40;     // some of a long recording say the same
+  constexpr Index kFrames = 40;     // enough of a long recording
   constexpr double kCertain = 3.0;  // standard errors of a velocity
   constexpr double kShare = 0.3;    // of the frames
   constexpr double kSlowed = 0.2;   // of the acceleration of a body at rest
@@ -105,7 +105,7 @@ std::optional<double> unslowed_rise(const Capture& capture, const Weight& weight
 std::vector<std::string> check_gravity(const models::ParametricModel& equations, std::span<const double> q,
                                        std::span<const Capture> captures) {
   const Weight weight = weight_of(equations, q);
-  // A body that floats, nearly, goes where anything else drives it.
+  // A body that nearly floats is moved by anything else.
   constexpr double kHeavy = 0.5;  // m/s^2
   if (weight.places.empty() || !(weight.acceleration.norm() > kHeavy)) return {};
   std::vector<std::pair<std::string, std::string>> found;

@@ -258,7 +258,7 @@ FitReport fit_files(const FitRequest& request) {
   const std::optional<PredictionOptions> prediction = prediction_of(request, source);
   CaptureSplit captures = read_split(request, source);
   take_span(request, source, captures.fitted);
-  // A fit may take long: what is strange about the captures should not have to wait for it.
+  // A fit may take long: warnings about the captures come before it.
   const bool fits = !captures.fitted.empty();
   const std::vector<Capture>& looked_at = fits ? captures.fitted : captures.left_out;
   Warnings of_captures;

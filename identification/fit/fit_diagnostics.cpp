@@ -92,7 +92,7 @@ class HeldFits {
     FitPoint start = unpacked(problem_, warm_start);
     start.shared[held_] = value;
     MinimizeResult run = minimize(problem_, residuals_, std::move(start), max_iterations_);
-    // A cost that is still falling says nothing of how far the least one has risen.
+    // Not converged: the cost is no value of the profile.
     if (run.status == FitStatus::iteration_limit) {
       run = minimize(problem_, residuals_, std::move(run.point), 4 * max_iterations_);
     }

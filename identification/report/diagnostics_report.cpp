@@ -135,12 +135,13 @@ std::string shown(const PredictionScore& score, double value) {
 }
 
 /// Where the model is not the best of a group, which one is.
-std::string sentence_of_loss(std::span<const PredictionScore> group) {
+std::string better_baseline(std::span<const PredictionScore> group) {
   const PredictionScore& model = group.front();
   const auto best = std::ranges::find_if(group, &PredictionScore::best);
   if (best == group.end() || model.best || model.count == 0) return {};
-  return fmt::format("the model loses {} to the {}, {:.4g} to {:.4g}{}\n", model.quantity, best->predictor,
-                     model.median, best->median, model.unit == "1" ? "" : " " + model.unit);
+  const std::string unit = model.unit == "1" ? "" : " " + model.unit;
+  return fmt::format("the {} predicts {} better than the model: median {:.4g}{}, not {:.4g}{}\n",
+                     best->predictor, model.quantity, best->median, unit, model.median, unit);
 }
 
 /// A row a capture and quantity.
@@ -173,7 +174,7 @@ void add_prediction_table(const FitResult& result, std::back_insert_iterator<std
                      p.predictor, shown(p, p.median), p.best ? kBestMark : " ", shown(p, p.rms), p.captures,
                      p.count);
     }
-    losses += sentence_of_loss(group);
+    losses += better_baseline(group);
   }
   fmt::format_to(out, "{} the best by its median\n{}", kBestMark, losses);
   add_capture_predictions(result, out);
@@ -191,7 +192,7 @@ void add_noise_text(const FitResult& result, std::back_insert_iterator<std::stri
     }
   }
   if (!result.noise.empty())
-    fmt::format_to(out, "noise levels and fit in turn: {} round{}\n", result.noise_rounds,
+    fmt::format_to(out, "noise levels were estimated in {} round{}\n", result.noise_rounds,
                    result.noise_rounds == 1 ? "" : "s");
 }
 

@@ -131,12 +131,13 @@ void add_coefficient_table(const FitResult& result, std::back_insert_iterator<st
     std::vector<std::string> parts;
     for (const int cluster : carriers(result, c)) {
       const auto at = static_cast<std::size_t>(cluster);
-      parts.push_back(
-          fmt::format("{:.0f} % from {}", 100.0 * c.cluster_shares[at], result.cluster_names[at]));
+      parts.push_back(fmt::format("{} ({:.0f} %)", result.cluster_names[at], 100.0 * c.cluster_shares[at]));
     }
     if (parts.empty()) continue;
-    fmt::format_to(out, "what is known of {} comes to {}: its error is at least what all clusters scatter\n",
-                   c.name, join(parts));
+    fmt::format_to(
+        out,
+        "{} is determined mostly by {}: its error is at least that of the scatter between all clusters\n",
+        c.name, join(parts));
   }
 }
 
@@ -213,14 +214,14 @@ std::string fit_text(const FitResult& result) {
   }
   if (result.residual_count > 0) fmt::format_to(out, "{} values compared\n", result.residual_count);
   if (result.join_defect) {
-    fmt::format_to(out, "segments join within {:.2g} of what each alone says of its start\n",
+    fmt::format_to(out, "segments join to within {:.2g} standard deviations of their starts\n",
                    *result.join_defect);
   }
   if (const auto noted =
           std::ranges::count_if(result.captures, [](const auto& c) { return !c.notes.empty(); });
       noted > 0) {
     fmt::format_to(out,
-                   "what reading and cleaning did to {} of {} captures stands in the JSON and the report\n",
+                   "notes on the reading and cleaning of {} of {} captures are in the JSON and the report\n",
                    noted, result.captures.size());
   }
   add_diagnostics_text(result, text);

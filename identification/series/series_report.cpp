@@ -86,9 +86,10 @@ std::string series_text(const CoefficientSeries& series) {
                  series.joined ? "joined" : "sliding", series.message);
   if (series.coefficients.empty()) return text;
   add_table(series, out);
-  fmt::format_to(out,
-                 "own: what the frames around an instant have decided; the rest are its neighbours, through "
-                 "smoothness\n");
+  fmt::format_to(
+      out,
+      "own: the share of a value that the frames around its instant determine; the rest comes from "
+      "its neighbours\n");
   fmt::format_to(out, "{:.1f} free values of {} in use", series.effective,
                  series.instants.size() * static_cast<Eigen::Index>(series.coefficients.size()));
   if (series.factor) {

@@ -110,10 +110,10 @@ void add_other_optima(const FitProblem& problem, std::vector<SegmentResidual>& r
       optimum.standard_errors.push_back(std::sqrt(covariance(k, k)));
     result.warnings.add(
         WarningKind::optima,
-        fmt::format(
-            "the captures do not tell the answer from another optimum, {}, whose cost is higher by {:.3g}{}",
-            values_text(result, optimum), optimum.excess,
-            C < 2.0 ? std::string() : fmt::format(" +- {:.3g} between clusters", excess_error)));
+        fmt::format("the captures do not distinguish the answer from another optimum, {}, whose cost is "
+                    "higher by {:.3g}{}",
+                    values_text(result, optimum), optimum.excess,
+                    C < 2.0 ? std::string() : fmt::format(" +- {:.3g} between clusters", excess_error)));
     result.other_optima.push_back(std::move(optimum));
   }
   if (runs.size() == 1 && !result.global_search) {

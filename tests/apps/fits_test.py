@@ -114,7 +114,7 @@ class Fits(Case):
         result = run("fit", book("coin", COIN_PLAN), sidecar, "--config", config, "-o", target)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertNotIn("multiples", result.stderr)
-        self.assertIn("what reading and cleaning did to 3 of 3 captures", result.stdout)
+        self.assertIn("notes on the reading and cleaning of 3 of 3 captures", result.stdout)
         self.assertTrue(all("multiples" in c["notes"][0] for c in json.loads(target.read_text())["captures"]))
 
     def test_what_is_suspicious_about_many_captures_is_one_sentence(self):
@@ -122,7 +122,7 @@ class Fits(Case):
         result = run("fit", book("coin", COIN_PLAN), sidecar)
         lines = [line for line in result.stderr.splitlines() if "frames" in line]
         self.assertEqual(len(lines), 1, result.stderr)
-        self.assertIn('capture "a": it has 7 frames; the like of 2 more: "b", "c"', lines[0])
+        self.assertIn('capture "a": it has 7 frames; likewise 2 more: "b", "c"', lines[0])
 
     def test_the_span_of_a_prediction_is_a_setting_of_its_own(self):
         path, capture = book("coin", COIN_PLAN), self.capture()

@@ -91,8 +91,7 @@ TEST_CASE("the text names the clusters that carry a coefficient almost alone") {
   c.standard_error = 0.1;
   c.cluster_shares = {0.9, 0.06, 0.04};
   c.effective_clusters = 1.2;
-  CHECK_THAT(fit_text(result),
-             Contains(fmt::format("what is known of {} comes to 90 % from flight 98:", c.name)));
+  CHECK_THAT(fit_text(result), Contains(fmt::format("{} is determined mostly by flight 98 (90 %):", c.name)));
   CHECK_THAT(verdict(result, c), Contains("by flight 98 almost alone"));
 }
 
@@ -102,7 +101,7 @@ TEST_CASE("reports of joined segments say how nearly they join") {
   CHECK_THAT(fit_text(result), !Contains("segments join"));
   result.join_defect = 0.0125;
   CHECK(nlohmann::json::parse(fit_json(result))["join_defect"] == 0.0125);
-  CHECK_THAT(fit_text(result), Contains("segments join within 0.013 of"));
+  CHECK_THAT(fit_text(result), Contains("segments join to within 0.013 standard deviations"));
 }
 
 TEST_CASE("numbers that are not there are null in JSON") {
@@ -134,7 +133,7 @@ TEST_CASE("noise levels and what steps cost stand in all reports") {
   CHECK(json["coefficients"][0]["integration_shift"].get<double>() == -0.01);
   const std::string text = fit_text(result);
   CHECK_THAT(text, Contains("noise of x, y: 0.002 +- 0.0002 m, estimated\n") &&
-                       Contains("noise of theta: taken to be 0.1\n") && Contains("in turn: 3 rounds") &&
+                       Contains("noise of theta: taken to be 0.1\n") && Contains("estimated in 3 rounds") &&
                        Contains("would move no coefficient by more than 0.25 standard errors"));
 }
 

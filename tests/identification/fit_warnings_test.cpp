@@ -220,7 +220,7 @@ TEST_CASE(
         fails ? fit(BrokenFamily(false), captures, options) : fit(BrakedFamily(), captures, options);
     CHECK((result.status == FitStatus::failed) == fails);
     CHECK_THAT(text_of(result.warnings),
-               Contains("capture \"a\": x never changes over 10 frames; the like of 1 more: \"b\""));
+               Contains("capture \"a\": x never changes over 10 frames; likewise 1 more: \"b\""));
     CHECK_THAT(text_of(result.warnings), !Contains("a note"));
     if (!fails) CHECK(result.captures[0].notes == captures[0].notes);
   }

@@ -79,7 +79,7 @@ TEST_CASE("an optimum that the captures cannot tell from the answer stands in th
   CHECK(p.value * result.other_optima[0].coefficients[0] < 0.0);
   CHECK_THAT(verdict(result, p), Contains(" +- ") && Contains(" or "));
   CHECK_THAT(text_of(result.warnings),
-             Contains("do not tell the answer from another optimum") && Contains("between clusters"));
+             Contains("do not distinguish the answer from another optimum") && Contains("between clusters"));
   CHECK_THAT(fit_json(result), Contains("\"other_optima\": [\n    {"));
 }
 

@@ -92,7 +92,7 @@ class OwnProblem {
   /// After evaluate() with derivatives there.
   void linearise(const Eigen::VectorXd& own, Eigen::MatrixXd& normal, Eigen::VectorXd& gradient) const {
     Eigen::MatrixXd moves = problem_.own_chart.plus_jacobian(own.data());
-    // A segment alone would make its camera say what its start should.
+    // One segment alone cannot tell a camera from a start.
     moves.rightCols(problem_.camera_count()).setZero();
     Eigen::MatrixXd J(psi_.size(), moves.cols());
     J.topRows(rows_.values) = residual_.by_own().topRows(rows_.values) * moves;
