@@ -16,7 +16,7 @@
 ///     [prediction]
 ///     span = "0.1 s"                      # seen of each capture left out; else the span of the fit
 ///     ahead = "1 s"
-///     stride = "0.5 s"                    # a prediction so often along a capture, not one from its start
+///     stride = "0.5 s"                    # a prediction every 0.5 s, not one from its start
 ///     left_out = { flight = ["98", "126"] }   # of the captures given, those with one of these labels
 ///     fitted = { flight = ["120"] }           # else all the others
 ///     folds = 5                           # or: each fifth of the clusters by a fit of the others

@@ -13,7 +13,7 @@
 /// Options of a fit from a TOML file:
 ///
 ///     span = "0.4 s"
-///     stride = "0.4 s"                                # a span so often, not one at the start of a capture
+///     stride = "0.4 s"                                # a span every 0.4 s, not one at the start of a capture
 ///     outputs = ["x"]
 ///     loss = { kind = "huber", scale = "2 mm" }       # or scale = { x = "2 mm", theta = "3 deg" }
 ///     shared = ["C_D"]

@@ -158,7 +158,7 @@
         row(levels, [n.outputs.join(", "), {value: n.value, digits: 4}, {value: n.standard_error, digits: 2}, n.unit === "1" ? "" : n.unit,
                      {value: n.degrees_of_freedom, digits: 4}, n.estimated ? "estimated" : "assumed"]);
       }
-      add(part, "p", `Found in turn with the fit, in ${counted(fit.noise_rounds, "round")}.`, "soft");
+      add(part, "p", `Estimated together with the fit, in ${counted(fit.noise_rounds, "round")}.`, "soft");
     }
     if (fit.integration_shift !== null) {
       add(part, "p", "Steps of half the length would move no coefficient by more than " +
