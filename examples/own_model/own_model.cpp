@@ -75,7 +75,7 @@ class StokesFall final : public Model {
 
 int main() {
   const auto model = std::make_shared<StokesFall>();
-  const ModelCheck check = check_model(*model);
+  const samara::Check check = check_model(*model);
   for (const std::string& finding : check.findings) std::printf("%s\n", finding.c_str());
   std::printf("%zu findings\n", check.findings.size());
 

@@ -264,10 +264,10 @@ void remove_repetitions(Findings& findings) {
 
 }  // namespace
 
-ModelCheck check_model(const Model& model, const CheckModelOptions& options) {
+Check check_model(const Model& model, const CheckModelOptions& options) {
   require(options.points >= 1, "points", options.points, "1 or more");
   require(options.tolerance > 0.0, "tolerance", options.tolerance, "a positive value");
-  ModelCheck check;
+  Check check;
   check_texts(model.info(), check.findings);
   check_names_and_units(model.info(), check.findings);
   check_defaults(model.info(), check.findings);

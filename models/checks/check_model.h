@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "samara/base/check.h"
 #include "samara/models/interface/model.h"
 
 /// The test for a model of your own.
@@ -32,13 +33,7 @@ struct CheckModelOptions {
   bool units = true;
 };
 
-struct ModelCheck {
-  std::vector<std::string> findings;  ///< one sentence each; empty: all laws hold
-
-  bool passed() const { return findings.empty(); }
-};
-
 /// @throws ArgumentError if an option is outside its meaning; what the model throws passes through.
-ModelCheck check_model(const Model& model, const CheckModelOptions& options = {});
+Check check_model(const Model& model, const CheckModelOptions& options = {});
 
 }  // namespace samara::models

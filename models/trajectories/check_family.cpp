@@ -365,7 +365,7 @@ class Checks {
 
 }  // namespace
 
-FamilyCheck check_family(const TrajectoryFamily& family, const CheckFamilyOptions& options) {
+Check check_family(const TrajectoryFamily& family, const CheckFamilyOptions& options) {
   require(options.points >= 1, "points", options.points, "at least 1", "check_family");
   require(options.threads >= 1, "threads", options.threads, "at least 1", "check_family");
   require(options.difference > 0.0 && options.difference < 0.25, "difference", options.difference,

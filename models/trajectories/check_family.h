@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "samara/base/check.h"
 #include "samara/models/trajectories/trajectory_family.h"
 
 /// The test for a family of trajectories of your own.
@@ -38,13 +39,7 @@ struct CheckFamilyOptions {
   int threads = 4;
 };
 
-struct FamilyCheck {
-  std::vector<std::string> findings;  ///< one sentence each; empty: all laws hold
-
-  bool passed() const { return findings.empty(); }
-};
-
 /// @throws ArgumentError if an option is outside its meaning.
-FamilyCheck check_family(const TrajectoryFamily& family, const CheckFamilyOptions& options = {});
+Check check_family(const TrajectoryFamily& family, const CheckFamilyOptions& options = {});
 
 }  // namespace samara::models

@@ -67,7 +67,7 @@ class StrategyExaminer {
       problem_.parameters.push_back(make_axis(axis, axis.nodes.value_or(options.nodes)));
   }
 
-  Findings findings() {
+  Check findings() {
     const std::optional<StrategyTrial> first = trial(problem_, options_.tolerance);
     if (!first) return found_;
     if (first->status != Termination::converged) {
@@ -83,7 +83,7 @@ class StrategyExaminer {
   }
 
  private:
-  void find(const std::string& sentence) { found_.sentences.push_back(strategy_.name() + ": " + sentence); }
+  void find(const std::string& sentence) { found_.findings.push_back(strategy_.name() + ": " + sentence); }
 
   /// Nothing, and a finding, if something was thrown.
   std::optional<StrategyTrial> trial(const EvolutionProblem& problem, double tolerance, int max_rank = 120) {
@@ -147,13 +147,13 @@ class StrategyExaminer {
   Strategy& strategy_;
   const CheckStrategyOptions& options_;
   EvolutionProblem problem_;
-  Findings found_;
+  Check found_;
 };
 
 }  // namespace
 
-Findings check_strategy(Strategy& strategy, const AdaptiveProblem& problem,
-                        const CheckStrategyOptions& options) {
+Check check_strategy(Strategy& strategy, const AdaptiveProblem& problem,
+                     const CheckStrategyOptions& options) {
   check_problem(problem);
   require(options.tolerance > 0.0, "CheckStrategyOptions::tolerance", options.tolerance, "a positive number");
   require(options.slabs > 0, "CheckStrategyOptions::slabs", options.slabs, "a positive number");

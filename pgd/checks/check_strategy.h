@@ -1,12 +1,12 @@
 #pragma once
 
-#include "samara/base/findings.h"
+#include "samara/base/check.h"
 #include "samara/pgd/evolution/adaptive_problem.h"
 #include "samara/pgd/nonlinear/strategy.h"
 
 /// The test for a strategy of your own, on a problem that suits it.
 ///
-///   for (const std::string& finding : samara::pgd::check_strategy(mine, problem).sentences) std::cerr << finding << "\n";
+///   for (const std::string& finding : samara::pgd::check_strategy(mine, problem).findings) std::cerr << finding << "\n";
 ///
 /// The strategy solves the first slabs of the problem by itself (nonlinear/strategy_trial.h). Looked at is
 ///  - whether it gets there, and says why where it does not: by an Ending, nothing thrown;
@@ -28,7 +28,7 @@ struct CheckStrategyOptions {
 
 /// @throws ArgumentError if the problem or an option is outside its meaning, or the problem does not suit the
 /// strategy (Strategy::prepare()).
-Findings check_strategy(Strategy& strategy, const AdaptiveProblem& problem,
-                        const CheckStrategyOptions& options = {});
+Check check_strategy(Strategy& strategy, const AdaptiveProblem& problem,
+                     const CheckStrategyOptions& options = {});
 
 }  // namespace samara::pgd

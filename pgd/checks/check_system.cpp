@@ -66,7 +66,7 @@ class SystemExaminer {
     at_ = random_system_points(problem, options.points, random_);
   }
 
-  Findings findings() {
+  Check findings() {
     if (!has_shapes()) return found_;
     compare_batches();
     compare_differences();
@@ -77,7 +77,7 @@ class SystemExaminer {
   }
 
  private:
-  void find(const std::string& sentence) { found_.sentences.push_back(sentence); }
+  void find(const std::string& sentence) { found_.findings.push_back(sentence); }
 
   bool has_shapes() {
     const auto n = static_cast<Eigen::Index>(problem_.states.size());
@@ -193,12 +193,12 @@ class SystemExaminer {
   Random random_;
   SystemPoints at_;
   Eigen::MatrixXd f_, jacobian_;
-  Findings found_;
+  Check found_;
 };
 
 }  // namespace
 
-Findings check_system(const AdaptiveProblem& problem, const CheckSystemOptions& options) {
+Check check_system(const AdaptiveProblem& problem, const CheckSystemOptions& options) {
   check_problem(problem);
   require(options.points > 0, "CheckSystemOptions::points", options.points, "a positive number");
   require(options.tolerance > 0.0, "CheckSystemOptions::tolerance", options.tolerance, "a positive number");

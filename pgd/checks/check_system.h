@@ -1,11 +1,11 @@
 #pragma once
 
-#include "samara/base/findings.h"
+#include "samara/base/check.h"
 #include "samara/pgd/evolution/adaptive_problem.h"
 
 /// The test for an evolution system of your own.
 ///
-///   for (const std::string& finding : samara::pgd::check_system(problem).sentences) std::cerr << finding << "\n";
+///   for (const std::string& finding : samara::pgd::check_system(problem).findings) std::cerr << finding << "\n";
 ///
 /// At random times, parameters of the problem's box, and states within a scale of the initial values it
 ///  - asks for rates and Jacobians of one point and of many: the numbers must be the same, finite, and of the
@@ -26,6 +26,6 @@ struct CheckSystemOptions {
 
 /// @throws ArgumentError if the problem or an option is outside its meaning; what the system throws passes
 /// through.
-Findings check_system(const AdaptiveProblem& problem, const CheckSystemOptions& options = {});
+Check check_system(const AdaptiveProblem& problem, const CheckSystemOptions& options = {});
 
 }  // namespace samara::pgd

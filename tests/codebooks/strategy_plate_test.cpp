@@ -132,5 +132,5 @@ TEST_CASE("a model is an evolution system that keeps its promises") {
   }
   problem.scales.assign(6, 1.0);
   problem.scale_floors.assign(6, 0.0);
-  CHECK(check_system(problem).sentences == std::vector<std::string>{});
+  CHECK(check_system(problem).findings == std::vector<std::string>{});
 }

@@ -40,7 +40,7 @@ std::unique_ptr<samara::models::TrajectoryFamily> wider() {
 }
 
 void check_passes(const samara::models::TrajectoryFamily& family, const std::vector<double>& times = {}) {
-  const samara::models::FamilyCheck check = check_family(family, {.points = 8, .times = times});
+  const samara::Check check = check_family(family, {.points = 8, .times = times});
   INFO(samara::join(check.findings));
   CHECK(check.passed());
 }

@@ -162,7 +162,7 @@ TEST_CASE("a neutrally buoyant body that goes with an accelerating fluid is carr
 
 TEST_CASE("a body in a flow field passes the check of models") {
   const auto model = immersed_body_in(std::make_shared<Waves>());
-  const ModelCheck check = check_model(*model, {.seed = 4, .points = 100});
+  const samara::Check check = check_model(*model, {.seed = 4, .points = 100});
   for (const std::string& finding : check.findings) {
     // The waves are 1/3 m long and 1 m/s fast: they do not follow a change of units.
     if (finding.find("follow its unit") == std::string::npos) FAIL_CHECK(finding);

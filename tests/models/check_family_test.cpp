@@ -30,7 +30,7 @@ const Box kCoinBox = {{"C_D", {0.6, 2.0}}, {"v(0)", {0.1, 0.8}}};
 const CheckFamilyOptions kHalfSecond = {.times = {0.0, 0.1, 0.2, 0.2, 0.35, 0.5}};
 
 void check_passes(const TrajectoryFamily& family, const CheckFamilyOptions& options = kHalfSecond) {
-  const FamilyCheck check = check_family(family, options);
+  const samara::Check check = check_family(family, options);
   INFO(fmt::format("{}", fmt::join(check.findings, "\n")));
   CHECK(check.passed());
 }
@@ -156,7 +156,7 @@ class ClosedForm final : public TrajectoryFamily {
 };
 
 bool finds(const TrajectoryFamily& family, const std::string& words) {
-  const FamilyCheck check = check_family(family);
+  const samara::Check check = check_family(family);
   INFO(fmt::format("{}", fmt::join(check.findings, "\n")));
   const bool found = std::ranges::any_of(
       check.findings, [&](const std::string& finding) { return finding.find(words) != std::string::npos; });

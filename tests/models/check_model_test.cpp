@@ -19,7 +19,7 @@ ScalarModel good_model() {
 }
 
 bool finds(const Model& model, const std::string& words) {
-  const ModelCheck check = check_model(model);
+  const samara::Check check = check_model(model);
   return std::ranges::any_of(
       check.findings, [&](const std::string& finding) { return finding.find(words) != std::string::npos; });
 }

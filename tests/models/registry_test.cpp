@@ -28,7 +28,7 @@ TEST_CASE("an unknown model names the nearest") {
 TEST_CASE("every model that ships passes the check of models") {
   for (const std::string& name : model_names()) {
     INFO(name);
-    const ModelCheck check = check_model(*find_model(name), {.seed = 7, .points = 200});
+    const samara::Check check = check_model(*find_model(name), {.seed = 7, .points = 200});
     for (const std::string& finding : check.findings) FAIL_CHECK(finding);
   }
 }

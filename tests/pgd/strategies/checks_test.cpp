@@ -17,7 +17,7 @@
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;
-using samara::Findings;
+using samara::Check;
 using slab_systems::Matrix;
 using slab_systems::Vector;
 
@@ -61,17 +61,17 @@ AdaptiveProblem growth(const EvolutionSystem& system) {
 }
 
 void check_finds(const EvolutionSystem& system, const std::string& what) {
-  const Findings found = check_system(growth(system));
+  const Check found = check_system(growth(system));
   CAPTURE(what);
   REQUIRE_FALSE(found.passed());
-  CHECK_THAT(found.sentences.front(), Contains(what));
+  CHECK_THAT(found.findings.front(), Contains(what));
 }
 
 void check_finds(Strategy& strategy, const std::string& what) {
   const slab_systems::System system = slab_systems::pendulum();
-  const Findings found = check_strategy(strategy, pendulum_to_check(system));
+  const Check found = check_strategy(strategy, pendulum_to_check(system));
   std::string all;
-  for (const std::string& sentence : found.sentences) all += sentence + "\n";
+  for (const std::string& sentence : found.findings) all += sentence + "\n";
   CHECK_THAT(all, Contains(what));
 }
 
@@ -97,9 +97,9 @@ struct OwnStrategy : Strategy {
 
 TEST_CASE("systems that keep their promises pass their test kit") {
   const slab_systems::System swing = slab_systems::pendulum();
-  CHECK(check_system(pendulum_to_check(swing)).sentences == std::vector<std::string>{});
+  CHECK(check_system(pendulum_to_check(swing)).findings == std::vector<std::string>{});
   const PolynomialSystem logistic(1, 1, {{0, 1.0, {1}, {1}}, {0, -1.0, {}, {2}}});
-  CHECK(check_system(growth(logistic)).sentences == std::vector<std::string>{});
+  CHECK(check_system(growth(logistic)).findings == std::vector<std::string>{});
   CHECK(check_system(growth(BrokenSystem())).passed());
 }
 
@@ -156,11 +156,11 @@ TEST_CASE("every strategy of a name passes the test kit of strategies") {
   for (const std::string& name : strategy_names()) {
     if (name == "slabs") continue;
     CAPTURE(name);
-    CHECK(check_strategy(*strategy_named(name), pendulum_to_check(system)).sentences ==
+    CHECK(check_strategy(*strategy_named(name), pendulum_to_check(system)).findings ==
           std::vector<std::string>{});
   }
   OwnStrategy own;
-  CHECK(check_strategy(own, pendulum_to_check(system)).sentences == std::vector<std::string>{});
+  CHECK(check_strategy(own, pendulum_to_check(system)).findings == std::vector<std::string>{});
 }
 
 TEST_CASE("the test kit of strategies finds every broken promise") {

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace samara {
+
+/// What the test kit for a part of one's own has found: a model, a family of trajectories, an evolution system, a
+/// strategy.
+struct Check {
+  std::vector<std::string> findings;  ///< a sentence per broken promise; none is good
+
+  bool passed() const { return findings.empty(); }
+};
+
+}  // namespace samara
