@@ -50,9 +50,9 @@ long bytes_of(const codebooks::GroupOutline& group) {
   return group.entries * static_cast<long>(sizeof(double));
 }
 
-/// "12 terms", or "a train of ranks 6, 14, 9": between outputs and time, time and the next axis, ..
+/// "12 terms", or "a tensor train of ranks 6, 14, 9": between outputs and time, time and the next axis, ..
 std::string form_of(const codebooks::GroupOutline& group) {
-  if (group.is_train) return fmt::format("a train of ranks {}", fmt::join(group.ranks, ", "));
+  if (group.is_train) return fmt::format("a tensor train of ranks {}", fmt::join(group.ranks, ", "));
   return fmt::format("{} terms", group.ranks.front());
 }
 

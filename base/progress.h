@@ -5,7 +5,7 @@
 
 namespace samara {
 
-/// One report of a long piece of work.
+/// One report of long work.
 struct Progress {
   std::string stage;      ///< what is being done, in a few words
   double fraction = 0.0;  ///< of this stage, 0 to 1

@@ -13,9 +13,9 @@ namespace samara {
 /// at most every 20 ms. Without a callback it costs a comparison.
 class SharedProgress {
  public:
-  /// @param pieces of the whole work @param callback must outlive this object
-  SharedProgress(const ProgressCallback& callback, std::string stage, double pieces)
-      : callback_(callback), stage_(std::move(stage)), pieces_(pieces) {}
+  /// @param parts number of parts of the whole work  @param callback must outlive this object
+  SharedProgress(const ProgressCallback& callback, std::string stage, double parts)
+      : callback_(callback), stage_(std::move(stage)), parts_(parts) {}
 
   /// To be called from time to time; reports every 20 ms. False once the callback asked to cancel.
   bool goes_on() {
@@ -24,7 +24,7 @@ class SharedProgress {
     return !cancelled();
   }
 
-  /// A piece is done.
+  /// One part is done.
   void count() {
     if (callback_) done_.fetch_add(1, std::memory_order_relaxed);
   }
@@ -38,13 +38,13 @@ class SharedProgress {
     const Clock::time_point now = Clock::now();
     if (now < due_) return;
     due_ = now + std::chrono::milliseconds(20);
-    const double fraction = static_cast<double>(done_.load(std::memory_order_relaxed)) / pieces_;
+    const double fraction = static_cast<double>(done_.load(std::memory_order_relaxed)) / parts_;
     if (!callback_({stage_, fraction})) cancelled_.store(true, std::memory_order_relaxed);
   }
 
   const ProgressCallback& callback_;
   std::string stage_;
-  double pieces_;
+  double parts_;
   std::thread::id caller_ = std::this_thread::get_id();
   Clock::time_point due_ = {};  ///< of the caller alone
   std::atomic<long> done_ = 0;

@@ -74,8 +74,9 @@ void segment_map_case(const Options& options) {
   const auto model = models::find_model("falling_plate_nd");
   const auto fixed = plate_fixed(kInertia);
   const auto box = plate_box();
-  const auto steps = [&] { return id::step_trajectories(model, fixed, box, 0.01); };
-  const Answer exact = answer(*id::reference_trajectories(model, fixed, box), capture, fit_options);
+  const auto steps = [&] { return samara::models::step_trajectories(model, fixed, box, 0.01); };
+  const Answer exact =
+      answer(*samara::models::reference_trajectories(model, fixed, box), capture, fit_options);
   const auto report = [&](const std::string& name, const Answer& one) {
     print({kBench, kCase, "difference_in_stderr_" + name, largest_difference(one.fit, exact.fit)});
     print({kBench, kCase, "time_" + name, one.seconds, "s", "cvodes", exact.seconds / one.seconds});
@@ -85,7 +86,7 @@ void segment_map_case(const Options& options) {
     const codebooks::Codebook made = book(kind);
     const double error = made.certificate() ? made.certificate()->max_error : std::nan("");
     print({kBench, kCase, "certificate_" + kind, error});
-    report(kind, answer(*id::mixed_trajectories(made, steps()), capture, fit_options));
+    report(kind, answer(*samara::codebooks::mixed_trajectories(made, steps()), capture, fit_options));
   }
 }
 

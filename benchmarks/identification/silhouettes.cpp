@@ -49,10 +49,10 @@ class SilhouetteSource final : public TrajectorySource {
     derivatives_.setZero(times, outputs_ * coordinates);
   }
 
-  TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                             Eigen::MatrixXd* derivatives) override {
+  samara::identification::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                                                     Eigen::MatrixXd* derivatives) override {
     const auto own = static_cast<std::size_t>(coordinates_);
-    TrajectoryOutcome outcome =
+    samara::identification::TrajectoryOutcome outcome =
         bodies_->evaluate(q.first(own), values_, derivatives ? &derivatives_ : nullptr);
     if (!outcome) return outcome;
     const auto outputs = static_cast<Eigen::Index>(cameras_.size());

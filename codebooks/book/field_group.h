@@ -6,7 +6,7 @@
 
 namespace samara::codebooks {
 
-/// Several outputs over the axes of a piece: a sum of products or a train.
+/// Several outputs over the axes of a piece: a sum of products or a tensor train.
 using FieldGroup = pgd::Field;
 
 /// Kind, outputs and ranks of a field group, without its numbers.

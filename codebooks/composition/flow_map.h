@@ -56,15 +56,17 @@ class FlowMap {
   FlowMap(FlowMap&&) noexcept;
   FlowMap& operator=(FlowMap&&) noexcept;
 
-  /// Of the model, in its order.
+  /// Names of the states of the model, in its order.
   const std::vector<std::string>& states() const;
   /// Coordinates of the codebook that are neither time nor initial values.
   const std::vector<Coordinate>& parameters() const;
   /// Length of a window: the codebook's time [s].
   double window() const;
 
-  /// @param start of all states, at t = 0  @param parameters as parameters()  @param times not decreasing,
-  ///   from 0 on, without bound
+  /// Composes as many windows as the times need.
+  /// @param start values of all states at t = 0, SI
+  /// @param parameters values of parameters(), SI
+  /// @param times s, not decreasing, from 0 on, without bound
   /// @throws ArgumentError for wrong sizes, values that are not finite, times that decrease;
   ///   OutsideBoxError for a parameter outside the box.
   FlowMapResult run(std::span<const double> start, std::span<const double> parameters,

@@ -40,9 +40,9 @@ class PreparedFields {
   /// Places of the times that a piece answers for.
   const std::vector<int>& times_of(int piece) const;
 
-  /// Whether all points of every piece are in one cell.
+  /// Whether every axis of every piece has one element only.
   bool has_one_cell() const { return has_one_cell_; }
-  /// Cell of a coordinate in a piece: points that share all cells may go in one block.
+  /// Number of the element of a coordinate in a piece: points that share all elements may go in one block.
   int cell(int piece, int coordinate, double x) const;
 
   /// Scratch space of one thread.
@@ -65,7 +65,8 @@ class PreparedFields {
   /// @throws InputError if it is damaged
   void point(int piece, const double* x, int order, Workspace& workspace, double* const* columns) const;
 
-  /// Points of one block, in one cell. @param x coordinate by coordinate, points running fastest
+  /// Points of one block, in one element of every axis. @param x coordinate by coordinate, points running
+  /// fastest
   /// @param columns per point, of all rows; null ones are left out
   void block(int piece, const double* x, Workspace& workspace, double* const* columns) const;
   int block_size() const;
@@ -112,7 +113,7 @@ class PreparedFields {
   std::optional<PieceFinder> finder_;
 };
 
-/// Splits points into blocks of one piece and cell and answers them; what a batch does in one thread.
+/// Splits points into blocks of one piece and element and answers them; what a batch does in one thread.
 class BatchRun {
  public:
   explicit BatchRun(const PreparedFields& fields);

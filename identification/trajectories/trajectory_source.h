@@ -4,8 +4,8 @@
 #include "samara/models/trajectories/interval.h"
 #include "samara/models/trajectories/trajectory_family.h"
 
-/// Where a fit takes its trajectories from: any family of trajectories (models/trajectories/trajectory_family.h).
-/// Its words, as fits use them.
+/// Where a fit takes its trajectories from: any family of trajectories
+/// (models/trajectories/trajectory_family.h). Its words, as fits use them.
 namespace samara::identification {
 
 using models::FamilyInfo;

@@ -25,7 +25,7 @@ struct PanelSystem {
 /// @returns a system to be thrown away if the progress callback asked to cancel
 PanelSystem assemble(const TriangleMesh& mesh, SharedProgress& progress);
 
-/// Pieces of work that it counts.
+/// Steps of its progress.
 double assembly_pieces(const TriangleMesh& mesh);
 
 }  // namespace samara::models::added_mass

@@ -24,10 +24,10 @@ namespace samara::models {
 
 enum class BatchStatus {
   done,
-  stopped,         ///< the observer asked for it
+  stopped,         ///< the observer asked to stop
   not_finite,      ///< a state is infinite or not a number
   too_many_steps,  ///< the times or the interval asked for take more than max_steps: not integrated
-  cancelled,       ///< the progress callback asked for it before this one was finished
+  cancelled,       ///< the progress callback asked to cancel before this trajectory was finished
 };
 
 struct BatchOptions {

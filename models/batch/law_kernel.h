@@ -9,7 +9,7 @@
 #include "samara/models/batch/dual.h"
 #include "samara/models/integrators/step_kernel.h"
 
-/// Marks a function to be compiled with all that it calls in one piece; not with sanitizers, whose checks
+/// Marks a function to be compiled with all that it calls inlined; not with sanitizers, whose checks
 /// would make this take minutes.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define SAMARA_FLAT

@@ -24,9 +24,9 @@ struct PrincipalAxes {
   Eigen::Vector3d moments = Eigen::Vector3d::Zero();  ///< in ascending order
 };
 
-/// Principal axes and moments, in an order and with signs that depend on the matrix alone: moments ascend; among directions of
-/// equal moments (within 1e-9 of the largest) those next to the frame's axes are taken; the first two axes
-/// have their largest component positive, the third completes a right-handed frame.
+/// Principal axes and moments, in an order and with signs that depend on the matrix alone: moments ascend;
+/// among directions of equal moments (within 1e-9 of the largest) those next to the frame's axes are taken;
+/// the first two axes have their largest component positive, the third completes a right-handed frame.
 /// @throws ArgumentError if the matrix is not finite or not symmetric (to 1e-9 of its largest entry).
 PrincipalAxes principal_axes(const Eigen::Matrix3d& inertia);
 
@@ -50,8 +50,8 @@ Body ellipsoid_body(const Eigen::Vector3d& semi_axes, double density);
 Body disc_body(double radius, double thickness, double density);
 /// Rectangular plate: full sides along x, y, z.
 Body plate_body(const Eigen::Vector3d& sides, double density);
-/// The solid that a closed mesh encloses. Volume, centre and moments are exact integrals over the polyhedron, by
-/// the divergence theorem (B. Mirtich, Fast and accurate computation of polyhedral mass properties, J.
+/// The solid that a closed mesh encloses. Volume, centre and moments are exact integrals over the polyhedron,
+/// by the divergence theorem (B. Mirtich, Fast and accurate computation of polyhedral mass properties, J.
 /// Graphics Tools 1 (1996) 31-50), moments taken about the centre at once so that a mesh far from its origin
 /// loses no digits.
 /// @throws ArgumentError also if the mesh is not closed (require_closed).

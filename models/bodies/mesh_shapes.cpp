@@ -213,7 +213,8 @@ TriangleMesh icosahedral_ellipsoid_mesh(const Vector3d& semi_axes, int divisions
 
 TriangleMesh box_mesh(const Vector3d& sides, int nx, int ny, int nz) {
   require_sizes(sides, "side along", "box_mesh");
-  for (const int cells : {nx, ny, nz}) require_at_least(cells, 1, "number of cells", "box_mesh");
+  for (const int count : {nx, ny, nz})
+    require_at_least(count, 1, "number of rectangles or layers", "box_mesh");
   BoxGrid grid(sides, {nx, ny, nz});
   for (int axis = 0; axis < 3; ++axis) grid.add_faces(axis);
   return grid.mesh();

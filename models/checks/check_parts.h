@@ -6,7 +6,8 @@
 
 #include "samara/models/interface/model.h"
 
-/// The parts of check_model(): each checks one law of a model and adds a sentence for each way in which it fails.
+/// The parts of check_model(): each checks one law of a model and adds a sentence for each way in which it
+/// fails.
 namespace samara::models {
 
 using Findings = std::vector<std::string>;

@@ -6,19 +6,19 @@
 #include "samara/models/integrators/integrate.h"
 
 /// Adaptive explicit steps of high order for tight tolerances: the pair of orders 7 and 8 of E. Fehlberg
-/// (NASA TR R-287, 1968) as Boost.Odeint keeps it. On smooth, non-stiff motion it is cheaper than the
-/// reference integrator below a relative tolerance of about 1e-10, and it keeps the invariants of free motion
-/// to that tolerance. (On Kirchhoff's equations it needs a third of the evaluations of ARKODE's use of the
-/// same pair, and fewer than Odeint's Bulirsch-Stoer method once times are asked for.)
+/// (NASA TR R-287, 1968) in the implementation of Boost.Odeint. On smooth, non-stiff motion it is cheaper
+/// than the reference integrator below a relative tolerance of about 1e-10, and it keeps the invariants of
+/// free motion to that tolerance. (On Kirchhoff's equations it needs a third of the evaluations of ARKODE's
+/// use of the same pair, and fewer than Odeint's Bulirsch-Stoer method once times are asked for.)
 ///
-/// The estimate of the error is blind where f depends on time alone: give such models to integrate.h.
+/// The estimate of the error does not work where f depends on time alone: for such models take integrate.h.
 namespace samara::models {
 
 struct AdaptiveOptions {
   /// Local error per step: relative * (|x_i| + h |x_i'|) + relative * scale_i, with the model's scale of each
   /// state (SI).
   double relative_tolerance = 1e-12;
-  /// Steps of the whole trajectory, rejected ones included.
+  /// Most steps of the whole trajectory, rejected ones included.
   long max_steps = 1000000;
 };
 

@@ -17,7 +17,7 @@ namespace samara::models {
 struct IntegrateOptions {
   /// Local error per step: relative * |x_i| + relative * scale_i, with the model's scale of each state (SI).
   double relative_tolerance = 1e-10;
-  /// Steps of the whole trajectory.
+  /// Most steps of the whole trajectory.
   long max_steps = 100000;
   /// Adams for non-stiff problems (the default: bodies in a fluid over moderate times), BDF otherwise.
   bool stiff = false;

@@ -54,7 +54,7 @@ struct LieGroupOptions {
   double step = 1e-2;
   int order = 2;             ///< 2, or 4 at five times the work
   int max_iterations = 100;  ///< of the fixed-point iteration of a step
-  /// Steps of the whole trajectory; it stops at the last time asked for that they reach.
+  /// Most steps of the whole trajectory; it stops at the last time asked for that they reach.
   long max_steps = 100000000;
 };
 

@@ -13,7 +13,7 @@ namespace samara::models {
 struct Rk4Options {
   /// Upper bound of the step [s]. Between two times asked for, steps are equal and end exactly on them.
   double step = 1e-3;
-  /// Steps of the whole trajectory; it stops at the last time asked for that they reach.
+  /// Most steps of the whole trajectory; it stops at the last time asked for that they reach.
   long max_steps = 100000000;
 };
 

@@ -51,8 +51,9 @@ struct ForceTermInfo {
 };
 
 /// Force, torque and power of one term at an instant. Force and torque are in body axes, the torque about the
-/// body's origin; a planar model has its chord along the first axis, its normal along the second, its torque along the third,
-/// and everything per unit span. Units N, N m, W (per m of span), or 1 for a dimensionless model.
+/// body's origin; a planar model has its chord along the first axis, its normal along the second, its torque
+/// along the third, and everything per unit span. Units N, N m, W (per m of span), or 1 for a dimensionless
+/// model.
 struct Wrench {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();

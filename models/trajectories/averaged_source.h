@@ -6,8 +6,8 @@
 
 #include "samara/models/trajectories/trajectory_family.h"
 
-/// Trajectories as a camera or a tracking program sees them that averages over frames: every frame is the mean
-/// of the family's values at its own time and at those of its neighbours, and so are its derivatives.
+/// Trajectories as a camera or a tracking program sees them that averages over frames: every frame is the
+/// mean of the family's values at its own time and at those of its neighbours, and so are its derivatives.
 namespace samara::models {
 
 /// What a frame is the mean of.
@@ -18,7 +18,8 @@ struct FrameMean {
 };
 
 /// The family's values where frames are single; else each frame as the mean of the family's values at
-/// `mean.frames` times centred on it. Times before 0 or after the end of the family count as these.
+/// `mean.frames` times centred on it. Of these times, those before 0 count as 0, and those that
+/// rounding puts after the end of the family as the end.
 /// @param times s, since the start of the trajectory
 /// @param outputs, wanted as TrajectoryFamily::at()
 /// @throws as TrajectoryFamily::at()

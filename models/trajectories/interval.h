@@ -2,7 +2,7 @@
 
 namespace samara::models {
 
-/// Of one coordinate, SI.
+/// Bounds of one coordinate, SI, both included.
 struct Interval {
   double lower = 0.0;
   double upper = 0.0;

@@ -13,8 +13,8 @@
 
 #include "samara/models/interface/parametric_model.h"
 
-/// A family of trajectories: parameters and initial values in, a trajectory with its derivatives out. The one
-/// interface of whatever gives trajectories, so that fits, commands and comparisons need not know which:
+/// A family of trajectories: parameters and initial values in, a trajectory with its derivatives out. One
+/// interface for everything that gives trajectories, so that fits, commands and comparisons take any of them:
 ///
 ///   integrators of a model     models/trajectories/reference_trajectories.h, step_trajectories.h,
 ///                              integrator_trajectories.h
@@ -122,10 +122,11 @@ class TrajectoryFamily {
 
   virtual const FamilyInfo& info() const = 0;
 
+  /// The source at fixed times for chosen outputs. The family must outlive it.
   /// @param times s, not decreasing, from 0 to end_time
   /// @param outputs names
-  /// @throws ArgumentError for an unknown output, and for times that are negative, decrease or are not finite;
-  ///   OutsideBoxError for times after the end.
+  /// @throws ArgumentError for an unknown output, and for times that are negative, decrease or are not
+  ///   finite; OutsideBoxError for times after the end.
   virtual std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
                                                const std::vector<std::string>& outputs) const = 0;
   /// The same where derivatives by some coordinates only are needed. By default all are computed.

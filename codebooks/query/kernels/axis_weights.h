@@ -17,7 +17,8 @@ class AxisWeights {
   /// Nodes that a point touches.
   int size() const { return size_; }
 
-  /// Points of one cell touch the same nodes: its element, or, on a list, the node itself.
+  /// Number of the element that holds x, or, on a list of values, of the node: points with one number touch
+  /// the same nodes.
   int cell(double x) const;
 
   /// Scratch space of one thread.
@@ -31,7 +32,7 @@ class AxisWeights {
   /// Fills `order` + 1 lists of weights. @param order 0 to 2  @returns the first node they are for
   int at(double x, int order, Workspace& workspace) const;
 
-  /// Weights of kBlock<T> points of one cell.
+  /// Weights of kBlock<T> points of one element.
   /// @param weights size() x kBlock<T>, the points running fastest  @returns the first node
   template <class T>
   int block(int cell, const double* x, Workspace& workspace, T* weights) const;

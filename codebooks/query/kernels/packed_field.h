@@ -48,7 +48,7 @@ class PackedField {
   static int column_of_first(int k) { return 1 + k; }
   int column_of_second(int j, int k) const { return 1 + axis_count() + k * (k + 1) / 2 + j; }
 
-  /// Values of kBlock<T> points, all in one cell of every axis.
+  /// Values of kBlock<T> points, all in one element of every axis.
   /// @param x axis by axis, the points running fastest  @param columns per point, rows() numbers each; null
   /// ones are left out
   void block(const double* x, Workspace& workspace, double* const* columns) const;

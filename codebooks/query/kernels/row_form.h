@@ -23,7 +23,7 @@ struct RowForm {
   std::vector<pgd::Axis> axes;
   bool is_train = false;
   Eigen::MatrixXd rows;                  ///< rows x rank in front of the first axis
-  std::vector<pgd::TrainCore> cores;     ///< of a train, per axis
+  std::vector<pgd::TrainCore> cores;     ///< of a tensor train, per axis
   std::vector<Eigen::MatrixXd> factors;  ///< of a sum, per axis: nodes x terms
 };
 
