@@ -235,7 +235,7 @@ TEST_CASE("options of outliers without outliers, and two rows of labels for a ca
   const TestFiles files;
   files.put("x.csv", "t[s],x[m]\n0,0\n1,1\n2,4\n");
   CHECK(reading_error(files.put("a.toml", "file = \"x.csv\"\n[clean]\nwindow = \"0.1 s\"\n")) ==
-        "a.toml:3: [clean] span: belongs to `outliers`, which is not there");
+        "a.toml:3: [clean] window: belongs to `outliers`, which is not there");
   files.put("index.csv", "name,mass\nx,1\nx,2\n");
   CHECK_THAT(reading_error(files.put(
                  "b.toml", "file = \"x.csv\"\n[labels]\nfile = \"index.csv\"\ncolumn = \"name\"\n")),
