@@ -68,6 +68,10 @@ std::string printable(std::string_view text, std::string_view kept) {
   return shown;
 }
 
+bool contains(std::span<const std::string> names, std::string_view name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
 std::string join(std::span<const std::string> names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;

@@ -20,6 +20,9 @@ std::string suggestion(std::string_view name, std::span<const std::string> candi
 /// two bytes. @param kept control characters that are left as they are
 std::string printable(std::string_view text, std::string_view kept = "");
 
+/// Whether a name is among others.
+bool contains(std::span<const std::string> names, std::string_view name);
+
 /// Names joined by ", ".
 std::string join(std::span<const std::string> names);
 

@@ -86,7 +86,7 @@ std::vector<Capture> april_windows(const std::filesystem::path& folder) {
   return windows;
 }
 
-std::unique_ptr<samara::identification::TrajectoryFamily> april_family(double size) {
+std::unique_ptr<samara::models::TrajectoryFamily> april_family(double size) {
   // An ellipsoid with 3/4 of the thickness as semi-axis has the volume and the mass of the card.
   const double mass = kPaper * M_PI * size * size;
   const std::map<std::string, double> fixed = {{"a", size},

@@ -8,7 +8,7 @@
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/fit_result.h"
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// One drop of a paper card with a tag on each side, as three cameras saw it: poses that flip, gaps, a body
 /// of unknown shape and size. What a fit of a body in space may still claim.
@@ -18,7 +18,7 @@ namespace samara::benchmarks::identification {
 std::vector<samara::identification::Capture> april_windows(const std::filesystem::path& folder);
 
 /// @param size m, radius of the disc that stands for the card, which is not known
-std::unique_ptr<samara::identification::TrajectoryFamily> april_family(double size);
+std::unique_ptr<samara::models::TrajectoryFamily> april_family(double size);
 samara::identification::FitOptions april_options();
 
 /// The size that is assumed: 5 cm square, around tags of 34 mm.

@@ -25,7 +25,7 @@ namespace {
 using samara::identification::Baseline;
 using samara::identification::FitOptions;
 using samara::identification::LossKind;
-using samara::identification::TrajectoryFamily;
+using samara::models::TrajectoryFamily;
 
 constexpr Eigen::Index kRate = 60;  // Hz
 /// s: one step of RK4 per frame; nothing here changes within a tenth of a second.
@@ -104,7 +104,7 @@ FitOptions start_options() {
   return options;
 }
 
-std::unique_ptr<TrajectoryFamily> family(std::map<std::string, double> fixed, const Box& box) {
+std::unique_ptr<models::TrajectoryFamily> family(std::map<std::string, double> fixed, const Box& box) {
   fixed.insert(body().begin(), body().end());
   return step_trajectories(models::find_model("coefficient_body"), fixed, box, kStep);
 }

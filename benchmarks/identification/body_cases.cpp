@@ -21,7 +21,7 @@ using samara::identification::Capture;
 using samara::identification::Coefficient;
 using samara::identification::FitOptions;
 using samara::identification::FitResult;
-using samara::identification::Interval;
+using samara::models::Interval;
 
 constexpr int kFrames = 241;
 constexpr double kRate = 240.0;
@@ -79,7 +79,7 @@ Capture capture(const Values& coefficients, pgd::Random& random) {
 FitResult fit_one(const Values& truth, std::uint64_t seed) {
   pgd::Random random(seed);
   const Capture seen = capture(truth, random);
-  std::map<std::string, Interval> box;
+  std::map<std::string, models::Interval> box;
   FitOptions options;
   for (const auto& [name, value] : truth) {
     box[name] = {0.2 * value, 3.0 * value};

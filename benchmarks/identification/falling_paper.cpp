@@ -15,7 +15,7 @@ namespace samara::benchmarks::identification {
 
 using samara::identification::Capture;
 using samara::identification::FitOptions;
-using samara::identification::TrajectoryFamily;
+using samara::models::TrajectoryFamily;
 
 namespace {
 
@@ -54,7 +54,7 @@ PaperSplit split(const std::vector<Capture>& all, std::size_t drops, int frames,
   return result;
 }
 
-std::unique_ptr<TrajectoryFamily> paper_family() {
+std::unique_ptr<models::TrajectoryFamily> paper_family() {
   // An ellipsoid with 3/4 of the thickness as semi-axis has the volume and the mass of the disc.
   const std::map<std::string, double> fixed = {
       {"c", 0.75 * kThickness}, {"density", kPaper / kThickness}, {"fluid_density", kAir}, {"wz(0)", 0.0}};
@@ -78,7 +78,7 @@ FitOptions paper_options() {
   return options;
 }
 
-std::unique_ptr<TrajectoryFamily> point_family() {
+std::unique_ptr<models::TrajectoryFamily> point_family() {
   // Drag and weight of any disc of the paper: diameter and mass of one of 1 m^2.
   const std::map<std::string, double> fixed = {
       {"diameter", 2.0 / std::sqrt(std::numbers::pi)}, {"mass", kPaper},  {"fluid_density", kAir},

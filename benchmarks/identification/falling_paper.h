@@ -23,11 +23,11 @@ struct PaperSplit {
 PaperSplit split(const std::vector<samara::identification::Capture>& all, std::size_t drops, int frames,
                  std::uint64_t seed);
 
-std::unique_ptr<samara::identification::TrajectoryFamily> paper_family();
+std::unique_ptr<samara::models::TrajectoryFamily> paper_family();
 samara::identification::FitOptions paper_options();
 
 /// A point with drag against its velocity.
-std::unique_ptr<samara::identification::TrajectoryFamily> point_family();
+std::unique_ptr<samara::models::TrajectoryFamily> point_family();
 samara::identification::FitOptions point_options();
 
 }  // namespace samara::benchmarks::identification

@@ -50,8 +50,8 @@ samara::identification::Capture plate_capture(double inertia_ratio, pgd::Random&
   return result;
 }
 
-std::map<std::string, samara::identification::Interval> plate_box() {
-  std::map<std::string, samara::identification::Interval> box;
+std::map<std::string, samara::models::Interval> plate_box() {
+  std::map<std::string, samara::models::Interval> box;
   for (const Truth& c : plate_coefficients()) box[c.name] = {0.2 * c.value, 3.0 * c.value};
   for (const char* name : {"vx(0)", "vy(0)", "w(0)"}) box[name] = {-8.0, 8.0};
   box["theta(0)"] = {-60.0, 60.0};

@@ -25,7 +25,7 @@ std::map<std::string, double> plate_fixed(double inertia_ratio);
 samara::identification::Capture plate_capture(double inertia_ratio, pgd::Random& random);
 
 /// Everything a fit frees, with room.
-std::map<std::string, samara::identification::Interval> plate_box();
+std::map<std::string, samara::models::Interval> plate_box();
 
 samara::identification::FitOptions plate_options();
 

@@ -12,7 +12,8 @@
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/fit_result.h"
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/interval.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// What cases with measured captures share.
 namespace samara::benchmarks::identification {
@@ -23,7 +24,7 @@ namespace samara::benchmarks::identification {
 std::optional<std::filesystem::path> measured_set(const Options& options, const std::string& test_case,
                                                   const std::string& set);
 
-using Box = std::map<std::string, samara::identification::Interval>;
+using Box = std::map<std::string, samara::models::Interval>;
 using Coefficients = std::map<std::string, double>;
 
 /// Frames first, first + 1, .. of a capture as one of its own, whose times count from `origin` [s].

@@ -48,7 +48,8 @@ struct Answer {
   double seconds = 0.0;
 };
 
-Answer answer(const id::TrajectoryFamily& family, const id::Capture& capture, const id::FitOptions& options) {
+Answer answer(const samara::models::TrajectoryFamily& family, const id::Capture& capture,
+              const id::FitOptions& options) {
   Answer result;
   result.seconds = time_of([&] { result.fit = id::fit(family, std::vector{capture}, options); }, 3, 0.0);
   return result;

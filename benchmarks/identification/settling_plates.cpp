@@ -167,7 +167,7 @@ Flutter measured_flutter(const std::vector<Capture>& drops, const PlateKind& kin
   return medians(all);
 }
 
-std::unique_ptr<samara::identification::TrajectoryFamily> plate_family(const PlateKind& kind) {
+std::unique_ptr<samara::models::TrajectoryFamily> plate_family(const PlateKind& kind) {
   Box box = disc_start_box(2.0, 0.4, 40.0);
   for (const std::string& name : coefficient_names()) box[name] = {0.01, 50.0};
   return samara::models::step_trajectories(models::find_model("immersed_body"), plate(kind), box, kStep);

@@ -34,7 +34,7 @@ std::vector<samara::identification::Capture> plate_drops(const std::filesystem::
 samara::identification::Flutter measured_flutter(const std::vector<samara::identification::Capture>& drops,
                                                  const PlateKind& kind);
 
-std::unique_ptr<samara::identification::TrajectoryFamily> plate_family(const PlateKind& kind);
+std::unique_ptr<samara::models::TrajectoryFamily> plate_family(const PlateKind& kind);
 samara::identification::FitOptions settling_options();
 
 /// Medians over falls of 12 s from several tilts, the first 4 s left out; nothing if none exists.

@@ -8,9 +8,9 @@
 
 namespace samara::benchmarks::identification {
 
-using samara::identification::FamilyInfo;
-using samara::identification::TrajectoryFamily;
-using samara::identification::TrajectorySource;
+using samara::models::FamilyInfo;
+using samara::models::TrajectoryFamily;
+using samara::models::TrajectorySource;
 
 namespace {
 
@@ -35,11 +35,11 @@ Normal normal_of(const Eigen::Vector4d& q) {
 }
 
 /// Outputs of the bodies first, then the silhouettes, in the order asked for.
-class SilhouetteSource final : public TrajectorySource {
+class SilhouetteSource final : public models::TrajectorySource {
  public:
   /// @param cameras per output asked for: -1, or the number of the camera
-  SilhouetteSource(std::unique_ptr<TrajectorySource> bodies, Eigen::Index times, std::vector<int> cameras,
-                   Eigen::Index coordinates, Eigen::Index radius)
+  SilhouetteSource(std::unique_ptr<models::TrajectorySource> bodies, Eigen::Index times,
+                   std::vector<int> cameras, Eigen::Index coordinates, Eigen::Index radius)
       : bodies_(std::move(bodies)),
         cameras_(std::move(cameras)),
         outputs_(std::ranges::count(cameras_, -1) + 4),
@@ -49,10 +49,10 @@ class SilhouetteSource final : public TrajectorySource {
     derivatives_.setZero(times, outputs_ * coordinates);
   }
 
-  samara::identification::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                                                     Eigen::MatrixXd* derivatives) override {
+  samara::models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                                             Eigen::MatrixXd* derivatives) override {
     const auto own = static_cast<std::size_t>(coordinates_);
-    samara::identification::TrajectoryOutcome outcome =
+    samara::models::TrajectoryOutcome outcome =
         bodies_->evaluate(q.first(own), values_, derivatives ? &derivatives_ : nullptr);
     if (!outcome) return outcome;
     const auto outputs = static_cast<Eigen::Index>(cameras_.size());
@@ -103,15 +103,15 @@ class SilhouetteSource final : public TrajectorySource {
     }
   }
 
-  std::unique_ptr<TrajectorySource> bodies_;
+  std::unique_ptr<models::TrajectorySource> bodies_;
   std::vector<int> cameras_;
   Eigen::Index outputs_, coordinates_, radius_;
   Eigen::MatrixXd values_, derivatives_;
 };
 
-class SilhouetteFamily final : public TrajectoryFamily {
+class SilhouetteFamily final : public models::TrajectoryFamily {
  public:
-  explicit SilhouetteFamily(std::unique_ptr<TrajectoryFamily> bodies)
+  explicit SilhouetteFamily(std::unique_ptr<models::TrajectoryFamily> bodies)
       : bodies_(std::move(bodies)), info_(bodies_->info()) {
     for (const char* name : {"size_1", "size_2"})
       info_.coordinates.push_back({name, "px^2/m^2", false, 1e4, 1e7});
@@ -121,19 +121,19 @@ class SilhouetteFamily final : public TrajectoryFamily {
     for (const char* name : {"silhouette_1", "silhouette_2"}) info_.outputs.push_back({name, "px^2"});
   }
 
-  const FamilyInfo& info() const override { return info_; }
+  const models::FamilyInfo& info() const override { return info_; }
   const models::ParametricModel* equations() const override { return bodies_->equations(); }
 
-  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                       const std::vector<std::string>& outputs) const override {
+  std::unique_ptr<models::TrajectorySource> at(const std::vector<double>& times,
+                                               const std::vector<std::string>& outputs) const override {
     std::vector<int> all(bodies_->info().coordinates.size());
     for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<int>(k);
     return at(times, outputs, all);
   }
 
-  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                       const std::vector<std::string>& outputs,
-                                       const std::vector<int>& wanted) const override {
+  std::unique_ptr<models::TrajectorySource> at(const std::vector<double>& times,
+                                               const std::vector<std::string>& outputs,
+                                               const std::vector<int>& wanted) const override {
     const auto& coordinates = bodies_->info().coordinates;
     const auto count = static_cast<int>(coordinates.size());
     std::vector<int> inner;
@@ -145,20 +145,20 @@ class SilhouetteFamily final : public TrajectoryFamily {
       if (cameras.back() < 0) needed.push_back(output);
     }
     for (const std::string& part : info_.attitude) needed.push_back(part);
-    const auto radius = std::ranges::find(coordinates, "a", &samara::identification::FitCoordinate::name);
+    const auto radius = std::ranges::find(coordinates, "a", &samara::models::FamilyCoordinate::name);
     return std::make_unique<SilhouetteSource>(bodies_->at(times, needed, inner),
                                               static_cast<Eigen::Index>(times.size()), std::move(cameras),
                                               count, radius - coordinates.begin());
   }
 
  private:
-  std::unique_ptr<TrajectoryFamily> bodies_;
-  FamilyInfo info_;
+  std::unique_ptr<models::TrajectoryFamily> bodies_;
+  models::FamilyInfo info_;
 };
 
 }  // namespace
 
-std::unique_ptr<TrajectoryFamily> with_silhouettes(std::unique_ptr<TrajectoryFamily> bodies) {
+std::unique_ptr<models::TrajectoryFamily> with_silhouettes(std::unique_ptr<models::TrajectoryFamily> bodies) {
   return std::make_unique<SilhouetteFamily>(std::move(bodies));
 }
 

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 namespace samara::benchmarks::identification {
 
@@ -14,7 +14,7 @@ namespace samara::benchmarks::identification {
 /// n the normal; with the shared coordinates size_1, size_2 (pi px^2 a square metre) and view_1, view_2
 /// (rad).
 /// @param bodies a family with the coordinate "a" and the attitude of immersed_body among its outputs
-std::unique_ptr<samara::identification::TrajectoryFamily> with_silhouettes(
-    std::unique_ptr<samara::identification::TrajectoryFamily> bodies);
+std::unique_ptr<samara::models::TrajectoryFamily> with_silhouettes(
+    std::unique_ptr<samara::models::TrajectoryFamily> bodies);
 
 }  // namespace samara::benchmarks::identification

@@ -22,7 +22,7 @@ namespace {
 using samara::identification::FitOptions;
 using samara::identification::fitted_motion;
 using samara::identification::LossKind;
-using samara::identification::TrajectoryFamily;
+using samara::models::TrajectoryFamily;
 
 /// s: one step of RK4 per frame, which errs by less than a micrometre in 0.3 s.
 constexpr double kStep = 7e-3;
@@ -47,8 +47,8 @@ void add_spins(Box& box) {
   for (const char* name : {"wx(0)", "wy(0)", "wz(0)"}) box[name] = {-4000.0, 4000.0};
 }
 
-std::unique_ptr<TrajectoryFamily> family(const std::string& model, const std::map<std::string, double>& fixed,
-                                         const Box& box) {
+std::unique_ptr<models::TrajectoryFamily> family(const std::string& model,
+                                                 const std::map<std::string, double>& fixed, const Box& box) {
   return step_trajectories(models::find_model(model), fixed, box, kStep);
 }
 
@@ -85,7 +85,7 @@ FitOptions window_options() {
 }
 
 /// Where each flight is at a time after its first frame, from a fit of its own unknowns to what it shows.
-std::vector<std::optional<Eigen::Vector3d>> carried_on(const TrajectoryFamily& family,
+std::vector<std::optional<Eigen::Vector3d>> carried_on(const models::TrajectoryFamily& family,
                                                        const FitOptions& options,
                                                        const std::vector<Capture>& seen,
                                                        const std::vector<double>& times) {
@@ -252,7 +252,8 @@ Distances predict_flights(const std::vector<Capture>& flights, const FitResult& 
   }
   Distances distances;
   if (seen.empty()) return distances;
-  const auto add = [&](const std::string& name, const TrajectoryFamily& family, const FitOptions& options) {
+  const auto add = [&](const std::string& name, const models::TrajectoryFamily& family,
+                       const FitOptions& options) {
     const auto places = carried_on(family, options, seen, times);
     for (std::size_t k = 0; k < seen.size(); ++k) {
       distances[name].push_back(places[k] ? (*places[k] - truth[k]).norm() : INFINITY);

@@ -49,7 +49,7 @@ FitOptions with_coefficients(FitOptions options, const Coefficients& coefficient
   return options;
 }
 
-Prediction predict_unseen(const samara::identification::TrajectoryFamily& family, const FitOptions& options,
+Prediction predict_unseen(const samara::models::TrajectoryFamily& family, const FitOptions& options,
                           const Coefficients& coefficients, std::span<const Window> unseen) {
   const FitOptions held = with_coefficients(options, coefficients);
   Prediction result{.fit = samara::identification::fit(family, captures_of(unseen), held)};
@@ -59,7 +59,7 @@ Prediction predict_unseen(const samara::identification::TrajectoryFamily& family
   return result;
 }
 
-Eigen::MatrixX3d model_next(const samara::identification::TrajectoryFamily& family, const FitOptions& options,
+Eigen::MatrixX3d model_next(const samara::models::TrajectoryFamily& family, const FitOptions& options,
                             const FitResult& result, std::span<const Window> windows) {
   Eigen::MatrixX3d next(std::ssize(windows), 3);
   for (std::size_t k = 0; k < windows.size(); ++k) {

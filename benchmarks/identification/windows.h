@@ -9,7 +9,7 @@
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/fit_result.h"
 #include "samara/identification/statistics/prediction_score.h"
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// Short windows of measured motions, each with what came after it: coefficients are fitted to the windows of
 /// some motions, and what follows the windows of others is predicted.
@@ -33,7 +33,7 @@ samara::identification::FitOptions with_coefficients(samara::identification::Fit
                                                      const Coefficients& coefficients);
 
 /// Where a fitted model is at the next time of each window [m]; infinite where it has no motion.
-Eigen::MatrixX3d model_next(const samara::identification::TrajectoryFamily& family,
+Eigen::MatrixX3d model_next(const samara::models::TrajectoryFamily& family,
                             const samara::identification::FitOptions& options,
                             const samara::identification::FitResult& result, std::span<const Window> windows);
 Eigen::MatrixX3d baseline_next(samara::identification::Baseline baseline, std::span<const Window> windows);
@@ -56,7 +56,7 @@ struct Prediction {
   Eigen::MatrixX3d next = {};             ///< m
   std::vector<double> errors = {};        ///< m, distances from what was measured
 };
-Prediction predict_unseen(const samara::identification::TrajectoryFamily& family,
+Prediction predict_unseen(const samara::models::TrajectoryFamily& family,
                           const samara::identification::FitOptions& options, const Coefficients& coefficients,
                           std::span<const Window> unseen);
 

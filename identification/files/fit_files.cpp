@@ -110,7 +110,7 @@ class WarningTeller {
 
 /// The family by integrating the codebook's equations; null for a codebook of a program, or of a model that
 /// is not in the registry.
-std::unique_ptr<TrajectoryFamily> equations_of_codebook(const FitSource& source) {
+std::unique_ptr<models::TrajectoryFamily> equations_of_codebook(const FitSource& source) {
   const std::vector<std::string> known = models::model_names();
   if (!source.book || std::ranges::count(known, source.book->model().name) == 0) return {};
   return codebooks::reference_trajectories(*source.book);
@@ -128,10 +128,11 @@ std::vector<std::string> check_mass_of(const FitSource& source, const std::vecto
 /// Whether an axis of the captures seems to point the other way.
 std::vector<std::string> check_gravity_of(const FitSource& source, const std::vector<Capture>& captures) {
   const auto integrated = source.family->equations() == nullptr ? equations_of_codebook(source) : nullptr;
-  const TrajectoryFamily& family = integrated ? *integrated : *source.family;
+  const models::TrajectoryFamily& family = integrated ? *integrated : *source.family;
   if (family.equations() == nullptr) return {};
   std::vector<double> middle;
-  for (const FitCoordinate& c : family.info().coordinates) middle.push_back(0.5 * (c.lower + c.upper));
+  for (const models::FamilyCoordinate& c : family.info().coordinates)
+    middle.push_back(0.5 * (c.lower + c.upper));
   return check_gravity(*family.equations(), middle, captures);
 }
 

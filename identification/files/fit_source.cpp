@@ -38,8 +38,8 @@ bool predicts_only(const FitRequest& request) {
 
 /// Takes coefficients of another fit over: held, or where this one begins.
 /// @param box of what the source leaves free
-void take_over(const FitRequest& request, const ConfigNames& names, std::map<std::string, Interval> box,
-               FitSource& source) {
+void take_over(const FitRequest& request, const ConfigNames& names,
+               std::map<std::string, models::Interval> box, FitSource& source) {
   if (request.coefficients.empty()) return;
   source.coefficients = read_fit(request.coefficients);
   const FitResult& fitted = *source.coefficients;
@@ -135,11 +135,11 @@ void open_codebook(const FitRequest& request, FitSource& source) {
                                    request.source, source.book->model().name));
     }
   }
-  std::map<std::string, Interval> box;
+  std::map<std::string, models::Interval> box;
   for (const codebooks::Coordinate& c : source.book->coordinates()) {
     const auto narrowed = source.options.unknowns.box.find(c.name);
     box[c.name] =
-        narrowed == source.options.unknowns.box.end() ? Interval{c.lower, c.upper} : narrowed->second;
+        narrowed == source.options.unknowns.box.end() ? models::Interval{c.lower, c.upper} : narrowed->second;
   }
   take_over(request, names, box, source);
   if (!source.book->certificate() || !source.book->certificate()->met) {

@@ -14,8 +14,8 @@
 #include "samara/identification/problem/fit_result.h"
 #include "samara/identification/problem/warnings.h"
 #include "samara/identification/series/coefficient_series.h"
-#include "samara/identification/trajectories/trajectory_source.h"
 #include "samara/models/interface/model.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// Internal to identification/: what a request fits, a codebook or a model, and how.
 namespace samara::identification {
@@ -25,7 +25,7 @@ struct FitSource {
   std::shared_ptr<const models::Model> model;  ///< null for a codebook
   std::optional<SeriesOptions> series;         ///< only with a model
   std::optional<codebooks::Codebook> book;
-  std::unique_ptr<TrajectoryFamily> family;
+  std::unique_ptr<models::TrajectoryFamily> family;
   FitOptions options;
   PredictionConfig prediction;
   std::optional<FitResult> coefficients;  ///< of another fit

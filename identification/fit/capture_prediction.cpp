@@ -42,9 +42,9 @@ Eigen::MatrixXd measured(const Capture& capture, const std::vector<std::string>&
   return values;
 }
 
-std::vector<std::string> names_of(const std::vector<FitOutput>& outputs) {
+std::vector<std::string> names_of(const std::vector<models::FamilyOutput>& outputs) {
   std::vector<std::string> names;
-  for (const FitOutput& output : outputs) names.push_back(output.name);
+  for (const models::FamilyOutput& output : outputs) names.push_back(output.name);
   return names;
 }
 
@@ -59,13 +59,13 @@ bool can_be_fitted(const Eigen::MatrixXd& positions, const Eigen::MatrixXd& atti
 }
 
 /// The options for one capture, which may lack what others say of themselves.
-FitOptions options_for(const FamilyInfo& family, const Capture& capture, FitOptions options) {
+FitOptions options_for(const models::FamilyInfo& family, const Capture& capture, FitOptions options) {
   for (auto known = options.unknowns.known.begin(); known != options.unknowns.known.end();) {
     if (has_value(capture, known->second)) {
       ++known;
       continue;
     }
-    const auto c = std::ranges::find(family.coordinates, known->first, &FitCoordinate::name);
+    const auto c = std::ranges::find(family.coordinates, known->first, &models::FamilyCoordinate::name);
     if (c != family.coordinates.end() && !c->is_initial) options.unknowns.per_capture.push_back(known->first);
     known = options.unknowns.known.erase(known);
   }
@@ -73,7 +73,8 @@ FitOptions options_for(const FamilyInfo& family, const Capture& capture, FitOpti
 }
 
 /// What a fit of the capture would give where nothing is its own.
-FitResult without_unknowns(const FamilyInfo& family, const Capture& capture, const FitOptions& options) {
+FitResult without_unknowns(const models::FamilyInfo& family, const Capture& capture,
+                           const FitOptions& options) {
   FitResult result{.status = FitStatus::converged, .fixed = family.fixed};
   for (const auto& [name, value] : options.unknowns.fixed) result.fixed[name] = value;
   CaptureFit one{.id = capture.id, .labels = capture.labels};
@@ -91,7 +92,7 @@ FitResult without_unknowns(const FamilyInfo& family, const Capture& capture, con
 /// at the first frame of the span with something to compare.
 /// @param before frames of the span
 /// @param attitudes of these, frames x 4, or none
-double last_time(const FamilyInfo& family, const FitOptions& options, const Capture& capture,
+double last_time(const models::FamilyInfo& family, const FitOptions& options, const Capture& capture,
                  const std::vector<Eigen::Index>& before, const Eigen::MatrixXd& positions,
                  const Eigen::MatrixXd& attitudes) {
   double start = 0.0;
@@ -108,8 +109,9 @@ double last_time(const FamilyInfo& family, const FitOptions& options, const Capt
 
 /// How fast outputs and the attitude change in each frame, by the equations at the measured state: that of
 /// places and angles is kinematics, whatever the coefficients. NaN where the state was not measured.
-void add_rates(const TrajectoryFamily& family, const Capture& capture, const PredictedOutputs& predicted,
-               const std::vector<Eigen::Index>& frames, CapturePrediction& result) {
+void add_rates(const models::TrajectoryFamily& family, const Capture& capture,
+               const PredictedOutputs& predicted, const std::vector<Eigen::Index>& frames,
+               CapturePrediction& result) {
   const models::ParametricModel* equations = family.equations();
   if (equations == nullptr) return;
   const std::vector<models::StateInfo>& states = equations->model().info().states;
@@ -120,7 +122,7 @@ void add_rates(const TrajectoryFamily& family, const Capture& capture, const Pre
     return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
   };
   std::vector<double> q;
-  for (const FitCoordinate& c : family.info().coordinates) q.push_back(0.5 * (c.lower + c.upper));
+  for (const models::FamilyCoordinate& c : family.info().coordinates) q.push_back(0.5 * (c.lower + c.upper));
   models::ParametricModel::Workspace workspace = equations->make_workspace();
   std::vector<double> x(names.size()), rates(names.size());
   result.seen.rates = Eigen::MatrixXd::Constant(seen.rows(), std::ssize(predicted.outputs), kNaN);
@@ -129,7 +131,7 @@ void add_rates(const TrajectoryFamily& family, const Capture& capture, const Pre
     for (std::size_t s = 0; s < x.size(); ++s) x[s] = seen(row, static_cast<Eigen::Index>(s));
     equations->rhs(0.0, x, q, rates, workspace);
     for (std::size_t o = 0; o < predicted.outputs.size(); ++o) {
-      const FitOutput& output = predicted.outputs[o];
+      const models::FamilyOutput& output = predicted.outputs[o];
       const std::size_t at = place_of(output.name);
       const bool is_kinematic = output.unit == "m" || output.unit == "rad";
       if (is_kinematic && at < rates.size()) result.seen.rates(row, static_cast<Eigen::Index>(o)) = rates[at];
@@ -143,9 +145,9 @@ void add_rates(const TrajectoryFamily& family, const Capture& capture, const Pre
 }
 
 /// Where the model goes after the span.
-void carry_on(const TrajectoryFamily& family, const Capture& capture, const PredictedOutputs& predicted,
-              const FitOptions& options, int unknowns, const Eigen::VectorXd& times,
-              CapturePrediction& result) {
+void carry_on(const models::TrajectoryFamily& family, const Capture& capture,
+              const PredictedOutputs& predicted, const FitOptions& options, int unknowns,
+              const Eigen::VectorXd& times, CapturePrediction& result) {
   const auto outputs = std::ssize(predicted.outputs);
   result.model = Eigen::MatrixXd::Constant(times.size(), outputs, kNaN);
   result.model_attitude = Eigen::MatrixX4d::Constant(times.size(), 4, kNaN);
@@ -169,7 +171,7 @@ void carry_on(const TrajectoryFamily& family, const Capture& capture, const Pred
 
 }  // namespace
 
-CapturePrediction predict_capture(const TrajectoryFamily& family, const Capture& capture,
+CapturePrediction predict_capture(const models::TrajectoryFamily& family, const Capture& capture,
                                   const PredictedOutputs& predicted, const FitOptions& all_options,
                                   const PredictionOptions& prediction) {
   CapturePrediction result{.motion = capture.motion.empty() ? capture.id : capture.motion};

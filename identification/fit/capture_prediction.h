@@ -9,15 +9,15 @@
 #include "samara/identification/fit/prediction.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/statistics/prediction_score.h"
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// One capture that was left out of a fit; internal to identification/.
 namespace samara::identification {
 
 /// What is predicted of captures.
 struct PredictedOutputs {
-  std::vector<FitOutput> outputs = {};     ///< with a value a frame
-  std::vector<std::string> attitude = {};  ///< the outputs of a quaternion; empty: none
+  std::vector<models::FamilyOutput> outputs = {};  ///< with a value a frame
+  std::vector<std::string> attitude = {};          ///< the outputs of a quaternion; empty: none
 };
 
 /// What was seen, what followed, and what the model made of it.
@@ -36,7 +36,7 @@ struct CapturePrediction {
 /// Fits what is the capture's own to its span, and carries the model on.
 /// @param options of a fit with the coefficients held; known coordinates of which the capture has no value
 ///   are unknowns of its own
-CapturePrediction predict_capture(const TrajectoryFamily& family, const Capture& capture,
+CapturePrediction predict_capture(const models::TrajectoryFamily& family, const Capture& capture,
                                   const PredictedOutputs& predicted, const FitOptions& options,
                                   const PredictionOptions& prediction);
 

@@ -26,7 +26,8 @@ namespace samara::identification {
 
 namespace {
 
-std::vector<SegmentResidual> make_residuals(const TrajectoryFamily& family, const FitProblem& problem) {
+std::vector<SegmentResidual> make_residuals(const models::TrajectoryFamily& family,
+                                            const FitProblem& problem) {
   std::vector<SegmentResidual> residuals;
   for (const Segment& segment : problem.segments) residuals.emplace_back(family, problem, segment);
   return residuals;
@@ -40,8 +41,8 @@ double cost_margin(const FitProblem& problem, double best) {
 /// The descents of a fit, one per start.
 class Descents {
  public:
-  Descents(const TrajectoryFamily& family, const FitProblem& problem, std::vector<SegmentResidual>& residuals,
-           const FitOptions& options)
+  Descents(const models::TrajectoryFamily& family, const FitProblem& problem,
+           std::vector<SegmentResidual>& residuals, const FitOptions& options)
       : family_(family), problem_(problem), residuals_(residuals), options_(options) {}
 
   /// From start number `index` to a minimum; where there are joins, stage by stage until they hold.
@@ -144,7 +145,7 @@ class Descents {
     return point;
   }
 
-  const TrajectoryFamily& family_;
+  const models::TrajectoryFamily& family_;
   const FitProblem& problem_;
   std::vector<SegmentResidual>& residuals_;
   const FitOptions& options_;
@@ -230,7 +231,8 @@ void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, int ma
 
 }  // namespace
 
-FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures, const FitOptions& options) {
+FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> captures,
+              const FitOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   FitProblem problem = make_problem(family.info(), captures, options);
   NoiseLevels levels(options.noise, problem);

@@ -5,7 +5,7 @@
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/fit_result.h"
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// From captures to coefficients with uncertainty.
 ///
@@ -45,7 +45,7 @@ namespace samara::identification {
 ///   that do not measure an output or measure it in another dimension, captures with fewer frames than
 ///   unknowns, frames outside the times of the family, and two captures of one id. Numerical outcomes are in
 ///   the result's status and warnings.
-FitResult fit(const TrajectoryFamily& family, std::span<const Capture> captures,
+FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> captures,
               const FitOptions& options = {});
 
 }  // namespace samara::identification

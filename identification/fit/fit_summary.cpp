@@ -26,7 +26,7 @@ Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
 std::vector<Nuisance> nuisances_of(const FitProblem& problem, const Eigen::VectorXd& own,
                                    const OwnUncertainty& uncertainty) {
   std::vector<Nuisance> nuisances;
-  for (const FitCoordinate& c : problem.own) nuisances.push_back({c.name, c.unit});
+  for (const models::FamilyCoordinate& c : problem.own) nuisances.push_back({c.name, c.unit});
   for (const ComparedOutput& output : problem.outputs) {
     if (output.offset) nuisances.push_back({fmt::format("offset of {}", output.name), output.unit});
   }
@@ -117,7 +117,7 @@ void add_frames(const FitProblem& problem, const Motion& motion,
 void add_coefficients(const FitProblem& problem, const FitPoint& point, const Uncertainty& uncertainty,
                       FitResult& result) {
   for (std::size_t k = 0; k < problem.shared.size(); ++k) {
-    const FitCoordinate& c = problem.shared[k];
+    const models::FamilyCoordinate& c = problem.shared[k];
     const auto at = static_cast<Eigen::Index>(k);
     result.coefficients.push_back({.name = c.name,
                                    .unit = c.unit,

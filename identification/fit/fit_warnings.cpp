@@ -175,7 +175,7 @@ void add_misfit_warnings(const FitProblem& problem, FitResult& result) {
   }
 }
 
-void add_start_warning(const TrajectoryFamily& family, const FitOptions& options, FitResult& result) {
+void add_start_warning(const models::TrajectoryFamily& family, const FitOptions& options, FitResult& result) {
   if (!options.segments.length || family.equations() != nullptr) return;
   result.warnings.add(
       WarningKind::segments,
@@ -184,10 +184,10 @@ void add_start_warning(const TrajectoryFamily& family, const FitOptions& options
                   result.source, result.model));
 }
 
-void add_capture_warnings(const FamilyInfo& family, std::span<const Capture> captures,
+void add_capture_warnings(const models::FamilyInfo& family, std::span<const Capture> captures,
                           const FitOptions& options, FitResult& result) {
   std::vector<std::string> known;
-  for (const FitOutput& output : family.outputs) known.push_back(output.name);
+  for (const models::FamilyOutput& output : family.outputs) known.push_back(output.name);
   std::map<std::string, std::string> unknown;  // channel -> a capture that has it
   for (const Capture& capture : captures) {
     for (const Channel& channel : capture.channels) {
@@ -203,12 +203,13 @@ void add_capture_warnings(const FamilyInfo& family, std::span<const Capture> cap
   result.warnings.add_all(WarningKind::captures, suspicions_of_all(captures));
 }
 
-void add_speed_warnings(const TrajectoryFamily& family, std::span<const Capture> captures,
+void add_speed_warnings(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                         FitResult& result) {
   constexpr double kTooFast = 100.0;
   if (family.equations() == nullptr) return;
   std::vector<double> middle;
-  for (const FitCoordinate& c : family.info().coordinates) middle.push_back(0.5 * (c.lower + c.upper));
+  for (const models::FamilyCoordinate& c : family.info().coordinates)
+    middle.push_back(0.5 * (c.lower + c.upper));
   const double usual = family.equations()->scales(middle).velocity;
   for (const Capture& capture : captures) {
     double fastest = 0.0;

@@ -13,15 +13,16 @@ namespace samara::identification {
 void add_misfit_warnings(const FitProblem& problem, FitResult& result);
 
 /// Segments whose starts could not be found, because the equations of the family are not known.
-void add_start_warning(const TrajectoryFamily& family, const FitOptions& options, FitResult& result);
+void add_start_warning(const models::TrajectoryFamily& family, const FitOptions& options, FitResult& result);
 
 /// What is suspicious about the captures as such, what was done to them, and what in them means nothing to
 /// the model.
-void add_capture_warnings(const FamilyInfo& family, std::span<const Capture> captures,
+void add_capture_warnings(const models::FamilyInfo& family, std::span<const Capture> captures,
                           const FitOptions& options, FitResult& result);
 
 /// For a fit that led nowhere: captures that move far faster than a body of the model could.
-void add_speed_warnings(const TrajectoryFamily& family, std::span<const Capture> captures, FitResult& result);
+void add_speed_warnings(const models::TrajectoryFamily& family, std::span<const Capture> captures,
+                        FitResult& result);
 
 /// What the reader must know: coefficients at bounds or not determined, errors that cannot be trusted, other
 /// optima. Needs coefficients, captures and starts.

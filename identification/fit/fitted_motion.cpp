@@ -40,9 +40,9 @@ std::vector<std::string> with_axes(std::vector<std::string> outputs, const std::
 
 /// Values as the capture's camera sees them.
 /// @param values of `outputs`, times x outputs
-void look_through_camera(const TrajectoryFamily& family, const FitOptions& options, const CaptureFit& capture,
-                         const std::vector<std::string>& axes, const std::vector<std::string>& outputs,
-                         Eigen::MatrixXd& values) {
+void look_through_camera(const models::TrajectoryFamily& family, const FitOptions& options,
+                         const CaptureFit& capture, const std::vector<std::string>& axes,
+                         const std::vector<std::string>& outputs, Eigen::MatrixXd& values) {
   const auto column = [&](const std::string& name) {
     return static_cast<Eigen::Index>(std::ranges::find(outputs, name) - outputs.begin());
   };
@@ -61,7 +61,7 @@ void look_through_camera(const TrajectoryFamily& family, const FitOptions& optio
     for (Eigen::Index k = 0; k < count; ++k)
       values(row, column(axes[static_cast<std::size_t>(k)])) = place[k];
   }
-  for (const FitOutput& output : family.info().outputs) {
+  for (const models::FamilyOutput& output : family.info().outputs) {
     const bool turns = options.camera.angles ? std::ranges::count(*options.camera.angles, output.name) > 0
                                              : output.unit == "rad";
     const Eigen::Index at = column(output.name);
@@ -79,9 +79,9 @@ void look_through_camera(const TrajectoryFamily& family, const FitOptions& optio
 
 }  // namespace
 
-std::optional<Eigen::MatrixXd> fitted_motion(const TrajectoryFamily& family, const FitOptions& options,
-                                             const FitResult& fitted, std::size_t capture,
-                                             const std::vector<double>& times,
+std::optional<Eigen::MatrixXd> fitted_motion(const models::TrajectoryFamily& family,
+                                             const FitOptions& options, const FitResult& fitted,
+                                             std::size_t capture, const std::vector<double>& times,
                                              const std::vector<std::string>& outputs) {
   if (capture >= fitted.captures.size()) {
     throw ArgumentError(
@@ -90,14 +90,15 @@ std::optional<Eigen::MatrixXd> fitted_motion(const TrajectoryFamily& family, con
   }
   const CaptureFit& one = fitted.captures[capture];
   std::vector<double> q;
-  for (const FitCoordinate& c : family.info().coordinates) q.push_back(value_of(fitted, one, c.name));
+  for (const models::FamilyCoordinate& c : family.info().coordinates)
+    q.push_back(value_of(fitted, one, c.name));
   const bool has_camera = options.camera.scale || options.camera.rotation;
   const std::vector<std::string> axes =
       has_camera ? camera_axes(family.info(), options.camera) : std::vector<std::string>{};
   const std::vector<std::string> requested = with_axes(outputs, axes);
   std::vector<double> since_start;
   for (const double time : times) since_start.push_back(time - one.start);
-  const FrameMean mean{.frames = options.compared.averaged_frames, .interval = one.interval};
+  const models::FrameMean mean{.frames = options.compared.averaged_frames, .interval = one.interval};
   Eigen::MatrixXd values(static_cast<Eigen::Index>(times.size()),
                          static_cast<Eigen::Index>(requested.size()));
   const auto source = averaged_source(family, mean, since_start, requested, {});

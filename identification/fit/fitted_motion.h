@@ -8,7 +8,7 @@
 
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/fit_result.h"
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 namespace samara::identification {
 
@@ -20,9 +20,9 @@ namespace samara::identification {
 /// @param outputs of the family
 /// @returns times x outputs, SI, offsets included; empty where the family has no trajectory
 /// @throws ArgumentError if there is no such capture or output
-std::optional<Eigen::MatrixXd> fitted_motion(const TrajectoryFamily& family, const FitOptions& options,
-                                             const FitResult& fitted, std::size_t capture,
-                                             const std::vector<double>& times,
+std::optional<Eigen::MatrixXd> fitted_motion(const models::TrajectoryFamily& family,
+                                             const FitOptions& options, const FitResult& fitted,
+                                             std::size_t capture, const std::vector<double>& times,
                                              const std::vector<std::string>& outputs);
 
 }  // namespace samara::identification

@@ -44,10 +44,10 @@ void warn(const Coefficient& worst, FitResult& result) {
 
 }  // namespace
 
-void add_integration_shift(const TrajectoryFamily& family, const FitProblem& problem,
+void add_integration_shift(const models::TrajectoryFamily& family, const FitProblem& problem,
                            const std::vector<SegmentResidual>& residuals, const FitPoint& point,
                            const Uncertainty& uncertainty, FitResult& result) {
-  const std::unique_ptr<TrajectoryFamily> finer = family.finer();
+  const std::unique_ptr<models::TrajectoryFamily> finer = family.finer();
   const std::vector<int> free = movable(uncertainty);
   if (!finer || free.empty()) return;
   std::vector<SegmentResidual> halved;

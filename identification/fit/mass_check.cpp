@@ -58,13 +58,13 @@ std::optional<std::string> held_mass(const models::ParametricModel& model, const
 /// The same fit of a body of another mass.
 class OtherMasses {
  public:
-  OtherMasses(const TrajectoryFamily& family, std::span<const Capture> captures, const FitOptions& options,
-              const FitResult& fitted, std::string name)
+  OtherMasses(const models::TrajectoryFamily& family, std::span<const Capture> captures,
+              const FitOptions& options, const FitResult& fitted, std::string name)
       : model_(*family.equations()),
         captures_(captures.begin(), captures.end()),
         options_(options),
         name_(std::move(name)) {
-    for (const FitCoordinate& c : family.info().coordinates) box_[c.name] = {c.lower, c.upper};
+    for (const models::FamilyCoordinate& c : family.info().coordinates) box_[c.name] = {c.lower, c.upper};
     options_.uncertainty.profiles = false;
     options_.starts.global = {};
     options_.starts.count = 1;
@@ -83,7 +83,7 @@ class OtherMasses {
       held->second *= factor;
       if (options.unknowns.fixed.contains(name_)) options.unknowns.fixed[name_] = held->second;
     }
-    std::map<std::string, Interval> box = box_;
+    std::map<std::string, models::Interval> box = box_;
     for (auto* intervals : {&box, &options.unknowns.box}) {
       if (const auto known = intervals->find(name_); known != intervals->end())
         known->second = {factor * known->second.lower, factor * known->second.upper};
@@ -107,7 +107,7 @@ class OtherMasses {
   std::vector<Capture> captures_;
   FitOptions options_;
   std::string name_;
-  std::map<std::string, Interval> box_;
+  std::map<std::string, models::Interval> box_;
 };
 
 std::string power_text(int power) {
@@ -116,7 +116,7 @@ std::string power_text(int power) {
 
 }  // namespace
 
-std::vector<std::string> check_mass(const TrajectoryFamily& family, std::span<const Capture> captures,
+std::vector<std::string> check_mass(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                                     const FitOptions& options, const FitResult& fitted) {
   if (family.equations() == nullptr) return {};
   const bool failed = fitted.status == FitStatus::failed;

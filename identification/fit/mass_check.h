@@ -7,7 +7,7 @@
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/fit_result.h"
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// Whether a fit looks as if the body had another mass.
 ///
@@ -20,7 +20,7 @@ namespace samara::identification {
 /// A warning in one sentence, or none: if no coefficient of the fit lies at a bound and no output is missed
 /// by many loss scales, if neither "mass" nor "density" was held, or if no power of ten does much better.
 /// @param family, captures, options those of the fit; the family must know its equations
-std::vector<std::string> check_mass(const TrajectoryFamily& family, std::span<const Capture> captures,
+std::vector<std::string> check_mass(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                                     const FitOptions& options, const FitResult& fitted);
 
 }  // namespace samara::identification

@@ -42,7 +42,7 @@ void check(const FitOptions& options, const PredictionOptions& prediction) {
 }
 
 /// The options of the fit, with the coefficients held.
-FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions options,
+FitOptions holding(const models::FamilyInfo& family, const FitResult& fitted, FitOptions options,
                    const PredictionOptions& prediction) {
   for (const Coefficient& c : fitted.coefficients) {
     if (std::ranges::count(options.unknowns.per_capture, c.name) > 0) continue;
@@ -66,7 +66,7 @@ FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions
   }
   for (const std::string& name : prediction.hidden) {
     options.unknowns.known.erase(name);
-    const auto c = std::ranges::find(family.coordinates, name, &FitCoordinate::name);
+    const auto c = std::ranges::find(family.coordinates, name, &models::FamilyCoordinate::name);
     if (c != family.coordinates.end() && !c->is_initial) options.unknowns.per_capture.push_back(name);
   }
   options.priors.combinations.clear();
@@ -83,21 +83,21 @@ FitOptions holding(const FamilyInfo& family, const FitResult& fitted, FitOptions
 
 /// What the spans are fitted to, and what else captures measure of what the model says: velocities, angles
 /// and attitudes, but no place of which the fit knows no start.
-PredictedOutputs predicted_outputs(const FamilyInfo& family, std::span<const Capture> left_out,
+PredictedOutputs predicted_outputs(const models::FamilyInfo& family, std::span<const Capture> left_out,
                                    const FitOptions& held) {
   PredictedOutputs predicted;
   const FitProblem problem = describe_problem(family, left_out, held);
   for (const ComparedOutput& output : problem.outputs)
     predicted.outputs.push_back({output.name, output.unit});
-  const auto is_measured = [&](const FitOutput& output) {
+  const auto is_measured = [&](const models::FamilyOutput& output) {
     return std::ranges::any_of(left_out, [&](const Capture& capture) {
       return capture.has(output.name) && same_dimension(capture.channel(output.name).unit, output.unit);
     });
   };
-  for (const FitOutput& output : family.outputs) {
+  for (const models::FamilyOutput& output : family.outputs) {
     const bool is_part = std::ranges::count(family.attitude, output.name) > 0 ||
                          std::ranges::count(family.translations, output.name) > 0 ||
-                         std::ranges::count(predicted.outputs, output.name, &FitOutput::name) > 0;
+                         std::ranges::count(predicted.outputs, output.name, &models::FamilyOutput::name) > 0;
     if (!is_part && is_measured(output)) predicted.outputs.push_back(output);
   }
   const bool has_attitude = std::ranges::any_of(left_out, [&](const Capture& capture) {
@@ -137,7 +137,7 @@ std::vector<Capture> cut(std::span<const Capture> left_out, const PredictedOutpu
                          const PredictionOptions& prediction) {
   if (!prediction.stride) return {left_out.begin(), left_out.end()};
   std::vector<std::string> places;
-  for (const FitOutput& output : predicted.outputs) {
+  for (const models::FamilyOutput& output : predicted.outputs) {
     if (output.unit == "m") places.push_back(output.name);
   }
   std::vector<Capture> parts;
@@ -181,7 +181,7 @@ std::string lack_sentence(const std::string& reason, const std::vector<std::stri
 }
 
 /// What the captures left out can show.
-void add_capture_predictions(const TrajectoryFamily& family, std::span<const Capture> left_out,
+void add_capture_predictions(const models::TrajectoryFamily& family, std::span<const Capture> left_out,
                              const PredictedOutputs& predicted, const FitOptions& held,
                              const PredictionOptions& prediction, PredictedCaptures& outcome) {
   std::vector<CapturePrediction> all(left_out.size());
@@ -219,7 +219,7 @@ void add_capture_predictions(const TrajectoryFamily& family, std::span<const Cap
   }
 }
 
-PredictedCaptures look_ahead(const TrajectoryFamily& family, const FitResult& fitted,
+PredictedCaptures look_ahead(const models::TrajectoryFamily& family, const FitResult& fitted,
                              std::span<const Capture> left_out, const FitOptions& options,
                              const PredictionOptions& prediction) {
   check(options, prediction);
@@ -264,7 +264,7 @@ void add_scores(PredictedCaptures outcome, const PredictionOptions& prediction, 
 
 }  // namespace
 
-void check_left_out(const TrajectoryFamily& family, std::span<const Capture> captures,
+void check_left_out(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                     std::span<const Capture> left_out, const FitOptions& options,
                     const PredictionOptions& prediction) {
   check(options, prediction);
@@ -274,14 +274,14 @@ void check_left_out(const TrajectoryFamily& family, std::span<const Capture> cap
   for (const Capture& capture : captures) refuse_fitted(capture.id, capture.file, left_out);
 }
 
-std::vector<PredictionScore> predict_left_out(const TrajectoryFamily& family, const FitResult& fitted,
+std::vector<PredictionScore> predict_left_out(const models::TrajectoryFamily& family, const FitResult& fitted,
                                               std::span<const Capture> left_out, const FitOptions& options,
                                               const PredictionOptions& prediction) {
   PredictedCaptures outcome = look_ahead(family, fitted, left_out, options, prediction);
   return scores_of(outcome.compared, std::move(outcome.predictions), prediction).all;
 }
 
-void add_predictions(const TrajectoryFamily& family, std::span<const Capture> left_out,
+void add_predictions(const models::TrajectoryFamily& family, std::span<const Capture> left_out,
                      const FitOptions& options, const PredictionOptions& prediction, FitResult& fitted) {
   add_scores(look_ahead(family, fitted, left_out, options, prediction), prediction, fitted);
 }
@@ -300,7 +300,7 @@ void check_folds(std::span<const Capture> captures, const FitOptions& options,
                                   folds.count, clusters));
 }
 
-void cross_validate(const TrajectoryFamily& family, std::span<const Capture> captures,
+void cross_validate(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                     const FitOptions& options, const PredictionOptions& prediction, const Folds& folds,
                     FitResult& fitted) {
   check_folds(captures, options, prediction, folds);

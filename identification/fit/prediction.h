@@ -11,7 +11,7 @@
 #include "samara/identification/problem/fit_result.h"
 #include "samara/identification/report/fit_file.h"
 #include "samara/identification/statistics/prediction_score.h"
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// How well fitted coefficients predict captures that were left out of the fit.
 ///
@@ -56,19 +56,19 @@ struct Folds {
 /// @returns nothing if the fit failed
 /// @throws ArgumentError as fit(), for a capture that does not measure what was fitted, and for times that
 /// are not positive; InputError for a capture of a file that was fitted itself.
-std::vector<PredictionScore> predict_left_out(const TrajectoryFamily& family, const FitResult& fitted,
+std::vector<PredictionScore> predict_left_out(const models::TrajectoryFamily& family, const FitResult& fitted,
                                               std::span<const Capture> left_out, const FitOptions& options,
                                               const PredictionOptions& prediction);
 
 /// The same into the result: scores into `predictions`, and sentences into `warnings` about captures that
 /// could not be predicted (one for each reason), or not by the model, or not so far ahead.
-void add_predictions(const TrajectoryFamily& family, std::span<const Capture> left_out,
+void add_predictions(const models::TrajectoryFamily& family, std::span<const Capture> left_out,
                      const FitOptions& options, const PredictionOptions& prediction, FitResult& fitted);
 
 /// The same by cross validation: clusters of captures are dealt into folds, and those of each fold predicted
 /// by a fit of all others (without profiles and bootstrap). Scores are those of all captures together.
 /// @throws ArgumentError as fit() and predict_left_out(), and for folds without a cluster
-void cross_validate(const TrajectoryFamily& family, std::span<const Capture> captures,
+void cross_validate(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                     const FitOptions& options, const PredictionOptions& prediction, const Folds& folds,
                     FitResult& fitted);
 
@@ -79,7 +79,7 @@ void check_folds(std::span<const Capture> captures, const FitOptions& options,
 
 /// What predict_left_out() would refuse after a fit of `captures`, refused before it.
 /// @throws ArgumentError, InputError
-void check_left_out(const TrajectoryFamily& family, std::span<const Capture> captures,
+void check_left_out(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                     std::span<const Capture> left_out, const FitOptions& options,
                     const PredictionOptions& prediction);
 

@@ -21,9 +21,9 @@ namespace {
 constexpr double kAtEnd = 0.1;
 
 /// The name of all outputs of the unit together; empty where each is one by itself.
-std::string name_together(const std::string& unit, const std::vector<FitOutput>& outputs) {
+std::string name_together(const std::string& unit, const std::vector<models::FamilyOutput>& outputs) {
   if (unit == "m") return "position";
-  if (std::ranges::count(outputs, unit, &FitOutput::unit) < 2) return {};
+  if (std::ranges::count(outputs, unit, &models::FamilyOutput::unit) < 2) return {};
   return unit == "m/s" ? "velocity" : unit == "rad/s" ? "angular velocity" : "";
 }
 
@@ -151,7 +151,7 @@ void tally(const CapturePrediction& one, const std::vector<Predictor>& predictor
 std::vector<Quantity> quantities(const PredictedOutputs& predicted, const FitOptions& options) {
   std::vector<Quantity> result;
   for (std::size_t o = 0; o < predicted.outputs.size(); ++o) {
-    const FitOutput& output = predicted.outputs[o];
+    const models::FamilyOutput& output = predicted.outputs[o];
     const std::string together = name_together(output.unit, predicted.outputs);
     const auto found = std::ranges::find(result, together, &Quantity::name);
     if (!together.empty() && found != result.end()) {

@@ -14,12 +14,12 @@ bool is_at(double value, double bound, double width) {
 
 }  // namespace
 
-std::vector<char> at_bounds(const std::vector<FitCoordinate>& coordinates, const Chart& chart,
+std::vector<char> at_bounds(const std::vector<models::FamilyCoordinate>& coordinates, const Chart& chart,
                             const Eigen::Ref<const Eigen::VectorXd>& values) {
   std::vector<char> at(static_cast<std::size_t>(values.size()), 0);
   for (std::size_t k = 0; k < coordinates.size(); ++k) {
     if (chart.is_part_of_quaternion(static_cast<int>(k))) continue;
-    const FitCoordinate& c = coordinates[k];
+    const models::FamilyCoordinate& c = coordinates[k];
     const double value = values[static_cast<Eigen::Index>(k)];
     const double width = c.upper - c.lower;
     at[k] = is_at(value, c.lower, width) || is_at(value, c.upper, width);

@@ -9,7 +9,6 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/identification/captures/capture.h"
-#include "samara/identification/trajectories/coordinate_names.h"
 
 namespace samara::identification {
 
@@ -88,12 +87,12 @@ void check_once(const std::string& field, const std::vector<std::string>& names)
   }
 }
 
-const std::string& unit_of(const FamilyInfo& family, const std::string& output) {
-  return std::ranges::find(family.outputs, output, &FitOutput::name)->unit;
+const std::string& unit_of(const models::FamilyInfo& family, const std::string& output) {
+  return std::ranges::find(family.outputs, output, &models::FamilyOutput::name)->unit;
 }
 
 /// Axes are lengths in one unit, or numbers where the model has no units.
-void check_places(const FamilyInfo& family, const std::vector<std::string>& axes) {
+void check_places(const models::FamilyInfo& family, const std::vector<std::string>& axes) {
   for (const std::string& axis : axes) {
     const std::string& unit = unit_of(family, axis);
     const bool is_place = unit == "m" || unit == "1";
@@ -168,7 +167,7 @@ Eigen::Matrix4d CameraView::on_turn(const Eigen::Vector4d& attitude) {
   return matrix;
 }
 
-std::vector<std::string> camera_axes(const FamilyInfo& family, const CameraOptions& options) {
+std::vector<std::string> camera_axes(const models::FamilyInfo& family, const CameraOptions& options) {
   const std::vector<std::string> axes = options.axes.empty() ? family.translations : options.axes;
   const std::vector<std::string> known = output_names(family);
   for (const std::string& axis : axes) {
@@ -187,7 +186,7 @@ std::vector<std::string> camera_axes(const FamilyInfo& family, const CameraOptio
   return axes;
 }
 
-void add_camera(const FamilyInfo& family, const FitOptions& options, FitProblem& problem) {
+void add_camera(const models::FamilyInfo& family, const FitOptions& options, FitProblem& problem) {
   const CameraOptions& wanted = options.camera;
   if (!wanted.scale && !wanted.rotation) {
     if (wanted.axes.empty() && !wanted.angles) return;
@@ -206,7 +205,7 @@ void add_camera(const FamilyInfo& family, const FitOptions& options, FitProblem&
   }
   for (const std::string& axis : axes) {
     const std::string start = axis + "(0)";
-    const bool is_own = std::ranges::count(problem.own, start, &FitCoordinate::name) > 0;
+    const bool is_own = std::ranges::count(problem.own, start, &models::FamilyCoordinate::name) > 0;
     const auto held = problem.fixed.find(start);
     camera.is_own.push_back(is_own ? 1 : 0);
     const std::optional<std::size_t> slot = position(family.coordinates, start);

@@ -49,12 +49,12 @@ struct CameraView {
 /// The outputs that are coordinates of the place.
 /// @throws ArgumentError for unknown outputs, for one that is named twice or is no place, and where a turn
 /// has neither two nor three of them.
-std::vector<std::string> camera_axes(const FamilyInfo& family, const CameraOptions& options);
+std::vector<std::string> camera_axes(const models::FamilyInfo& family, const CameraOptions& options);
 
 /// Adds the unknowns of the camera, and what is known of them beforehand, if the options ask for any.
 /// @throws ArgumentError as camera_axes(), where none of the axes is compared, for angles that are none, and
 /// for axes or angles without scale or rotation.
-void add_camera(const FamilyInfo& family, const FitOptions& options, FitProblem& problem);
+void add_camera(const models::FamilyInfo& family, const FitOptions& options, FitProblem& problem);
 
 /// Names of the unknowns, in their order: "scale", "turn", "turn about x".
 std::vector<std::string> camera_unknowns(const FitProblem& problem);

@@ -8,7 +8,6 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
-#include "samara/identification/trajectories/coordinate_names.h"
 
 namespace samara::identification {
 
@@ -16,7 +15,7 @@ namespace {
 
 /// Where the four initial values of the attitude begin among the own coordinates, if all are there, one after
 /// the other. What is free of an attitude in part (the tilt alone, in codebooks) moves as any coordinate.
-std::optional<std::size_t> own_attitude(const FamilyInfo& family, const FitProblem& problem) {
+std::optional<std::size_t> own_attitude(const models::FamilyInfo& family, const FitProblem& problem) {
   if (family.attitude.empty()) return {};
   const std::optional<std::size_t> first = position(problem.own, family.attitude[0] + "(0)");
   if (!first || *first + family.attitude.size() > problem.own.size()) return {};
@@ -28,7 +27,7 @@ std::optional<std::size_t> own_attitude(const FamilyInfo& family, const FitProbl
 
 }  // namespace
 
-void add_charts(const FamilyInfo& family, const FitOptions& options, FitProblem& problem) {
+void add_charts(const models::FamilyInfo& family, const FitOptions& options, FitProblem& problem) {
   std::vector<Chart::Kind> kinds(problem.shared.size(), Chart::Kind::linear);
   for (const std::string& name : options.unknowns.log_scale) {
     const std::optional<std::size_t> at = position(problem.shared, name);
@@ -59,7 +58,7 @@ void add_charts(const FamilyInfo& family, const FitOptions& options, FitProblem&
 void set_initial(const FitOptions& options, FitProblem& problem) {
   problem.initial.resize(problem.shared_count());
   for (std::size_t k = 0; k < problem.shared.size(); ++k) {
-    const FitCoordinate& c = problem.shared[k];
+    const models::FamilyCoordinate& c = problem.shared[k];
     problem.initial[static_cast<Eigen::Index>(k)] = problem.shared_chart.is_logarithmic(static_cast<int>(k))
                                                         ? std::sqrt(c.lower * c.upper)
                                                         : 0.5 * (c.lower + c.upper);
@@ -70,7 +69,7 @@ void set_initial(const FitOptions& options, FitProblem& problem) {
       throw ArgumentError(fmt::format("initial: \"{}\" is not a shared coordinate{}", name,
                                       suggestion(name, names_of(problem.shared))));
     }
-    const FitCoordinate& c = problem.shared[*at];
+    const models::FamilyCoordinate& c = problem.shared[*at];
     if (!(value >= c.lower && value <= c.upper)) {
       throw ArgumentError(fmt::format("initial: \"{}\" is {}; a value in its box, {} to {}, was expected",
                                       name, value, c.lower, c.upper));

@@ -7,7 +7,7 @@ namespace samara::identification {
 
 /// Charts of the shared and the own unknowns.
 /// @throws ArgumentError for a logarithmic coordinate that is not shared or not positive.
-void add_charts(const FamilyInfo& family, const FitOptions& options, FitProblem& problem);
+void add_charts(const models::FamilyInfo& family, const FitOptions& options, FitProblem& problem);
 
 /// Where the first start has the shared unknowns: where the options say, else in the middle of the box.
 /// @param problem with charts

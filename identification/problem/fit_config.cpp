@@ -76,9 +76,9 @@ std::map<std::string, double> read_quantities(const TomlTable& table, const Unit
   return values;
 }
 
-std::map<std::string, Interval> read_box(const TomlTable& table, const Units& coordinates) {
+std::map<std::string, models::Interval> read_box(const TomlTable& table, const Units& coordinates) {
   table.expect_keys(names_of(coordinates));
-  std::map<std::string, Interval> box;
+  std::map<std::string, models::Interval> box;
   for (const std::string& name : table.keys()) {
     const std::vector<double> ends = table.quantities(name, coordinates.at(name));
     if (ends.size() != 2 || !(ends[0] < ends[1])) {

@@ -9,7 +9,8 @@
 
 #include "samara/base/progress.h"
 #include "samara/identification/statistics/loss.h"
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/interval.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 namespace samara::identification {
 
@@ -113,7 +114,7 @@ struct UnknownOptions {
   /// and predicted (prediction.h) may lack the value: there the coordinate is one of their own unknowns.
   std::map<std::string, KnownValue> known = {};
   /// Intervals within the family's box that the fit must not leave (SI).
-  std::map<std::string, Interval> box = {};
+  std::map<std::string, models::Interval> box = {};
   /// Shared coordinates that move by factors, not by differences; their boxes must be positive.
   std::vector<std::string> log_scale = {};
   /// Outputs that get a free constant for each capture, added to the model. Empty: those in which the model

@@ -15,14 +15,13 @@
 #include "samara/identification/problem/joins.h"
 #include "samara/identification/problem/noise_scales.h"
 #include "samara/identification/problem/segments.h"
-#include "samara/identification/trajectories/coordinate_names.h"
 
 namespace samara::identification {
 
 namespace {
 
 /// @throws ArgumentError for the first name that is no coordinate.
-void check_coordinate(const FamilyInfo& family, const std::string& field, const std::string& name) {
+void check_coordinate(const models::FamilyInfo& family, const std::string& field, const std::string& name) {
   const std::vector<std::string> known = names_of(family.coordinates);
   if (contains(known, name)) return;
   throw ArgumentError(fmt::format("{}: the {} of \"{}\" has no free coordinate \"{}\"{}", field,
@@ -31,7 +30,7 @@ void check_coordinate(const FamilyInfo& family, const std::string& field, const 
 
 /// A name may stand in one list only, and must be known. What the family holds may be fixed again, at the
 /// same value.
-void check_names(const FamilyInfo& family, const FitOptions& options) {
+void check_names(const models::FamilyInfo& family, const FitOptions& options) {
   std::set<std::string> seen;
   const auto check = [&](const std::string& field, const std::string& name) {
     check_coordinate(family, field, name);
@@ -57,23 +56,25 @@ void check_names(const FamilyInfo& family, const FitOptions& options) {
 }
 
 /// The coordinate with the box of the fit, which must lie in the family's.
-FitCoordinate narrowed(const FamilyInfo& family, const FitCoordinate& coordinate, const FitOptions& options) {
+models::FamilyCoordinate narrowed(const models::FamilyInfo& family,
+                                  const models::FamilyCoordinate& coordinate, const FitOptions& options) {
   const auto found = options.unknowns.box.find(coordinate.name);
   if (found == options.unknowns.box.end()) return coordinate;
-  const Interval& box = found->second;
+  const models::Interval& box = found->second;
   if (box.lower < coordinate.lower || box.upper > coordinate.upper) {
     throw ArgumentError(fmt::format(
         "the box of \"{}\" goes from {} to {}; an interval within that of the {}, {} to {}, "
         "was expected",
         coordinate.name, box.lower, box.upper, family.source, coordinate.lower, coordinate.upper));
   }
-  FitCoordinate result = coordinate;
+  models::FamilyCoordinate result = coordinate;
   result.lower = box.lower;
   result.upper = box.upper;
   return result;
 }
 
-CoordinateSlot fixed_slot(const FamilyInfo& family, const FitCoordinate& coordinate, double value) {
+CoordinateSlot fixed_slot(const models::FamilyInfo& family, const models::FamilyCoordinate& coordinate,
+                          double value) {
   if (value < coordinate.lower || value > coordinate.upper) {
     throw ArgumentError(
         fmt::format("\"{}\" is fixed at {}; a value in the box of the {}, {} to {}, was expected",
@@ -82,8 +83,8 @@ CoordinateSlot fixed_slot(const FamilyInfo& family, const FitCoordinate& coordin
   return {CoordinateRole::fixed, 0, value};
 }
 
-void assign_roles(const FamilyInfo& family, const FitOptions& options, FitProblem& problem) {
-  for (const FitCoordinate& coordinate : family.coordinates) {
+void assign_roles(const models::FamilyInfo& family, const FitOptions& options, FitProblem& problem) {
+  for (const models::FamilyCoordinate& coordinate : family.coordinates) {
     if (coordinate.name == family.clock) {
       problem.clock = problem.slots.size();
       problem.slots.push_back({});
@@ -110,9 +111,10 @@ void assign_roles(const FamilyInfo& family, const FitOptions& options, FitProble
   }
 }
 
-const FitOutput& find_output(const FamilyInfo& family, const std::string& field, const std::string& name) {
+const models::FamilyOutput& find_output(const models::FamilyInfo& family, const std::string& field,
+                                        const std::string& name) {
   std::vector<std::string> known;
-  for (const FitOutput& output : family.outputs) {
+  for (const models::FamilyOutput& output : family.outputs) {
     if (output.name == name) return output;
     known.push_back(output.name);
   }
@@ -120,7 +122,7 @@ const FitOutput& find_output(const FamilyInfo& family, const std::string& field,
                                   family.model, name, suggestion(name, known)));
 }
 
-bool measure_attitude(const FamilyInfo& family, std::span<const Capture> captures) {
+bool measure_attitude(const models::FamilyInfo& family, std::span<const Capture> captures) {
   const auto measured = [&](const std::string& name) {
     return std::ranges::all_of(captures, [&](const Capture& c) { return c.has(name); });
   };
@@ -128,18 +130,19 @@ bool measure_attitude(const FamilyInfo& family, std::span<const Capture> capture
 }
 
 /// What was asked for, or every output that all captures measure.
-std::vector<FitOutput> choose_outputs(const FamilyInfo& family, std::span<const Capture> captures,
-                                      const std::vector<std::string>& names) {
-  std::vector<FitOutput> chosen;
+std::vector<models::FamilyOutput> choose_outputs(const models::FamilyInfo& family,
+                                                 std::span<const Capture> captures,
+                                                 const std::vector<std::string>& names) {
+  std::vector<models::FamilyOutput> chosen;
   for (const std::string& name : names) {
-    const FitOutput& output = find_output(family, "outputs", name);
+    const models::FamilyOutput& output = find_output(family, "outputs", name);
     if (!contains(family.attitude, name)) chosen.push_back(output);
     if (std::ranges::count(names, name) > 1)
       throw ArgumentError(fmt::format("outputs: \"{}\" stands there twice", name));
   }
   if (!names.empty()) return chosen;
   std::vector<std::string> known;
-  for (const FitOutput& output : family.outputs) {
+  for (const models::FamilyOutput& output : family.outputs) {
     known.push_back(output.name);
     if (contains(family.attitude, output.name)) continue;  // compared as one
     if (std::ranges::all_of(captures, [&](const Capture& c) { return c.has(output.name); }))
@@ -161,7 +164,7 @@ std::vector<FitOutput> choose_outputs(const FamilyInfo& family, std::span<const 
   return chosen;
 }
 
-double loss_scale(const FitOutput& output, const LossOptions& loss, bool is_only_output) {
+double loss_scale(const models::FamilyOutput& output, const LossOptions& loss, bool is_only_output) {
   if (same_dimension(output.unit, "m")) return loss.length_scale;
   if (loss.kind == LossKind::none && is_only_output) return 1.0;
   throw ArgumentError(
@@ -170,8 +173,8 @@ double loss_scale(const FitOutput& output, const LossOptions& loss, bool is_only
                   output.name, output.unit));
 }
 
-void set_scale(const FitOutput& output, std::span<const Capture> captures, const FitOptions& options,
-               bool is_only_output, ComparedOutput& compared) {
+void set_scale(const models::FamilyOutput& output, std::span<const Capture> captures,
+               const FitOptions& options, bool is_only_output, ComparedOutput& compared) {
   const auto given = options.loss.scales.find(output.name);
   if (given != options.loss.scales.end()) {
     compared.scale = given->second;
@@ -184,16 +187,16 @@ void set_scale(const FitOutput& output, std::span<const Capture> captures, const
   }
 }
 
-bool has_offset(const FamilyInfo& family, const FitOptions& options, const std::string& output) {
+bool has_offset(const models::FamilyInfo& family, const FitOptions& options, const std::string& output) {
   if (options.unknowns.offsets) return contains(*options.unknowns.offsets, output);
   return contains(family.translations, output) && !contains(names_of(family.coordinates), output + "(0)");
 }
 
-void assign_outputs(const FamilyInfo& family, std::span<const Capture> captures, const FitOptions& options,
-                    FitProblem& problem) {
-  const std::vector<FitOutput> chosen = choose_outputs(family, captures, options.compared.outputs);
+void assign_outputs(const models::FamilyInfo& family, std::span<const Capture> captures,
+                    const FitOptions& options, FitProblem& problem) {
+  const std::vector<models::FamilyOutput> chosen = choose_outputs(family, captures, options.compared.outputs);
   for (const auto& [name, scale] : options.loss.scales) find_output(family, "loss.scale", name);
-  for (const FitOutput& output : chosen) {
+  for (const models::FamilyOutput& output : chosen) {
     ComparedOutput compared{.name = output.name, .unit = output.unit, .period = period_of(output, options)};
     set_scale(output, captures, options, chosen.size() == 1, compared);
     if (has_offset(family, options, output.name)) {
@@ -258,7 +261,7 @@ Eigen::Vector4d start_attitude(const FitProblem& problem, const Segment& segment
   if (!segment.attitudes.empty()) return Eigen::Vector4d(segment.attitudes.front().q_WB.data());
   Eigen::Vector4d middle;
   for (std::size_t part = 0; part < 4; ++part) {
-    const FitCoordinate& c = problem.own[*problem.own_attitude + part];
+    const models::FamilyCoordinate& c = problem.own[*problem.own_attitude + part];
     middle[static_cast<Eigen::Index>(part)] = 0.5 * (c.lower + c.upper);
   }
   return unit_attitude(middle);
@@ -270,7 +273,7 @@ Eigen::Vector4d unit_attitude(const Eigen::Vector4d& q) {
   return length < kShort ? Eigen::Vector4d(1.0, 0.0, 0.0, 0.0) : Eigen::Vector4d(q / length);
 }
 
-double period_of(const FitOutput& output, const FitOptions& options) {
+double period_of(const models::FamilyOutput& output, const FitOptions& options) {
   constexpr double kFullTurn = 2.0 * std::numbers::pi;
   const auto found = options.compared.periods.find(output.name);
   if (found != options.compared.periods.end()) return found->second;
@@ -290,7 +293,7 @@ bool FitProblem::is_joined() const {
 namespace {
 
 /// Captures, or the spans of each.
-std::vector<Capture> cut(const FamilyInfo& family, std::span<const Capture> captures,
+std::vector<Capture> cut(const models::FamilyInfo& family, std::span<const Capture> captures,
                          const FitOptions& options) {
   if (!family.autonomous) {
     throw ArgumentError(
@@ -313,7 +316,7 @@ std::vector<Capture> cut(const FamilyInfo& family, std::span<const Capture> capt
 
 }  // namespace
 
-FitProblem describe_problem(const FamilyInfo& family, std::span<const Capture> captures,
+FitProblem describe_problem(const models::FamilyInfo& family, std::span<const Capture> captures,
                             const FitOptions& options) {
   validate(options);
   if (captures.empty()) throw ArgumentError("there are no captures; at least one was expected");
@@ -329,7 +332,8 @@ FitProblem describe_problem(const FamilyInfo& family, std::span<const Capture> c
   return problem;
 }
 
-FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> whole, const FitOptions& options) {
+FitProblem make_problem(const models::FamilyInfo& family, std::span<const Capture> whole,
+                        const FitOptions& options) {
   validate(options);
   std::vector<Capture> parts;
   if (options.compared.stride) parts = cut(family, whole, options);

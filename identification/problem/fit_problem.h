@@ -13,7 +13,7 @@
 #include "samara/identification/problem/chart.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/priors.h"
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// A fit with all names resolved; internal to identification/.
 ///
@@ -118,8 +118,8 @@ struct FitProblem {
   LossKind loss = LossKind::huber;
   std::vector<CoordinateSlot> slots;  ///< per coordinate of the family
   std::vector<std::string> known;     ///< names of known coordinates, in the order of Motion::known
-  std::vector<FitCoordinate> shared;  ///< with the box of the fit
-  std::vector<FitCoordinate> own;     ///< likewise; each segment has these
+  std::vector<models::FamilyCoordinate> shared;  ///< with the box of the fit
+  std::vector<models::FamilyCoordinate> own;     ///< likewise; each segment has these
   Chart shared_chart, own_chart;
   std::optional<std::size_t> own_attitude;  ///< the first of its four own unknowns
   std::optional<std::size_t> clock;         ///< the slot that holds the start of a segment, if there is one
@@ -158,11 +158,11 @@ struct FitProblem {
 /// What is compared and what is unknown, without the captures' frames: fits of all captures that measure the
 /// same have it in common.
 /// @throws ArgumentError as fit()
-FitProblem describe_problem(const FamilyInfo& family, std::span<const Capture> captures,
+FitProblem describe_problem(const models::FamilyInfo& family, std::span<const Capture> captures,
                             const FitOptions& options);
 
 /// @throws ArgumentError as fit()
-FitProblem make_problem(const FamilyInfo& family, std::span<const Capture> captures,
+FitProblem make_problem(const models::FamilyInfo& family, std::span<const Capture> captures,
                         const FitOptions& options);
 
 /// The coordinates of the family for a segment of a motion.
@@ -171,7 +171,7 @@ void family_point(const FitProblem& problem, const Motion& motion, const double*
                   Eigen::VectorXd& q);
 
 /// Of a circle that the output goes around: given, or a turn for what is in rad; 0: none.
-double period_of(const FitOutput& output, const FitOptions& options);
+double period_of(const models::FamilyOutput& output, const FitOptions& options);
 
 /// A quaternion (w, x, y, z) of unit length; without a turn where it is too short to tell one.
 Eigen::Vector4d unit_attitude(const Eigen::Vector4d& q);

@@ -146,7 +146,7 @@ struct FitResult {
   Warnings warnings = {};
 
   std::string model = {};
-  std::string source = {};  ///< as FamilyInfo
+  std::string source = {};  ///< as models::FamilyInfo
   std::string loss = {};
   std::map<std::string, double> fixed = {};  ///< everything that was held, SI
 

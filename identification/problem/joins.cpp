@@ -6,7 +6,6 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
-#include "samara/identification/trajectories/coordinate_names.h"
 
 namespace samara::identification {
 
@@ -20,8 +19,8 @@ int requested_column(FitProblem& problem, const std::string& output) {
 }
 
 /// The join of an output that the motion does not depend on, by its offset.
-JoinRule join_of_offset(const FamilyInfo& family, const FitProblem& problem, const std::string& output,
-                        int own, int column) {
+JoinRule join_of_offset(const models::FamilyInfo& family, const FitProblem& problem,
+                        const std::string& output, int own, int column) {
   JoinRule rule{.kind = JoinRule::Kind::offset, .own = own, .column = column};
   const std::string start = output + "(0)";
   if (const auto slot = position(family.coordinates, start)) {
@@ -33,9 +32,9 @@ JoinRule join_of_offset(const FamilyInfo& family, const FitProblem& problem, con
 }
 
 /// What the motion does not depend on may begin anywhere, unless it is compared: then it needs an unknown.
-void check_states(const FamilyInfo& family, const FitProblem& problem) {
+void check_states(const models::FamilyInfo& family, const FitProblem& problem) {
   std::vector<std::string> outputs;
-  for (const FitOutput& output : family.outputs) outputs.push_back(output.name);
+  for (const models::FamilyOutput& output : family.outputs) outputs.push_back(output.name);
   for (const std::string& state : family.states.empty() ? outputs : family.states) {
     if (position(problem.own, state + "(0)")) {
       if (contains(outputs, state)) continue;
@@ -68,7 +67,7 @@ void check_states(const FamilyInfo& family, const FitProblem& problem) {
 
 }  // namespace
 
-void add_joins(const FamilyInfo& family, FitProblem& problem) {
+void add_joins(const models::FamilyInfo& family, FitProblem& problem) {
   check_states(family, problem);
   const std::optional<std::size_t> attitude = problem.own_attitude;
   for (std::size_t k = 0; k < problem.own.size(); ++k) {

@@ -10,6 +10,6 @@ namespace samara::identification {
 /// @throws ArgumentError if a segment cannot start where the one before it ends, because a state is neither
 ///   free in each segment nor one that the motion does not depend on; if such a one is compared, it must be
 ///   free or have an offset.
-void add_joins(const FamilyInfo& family, FitProblem& problem);
+void add_joins(const models::FamilyInfo& family, FitProblem& problem);
 
 }  // namespace samara::identification

@@ -47,12 +47,12 @@ double known_value(const Capture& capture, const std::string& coordinate, const 
   return known.times * std::pow(stated_number(capture, coordinate, known.label), known.power);
 }
 
-std::vector<double> known_values(const FamilyInfo& family, const Capture& capture,
+std::vector<double> known_values(const models::FamilyInfo& family, const Capture& capture,
                                  const FitOptions& options) {
   std::vector<double> values;
   for (const auto& [coordinate, known] : options.unknowns.known) {
     const double value = known_value(capture, coordinate, known);
-    const auto c = std::ranges::find(family.coordinates, coordinate, &FitCoordinate::name);
+    const auto c = std::ranges::find(family.coordinates, coordinate, &models::FamilyCoordinate::name);
     if (!(value >= c->lower && value <= c->upper)) {
       refuse(capture.file,
              fmt::format("capture \"{}\": the label \"{}\" says that \"{}\" is {}; a value in the box of the "

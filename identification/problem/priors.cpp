@@ -8,7 +8,6 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/identification/problem/fit_problem.h"
-#include "samara/identification/trajectories/coordinate_names.h"
 
 namespace samara::identification {
 
@@ -27,7 +26,7 @@ void add_prior(const std::string& name, const Prior& prior, FitProblem& problem)
     throw ArgumentError(fmt::format(
         "priors: \"{}\" is a part of an attitude; a coordinate that moves by itself was expected", name));
   }
-  const FitCoordinate& c = shared ? problem.shared[*shared] : problem.own[*own];
+  const models::FamilyCoordinate& c = shared ? problem.shared[*shared] : problem.own[*own];
   if (prior.logarithmic && !(c.lower > 0.0)) {
     throw ArgumentError(
         fmt::format("priors: \"{}\" has a logarithmic prior, but its box begins at {}; a positive number "

@@ -18,7 +18,7 @@ std::vector<int> wanted_coordinates(const FitProblem& problem) {
   return wanted;
 }
 
-FrameMean mean_of(const FitProblem& problem, const Segment& segment) {
+models::FrameMean mean_of(const FitProblem& problem, const Segment& segment) {
   return {.frames = problem.averaged_frames, .interval = segment.interval, .last_is_state = segment.joined};
 }
 
@@ -29,7 +29,7 @@ double wrapped(double difference, double period) {
 
 }  // namespace
 
-SegmentResidual::SegmentResidual(const TrajectoryFamily& family, const FitProblem& problem,
+SegmentResidual::SegmentResidual(const models::TrajectoryFamily& family, const FitProblem& problem,
                                  const Segment& segment)
     : problem_(&problem),
       segment_(&segment),

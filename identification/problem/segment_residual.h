@@ -6,7 +6,7 @@
 
 #include "samara/identification/problem/camera.h"
 #include "samara/identification/problem/fit_problem.h"
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// Internal to identification/.
 namespace samara::identification {
@@ -19,7 +19,7 @@ namespace samara::identification {
 /// then the priors of the start of a motion, then the differences at the join.
 class SegmentResidual {
  public:
-  SegmentResidual(const TrajectoryFamily& family, const FitProblem& problem, const Segment& segment);
+  SegmentResidual(const models::TrajectoryFamily& family, const FitProblem& problem, const Segment& segment);
 
   /// @param shared, own values of the unknowns, in the order of the problem
   /// @param next own unknowns of the next segment, if this one is joined
@@ -83,7 +83,7 @@ class SegmentResidual {
 
   const FitProblem* problem_;
   const Segment* segment_;
-  std::unique_ptr<TrajectorySource> source_;
+  std::unique_ptr<models::TrajectorySource> source_;
   Eigen::Index frame_count_ = 0;  ///< without the end of a joined segment
   int data_size_ = 0;
   int prior_size_ = 0;

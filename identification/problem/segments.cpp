@@ -106,7 +106,7 @@ class Frames {
   std::vector<const Channel*> attitude_;
 };
 
-void check_times(const FamilyInfo& family, const Motion& motion, Segment& segment) {
+void check_times(const models::FamilyInfo& family, const Motion& motion, Segment& segment) {
   double previous = 0.0;
   const bool averages = segment.interval > 0.0;
   // The end of a segment lies before the last of the frames whose means reach over it.
@@ -148,7 +148,7 @@ void check_increase(const Capture& capture, const std::vector<Eigen::Index>& fra
 }
 
 /// Trajectories begin at t = 0 of the equations, wherever in the capture that is.
-void check_start(const FamilyInfo& family, const Motion& motion, const Segment& segment) {
+void check_start(const models::FamilyInfo& family, const Motion& motion, const Segment& segment) {
   if (family.autonomous || !family.clock.empty() || segment.start == 0.0) return;
   refuse(
       motion.file,
@@ -190,7 +190,7 @@ std::vector<Eigen::Index> segment_starts(const Capture& capture, const std::vect
   return starts;
 }
 
-void add_motion(const FamilyInfo& family, const Capture& capture, const FitOptions& options,
+void add_motion(const models::FamilyInfo& family, const Capture& capture, const FitOptions& options,
                 FitProblem& problem) {
   const Frames frames(problem, capture);
   std::vector<Eigen::Index> seen;
@@ -238,7 +238,7 @@ void add_motion(const FamilyInfo& family, const Capture& capture, const FitOptio
 }
 
 /// How far a value lies outside the interval; on a circle, the nearest of its places counts.
-double outside(double value, const FitCoordinate& box, double period) {
+double outside(double value, const models::FamilyCoordinate& box, double period) {
   const double middle = 0.5 * (box.lower + box.upper);
   const double from_middle = period > 0.0 ? std::remainder(value - middle, period) : value - middle;
   return std::abs(from_middle) - 0.5 * (box.upper - box.lower);
@@ -249,7 +249,7 @@ double outside(double value, const FitCoordinate& box, double period) {
 void check_boxes(const FitProblem& problem, const Motion& motion) {
   constexpr int kFrames = 3;
   constexpr double kScales = 5.0;
-  for (const FitCoordinate& own : problem.own) {
+  for (const models::FamilyCoordinate& own : problem.own) {
     const auto output = std::ranges::find_if(problem.outputs, [&](const ComparedOutput& o) {
       return own.is_initial && !o.offset && own.name == fmt::format("{}(0)", o.name);
     });
@@ -342,8 +342,8 @@ void find_clusters(const std::vector<std::string>& cluster_by, FitProblem& probl
 
 }  // namespace
 
-void add_segments(const FamilyInfo& family, std::span<const Capture> captures, const FitOptions& options,
-                  FitProblem& problem) {
+void add_segments(const models::FamilyInfo& family, std::span<const Capture> captures,
+                  const FitOptions& options, FitProblem& problem) {
   std::set<std::pair<std::string, std::string>> seen;
   for (const Capture& capture : captures) {
     if (!seen.insert({capture.file, capture.id}).second) {

@@ -12,8 +12,8 @@ namespace samara::identification {
 /// Cuts the captures to the span, keeps what is compared, and finds the clusters. `problem` has its outputs
 /// already.
 /// @throws ArgumentError as fit()
-void add_segments(const FamilyInfo& family, std::span<const Capture> captures, const FitOptions& options,
-                  FitProblem& problem);
+void add_segments(const models::FamilyInfo& family, std::span<const Capture> captures,
+                  const FitOptions& options, FitProblem& problem);
 
 /// @throws ArgumentError or InputError unless the capture measures what is compared.
 void check_capture(const Capture& capture, const FitProblem& problem);

@@ -78,8 +78,8 @@ void check_combination(const FitOptions& options, const SeriesOptions& series) {
   }
 }
 
-std::unique_ptr<TrajectoryFamily> constant_family(const std::shared_ptr<const models::Model>& model,
-                                                  const FitOptions& options) {
+std::unique_ptr<models::TrajectoryFamily> constant_family(const std::shared_ptr<const models::Model>& model,
+                                                          const FitOptions& options) {
   return options.solver.step
              ? step_trajectories(model, options.unknowns.fixed, options.unknowns.box, *options.solver.step)
              : reference_trajectories(model, options.unknowns.fixed, options.unknowns.box);

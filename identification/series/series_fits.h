@@ -9,7 +9,7 @@
 
 #include "samara/identification/series/coefficient_series.h"
 #include "samara/identification/series/series_spans.h"
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// Internal to identification/.
 namespace samara::identification {
@@ -61,7 +61,7 @@ class SeriesFits {
   const SeriesOptions& series_;
   NoiseOptions noise_;
   FitOptions options_;
-  std::unique_ptr<TrajectoryFamily> family_;
+  std::unique_ptr<models::TrajectoryFamily> family_;
   Eigen::MatrixXd rows_;
   std::vector<double> constants_, sizes_, half_boxes_;  ///< of the coefficients
 };

@@ -84,28 +84,28 @@ class KnotCourse final : public models::ParameterCourse {
 };
 
 /// The same trajectories; the clock is known for what it is.
-class ClockedTrajectories final : public TrajectoryFamily {
+class ClockedTrajectories final : public models::TrajectoryFamily {
  public:
-  explicit ClockedTrajectories(std::unique_ptr<TrajectoryFamily> family)
+  explicit ClockedTrajectories(std::unique_ptr<models::TrajectoryFamily> family)
       : family_(std::move(family)), info_(family_->info()) {
     info_.clock = kClock;
   }
 
-  const FamilyInfo& info() const override { return info_; }
-  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                       const std::vector<std::string>& outputs) const override {
+  const models::FamilyInfo& info() const override { return info_; }
+  std::unique_ptr<models::TrajectorySource> at(const std::vector<double>& times,
+                                               const std::vector<std::string>& outputs) const override {
     return family_->at(times, outputs);
   }
-  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                       const std::vector<std::string>& outputs,
-                                       const std::vector<int>& wanted) const override {
+  std::unique_ptr<models::TrajectorySource> at(const std::vector<double>& times,
+                                               const std::vector<std::string>& outputs,
+                                               const std::vector<int>& wanted) const override {
     return family_->at(times, outputs, wanted);
   }
   const models::ParametricModel* equations() const override { return family_->equations(); }
 
  private:
-  std::unique_ptr<TrajectoryFamily> family_;
-  FamilyInfo info_;
+  std::unique_ptr<models::TrajectoryFamily> family_;
+  models::FamilyInfo info_;
 };
 
 }  // namespace
@@ -136,11 +136,11 @@ Eigen::MatrixXd difference_rows(const Eigen::VectorXd& instants, int order, doub
   return rows;
 }
 
-std::unique_ptr<TrajectoryFamily> knot_trajectories(std::shared_ptr<const models::Model> model,
-                                                    const std::map<std::string, double>& fixed,
-                                                    const std::map<std::string, Interval>& box,
-                                                    std::optional<double> step, const SeriesKnots& knots) {
-  std::map<std::string, Interval> knot_box = box;
+std::unique_ptr<models::TrajectoryFamily> knot_trajectories(
+    std::shared_ptr<const models::Model> model, const std::map<std::string, double>& fixed,
+    const std::map<std::string, models::Interval>& box, std::optional<double> step,
+    const SeriesKnots& knots) {
+  std::map<std::string, models::Interval> knot_box = box;
   for (std::size_t c = 0; c < knots.coefficients.size(); ++c) {
     const auto whole = knot_box.extract(knots.coefficients[c]);
     for (int k = 0; k < knots.count(); ++k) knot_box[knots.name(c, k)] = whole.mapped();

@@ -9,8 +9,9 @@
 #include <Eigen/Core>
 
 #include "samara/identification/problem/fit_options.h"
-#include "samara/identification/trajectories/trajectory_source.h"
 #include "samara/models/interface/model.h"
+#include "samara/models/trajectories/interval.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// Coefficients that change in time as unknowns of a fit; internal to identification/.
 namespace samara::identification {
@@ -35,9 +36,8 @@ Eigen::MatrixXd difference_rows(const Eigen::VectorXd& instants, int order, doub
 /// with the box of the coefficient.
 /// @param fixed, box as reference_trajectories(), the coefficients in the box
 /// @param step as SolverOptions::step
-std::unique_ptr<TrajectoryFamily> knot_trajectories(std::shared_ptr<const models::Model> model,
-                                                    const std::map<std::string, double>& fixed,
-                                                    const std::map<std::string, Interval>& box,
-                                                    std::optional<double> step, const SeriesKnots& knots);
+std::unique_ptr<models::TrajectoryFamily> knot_trajectories(
+    std::shared_ptr<const models::Model> model, const std::map<std::string, double>& fixed,
+    const std::map<std::string, models::Interval>& box, std::optional<double> step, const SeriesKnots& knots);
 
 }  // namespace samara::identification

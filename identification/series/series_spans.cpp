@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/names.h"
 #include "samara/identification/problem/fit_problem.h"
-#include "samara/identification/trajectories/coordinate_names.h"
 
 namespace samara::identification {
 
@@ -90,10 +90,10 @@ void check_length(std::span<const Capture> captures, const Range& range, const S
 
 }  // namespace
 
-void check_sliding(const FamilyInfo& family, const SeriesSpans& spans, const FitOptions& options) {
+void check_sliding(const models::FamilyInfo& family, const SeriesSpans& spans, const FitOptions& options) {
   const FitProblem problem = make_problem(family, spans.captures, options);
   std::vector<std::string> outputs;
-  for (const FitOutput& output : family.outputs) outputs.push_back(output.name);
+  for (const models::FamilyOutput& output : family.outputs) outputs.push_back(output.name);
   for (const std::string& state : family.states.empty() ? outputs : family.states) {
     if (position(problem.own, state + "(0)")) continue;
     const auto compared = std::ranges::find(problem.outputs, state, &ComparedOutput::name);
@@ -104,7 +104,7 @@ void check_sliding(const FamilyInfo& family, const SeriesSpans& spans, const Fit
         "box for it{1}, was expected",
         state, moves ? fmt::format(", or \"{}\" among the offsets", state) : ", not shared, fixed or known"));
   }
-  for (const FitCoordinate& own : problem.own) {
+  for (const models::FamilyCoordinate& own : problem.own) {
     if (own.is_initial) continue;
     throw ArgumentError(fmt::format(
         "series.stride: \"{}\" of each capture would be of each span; no per_capture was expected",

@@ -7,7 +7,7 @@
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/series/coefficient_series.h"
 #include "samara/identification/series/series_knots.h"
-#include "samara/identification/trajectories/trajectory_source.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// Internal to identification/.
 namespace samara::identification {
@@ -33,6 +33,6 @@ SeriesSpans series_spans(std::span<const Capture> captures, const FitOptions& op
 /// @throws ArgumentError if a state is not free in each span (what the motion does not depend on may have an
 ///   offset instead, or not be compared), for other coordinates of each capture, priors of initial values,
 ///   and a camera.
-void check_sliding(const FamilyInfo& family, const SeriesSpans& spans, const FitOptions& options);
+void check_sliding(const models::FamilyInfo& family, const SeriesSpans& spans, const FitOptions& options);
 
 }  // namespace samara::identification

@@ -17,7 +17,7 @@ Eigen::VectorXd widest(const FitProblem& problem) {
   Eigen::VectorXd width = Eigen::VectorXd::Constant(problem.own_chart.directions(), std::numbers::pi);
   for (int k = 0; k < static_cast<int>(problem.own.size()); ++k) {
     if (problem.own_chart.is_part_of_quaternion(k)) continue;
-    const FitCoordinate& c = problem.own[static_cast<std::size_t>(k)];
+    const models::FamilyCoordinate& c = problem.own[static_cast<std::size_t>(k)];
     width[problem.own_chart.direction_of(k)] = c.upper - c.lower;
   }
   for (const ComparedOutput& output : problem.outputs) {

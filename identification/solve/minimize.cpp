@@ -56,7 +56,7 @@ FitStatus status_of(const ceres::Solver::Summary& summary) {
 /// A block of unknowns, and those of it that are held at a bound.
 struct Block {
   double* values;
-  const std::vector<FitCoordinate>* coordinates;
+  const std::vector<models::FamilyCoordinate>* coordinates;
   const Chart* chart;  ///< with nothing held
   std::vector<char> held;
   std::unique_ptr<ChartManifold> manifold = {};  ///< none where unknowns move by adding
@@ -120,7 +120,8 @@ class Descent {
   }
 
   /// With its bounds; not of what a quaternion consists of, which moves on the sphere.
-  void add_block(double* values, const std::vector<FitCoordinate>& coordinates, const Chart& chart) {
+  void add_block(double* values, const std::vector<models::FamilyCoordinate>& coordinates,
+                 const Chart& chart) {
     blocks_.push_back(
         {values, &coordinates, &chart, std::vector<char>(static_cast<std::size_t>(chart.size()))});
     for (int k = 0; k < static_cast<int>(coordinates.size()); ++k) {
@@ -191,7 +192,7 @@ class Descent {
         if (!block.held[k]) continue;
         const std::size_t at =
             first + static_cast<std::size_t>(block.chart->direction_of(static_cast<int>(k)));
-        const FitCoordinate& c = (*block.coordinates)[k];
+        const models::FamilyCoordinate& c = (*block.coordinates)[k];
         const bool at_lower = block.values[k] < 0.5 * (c.lower + c.upper);
         const bool inwards = at_lower ? gradient[at] < 0.0 : gradient[at] > 0.0;
         const double gain = curvature[at] > 0.0 ? 0.5 * gradient[at] * gradient[at] / curvature[at] : 0.0;

@@ -74,12 +74,12 @@ double spread(const FitProblem& problem, const Motion& motion) {
   return attitudes + (squares.array() - sum.array().square() / count.array().max(1.0)).max(0.0).sum();
 }
 
-Eigen::VectorXd influence_floor(const std::vector<FitCoordinate>& coordinates, const std::vector<int>& free,
-                                double total_spread) {
+Eigen::VectorXd influence_floor(const std::vector<models::FamilyCoordinate>& coordinates,
+                                const std::vector<int>& free, double total_spread) {
   Eigen::VectorXd floor = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(free.size()));
   for (std::size_t k = 0; k < free.size(); ++k) {
     if (static_cast<std::size_t>(free[k]) >= coordinates.size()) continue;  // an offset
-    const FitCoordinate& c = coordinates[static_cast<std::size_t>(free[k])];
+    const models::FamilyCoordinate& c = coordinates[static_cast<std::size_t>(free[k])];
     floor[static_cast<Eigen::Index>(k)] = kNoInfluence * total_spread / std::pow(c.upper - c.lower, 2);
   }
   return floor;

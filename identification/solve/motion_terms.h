@@ -38,8 +38,8 @@ std::vector<int> free_indices(const std::vector<char>& at_bound);
 double spread(const FitProblem& problem, const Motion& motion);
 
 /// Smallest diagonal of J^T J that counts as influence, per coordinate; none of what has no box.
-Eigen::VectorXd influence_floor(const std::vector<FitCoordinate>& coordinates, const std::vector<int>& free,
-                                double total_spread);
+Eigen::VectorXd influence_floor(const std::vector<models::FamilyCoordinate>& coordinates,
+                                const std::vector<int>& free, double total_spread);
 
 /// All residuals at a point, with derivatives.
 /// @returns false if there is no trajectory for some segment

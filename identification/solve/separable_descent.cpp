@@ -34,8 +34,9 @@ constexpr int kOwnSteps = 60;
 constexpr double kOwnShare = 0.01;
 
 /// Directions of a block that are not held at a bound: those at one move only if the cost falls inwards.
-void add_free(const std::vector<FitCoordinate>& box, const Chart& chart, const Eigen::VectorXd& values,
-              const Eigen::Ref<const Eigen::VectorXd>& gradient, int first, std::vector<int>& free) {
+void add_free(const std::vector<models::FamilyCoordinate>& box, const Chart& chart,
+              const Eigen::VectorXd& values, const Eigen::Ref<const Eigen::VectorXd>& gradient, int first,
+              std::vector<int>& free) {
   std::vector<char> held(static_cast<std::size_t>(chart.directions()), 0);
   const std::vector<char> at = at_bounds(box, chart, values);
   for (std::size_t k = 0; k < box.size(); ++k) {
@@ -52,7 +53,7 @@ void add_free(const std::vector<FitCoordinate>& box, const Chart& chart, const E
 }
 
 /// `values` moved by a step, and back into the box.
-Eigen::VectorXd moved(const std::vector<FitCoordinate>& box, const Chart& chart,
+Eigen::VectorXd moved(const std::vector<models::FamilyCoordinate>& box, const Chart& chart,
                       const Eigen::VectorXd& values, const Eigen::Ref<const Eigen::VectorXd>& step) {
   const Eigen::VectorXd whole = step;
   Eigen::VectorXd to = values;

@@ -15,7 +15,7 @@ TEST_CASE("residuals of joined segments do not allocate, seen by a camera or not
   values.insert({{"C_T", 1.2}, {"C_R", 3.14159}, {"A", 1.4}, {"mu1", 0.2}});
   const std::vector<double> times = plate_times(30, 20.0);
   const std::vector captures = {seen_plate(times, plate_states(values, times), 0.01, 1)};
-  std::map<std::string, Interval> box = {
+  std::map<std::string, samara::models::Interval> box = {
       {"C_T", {0.3, 4.0}},    {"C_R", {1.0, 9.0}},    {"A", {0.4, 4.0}},     {"mu1", {0.1, 0.6}},
       {"vx(0)", {-8.0, 8.0}}, {"vy(0)", {-8.0, 8.0}}, {"w(0)", {-8.0, 8.0}}, {"theta(0)", {-60.0, 60.0}}};
   const auto family = step_trajectories(samara::models::find_model("falling_plate_nd"), held, box, 0.02);

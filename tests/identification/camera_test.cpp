@@ -55,7 +55,8 @@ Capture plate(double begin, double scale, double turn, std::uint64_t seed) {
   return capture;
 }
 
-std::unique_ptr<TrajectoryFamily> plate_family(std::map<std::string, Interval> box = {}) {
+std::unique_ptr<samara::models::TrajectoryFamily> plate_family(
+    std::map<std::string, samara::models::Interval> box = {}) {
   for (const auto& [name, value] : camera_truth()) box[name] = {0.3 * value, 3.0 * value};
   for (const char* name : {"vx(0)", "vy(0)", "w(0)"}) box[name] = {-8.0, 8.0};
   box["theta(0)"] = {-60.0, 60.0};
@@ -82,8 +83,8 @@ std::map<std::string, double> card_held() {
           {"C_D0", 0.05}, {"C_D90", 0.31}, {"C_T", 0.91}, {"C_w", 2.0}};
 }
 
-std::unique_ptr<TrajectoryFamily> seen_card_family() {
-  std::map<std::string, Interval> box = {{"C_R", {0.3, 3.0}}};
+std::unique_ptr<samara::models::TrajectoryFamily> seen_card_family() {
+  std::map<std::string, samara::models::Interval> box = {{"C_R", {0.3, 3.0}}};
   for (const char* name : {"x(0)", "y(0)", "z(0)"}) box[name] = {-50.0, 50.0};
   for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.1, 1.1};
   for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-20.0, 20.0};
@@ -151,7 +152,7 @@ TEST_CASE("a turn of the camera is the same for places and for attitudes") {
 
 TEST_CASE("residuals seen by a camera have the derivatives of differences") {
   // A plate, and a body with its attitude.
-  const auto check = [](const TrajectoryFamily& family, const std::vector<Capture>& captures,
+  const auto check = [](const samara::models::TrajectoryFamily& family, const std::vector<Capture>& captures,
                         const FitOptions& options, const Eigen::VectorXd& shared) {
     const FitProblem problem = make_problem(family.info(), captures, options);
     REQUIRE(problem.segments.size() > 1);
@@ -353,9 +354,10 @@ TEST_CASE("cameras are refused whose axes are no place, whose angles are none, o
   refused({.angles = {{"theta"}}}, "camera: neither scale nor rotation");
 
   // Where outputs have units, those tell.
-  FamilyInfo family{.model = "plate",
-                    .outputs = {{"x", "m"}, {"y", "m"}, {"theta", "rad"}, {"vx", "m/s"}, {"C", "1"}},
-                    .translations = {"x", "y"}};
+  samara::models::FamilyInfo family{
+      .model = "plate",
+      .outputs = {{"x", "m"}, {"y", "m"}, {"theta", "rad"}, {"vx", "m/s"}, {"C", "1"}},
+      .translations = {"x", "y"}};
   const auto of_units = [&](const std::vector<std::string>& axes, const std::string& words) {
     CHECK_THROWS_WITH(camera_axes(family, {.rotation = 0.1, .axes = axes}), Contains(words));
   };
@@ -364,7 +366,8 @@ TEST_CASE("cameras are refused whose axes are no place, whose angles are none, o
   of_units({"x", "C"}, "camera.axes: \"C\" is in 1");
   CHECK(camera_axes(family, {.rotation = 0.1, .axes = {"y", "x"}}) == std::vector<std::string>{"y", "x"});
   FitProblem problem;
-  for (const FitOutput& output : family.outputs) problem.outputs.push_back({output.name, output.unit});
+  for (const samara::models::FamilyOutput& output : family.outputs)
+    problem.outputs.push_back({output.name, output.unit});
   FitOptions options;
   options.camera = {.rotation = 0.1, .angles = {{"vx"}}};
   CHECK_THROWS_WITH(add_camera(family, options, problem), Contains("camera.angles: \"vx\" is in m/s"));

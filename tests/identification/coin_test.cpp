@@ -14,9 +14,9 @@ namespace {
 const std::string kFolder = std::string(SAMARA_EXAMPLES_DIR) + "/coin/";
 
 /// The model and box of the example's plan, by the reference integrator.
-std::unique_ptr<TrajectoryFamily> planned_family() {
+std::unique_ptr<samara::models::TrajectoryFamily> planned_family() {
   const auto plan = samara::codebooks::read_plan(kFolder + "plan.toml");
-  std::map<std::string, Interval> box;
+  std::map<std::string, samara::models::Interval> box;
   for (const auto& entry : plan.box) box[entry.name] = {entry.lower, entry.upper};
   return reference_trajectories(samara::models::find_model(plan.model), plan.fixed, box);
 }

@@ -211,7 +211,7 @@ TEST_CASE("options outside their meaning are refused") {
 
 TEST_CASE("a reference family needs a box with lengths, inside the meaning of its parameters") {
   const auto model = samara::models::find_model("vertical_fall");
-  const auto family_error = [&](const std::map<std::string, Interval>& box) {
+  const auto family_error = [&](const std::map<std::string, samara::models::Interval>& box) {
     return error_of<samara::ArgumentError>([&] { reference_trajectories(model, coin_fixed(), box); });
   };
   CHECK_THAT(family_error({}), Contains("the box is empty") || Contains("needs a value of \"C_D\""));

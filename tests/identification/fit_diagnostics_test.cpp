@@ -26,7 +26,7 @@ std::vector<Capture> braked(int count, double noise, double end = 1.5) {
 }
 
 /// x = (a + b) t: what has only a sum.
-class SumFamily final : public TrajectoryFamily {
+class SumFamily final : public samara::models::TrajectoryFamily {
  public:
   explicit SumFamily(double of_b = 1.0) : of_b_(of_b) {
     info_.model = "sum";
@@ -34,19 +34,19 @@ class SumFamily final : public TrajectoryFamily {
     info_.coordinates = {{"a", "m/s", false, -2.0, 4.0}, {"b", "m/s", false, -2.0, 4.0}};
     info_.outputs = {{"x", "m"}};
   }
-  const FamilyInfo& info() const override { return info_; }
-  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                       const std::vector<std::string>&) const override {
+  const samara::models::FamilyInfo& info() const override { return info_; }
+  std::unique_ptr<samara::models::TrajectorySource> at(const std::vector<double>& times,
+                                                       const std::vector<std::string>&) const override {
     return std::make_unique<Source>(times, of_b_);
   }
 
  private:
-  struct Source final : TrajectorySource {
+  struct Source final : samara::models::TrajectorySource {
     Source(const std::vector<double>& at_times, double factor)
         : t(Eigen::Map<const Eigen::VectorXd>(at_times.data(), static_cast<Eigen::Index>(at_times.size()))),
           of_b(factor) {}
-    TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                               Eigen::MatrixXd* derivatives) override {
+    samara::models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                                               Eigen::MatrixXd* derivatives) override {
       values.col(0) = (q[0] + of_b * q[1]) * t;
       if (!derivatives) return {};
       derivatives->col(0) = t;
@@ -56,7 +56,7 @@ class SumFamily final : public TrajectoryFamily {
     Eigen::VectorXd t;
     double of_b;
   };
-  FamilyInfo info_;
+  samara::models::FamilyInfo info_;
   double of_b_;
 };
 

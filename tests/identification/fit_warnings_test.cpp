@@ -171,17 +171,18 @@ TEST_CASE("an iteration limit is a status, with the best point so far") {
 namespace {
 
 /// No trajectory anywhere, or an exception.
-class BrokenFamily final : public TrajectoryFamily {
+class BrokenFamily final : public samara::models::TrajectoryFamily {
  public:
   explicit BrokenFamily(bool throws) : throws_(throws) {}
-  const FamilyInfo& info() const override { return braked_.info(); }
-  std::unique_ptr<TrajectorySource> at(const std::vector<double>&,
-                                       const std::vector<std::string>&) const override {
-    struct Source final : TrajectorySource {
+  const samara::models::FamilyInfo& info() const override { return braked_.info(); }
+  std::unique_ptr<samara::models::TrajectorySource> at(const std::vector<double>&,
+                                                       const std::vector<std::string>&) const override {
+    struct Source final : samara::models::TrajectorySource {
       explicit Source(bool does_throw) : throws(does_throw) {}
-      TrajectoryOutcome evaluate(std::span<const double>, Eigen::MatrixXd&, Eigen::MatrixXd*) override {
+      samara::models::TrajectoryOutcome evaluate(std::span<const double>, Eigen::MatrixXd&,
+                                                 Eigen::MatrixXd*) override {
         if (throws) throw samara::ArgumentError("no such luck");
-        return {TrajectoryStatus::not_integrated, "none here"};
+        return {samara::models::TrajectoryStatus::not_integrated, "none here"};
       }
       bool throws;
     };
@@ -235,7 +236,7 @@ TEST_CASE("what a source throws comes out of the fit") {
 namespace {
 
 /// x = p^2 t + p t^2/5: much the same path for p and -p.
-class TwoStraightValleys final : public TrajectoryFamily {
+class TwoStraightValleys final : public samara::models::TrajectoryFamily {
  public:
   TwoStraightValleys() {
     info_.model = "two valleys";
@@ -243,12 +244,12 @@ class TwoStraightValleys final : public TrajectoryFamily {
     info_.coordinates = {{"p", "1", false, -2.0, 2.1}};
     info_.outputs = {{"x", "m"}};
   }
-  const FamilyInfo& info() const override { return info_; }
-  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                       const std::vector<std::string>&) const override {
-    struct Source final : TrajectorySource {
-      TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                                 Eigen::MatrixXd* derivatives) override {
+  const samara::models::FamilyInfo& info() const override { return info_; }
+  std::unique_ptr<samara::models::TrajectorySource> at(const std::vector<double>& times,
+                                                       const std::vector<std::string>&) const override {
+    struct Source final : samara::models::TrajectorySource {
+      samara::models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                                                 Eigen::MatrixXd* derivatives) override {
         for (std::size_t row = 0; row < times.size(); ++row) {
           const double t = times[row];
           const auto at = static_cast<Eigen::Index>(row);
@@ -265,7 +266,7 @@ class TwoStraightValleys final : public TrajectoryFamily {
   }
 
  private:
-  FamilyInfo info_;
+  samara::models::FamilyInfo info_;
 };
 
 }  // namespace

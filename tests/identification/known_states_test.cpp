@@ -30,7 +30,7 @@ Capture ball_flight(const std::string& id, double speed, double spin) {
 TEST_CASE("captures in one piece start from where they are seen to start, also with states that are known") {
   // Frames are exact to the tolerance of the integrator and the steps of 7 ms, 1e-8 m: C_D and C_M show in
   // centimetres.
-  std::map<std::string, Interval> box = {
+  std::map<std::string, samara::models::Interval> box = {
       {"C_D", {0.1, 1.5}}, {"C_M", {0.1, 2.0}}, {"wy(0)", {-500.0, 500.0}}};
   for (const char* name : {"x(0)", "y(0)", "z(0)"}) box[name] = {-5.0, 5.0};
   for (const char* name : {"vx(0)", "vy(0)", "vz(0)"}) box[name] = {-30.0, 30.0};

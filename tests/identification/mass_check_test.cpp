@@ -16,7 +16,7 @@ namespace {
 std::vector<std::string> doubts(double factor, FitOptions options = {}, bool labelled = false) {
   auto fixed = coin_fixed();
   std::vector<Capture> captures = {coin_capture("a", 1.1, 0.1, 0.2), coin_capture("b", 1.1, 0.3, -0.1)};
-  std::map<std::string, Interval> box = {{"C_D", {0.6, 2.0}}, {"v(0)", {-0.4, 0.8}}};
+  std::map<std::string, samara::models::Interval> box = {{"C_D", {0.6, 2.0}}, {"v(0)", {-0.4, 0.8}}};
   const double density = factor * fixed.at("density");
   if (labelled) {
     for (Capture& capture : captures) capture.labels["rho"] = std::to_string(density);
@@ -55,7 +55,7 @@ TEST_CASE("a known density is doubted beyond its box, and nothing that a trial r
   }
   FitOptions options;
   options.unknowns.known["density"] = "rho";
-  const std::map<std::string, Interval> box = {
+  const std::map<std::string, samara::models::Interval> box = {
       {"C_D", {0.6, 2.0}}, {"v(0)", {-0.4, 0.8}}, {"density", {0.5 * density, 2.0 * density}}};
   options.unknowns.box["density"] = {0.7 * density, 1.5 * density};
   const auto family = reference_trajectories(samara::models::find_model("vertical_fall"), fixed, box);

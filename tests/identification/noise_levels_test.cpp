@@ -16,24 +16,24 @@ using Catch::Matchers::Contains;
 namespace {
 
 /// x = v0 (1 - exp(-k t))/k and its rate.
-class BrakedWithRate final : public TrajectoryFamily {
+class BrakedWithRate final : public samara::models::TrajectoryFamily {
  public:
   BrakedWithRate() {
     info_ = BrakedFamily().info();
     info_.outputs.push_back({"v", "m/s"});
   }
-  const FamilyInfo& info() const override { return info_; }
-  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                       const std::vector<std::string>& outputs) const override {
+  const samara::models::FamilyInfo& info() const override { return info_; }
+  std::unique_ptr<samara::models::TrajectorySource> at(
+      const std::vector<double>& times, const std::vector<std::string>& outputs) const override {
     return std::make_unique<Source>(times, outputs);
   }
 
  private:
-  struct Source final : TrajectorySource {
+  struct Source final : samara::models::TrajectorySource {
     Source(const std::vector<double>& at_times, const std::vector<std::string>& names)
         : times(at_times), outputs(names) {}
-    TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                               Eigen::MatrixXd* derivatives) override {
+    samara::models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                                               Eigen::MatrixXd* derivatives) override {
       const auto count = static_cast<Eigen::Index>(outputs.size());
       for (Eigen::Index row = 0; row < values.rows(); ++row) {
         const double t = times[static_cast<std::size_t>(row)];
@@ -52,7 +52,7 @@ class BrakedWithRate final : public TrajectoryFamily {
     std::vector<double> times;
     std::vector<std::string> outputs;
   };
-  FamilyInfo info_;
+  samara::models::FamilyInfo info_;
 };
 
 constexpr double kRate = 1.4;

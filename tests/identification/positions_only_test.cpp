@@ -81,8 +81,8 @@ std::vector<Capture> disc_spans(int count, int span_frames) {
   return spans;
 }
 
-std::unique_ptr<TrajectoryFamily> disc_family() {
-  std::map<std::string, Interval> box;
+std::unique_ptr<samara::models::TrajectoryFamily> disc_family() {
+  std::map<std::string, samara::models::Interval> box;
   for (const char* name : {"x(0)", "y(0)", "z(0)"}) box[name] = {-5.0, 5.0};
   for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.1, 1.1};
   for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-5.0, 5.0};

@@ -46,8 +46,8 @@ inline const std::map<std::string, double>& plate() {
   return values;
 }
 
-inline std::unique_ptr<TrajectoryFamily> plate_family() {
-  std::map<std::string, Interval> box = {{"C_D90", {0.5, 2.0}}};
+inline std::unique_ptr<samara::models::TrajectoryFamily> plate_family() {
+  std::map<std::string, samara::models::Interval> box = {{"C_D90", {0.5, 2.0}}};
   for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.0, 1.0};
   for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-1.0, 1.0};
   for (const char* name : {"wx(0)", "wy(0)", "wz(0)"}) box[name] = {-5.0, 5.0};

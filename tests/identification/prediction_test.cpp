@@ -21,7 +21,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 /// theta = theta(0) + rate t.
-class TurningFamily final : public TrajectoryFamily {
+class TurningFamily final : public samara::models::TrajectoryFamily {
  public:
   TurningFamily() {
     info_.model = "turning";
@@ -30,17 +30,17 @@ class TurningFamily final : public TrajectoryFamily {
     info_.outputs = {{"theta", "rad"}};
   }
 
-  const FamilyInfo& info() const override { return info_; }
-  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                       const std::vector<std::string>&) const override {
+  const samara::models::FamilyInfo& info() const override { return info_; }
+  std::unique_ptr<samara::models::TrajectorySource> at(const std::vector<double>& times,
+                                                       const std::vector<std::string>&) const override {
     return std::make_unique<Source>(times);
   }
 
  private:
-  struct Source final : TrajectorySource {
+  struct Source final : samara::models::TrajectorySource {
     explicit Source(const std::vector<double>& at_times) : times(at_times) {}
-    TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                               Eigen::MatrixXd* derivatives) override {
+    samara::models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                                               Eigen::MatrixXd* derivatives) override {
       for (std::size_t row = 0; row < times.size(); ++row) {
         const auto at = static_cast<Eigen::Index>(row);
         values(at, 0) = q[1] + q[0] * times[row];
@@ -51,7 +51,7 @@ class TurningFamily final : public TrajectoryFamily {
     std::vector<double> times;
   };
 
-  FamilyInfo info_;
+  samara::models::FamilyInfo info_;
 };
 
 constexpr double kFrameInterval = 0.01;
@@ -287,15 +287,16 @@ TEST_CASE("captures that cannot be predicted are named with the reason, and empt
 }
 
 TEST_CASE("a capture on which the model fails counts for the baselines, and the failure is said") {
-  struct Fragile final : TrajectoryFamily {
+  struct Fragile final : samara::models::TrajectoryFamily {
     BrakedFamily whole;
     bool fails = false;
-    const FamilyInfo& info() const override { return whole.info(); }
-    std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                         const std::vector<std::string>& outputs) const override {
-      struct None final : TrajectorySource {
-        TrajectoryOutcome evaluate(std::span<const double>, Eigen::MatrixXd&, Eigen::MatrixXd*) override {
-          return {TrajectoryStatus::not_integrated, "none here"};
+    const samara::models::FamilyInfo& info() const override { return whole.info(); }
+    std::unique_ptr<samara::models::TrajectorySource> at(
+        const std::vector<double>& times, const std::vector<std::string>& outputs) const override {
+      struct None final : samara::models::TrajectorySource {
+        samara::models::TrajectoryOutcome evaluate(std::span<const double>, Eigen::MatrixXd&,
+                                                   Eigen::MatrixXd*) override {
+          return {samara::models::TrajectoryStatus::not_integrated, "none here"};
         }
       };
       if (fails) return std::make_unique<None>();

@@ -33,7 +33,7 @@ FitOptions in_segments(double length) {
 }
 
 /// The coin's start may lie anywhere.
-std::unique_ptr<TrajectoryFamily> placed_coin_family() {
+std::unique_ptr<samara::models::TrajectoryFamily> placed_coin_family() {
   return reference_trajectories(find_model("vertical_fall"), coin_fixed(),
                                 {{"C_D", {0.6, 2.0}}, {"v(0)", {-0.4, 0.8}}, {"x(0)", {-1.0, 1.0}}});
 }
@@ -52,15 +52,15 @@ const std::map<std::string, double>& plate_body() {
   return values;
 }
 
-std::map<std::string, Interval> body_box() {
-  std::map<std::string, Interval> box = {{"C_D90", {0.5, 2.0}}};
+std::map<std::string, samara::models::Interval> body_box() {
+  std::map<std::string, samara::models::Interval> box = {{"C_D90", {0.5, 2.0}}};
   for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.0, 1.0};
   for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-1.0, 1.0};
   for (const char* name : {"wx(0)", "wy(0)", "wz(0)"}) box[name] = {-5.0, 5.0};
   return box;
 }
 
-std::unique_ptr<TrajectoryFamily> body_family() {
+std::unique_ptr<samara::models::TrajectoryFamily> body_family() {
   return step_trajectories(find_model("immersed_body"), plate_body(), body_box(), 2e-3);
 }
 
@@ -209,7 +209,7 @@ TEST_CASE("an attitude that is free in part is fitted, but not cut into segments
   std::map<std::string, double> held = plate_body();
   held["qw(0)"] = 1.0;
   held["qz(0)"] = 0.0;
-  std::map<std::string, Interval> box = body_box();
+  std::map<std::string, samara::models::Interval> box = body_box();
   box.erase("qw(0)");
   box.erase("qz(0)");
   const auto family = step_trajectories(find_model("immersed_body"), held, box, 2e-3);
@@ -245,11 +245,11 @@ TEST_CASE("values known of captures must lie in the box") {
 }
 
 TEST_CASE("means of frames end with the family where rounding puts their last just behind it") {
-  struct EndingFamily final : TrajectoryFamily {
+  struct EndingFamily final : samara::models::TrajectoryFamily {
     BrakedFamily endless;
-    const FamilyInfo& info() const override { return endless.info(); }
-    std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                         const std::vector<std::string>& outputs) const override {
+    const samara::models::FamilyInfo& info() const override { return endless.info(); }
+    std::unique_ptr<samara::models::TrajectorySource> at(
+        const std::vector<double>& times, const std::vector<std::string>& outputs) const override {
       REQUIRE(times.back() <= info().end_time);
       return endless.at(times, outputs);
     }
@@ -346,8 +346,8 @@ TEST_CASE("segments of a codebook start where the capture shows them, beyond its
 }
 
 TEST_CASE("segments of a codebook need all states among its outputs") {
-  FamilyInfo info = codebook_trajectories(coin_book())->info();
-  std::erase_if(info.outputs, [](const FitOutput& output) { return output.name == "v"; });
+  samara::models::FamilyInfo info = codebook_trajectories(coin_book())->info();
+  std::erase_if(info.outputs, [](const samara::models::FamilyOutput& output) { return output.name == "v"; });
   CHECK_THROWS_WITH(make_problem(info, std::vector{coin_capture("a", 1.2, 0.1, 0.0)}, in_segments(0.2)),
                     Contains("\"v\" is not among the outputs of the codebook"));
 }

@@ -41,8 +41,8 @@ Capture tumbling(double noise, std::uint64_t seed) {
   return seen_plate(times, plate_states(values, times), noise, seed);
 }
 
-std::map<std::string, Interval> plate_box() {
-  std::map<std::string, Interval> box;
+std::map<std::string, samara::models::Interval> plate_box() {
+  std::map<std::string, samara::models::Interval> box;
   for (const auto& [name, value] : truth()) box[name] = {0.3 * value, 3.0 * value};
   for (const char* name : {"vx(0)", "vy(0)", "w(0)"}) box[name] = {-8.0, 8.0};
   box["theta(0)"] = {-60.0, 60.0};
@@ -57,13 +57,13 @@ FitOptions plate_options() {
   return options;
 }
 
-std::unique_ptr<TrajectoryFamily> plate_family() {
+std::unique_ptr<samara::models::TrajectoryFamily> plate_family() {
   return step_trajectories(find_model("falling_plate_nd"), plate(1.4), plate_box(), 0.01);
 }
 
 /// A body whose attitude and place are seen, and everything else is not.
-std::unique_ptr<TrajectoryFamily> card_family() {
-  std::map<std::string, Interval> box = {{"C_R", {0.3, 3.0}}};
+std::unique_ptr<samara::models::TrajectoryFamily> card_family() {
+  std::map<std::string, samara::models::Interval> box = {{"C_R", {0.3, 3.0}}};
   for (const char* name : {"x(0)", "y(0)", "z(0)"}) box[name] = {-50.0, 50.0};
   for (const char* name : {"qw(0)", "qx(0)", "qy(0)", "qz(0)"}) box[name] = {-1.1, 1.1};
   for (const char* name : {"ux(0)", "uy(0)", "uz(0)"}) box[name] = {-20.0, 20.0};
@@ -212,7 +212,7 @@ TEST_CASE("what is known of a capture is taken from its label") {
     capture.labels["inertia"] = std::to_string(inertia);
     captures.push_back(std::move(capture));
   }
-  std::map<std::string, Interval> box = plate_box();
+  std::map<std::string, samara::models::Interval> box = plate_box();
   box["inertia_ratio"] = {1.0, 2.0};
   const auto family =
       step_trajectories(find_model("falling_plate_nd"), {{"beta", 1.0 / 14.0}, {"B", 1.0}}, box, 0.01);
@@ -247,7 +247,7 @@ TEST_CASE("what is known of a capture is taken from its label") {
 }
 
 TEST_CASE("segments are refused where a state cannot start anew") {
-  std::map<std::string, Interval> box = plate_box();
+  std::map<std::string, samara::models::Interval> box = plate_box();
   box.erase("w(0)");
   const auto family = step_trajectories(find_model("falling_plate_nd"), plate(1.4), box, 0.01);
   CHECK_THROWS_WITH(fit(*family, std::vector{tumbling(kNoise, 1)}, plate_options()),
@@ -313,7 +313,7 @@ relative = 1e-4
   for (const auto& [name, value] :
        std::map<std::string, double>{{"C_R", 3.0}, {"A", 1.4}, {"mu1", 0.2}, {"vx(0)", 0.3}, {"vy(0)", -0.2}})
     held[name] = value;
-  std::map<std::string, Interval> box = {
+  std::map<std::string, samara::models::Interval> box = {
       {"C_T", {0.5, 2.0}}, {"theta(0)", {-60.0, 60.0}}, {"w(0)", {-8.0, 8.0}}, {"x(0)", {-100.0, 100.0}}};
   const auto make = [&] { return step_trajectories(find_model("falling_plate_nd"), held, box, 0.005); };
   const auto mixed = mixed_trajectories(book, make());

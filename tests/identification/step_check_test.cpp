@@ -34,7 +34,7 @@ Capture fluttering() {
 FitResult fit_with(double step, double segment) {
   auto fixed = held();
   fixed.insert({{"C_T", 1.2}, {"mu1", 0.2}});
-  std::map<std::string, Interval> box = {{"C_R", {1.0, 6.0}}, {"A", {0.5, 4.0}}};
+  std::map<std::string, samara::models::Interval> box = {{"C_R", {1.0, 6.0}}, {"A", {0.5, 4.0}}};
   for (const char* name : {"vx(0)", "vy(0)", "w(0)"}) box[name] = {-8.0, 8.0};
   box["theta(0)"] = {-60.0, 60.0};
   FitOptions options;

@@ -11,10 +11,10 @@
 
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/problem/warnings.h"
-#include "samara/identification/trajectories/trajectory_source.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
 #include "samara/models/trajectories/reference_trajectories.h"
+#include "samara/models/trajectories/trajectory_family.h"
 
 /// `count` times from 0 to `end`.
 inline std::vector<double> even_times(int count, double end) {
@@ -51,7 +51,7 @@ inline const std::map<std::string, double>& coin_fixed() {
   return fixed;
 }
 
-inline std::unique_ptr<samara::identification::TrajectoryFamily> coin_family() {
+inline std::unique_ptr<samara::models::TrajectoryFamily> coin_family() {
   return samara::models::reference_trajectories(samara::models::find_model("vertical_fall"), coin_fixed(),
                                                 {{"C_D", {0.6, 2.0}}, {"v(0)", {-0.4, 0.8}}});
 }
@@ -68,7 +68,7 @@ inline samara::identification::Capture coin_capture(const std::string& id, doubl
 
 /// x = v0 (1 - exp(-k t))/k: a body that drag proportional to speed brings to rest. In closed form: for tests
 /// that run many fits.
-class BrakedFamily final : public samara::identification::TrajectoryFamily {
+class BrakedFamily final : public samara::models::TrajectoryFamily {
  public:
   BrakedFamily() {
     info_.model = "braked";
@@ -86,18 +86,18 @@ class BrakedFamily final : public samara::identification::TrajectoryFamily {
     return x;
   }
 
-  samara::identification::FamilyInfo& mutable_info() { return info_; }
-  const samara::identification::FamilyInfo& info() const override { return info_; }
-  std::unique_ptr<samara::identification::TrajectorySource> at(
-      const std::vector<double>& times, const std::vector<std::string>&) const override {
+  samara::models::FamilyInfo& mutable_info() { return info_; }
+  const samara::models::FamilyInfo& info() const override { return info_; }
+  std::unique_ptr<samara::models::TrajectorySource> at(const std::vector<double>& times,
+                                                       const std::vector<std::string>&) const override {
     return std::make_unique<Source>(times);
   }
 
  private:
-  struct Source final : samara::identification::TrajectorySource {
+  struct Source final : samara::models::TrajectorySource {
     explicit Source(const std::vector<double>& at_times) : times(at_times) {}
-    samara::identification::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                                                       Eigen::MatrixXd* derivatives) override {
+    samara::models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                                               Eigen::MatrixXd* derivatives) override {
       values.col(0) = depths(q[0], q[1], times);
       if (!derivatives) return {};
       for (std::size_t row = 0; row < times.size(); ++row) {
@@ -111,5 +111,5 @@ class BrakedFamily final : public samara::identification::TrajectoryFamily {
     std::vector<double> times;
   };
 
-  samara::identification::FamilyInfo info_;
+  samara::models::FamilyInfo info_;
 };

@@ -14,7 +14,7 @@ using Catch::Matchers::WithinAbs;
 namespace {
 
 /// x = p^2 t + a p t^2: much the same path for p and -p where a is small.
-class TwoValleys final : public TrajectoryFamily {
+class TwoValleys final : public samara::models::TrajectoryFamily {
  public:
   explicit TwoValleys(double bend) : bend_(bend) {
     info_.model = "two valleys";
@@ -22,13 +22,13 @@ class TwoValleys final : public TrajectoryFamily {
     info_.coordinates = {{"p", "1", false, -2.0, 2.1}};
     info_.outputs = {{"x", "m"}};
   }
-  const FamilyInfo& info() const override { return info_; }
-  std::unique_ptr<TrajectorySource> at(const std::vector<double>& times,
-                                       const std::vector<std::string>&) const override {
-    struct Source final : TrajectorySource {
+  const samara::models::FamilyInfo& info() const override { return info_; }
+  std::unique_ptr<samara::models::TrajectorySource> at(const std::vector<double>& times,
+                                                       const std::vector<std::string>&) const override {
+    struct Source final : samara::models::TrajectorySource {
       Source(const std::vector<double>& at_times, double a) : times(at_times), bend(a) {}
-      TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                                 Eigen::MatrixXd* derivatives) override {
+      samara::models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                                                 Eigen::MatrixXd* derivatives) override {
         for (std::size_t row = 0; row < times.size(); ++row) {
           const double t = times[row];
           const auto at = static_cast<Eigen::Index>(row);
@@ -45,7 +45,7 @@ class TwoValleys final : public TrajectoryFamily {
 
  private:
   double bend_;
-  FamilyInfo info_;
+  samara::models::FamilyInfo info_;
 };
 
 std::vector<Capture> valley_captures(double bend, double scatter, std::uint64_t seed, int count) {

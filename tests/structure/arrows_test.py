@@ -23,7 +23,7 @@ SUB_ROOMS = {
         "book", "file", "plan", "source", "query/kernels", "query", "certify", "build", "composition", "capi",
     ],
     "identification": [
-        "smoothing", "captures/exports", "captures", "statistics", "trajectories", "problem", "report",
+        "smoothing", "captures/exports", "captures", "statistics", "problem", "report",
         "solve/starts", "solve", "fit", "series", "files",
     ],
 }

@@ -40,7 +40,7 @@ class SharedCost {
   Eigen::VectorXd shared_at(const double* unit) const {
     Eigen::VectorXd shared(problem_.shared_count());
     for (int k = 0; k < problem_.shared_count(); ++k) {
-      const FitCoordinate& c = problem_.shared[static_cast<std::size_t>(k)];
+      const models::FamilyCoordinate& c = problem_.shared[static_cast<std::size_t>(k)];
       shared[k] = problem_.shared_chart.is_logarithmic(k) ? c.lower * std::pow(c.upper / c.lower, unit[k])
                                                           : c.lower + (c.upper - c.lower) * unit[k];
     }
@@ -49,7 +49,7 @@ class SharedCost {
   std::vector<double> unit_of(const Eigen::VectorXd& shared) const {
     std::vector<double> unit(static_cast<std::size_t>(shared.size()));
     for (std::size_t k = 0; k < unit.size(); ++k) {
-      const FitCoordinate& c = problem_.shared[k];
+      const models::FamilyCoordinate& c = problem_.shared[k];
       const double value = shared[static_cast<Eigen::Index>(k)];
       const bool logarithmic = problem_.shared_chart.is_logarithmic(static_cast<int>(k));
       unit[k] = logarithmic ? std::log(value / c.lower) / std::log(c.upper / c.lower)

@@ -245,7 +245,7 @@ class StateSearch {
     Eigen::VectorXd result = middle_;
     for (const OwnState& s : state_of_own_) {
       const double value = states_[static_cast<std::size_t>(s.state)];
-      const FitCoordinate& c = problem_.own[static_cast<std::size_t>(s.own)];
+      const models::FamilyCoordinate& c = problem_.own[static_cast<std::size_t>(s.own)];
       if (std::isfinite(value)) result[s.own] = std::clamp(value, c.lower, c.upper);
     }
     return result;
@@ -276,7 +276,7 @@ class StateSearch {
     }
     for (Eigen::Index k = 0; k < unknowns; ++k) {
       const auto& [own, state, slot] = state_of_own_[static_cast<std::size_t>(k)];
-      const FitCoordinate& c = problem_.own[static_cast<std::size_t>(own)];
+      const models::FamilyCoordinate& c = problem_.own[static_cast<std::size_t>(own)];
       const double now = states_[static_cast<std::size_t>(state)];
       const bool measured = std::isfinite(known.value_error[state]) && known.value_error[state] > 0.0;
       const double error = measured ? known.value_error[state] : kLoose * (c.upper - c.lower);

@@ -39,7 +39,7 @@ void set_attitude(const FitProblem& problem, const Segment& segment, int index, 
 
 FitPoint start_point(const FitProblem& problem, std::vector<SegmentResidual>& residuals, int index) {
   int dimension = 0;
-  const auto at = [&](const FitCoordinate& c, bool logarithmic) {
+  const auto at = [&](const models::FamilyCoordinate& c, bool logarithmic) {
     const double part = place(index, dimension++);
     return logarithmic ? c.lower * std::pow(c.upper / c.lower, part) : c.lower + (c.upper - c.lower) * part;
   };
