@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/termination.h"
-#include "samara/codebooks/file/store_format.h"
+#include "samara/codebooks/file/format_version.h"
 #include "samara/codebooks/file/store_piece.h"
 #include "samara/io/hdf5_reader.h"
 #include "samara/models/interface/model.h"

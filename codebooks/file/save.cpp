@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/version.h"
-#include "samara/codebooks/file/store_format.h"
+#include "samara/codebooks/file/format_version.h"
 #include "samara/codebooks/file/store_piece.h"
 #include "samara/io/hdf5_writer.h"
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/codebooks/file/store_format.h"
+#include "samara/codebooks/file/format_version.h"
 
 namespace samara::codebooks {
 

@@ -18,8 +18,8 @@
 #include "samara/identification/solve/noise_levels.h"
 #include "samara/identification/solve/other_optima.h"
 #include "samara/identification/solve/starts/global_search.h"
+#include "samara/identification/solve/starts/start_point.h"
 #include "samara/identification/solve/starts/start_states.h"
-#include "samara/identification/solve/starts/starts.h"
 #include "samara/identification/solve/uncertainty.h"
 
 namespace samara::identification {

@@ -11,10 +11,10 @@
 #include "samara/base/names.h"
 #include "samara/base/units.h"
 #include "samara/identification/problem/camera.h"
-#include "samara/identification/problem/charts.h"
 #include "samara/identification/problem/joins.h"
 #include "samara/identification/problem/noise_scales.h"
 #include "samara/identification/problem/segments.h"
+#include "samara/identification/problem/unknown_charts.h"
 
 namespace samara::identification {
 

@@ -11,7 +11,7 @@
 namespace samara::pgd {
 
 /// One coordinate: its interval and its discretisation by a nodal basis N_i with N_i(node j) = 1 if i = j,
-/// else 0. There are three families (axis_traits.h):
+/// else 0. There are three families (basis.h):
 ///
 ///  - elements (p1, p2, chebyshev, legendre, radau): continuous piecewise polynomials; every element has the
 ///    same reference nodes, both ends included and shared with its neighbours. They are polynomials in

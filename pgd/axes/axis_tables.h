@@ -6,8 +6,8 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
-#include "samara/pgd/axes/axis_traits.h"
 #include "samara/pgd/axes/axis_transform.h"
+#include "samara/pgd/axes/basis.h"
 #include "samara/pgd/axes/lagrange.h"
 
 /// What an axis is made of. Axis is how it is used.

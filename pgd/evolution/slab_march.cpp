@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/pgd/cross/nodal_approximation.h"
-#include "samara/pgd/evolution/box_refiner.h"
+#include "samara/pgd/evolution/slab_refiner.h"
 #include "samara/pgd/evolution/slab_train.h"
 #include "samara/pgd/tensors/train_algebra.h"
 #include "samara/pgd/tensors/train_points.h"

@@ -10,9 +10,9 @@
 #include <Eigen/Core>
 
 #include "samara/base/termination.h"
-#include "samara/pgd/evolution/box_refiner.h"
 #include "samara/pgd/evolution/march_context.h"
 #include "samara/pgd/evolution/march_state.h"
+#include "samara/pgd/evolution/slab_refiner.h"
 #include "samara/pgd/evolution/time_stepper.h"
 
 namespace samara::pgd {
@@ -62,7 +62,7 @@ class SlabMarch {
   SlabSolver& solver_;
   MarchContext context_;
   TimeStepper stepper_;
-  BoxRefiner refiner_;
+  SlabRefiner refiner_;
   const long evaluations_left_;
   MarchState state_;
   std::optional<Ending> ending_;

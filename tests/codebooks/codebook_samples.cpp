@@ -56,7 +56,7 @@ void write_reference(const Codebook& book, const std::filesystem::path& stem) {
 int main(int count, char** arguments) {
   const std::string verb = count == 3 ? arguments[1] : "";
   if (verb == "golden") {
-    save(golden_command(), arguments[2]);
+    save(golden_climbs(), arguments[2]);
     return 0;
   }
   if (verb == "reference") {

@@ -109,3 +109,10 @@ TEST_CASE("the golden file of format 0.4, of a command without time, evaluates t
     CHECK((gradient - (Eigen::Matrix2d() << b, a, 1.0, 0.0).finished()).cwiseAbs().maxCoeff() < 1e-13);
   }
 }
+
+TEST_CASE("the golden file of format 0.5 holds what its certificate tells of climbs and refutations") {
+  const Codebook book = load(std::filesystem::path(GOLDEN_DIRECTORY) / "codebook_0.5.h5");
+  check_same_codebook(book, golden_climbs());
+  CHECK(book.certificate()->climbed_points == 17);
+  CHECK(book.certificate()->refuted_before == 2);
+}

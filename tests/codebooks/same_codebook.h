@@ -76,6 +76,9 @@ inline void check_same_certificate(const samara::codebooks::Certificate& a,
   CHECK(a.points == b.points);
   CHECK(a.times == b.times);
   CHECK(a.failed_points == b.failed_points);
+  CHECK(a.wrong_points == b.wrong_points);
+  CHECK(a.climbed_points == b.climbed_points);
+  CHECK(a.refuted_before == b.refuted_before);
   CHECK(a.seed == b.seed);
   CHECK(a.integrator == b.integrator);
   CHECK(same_bits(a.integrator_tolerance, b.integrator_tolerance));

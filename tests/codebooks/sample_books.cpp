@@ -190,6 +190,15 @@ Codebook golden_command() {
   return bare.with_certificate(certificate);
 }
 
+Codebook golden_climbs() {
+  const Codebook book = golden_command();
+  Certificate certificate = *book.certificate();
+  certificate.wrong_points = 0;
+  certificate.climbed_points = 17;
+  certificate.refuted_before = 2;
+  return book.with_certificate(certificate);
+}
+
 ModelDescription sample_model() {
   ModelDescription model;
   model.name = "vertical_fall";

@@ -53,6 +53,8 @@ samara::codebooks::Piece random_train_piece(const PieceBox& box, unsigned seed, 
 /// The codebook of the golden file of format 0.4: a command without time, u = a b and v = 1 + a, exact to
 /// round-off, for a in [-1, 2] and b in [0, 1], as one train.
 samara::codebooks::Codebook golden_command();
+/// The same, certified by climbs, after certificates that found earlier fields wrong.
+samara::codebooks::Codebook golden_climbs();
 
 /// The codebook of the golden file of format 0.3: golden_book() with the first piece as one train of both
 /// outputs.

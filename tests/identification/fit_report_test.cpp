@@ -5,7 +5,7 @@
 
 #include "files.h"
 #include "samara/identification/fit/fit.h"
-#include "samara/identification/report/fit_file.h"
+#include "samara/identification/report/read_fit.h"
 #include "synthetic.h"
 
 using namespace samara::identification;

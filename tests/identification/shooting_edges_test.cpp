@@ -9,7 +9,7 @@
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/segment_residual.h"
 #include "samara/identification/solve/starts/kinematic_start.h"
-#include "samara/identification/solve/starts/starts.h"
+#include "samara/identification/solve/starts/start_point.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/ambient_flow.h"
 #include "samara/models/laws/registry.h"

@@ -1,4 +1,4 @@
-#include "samara/pgd/evolution/box_refiner.h"
+#include "samara/pgd/evolution/slab_refiner.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "samara/pgd/axes/axis_traits.h"
+#include "samara/pgd/axes/basis.h"
 #include "samara/pgd/cross/nodal_approximation.h"
 #include "samara/pgd/tensors/train_points.h"
 
@@ -33,8 +33,8 @@ constexpr double kWorthwhile = 0.75;
 /// The errors at the worst guard points, taken apart: with all coordinates but one moved to the nearest
 /// nodes, it is what only more nodes on that axis will mend; with all of them moved, what the cross or the
 /// rounding has left.
-BoxRefiner::Blame BoxRefiner::blame(const SlabCell& cell, const TensorTrain& train,
-                                    const Eigen::VectorXd& errors) {
+SlabRefiner::Blame SlabRefiner::blame(const SlabCell& cell, const TensorTrain& train,
+                                      const Eigen::VectorXd& errors) {
   std::vector<int> order(static_cast<std::size_t>(errors.size()));
   std::iota(order.begin(), order.end(), 0);
   const auto count = std::min<std::ptrdiff_t>(kWorstGuards, errors.size());
@@ -69,7 +69,7 @@ BoxRefiner::Blame BoxRefiner::blame(const SlabCell& cell, const TensorTrain& tra
 }
 
 /// On the axes that are too coarse, as far as the problem and the options allow. @returns whether any got more
-bool BoxRefiner::add_nodes(SlabCell& cell, const std::vector<double>& by_axis) const {
+bool SlabRefiner::add_nodes(SlabCell& cell, const std::vector<double>& by_axis) const {
   const int most = context_.options().max_nodes;
   std::vector<int> nodes = sizes_of(cell.axes);
   bool grown = false;
@@ -83,8 +83,8 @@ bool BoxRefiner::add_nodes(SlabCell& cell, const std::vector<double>& by_axis) c
   return grown;
 }
 
-Outcome<Refinement> BoxRefiner::refine(SlabCell& cell, const TensorTrain& train,
-                                       const Eigen::VectorXd& errors, bool ranks, int cells) {
+Outcome<Refinement> SlabRefiner::refine(SlabCell& cell, const TensorTrain& train,
+                                        const Eigen::VectorXd& errors, bool ranks, int cells) {
   const SlabOptions& options = context_.options();
   cell.leniency = std::min(kLeniency * cell.leniency, context_.most_lenient());
   const Blame found = blame(cell, train, errors);
@@ -106,20 +106,20 @@ Outcome<Refinement> BoxRefiner::refine(SlabCell& cell, const TensorTrain& train,
 }
 
 /// Shorter slabs as long as the error falls faster than the length.
-Refinement BoxRefiner::of_inexact_solver(SlabCell& cell, double error) const {
+Refinement SlabRefiner::of_inexact_solver(SlabCell& cell, double error) const {
   const double length = cell.slab->end() - cell.time;
   const double before = std::exchange(cell.rate_of_error, error / length);
   const bool falls = before == 0.0 || cell.rate_of_error < kWorthwhile * before;
   return falls && 0.5 * length >= context_.shortest() ? Refinement::shorter : Refinement::none;
 }
 
-std::vector<SlabCell> BoxRefiner::halves(const SlabCell& cell, Random& random) const {
+std::vector<SlabCell> SlabRefiner::halves(const SlabCell& cell, Random& random) const {
   return pgd::halves(cell, context_.problem(), static_cast<int>(coarsest_), context_.options().guards,
                      random);
 }
 
-Ending BoxRefiner::unresolved(const SlabCell& cell, const Eigen::VectorXd& errors, bool ranks,
-                              int cells) const {
+Ending SlabRefiner::unresolved(const SlabCell& cell, const Eigen::VectorXd& errors, bool ranks,
+                               int cells) const {
   const SlabOptions& options = context_.options();
   Eigen::Index worst = 0;
   const double error = errors.maxCoeff(&worst);

@@ -1,4 +1,4 @@
-#include "samara/pgd/axes/axis_traits.h"
+#include "samara/pgd/axes/basis.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "samara/identification/statistics/prediction_score.h"
+#include "samara/identification/statistics/baseline_scores.h"
 
 #include <algorithm>
 #include <cmath>

@@ -21,9 +21,9 @@ enum class Refinement {
 };
 
 /// Decides what a cell needs where its train is wrong: a stricter cross, more nodes, or to be split in two.
-class BoxRefiner {
+class SlabRefiner {
  public:
-  explicit BoxRefiner(MarchContext& context) : context_(context) {}
+  explicit SlabRefiner(MarchContext& context) : context_(context) {}
 
   /// More nodes on the axes that do not resolve the train, or a stricter cross where it is wrong at the nodes
   /// themselves; where that is used up, halves. Slabs on nodes that the problem prescribes, and those of solvers

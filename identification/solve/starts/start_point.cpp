@@ -1,4 +1,4 @@
-#include "samara/identification/solve/starts/starts.h"
+#include "samara/identification/solve/starts/start_point.h"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "samara/identification/problem/charts.h"
+#include "samara/identification/problem/unknown_charts.h"
 
 #include <cmath>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "samara/identification/report/fit_file.h"
+#include "samara/identification/report/read_fit.h"
 
 #include <optional>
 #include <string>
