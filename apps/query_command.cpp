@@ -114,7 +114,7 @@ std::string to_csv(const Codebook& book, const Labels& outputs, const Points& po
 }
 
 Json to_json(const Codebook& book, const Labels& outputs, const Points& points, const Eigen::MatrixXd& table,
-             bool gradient) {
+             bool gradient, bool composed) {
   const auto list = [](const auto& column) { return std::vector<double>(column.begin(), column.end()); };
   Json object = {{"schema", "samara-query/1"},
                  {"coordinates", Json::object()},
@@ -134,14 +134,17 @@ Json to_json(const Codebook& book, const Labels& outputs, const Points& points, 
     }
     object["outputs"].push_back(output);
   }
-  object["certificate_met"] = book.certificate() && book.certificate()->met;
+  // The certificate is of one window, not of what windows are composed to.
+  if (!composed) object["certificate_met"] = book.certificate() && book.certificate()->met;
   return object;
 }
 
 void write(const QueryArguments& arguments, const Codebook& book, const Labels& outputs, const Points& points,
            const Eigen::MatrixXd& table) {
   if (arguments.json) {
-    write_answer(arguments.output, to_json(book, outputs, points, table, arguments.gradient).dump() + "\n");
+    write_answer(
+        arguments.output,
+        to_json(book, outputs, points, table, arguments.gradient, !arguments.until.empty()).dump() + "\n");
   } else {
     write_answer(arguments.output, to_csv(book, outputs, points, table, arguments.gradient));
   }

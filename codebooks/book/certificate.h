@@ -62,7 +62,7 @@ struct Certificate {
   std::uint64_t seed = 0;
   std::string integrator;
   double integrator_tolerance = 0.0;
-  double residual = 0.0;  ///< of the equations, as the builder reports it, in scales of the states
+  double residual = 0.0;  ///< of the equations, in scales of the states, in files of former builders; else 0
   ErrorBudget spent;
   std::optional<NormDefect> norm_defect;  ///< of a codebook that holds a whole quaternion
   std::vector<OutputError> outputs;

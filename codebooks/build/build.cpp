@@ -182,7 +182,7 @@ struct Build {
     const CertifyClaim certify_claim = [this](const pgd::TrainField& field, double calls_made) {
       BuildRecord record;
       record.evaluations = calls_made;
-      return certifier(book_of({{Piece{{field}}}, std::move(record), {}, 0.0}), Extent::until_wrong);
+      return certifier(book_of({{Piece{{field}}}, std::move(record), {}}), Extent::until_wrong);
     };
     return codebooks::solve_by_sampling(plan, calls, max_calls, progress, certify_claim);
   }
@@ -190,19 +190,16 @@ struct Build {
   /// The codebook with its certificate, a fresh one unless the solution brings its own.
   BuildResult certified(Solution solution) {
     std::optional<Certificate> certificate = std::move(solution.certificate);
-    const double residual = solution.residual;
     const ErrorBudget spent = solution.spent;
     const Codebook book = book_of(std::move(solution));
     if (!certificate) certificate = certifier(book, Extent::all_points).certificate;
-    return finished(book, residual, spent, std::move(*certificate));
+    return finished(book, spent, std::move(*certificate));
   }
 
  private:
-  BuildResult finished(const Codebook& book, double residual, const ErrorBudget& spent,
-                       Certificate certificate) const {
+  BuildResult finished(const Codebook& book, const ErrorBudget& spent, Certificate certificate) const {
     const BuildRecord& record = book.build();
     certificate.met = certificate.met && record.status == Termination::converged;
-    certificate.residual = residual;
     certificate.spent = spent;
     if (record.status == Termination::failed) certificate.failure = record.message;
     const bool met = certificate.met;
@@ -259,14 +256,6 @@ Solution solve(Build& build, const models::ParametricModel& model) {
   return build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls));
 }
 
-std::vector<std::string> prescribed_axes(const Plan& plan) {
-  std::vector<std::string> names;
-  for (const BoxEntry& entry : plan.box) {
-    if (entry.prescribes_axis()) names.push_back(entry.name);
-  }
-  return names;
-}
-
 /// What is fixed, and the centre of the box.
 void warn_of_parameters(const Plan& plan, const models::Model& model, const BuildOptions& options) {
   if (!options.warning) return;
@@ -291,11 +280,7 @@ BuildResult build_of_model(const Plan& plan, const BuildOptions& options, const 
   Solution solved = solve(build, model);
   // Fewer numbers must not cost the certificate.
   for (const double share : {0.9, 0.4}) {
-    std::optional<Solution> compact = compacted(solved, {.tolerance = plan.relative,
-                                                         .share = share,
-                                                         .absolute = plan.absolute,
-                                                         .seed = plan.builder.seed,
-                                                         .kept_axes = prescribed_axes(plan)});
+    std::optional<Solution> compact = compacted(solved, compaction_of(plan, share));
     if (!compact) break;
     BuildResult result = build.certified(std::move(*compact));
     if (result.met || cancelled) return result;

@@ -157,6 +157,15 @@ long entries(const std::vector<Piece>& pieces) {
 
 }  // namespace
 
+CompactionRequest compaction_of(const Plan& plan, double share) {
+  CompactionRequest request{
+      .tolerance = plan.relative, .share = share, .absolute = plan.absolute, .seed = plan.builder.seed};
+  for (const BoxEntry& entry : plan.box) {
+    if (entry.prescribes_axis()) request.kept_axes.push_back(entry.name);
+  }
+  return request;
+}
+
 std::optional<Solution> compacted(const Solution& solution, const CompactionRequest& request) {
   // Errors of the builder are those of a few points: the certificate sees somewhat larger ones.
   const double tolerance = request.share * (request.tolerance - 1.5 * solution.spent.total());

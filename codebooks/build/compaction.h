@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "samara/codebooks/build/solution.h"
+#include "samara/codebooks/plan/plan.h"
 
 namespace samara::codebooks {
 
@@ -17,6 +18,9 @@ struct CompactionRequest {
   std::uint64_t seed = 1;
   std::vector<std::string> kept_axes = {};  ///< whose nodes the plan prescribes
 };
+
+/// What a plan asks of compaction. @param share as in CompactionRequest
+CompactionRequest compaction_of(const Plan& plan, double share);
 
 /// The same solution with fewer numbers, by a part of what the builder left of the tolerance: slabs are
 /// joined and made compact (pgd/evolution/slab_join.h), sums of products get fewer terms

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/codebooks/build/compaction.h"
 #include "samara/codebooks/source/checkpoint.h"
 #include "samara/codebooks/source/model_system.h"
 #include "samara/pgd/nonlinear/march.h"
@@ -107,6 +108,8 @@ pgd::SlabResult marched(const pgd::AdaptiveProblem& problem, const std::string& 
 
 /// Of the tolerance, what a train may lose when it becomes a sum of products.
 constexpr double kShareOfSum = 0.1;
+/// Of what the march left of the tolerance, what may be spent on joining slabs before that.
+constexpr double kShareOfJoining = 0.3;
 
 /// The field as a sum of products, as enrichment found its parts; the train where that takes too many.
 FieldGroup as_sum(pgd::TrainField field, const std::vector<double>& ranges, double tolerance) {
@@ -146,13 +149,15 @@ Solution solve_by_pgd(const Plan& plan, const models::ParametricModel& model, co
   Solution solution;
   solution.record = record_of(result, strategy);
   solution.spent.nonlinearity = result.error;
-  const bool sums = strategy == "enrichment";
-  if (sums) solution.spent.compression = kShareOfSum * plan.relative;
-  for (pgd::TrainField& field : result.pieces) {
-    solution.pieces.push_back(
-        sums ? Piece{{as_sum(std::move(field), result.ranges, kShareOfSum * plan.relative)}}
-             : Piece{{std::move(field)}});
-  }
+  for (pgd::TrainField& field : result.pieces) solution.pieces.push_back(Piece{{std::move(field)}});
+  if (strategy != "enrichment") return solution;
+  // Slabs are joined as trains: a sum over all of the time has fewer terms than those of all slabs together.
+  if (std::optional<Solution> joined = compacted(solution, compaction_of(plan, kShareOfJoining)))
+    solution = std::move(*joined);
+  const double tolerance = kShareOfSum * plan.relative;
+  for (Piece& piece : solution.pieces)
+    piece = Piece{{as_sum(*piece.groups().front().train(), result.ranges, tolerance)}};
+  solution.spent.compression += tolerance;
   return solution;
 }
 

@@ -213,7 +213,7 @@ pgd::TrainField stand_in(const Plan& plan, const SampledSource& source) {
 Solution without_field(const Plan& plan, const SampledSource& source, BuildRecord record) {
   if (!source.stand_in)
     throw NoResultError(fmt::format("the build ended before it had a result: {}", record.message));
-  return {{Piece{{stand_in(plan, source)}}}, std::move(record), {}, 0.0};
+  return {{Piece{{stand_in(plan, source)}}}, std::move(record), {}};
 }
 
 Termination status_of(const pgd::SamplingResult& result, bool mesh_is_resolved) {
@@ -272,7 +272,7 @@ Solution solve(const Plan& plan, CallMemory& calls, long max_calls, const Progre
   const ErrorBudget spent{.discretisation = mesh ? mesh->error : 0.0,
                           .compression = result.error + field.error};
   if (!is_certified) certificate.reset();
-  return {{Piece{{std::move(field.field)}}}, std::move(record), spent, 0.0, std::move(certificate)};
+  return {{Piece{{std::move(field.field)}}}, std::move(record), spent, std::move(certificate)};
 }
 
 }  // namespace

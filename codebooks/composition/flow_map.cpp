@@ -20,6 +20,8 @@ namespace samara::codebooks {
 
 namespace {
 
+/// A motion of more windows is a mistake in the time.
+constexpr double kMostWindows = 1e7;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
 /// How a state goes from window to window.
@@ -217,6 +219,11 @@ void FlowMap::Impl::check(std::span<const double> start, std::span<const double>
                       t, before));
     }
     before = t;
+  }
+  if (before > kMostWindows * window) {
+    throw ArgumentError(
+        fmt::format("the times of a flow map go to {:.6g} s, expected at most {:.0e} windows of {:.6g} s",
+                    before, kMostWindows, window));
   }
 }
 

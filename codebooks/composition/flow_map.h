@@ -66,7 +66,7 @@ class FlowMap {
   /// Composes as many windows as the times need.
   /// @param start values of all states at t = 0, SI
   /// @param parameters values of parameters(), SI
-  /// @param times s, not decreasing, from 0 on, without bound
+  /// @param times s, not decreasing, from 0 on, to at most 1e7 windows
   /// @throws ArgumentError for wrong sizes, values that are not finite, times that decrease;
   ///   OutsideBoxError for a parameter outside the box.
   FlowMapResult run(std::span<const double> start, std::span<const double> parameters,

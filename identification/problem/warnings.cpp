@@ -1,9 +1,16 @@
 #include "samara/identification/problem/warnings.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace samara::identification {
+
+std::string to_string(WarningKind kind) {
+  static constexpr std::array kNames = {"source", "captures", "model",    "bounds", "undetermined", "errors",
+                                        "noise",  "optima",   "segments", "steps",  "predictions",  "series"};
+  return kNames.at(static_cast<std::size_t>(kind));
+}
 
 bool Warnings::add(WarningKind kind, std::string sentence) {
   if (std::ranges::find(list_, sentence, &Warning::sentence) != list_.end()) return false;

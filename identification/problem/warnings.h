@@ -22,6 +22,9 @@ enum class WarningKind {
   series,        ///< coefficients that change in time: their smoothness, what determines them
 };
 
+/// As in the file of a fit: the enumerator's name.
+std::string to_string(WarningKind kind);
+
 struct Warning {
   WarningKind kind;
   std::string sentence;  ///< names what it is about, and its numbers; no full stop
@@ -41,8 +44,7 @@ class Warnings {
   auto end() const { return list_.end(); }
   bool empty() const { return list_.empty(); }
   std::size_t size() const { return list_.size(); }
-  /// @throws std::out_of_range
-  const Warning& at(std::size_t k) const { return list_.at(k); }
+  const Warning& operator[](std::size_t k) const { return list_[k]; }
 
   std::vector<std::string> sentences() const;
   /// Those of one kind, in order.

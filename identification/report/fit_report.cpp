@@ -172,10 +172,13 @@ std::string fit_json(const FitResult& result) {
   for (const StartRecord& start : result.starts) starts.push_back(json_of(start));
   Json optima = Json::array();
   for (const OtherOptimum& optimum : result.other_optima) optima.push_back(json_of(optimum));
+  Json kinds = Json::array();
+  for (const Warning& warning : result.warnings) kinds.push_back(to_string(warning.kind));
   Json object = {{"schema", "samara-fit/1"},
                  {"status", to_string(result.status)},
                  {"message", result.message},
                  {"warnings", result.warnings.sentences()},
+                 {"warning_kinds", kinds},
                  {"model", result.model},
                  {"source", result.source},
                  {"loss", result.loss},

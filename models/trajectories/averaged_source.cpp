@@ -28,6 +28,13 @@ double within(double end, double interval, double time) {
 /// Rows of a family that are averaged for one frame.
 using Rows = std::vector<Eigen::Index>;
 
+void check(const FrameMean& mean) {
+  if (mean.frames < 1 || mean.frames % 2 == 0) {
+    throw ArgumentError(fmt::format("a frame is the mean of {}; an odd number was expected", mean.frames));
+  }
+  if (mean.frames > 1) require_positive(mean.interval, "the time between frames");
+}
+
 class AveragedSource final : public TrajectorySource {
  public:
   AveragedSource(std::unique_ptr<TrajectorySource> all, Eigen::Index times, Eigen::Index outputs,
@@ -70,6 +77,9 @@ class AveragedTrajectories final : public TrajectoryFamily {
   AveragedTrajectories(std::unique_ptr<TrajectoryFamily> family, const FrameMean& mean)
       : family_(std::move(family)), mean_(mean), info_(family_->info()) {
     info_.source = fmt::format("{}, means of {} frames", info_.source, mean.frames);
+    // A frame ends half its width after its time; a state has none.
+    if (mean.frames > 1 && !mean.last_is_state)
+      info_.end_time -= (mean.frames / 2 - kRounding) * mean.interval;
   }
 
   const FamilyInfo& info() const override { return info_; }
@@ -104,10 +114,7 @@ class AveragedTrajectories final : public TrajectoryFamily {
 
 std::unique_ptr<TrajectoryFamily> averaged_trajectories(std::unique_ptr<TrajectoryFamily> family,
                                                         const FrameMean& mean) {
-  if (mean.frames < 1 || mean.frames % 2 == 0) {
-    throw ArgumentError(fmt::format("a frame is the mean of {}; an odd number was expected", mean.frames));
-  }
-  require_positive(mean.interval, "the time between frames");
+  check(mean);
   return std::make_unique<AveragedTrajectories>(std::move(family), mean);
 }
 
@@ -115,7 +122,8 @@ std::unique_ptr<TrajectorySource> averaged_source(const TrajectoryFamily& family
                                                   const std::vector<double>& times,
                                                   const std::vector<std::string>& outputs,
                                                   const std::vector<int>& wanted) {
-  if (mean.frames == 1) return family.at(times, outputs, wanted);
+  check(mean);
+  if (mean.frames == 1 || times.empty()) return family.at(times, outputs, wanted);
   const int half = mean.frames / 2;
   const std::size_t frames = times.size() - (mean.last_is_state ? 1 : 0);
   std::vector<double> instants;

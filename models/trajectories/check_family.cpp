@@ -71,7 +71,7 @@ class Checks {
     if (!findings_.empty()) return findings_;
     check_repeats();
     check_parts();
-    if (derivatives_ == Derivatives::yes) check_derivatives();
+    if (derivatives_ == Derivatives::yes) attempt("asking for differences", [&] { check_derivatives(); });
     check_batches();
     check_threads();
     check_refusals();
@@ -372,6 +372,10 @@ Check check_family(const TrajectoryFamily& family, const CheckFamilyOptions& opt
           "more than 0 and less than 0.25", "check_family");
   require_positive(options.derivative_tolerance, "derivative_tolerance", "check_family");
   require_not_negative(options.round_off, "round_off", "check_family");
+  if (!options.times.empty()) {
+    check_times(options.times);
+    require_positive(options.times.back(), "the last of the times", "check_family");
+  }
   return {Checks(family, options).run()};
 }
 

@@ -1,5 +1,6 @@
 #include "samara/pgd/checks/check_strategy.h"
 
+#include <algorithm>
 #include <exception>
 #include <limits>
 #include <optional>
@@ -68,6 +69,11 @@ class StrategyExaminer {
   }
 
   Check findings() {
+    // A problem that does not suit the strategy is the caller's mistake, and is thrown.
+    if (const std::optional<Ending> failure = strategy_.prepare(problem_, options_.tolerance)) {
+      find("it does not get through its preparation: " + failure->message);
+      return found_;
+    }
     const std::optional<StrategyTrial> first = trial(problem_, options_.tolerance);
     if (!first) return found_;
     if (first->status != Termination::converged) {
@@ -90,8 +96,6 @@ class StrategyExaminer {
     try {
       return try_strategy(problem, strategy_,
                           {.tolerance = tolerance, .max_rank = max_rank, .seed = options_.seed});
-    } catch (const ArgumentError&) {
-      throw;
     } catch (const std::exception& error) {
       find(fmt::format("it throws \"{}\", where an Ending was expected", error.what()));
       return std::nullopt;

@@ -108,7 +108,8 @@ class SystemExaminer {
       const SystemPoints one = one_of(at_, j);
       system_.rhs(one.t, one.x, one.q, f);
       system_.jacobian(one.t, one.x, one.q, jacobian);
-      if (f != f_.col(j)) return find("rhs() of one point and of many differ " + described(j));
+      if (f.rows() != f_.rows() || f.cols() != 1 || f != f_.col(j))
+        return find("rhs() of one point and of many differ " + described(j));
       if (jacobian.rows() != jacobian_.rows() || jacobian.cols() != 1 || jacobian != jacobian_.col(j))
         return find("jacobian() of one point and of many differ " + described(j));
     }
@@ -130,14 +131,14 @@ class SystemExaminer {
           const double entry = jacobian_(m + n * k, j);
           const double size = std::abs(entry) + f_.col(j).cwiseAbs().maxCoeff() / scale;
           const double error = std::abs(entry - difference(m, j)) / std::max(size, 1e-300);
-          if (!(error > largest)) continue;
+          if (error <= largest) continue;
           largest = error;
           where = fmt::format("d {}' / d {} is {:.9g}, by differences {:.9g} {}", name(m), name(k), entry,
                               difference(m, j), described(j));
         }
       }
     }
-    if (largest > options_.tolerance) find(where);
+    if (!(largest <= options_.tolerance)) find(where);
   }
 
   void ask_from_threads() {
@@ -160,7 +161,7 @@ class SystemExaminer {
     const Eigen::MatrixXd curvature = rates_of(system_, mean) - 0.5 * (f_ + f_other);
     const Eigen::MatrixXd size = f_.cwiseAbs() + f_other.cwiseAbs();
     for (Eigen::Index j = 0; j < at_.t.size(); ++j) {
-      if (curvature.col(j).cwiseAbs().maxCoeff() > kSameRate * size.col(j).maxCoeff())
+      if (!(curvature.col(j).cwiseAbs().maxCoeff() <= kSameRate * size.col(j).maxCoeff()))
         return find("the system says that it is affine in the parameters, and is not " + described(j));
     }
   }
@@ -168,7 +169,7 @@ class SystemExaminer {
   void compare_polynomial() {
     const Eigen::MatrixXd difference = rates_of(*system_.polynomial(), at_) - f_;
     for (Eigen::Index j = 0; j < at_.t.size(); ++j) {
-      if (difference.col(j).cwiseAbs().maxCoeff() > kSameRate * f_.col(j).cwiseAbs().maxCoeff())
+      if (!(difference.col(j).cwiseAbs().maxCoeff() <= kSameRate * f_.col(j).cwiseAbs().maxCoeff()))
         return find("polynomial() is not the system's f " + described(j));
     }
   }

@@ -25,6 +25,10 @@ void check_states(const EvolutionSystem* system, const std::vector<OutputLabel>&
     throw ArgumentError(fmt::format("the polynomial system has {} parameters, the problem {} axes",
                                     polynomial->parameter_count(), parameters));
   }
+  if (polynomial != nullptr && static_cast<std::size_t>(polynomial->state_count()) != n) {
+    throw ArgumentError(fmt::format("the polynomial system has {} states, the system itself {}",
+                                    polynomial->state_count(), n));
+  }
   for (std::size_t s = 0; s < n; ++s) {
     if (!(scales[s] > 0.0) || !std::isfinite(scales[s])) {
       throw ArgumentError(

@@ -297,6 +297,11 @@ class Marches {
 
 }  // namespace
 
+void check_march(const AdaptiveProblem& problem, const SlabOptions& options) {
+  validate(problem);
+  validate(options);
+}
+
 SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& options,
                           std::span<const double> state) {
   CrossCollocation solver(options.max_elements);
@@ -305,8 +310,7 @@ SlabResult solve_by_slabs(const AdaptiveProblem& problem, const SlabOptions& opt
 
 SlabResult solve_by_slabs(const AdaptiveProblem& problem, SlabSolver& solver, const SlabOptions& options,
                           std::span<const double> state) {
-  validate(problem);
-  validate(options);
+  check_march(problem, options);
   SlabOptions of_solver = options;
   of_solver.max_elements = std::min(options.max_elements, solver.max_elements());
   return Marches(problem, of_solver, solver).run(state);

@@ -79,7 +79,8 @@ struct SlabResult {
   /// within a cell. If the march ended early, all cells reach the same time `reached`.
   std::vector<TrainField> pieces;
   /// converged; missed: solved to the end, but the error at the guard points is above the tolerance; ceases,
-  /// no_contraction, not_resolved, max_calls or cancelled: the march ended at `reached`.
+  /// no_contraction, not_resolved, max_calls or cancelled: the march ended at `reached`. By strategies (march.h)
+  /// also diverged, max_iterations, rank_limit or not_finite, on the shortest slab that is allowed.
   Termination status = Termination::missed;
   std::string message;
   double reached = 0.0;
@@ -94,6 +95,9 @@ struct SlabResult {
   double grid_evaluations = 0;  ///< of the same iterations on the full grids
   double seconds = 0.0;
 };
+
+/// @throws ArgumentError if the problem or the options are outside their meaning: what every march asks first.
+void check_march(const AdaptiveProblem& problem, const SlabOptions& options);
 
 /// @param state of a call with the same problem and options that was cut off; empty: from the start
 /// @throws ArgumentError if problem or options do not validate, or the state is not of this problem and these

@@ -120,17 +120,13 @@ std::optional<Ending> TimeStepper::probe(SlabCell& cell) {
   return std::nullopt;
 }
 
-bool TimeStepper::can_halve(const SlabCell& cell) const {
-  const std::vector<double>& borders = cell.slab->borders;
-  return borders.size() > 2 || 0.5 * (borders[1] - borders[0]) >= context_.shortest();
-}
-
 bool TimeStepper::halve(SlabCell& cell) const {
-  if (!can_halve(cell)) return false;
   ProbedSlab& slab = *cell.slab;
   const std::size_t elements = slab.borders.size() - 1;
   if (elements == 1) {
-    cell.length = 0.5 * (slab.borders[1] - slab.borders[0]);
+    const double half = 0.5 * (slab.borders[1] - slab.borders[0]);
+    if (half < context_.shortest()) return false;
+    cell.length = half;
     cell.slab.reset();
     return true;
   }
@@ -148,8 +144,9 @@ std::optional<Ending> TimeStepper::shorten(SlabCell& cell, const Ending& why) {
   const std::vector<double>& borders = cell.slab->borders;
   const Eigen::MatrixXd q =
       Eigen::Map<const Eigen::VectorXd>(why.where.data(), static_cast<Eigen::Index>(why.where.size()));
-  return give_up(cell, borders[1] - borders[0],
-                 context_.solve(borders, values_at(cell.start, cell.axes, q), q), q);
+  const SlabPoints points = context_.solve(borders, values_at(cell.start, cell.axes, q), q);
+  const bool failed = points.first_failed() >= 0 || points.values.cwiseAbs().maxCoeff() > kBeyond;
+  return failed ? give_up(cell, borders[1] - borders[0], points, q) : why;
 }
 
 /// Whether the state at the start of an element moves by a good part of its own size within it, as solutions

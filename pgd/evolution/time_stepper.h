@@ -23,8 +23,6 @@ class TimeStepper {
   /// Half as many elements, or one of half the length. @returns false, and leaves the slab as it is, if elements
   /// cannot be shorter
   bool halve(SlabCell& cell) const;
-  /// Whether halve() would do it.
-  bool can_halve(const SlabCell& cell) const;
 
   /// The same for a slab that was not solved. @returns why the march ends there, if elements cannot be shorter
   std::optional<Ending> shorten(SlabCell& cell, const Ending& why);

@@ -49,7 +49,8 @@ Outcome<SolvedSlab> IteratedSlab::solve(MarchContext& context, SlabCell& cell, R
   const std::optional<Ending> failure = iteration.run(strategy_);
   context.count(counts.rhs + counts.jacobian);
   if (failure) return *failure;
-  double on_grid = static_cast<double>(slab.points()) * record.iterations;
+  const int derivatives = record.jacobian_ranks.empty() ? 0 : 1;  // J counts as f does
+  double on_grid = static_cast<double>(slab.points()) * record.iterations * (1 + derivatives);
   for (const int size : slab.sizes()) on_grid *= size;
   return SolvedSlab{iteration.iterate(), record.contraction, static_cast<double>(record.iterations), on_grid};
 }

@@ -1,5 +1,6 @@
 #include "samara/pgd/nonlinear/march.h"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -57,7 +58,7 @@ SlabResult march(const AdaptiveProblem& problem, const std::string& strategy, co
 
 SlabResult march(const AdaptiveProblem& problem, Strategy& strategy, const SlabOptions& options,
                  std::span<const double> state) {
-  check_problem(problem);
+  check_march(problem, options);
   IteratedSlab solver(strategy);
   if (const std::optional<Ending> failure = solver.prepare(problem, options)) {
     SlabResult result;
@@ -66,8 +67,11 @@ SlabResult march(const AdaptiveProblem& problem, Strategy& strategy, const SlabO
     result.where = failure->where;
     return result;
   }
-  SlabResult result = solve_by_slabs(problem, solver, options, state);
-  result.evaluations += strategy.prepared().rhs + strategy.prepared().jacobian;
+  const long prepared = strategy.prepared().rhs + strategy.prepared().jacobian;
+  SlabOptions rest = options;
+  if (options.max_evaluations > 0) rest.max_evaluations = std::max(1L, options.max_evaluations - prepared);
+  SlabResult result = solve_by_slabs(problem, solver, rest, state);
+  result.evaluations += prepared;
   return result;
 }
 

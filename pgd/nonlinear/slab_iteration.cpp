@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -32,14 +33,15 @@ void raise(std::vector<int>& largest, const std::vector<int>& ranks) {
 
 }  // namespace
 
-/// Largest |x0 + S f(X) - X|. @param q where @param x the iterate there
 double defect_at(const StrategySlab& slab, const Eigen::MatrixXd& q, const Eigen::MatrixXd& x) {
   const Eigen::MatrixXd f = slab.rates(x.bottomRows(slab.rows()), q);
   double largest = 0.0;
   for (Eigen::Index j = 0; j < q.cols(); ++j) {
     Eigen::MatrixXd rest = f.col(j).reshaped(slab.states(), slab.points()) * slab.integration().transpose();
     rest.colwise() += x.col(j).head(slab.states());
-    largest = std::max(largest, (rest.reshaped() - x.col(j).tail(slab.rows())).cwiseAbs().maxCoeff());
+    const Eigen::VectorXd defect = rest.reshaped() - x.col(j).tail(slab.rows());
+    if (!defect.allFinite()) return std::numeric_limits<double>::infinity();
+    largest = std::max(largest, defect.cwiseAbs().maxCoeff());
   }
   return largest;
 }

@@ -51,7 +51,7 @@ class SlabIteration {
   int growths_ = 0;
 };
 
-/// Largest |x0 + S f(X) - X|. @param q parameters x points @param x the iterate there
+/// Largest |x0 + S f(X) - X|, infinite where f is not finite. @param q parameters x points @param x the iterate there
 double defect_at(const StrategySlab& slab, const Eigen::MatrixXd& q, const Eigen::MatrixXd& x);
 
 }  // namespace samara::pgd

@@ -396,4 +396,5 @@ TEST_CASE("a plan of enrichment is answered by sums of products, certified, of f
     REQUIRE(sum != nullptr);
     CHECK(sum->rank() <= 20);
   }
+  CHECK(result.book.pieces().size() <= 2);  // slabs are joined
 }

@@ -132,6 +132,7 @@ TEST_CASE("codebooks that have no flow map, and calls that make no sense, are re
                     Contains("v(0) is nan"));
   CHECK_THROWS_WITH(flow_map.run(start, C_D, std::vector<double>{0.2, 0.1}), Contains("0.1 after 0.2"));
   CHECK_THROWS_WITH(flow_map.run(start, C_D, std::vector<double>{-0.1}), Contains("-0.1 after 0"));
+  CHECK_THROWS_WITH(flow_map.run(start, C_D, std::vector<double>{1e18}), Contains("at most 1e+07 windows"));
   CHECK_THROWS_AS(flow_map.run(start, std::vector<double>{3.0}, times), samara::OutsideBoxError);
 }
 

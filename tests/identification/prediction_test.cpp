@@ -271,11 +271,11 @@ TEST_CASE("captures that cannot be predicted are named with the reason, and empt
   // The frames end at 1.5 s: nothing is 5 s ahead.
   add_predictions(family, left_out, plain(), {.span = 0.6, .ahead = 5.0}, fitted);
   REQUIRE(fitted.warnings.size() == 3);
-  CHECK_THAT(fitted.warnings.at(0).sentence,
+  CHECK_THAT(fitted.warnings[0].sentence,
              Contains("capture \"4\" was not predicted: it has no frame between 0.6 s"));
-  CHECK_THAT(fitted.warnings.at(1).sentence,
+  CHECK_THAT(fitted.warnings[1].sentence,
              Contains("capture \"5\" was not predicted") && Contains("too little to fit"));
-  CHECK_THAT(fitted.warnings.at(2).sentence, Contains("predictions go to 0.9 s ahead"));
+  CHECK_THAT(fitted.warnings[2].sentence, Contains("predictions go to 0.9 s ahead"));
   REQUIRE(fitted.predictions.size() == 6);
   for (const PredictionScore& score : fitted.predictions) {
     CHECK(score.quantity == "position, up to 0.9 s ahead");
@@ -311,8 +311,8 @@ TEST_CASE("a capture on which the model fails counts for the baselines, and the 
   CHECK(of(fitted.predictions, "model", "position, 0.5 s ahead").captures == 0);
   CHECK(of(fitted.predictions, "cubic", "position, 0.5 s ahead").captures == 2);
   REQUIRE(fitted.warnings.size() == 3);
-  CHECK_THAT(fitted.warnings.at(0).sentence, Contains("capture \"4\" counts for the baselines only"));
-  CHECK(fitted.warnings.at(2).sentence == "the model failed on 2 of 2 captures left out");
+  CHECK_THAT(fitted.warnings[0].sentence, Contains("capture \"4\" counts for the baselines only"));
+  CHECK(fitted.warnings[2].sentence == "the model failed on 2 of 2 captures left out");
 }
 
 TEST_CASE("captures that were fitted are not predicted") {
@@ -373,13 +373,13 @@ TEST_CASE("with segments a codebook lasts from the first frame seen on, whatever
 
   add_predictions(family, std::span(left_out).first(1), options, prediction, fitted);
   REQUIRE(fitted.warnings.size() == 1);
-  CHECK(fitted.warnings.at(0).sentence ==
+  CHECK(fitted.warnings[0].sentence ==
         "predictions go to 0.4 s ahead, not to 0.5 s: the codebook ends there");
   fitted.warnings = {};
   family.mutable_info().end_time = 0.6;
   add_predictions(family, std::span(left_out).first(1), options, prediction, fitted);
   REQUIRE(fitted.warnings.size() == 2);
-  CHECK_THAT(fitted.warnings.at(0).sentence,
+  CHECK_THAT(fitted.warnings[0].sentence,
              Contains("the codebook ends at 1.6 s of its times and the span at 1.6 s"));
 }
 

@@ -114,6 +114,34 @@ TEST_CASE("the test kit of systems finds every broken promise") {
     }
   };
   check_finds(NotFinite(), "a rate is not finite at t = ");
+  struct WrongJacobianShape : BrokenSystem {
+    void jacobian(const Vector&, const Matrix&, const Matrix& q, Matrix& jacobian) const override {
+      jacobian = q.transpose();
+    }
+  };
+  check_finds(WrongJacobianShape(), "jacobian() gives 50 x 1 numbers");
+  struct JacobianNotFinite : BrokenSystem {
+    void jacobian(const Vector&, const Matrix& x, const Matrix&, Matrix& jacobian) const override {
+      jacobian = (x.array() - 1.0).sqrt();
+    }
+  };
+  check_finds(JacobianNotFinite(), "a derivative is not finite at t = ");
+  struct JacobianOfTheFirst : BrokenSystem {
+    void jacobian(const Vector& t, const Matrix&, const Matrix& q, Matrix& jacobian) const override {
+      jacobian = t.size() > 1 ? Matrix(q.topRows(1)) : Matrix(2.0 * q.topRows(1));
+    }
+  };
+  check_finds(JacobianOfTheFirst(), "jacobian() of one point and of many differ");
+  struct NotFiniteBesides : BrokenSystem {
+    void rhs(const Vector&, const Matrix& x, const Matrix& q, Matrix& f) const override {
+      f = x.cwiseProduct(q.topRows(1));
+      // Only at points that are not those of the check itself: a step away from them.
+      if (first_.size() == 0) first_ = x;
+      if (x.size() == first_.size() && x != first_) f.setConstant(std::nan(""));
+    }
+    mutable Matrix first_;
+  };
+  check_finds(NotFiniteBesides(), "by differences nan");
   struct KeepsResults : BrokenSystem {
     void rhs(const Vector& t, const Matrix& x, const Matrix& q, Matrix& f) const override {
       const Matrix before = f.rows() == 1 && f.cols() == t.size() ? f : Matrix::Zero(1, t.size());
@@ -174,6 +202,16 @@ TEST_CASE("the test kit of strategies finds every broken promise") {
   };
   Throws throws;
   check_finds(throws, "it throws \"no idea\", where an Ending was expected");
+  struct ThrowsOurs : OwnStrategy {
+    double factor() override { throw samara::ArgumentError("sizes differ"); }
+  };
+  ThrowsOurs ours;
+  check_finds(ours, "it throws \"sizes differ\", where an Ending was expected");
+  struct Coarse : OwnStrategy {
+    double factor() override { return 1.0 + 2e-4; }
+  };
+  Coarse coarse;
+  check_finds(coarse, "asked for 1e-06 one of");
   struct Remembers : OwnStrategy {
     int calls = 0;
     double factor() override { return 1.0 + 1e-12 * ++calls; }

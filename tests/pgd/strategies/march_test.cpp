@@ -11,6 +11,8 @@
 #include "../slab_systems.h"
 #include "samara/base/errors.h"
 #include "samara/pgd/evolution/polynomial_system.h"
+#include "samara/pgd/nonlinear/strategy_trial.h"
+#include "samara/pgd/tensors/train_algebra.h"
 
 using namespace samara::pgd;
 using Catch::Matchers::Contains;
@@ -256,4 +258,79 @@ TEST_CASE("a strategy of an unknown name is refused with those that there are") 
   const slab_systems::System system = slab_systems::pendulum();
   CHECK_THROWS_WITH(march(swing(system, 1.0), "picard"),
                     Contains("\"picard\"") && Contains("enrichment") && Contains("slabs"));
+}
+
+namespace {
+
+/// Knows nothing of any slab but that f is not finite there, which is not so.
+struct GivesUp final : Strategy {
+  std::string name() const override { return "one that gives up"; }
+  samara::Outcome<LinearSlab> linearise(const StrategySlab&, const TensorTrain&,
+                                        std::optional<double>) override {
+    return samara::Ending{Termination::not_finite, "my own reason", {0.2, 1.0}};
+  }
+};
+
+/// Stays at the start, whatever f is.
+struct StaysAtStart final : Strategy {
+  std::string name() const override { return "one that stays"; }
+  samara::Outcome<LinearSlab> linearise(const StrategySlab& slab, const TensorTrain&,
+                                        std::optional<double>) override {
+    return LinearSlab{{}, scaled(slab.start_at_points(), 0.0)};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("where a strategy gives up on equations that can be solved, the march says the strategy's reason") {
+  const slab_systems::System system = slab_systems::pendulum();
+  GivesUp strategy;
+  const SlabResult result = march(swing(system, 2.0), strategy, {.tolerance = 1e-4});
+  CHECK(result.status == Termination::not_finite);
+  CHECK(result.message == "my own reason");
+}
+
+TEST_CASE("rates that are not finite leave no finite defect") {
+  const slab_systems::System nowhere(
+      1,
+      [](const slab_systems::Vector&, const slab_systems::Vector&) {
+        return slab_systems::Vector(slab_systems::Vector::Constant(1, std::nan("")));
+      },
+      [](const slab_systems::Vector&, const slab_systems::Vector&) {
+        return slab_systems::Matrix(slab_systems::Matrix::Zero(1, 1));
+      });
+  const EvolutionProblem problem{
+      &nowhere,   Axis::radau({"t"}, 0.0, 1.0, 1, 4), {Axis::chebyshev({"q"}, 1.0, 2.0, 5)}, {{"x"}}, {1.0},
+      {{1.0, -1}}};
+  StaysAtStart strategy;
+  CHECK(std::isinf(try_strategy(problem, strategy, {.tolerance = 1e-3}).largest_defect()));
+}
+
+TEST_CASE("a march by a strategy refuses options outside their meaning before the strategy is asked") {
+  const slab_systems::System system = slab_systems::pendulum();
+  CHECK_THROWS_AS(march(swing(system, 2.0), "piecewise_linear", {.tolerance = std::nan("")}),
+                  samara::ArgumentError);
+  CHECK_THROWS_AS(march(swing(system, -1.0), "empirical"), samara::ArgumentError);
+  const PolynomialSystem two_states(2, 2, {{1, 1.0, {}, {1, 0}}});
+  struct Wrong final : EvolutionSystem {
+    explicit Wrong(const PolynomialSystem& other) : other_(other) {}
+    int state_count() const override { return 1; }
+    void rhs(const Eigen::VectorXd& t, const Eigen::MatrixXd&, const Eigen::MatrixXd&,
+             Eigen::MatrixXd& f) const override {
+      f.setZero(1, t.size());
+    }
+    void jacobian(const Eigen::VectorXd& t, const Eigen::MatrixXd&, const Eigen::MatrixXd&,
+                  Eigen::MatrixXd& jacobian) const override {
+      jacobian.setZero(1, t.size());
+    }
+    const PolynomialSystem* polynomial() const override { return &other_; }
+    const PolynomialSystem& other_;
+  } wrong(two_states);
+  AdaptiveProblem problem = swing(wrong, 1.0);
+  problem.states.pop_back();
+  problem.scales.pop_back();
+  problem.scale_floors.pop_back();
+  problem.initial.pop_back();
+  CHECK_THROWS_WITH(march(problem, "slabs"),
+                    Contains("the polynomial system has 2 states, the system itself 1"));
 }
