@@ -32,7 +32,7 @@ bool is_one_element(const Axis& axis) {
 std::optional<Axis> common_axis(const Axis& a, const Axis& b) {
   const bool same_interval = a.basis() == b.basis() && a.transform() == b.transform() &&
                              a.lower() == b.lower() && a.upper() == b.upper();
-  if (same_interval && a.nodes() == b.nodes()) return a;
+  if (same_interval && a.size() == b.size() && a.nodes() == b.nodes()) return a;
   if (same_interval && is_one_element(a) && is_one_element(b)) return a.size() > b.size() ? a : b;
   return std::nullopt;
 }
