@@ -65,16 +65,11 @@ class Asymptotic final : public Strategy {
   }
 
   std::optional<Ending> begin(const StrategySlab& slab) override {
-    const TensorTrain centre = slab.start_at_points();
-    const EntryFunction jacobian = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
-      values = slab.jacobians(values_at(centre, entries), slab.parameters_at(entries));
-    };
     jacobian_pivots_ = linear_pivots_ = source_pivots_ = {};
     terms_.clear();
     source_.reset();
-    Outcome<TensorTrain> separated =
-        slab.separate(jacobian, slab.states() * slab.rows(), kSourceShare * slab.tolerance(),
-                      jacobian_pivots_, "the Jacobian of f");
+    Outcome<TensorTrain> separated = separated_jacobian_at(slab, slab.start_at_points(),
+                                                           kSourceShare * slab.tolerance(), jacobian_pivots_);
     if (!separated) return separated.ending();
     jacobian_ = std::move(*separated);
     return std::nullopt;

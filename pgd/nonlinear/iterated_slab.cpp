@@ -12,7 +12,6 @@ namespace {
 
 /// Of what a slab may add to the error; time, nodes and rounding have the rest.
 constexpr double kStrategyShare = 0.4;
-constexpr int kMostIterations = 40;
 /// Elements of the time along which strategies are trained before the march.
 constexpr int kTrainingElements = 10;
 
@@ -37,18 +36,15 @@ Outcome<SolvedSlab> IteratedSlab::solve(MarchContext& context, SlabCell& cell, R
       Axis::radau(context.problem().time, cell.time, cell.slab->end(), 1, context.options().time_points);
   const EvolutionProblem problem =
       problem_on(context.problem(), time, cell.axes, {context.scales().begin(), context.scales().end()});
-  StrategyTrialOptions options;
-  options.tolerance = kStrategyShare * cell.strictness * cell.leniency * context.tolerance();
-  options.max_iterations = kMostIterations;
-  options.progress = [&](const Progress&) { return !context.is_cancelled(); };
+  const double tolerance = kStrategyShare * cell.strictness * cell.leniency * context.tolerance();
   StrategyCounts counts;
-  const StrategySlab slab(problem, 0, cell.start, options.tolerance, context.options().max_rank, random,
+  const StrategySlab slab(problem, 0, cell.start, tolerance, context.options().max_rank, random, counts);
+  SlabIteration iteration(slab, {.progress = [&](const Progress&) { return !context.is_cancelled(); }},
                           counts);
-  StrategyRecord record;
-  SlabIteration iteration(slab, options, 0, counts, record);
   const std::optional<Ending> failure = iteration.run(strategy_);
   context.count(counts.rhs + counts.jacobian);
   if (failure) return *failure;
+  const IterationRecord& record = iteration.record();
   const int derivatives = record.jacobian_ranks.empty() ? 0 : 1;  // J counts as f does
   double on_grid = static_cast<double>(slab.points()) * record.iterations * (1 + derivatives);
   for (const int size : slab.sizes()) on_grid *= size;

@@ -44,12 +44,8 @@ class Polynomial final : public Strategy {
         centre_.cores[k + 1].data.setOnes();
       }
     }
-    const EntryFunction jacobian = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
-      values = slab.jacobians(values_at(centre_, entries), slab.parameters_at(entries));
-    };
-    const double tolerance = kSourceShare * slab.tolerance();
-    Outcome<TensorTrain> separated = slab.separate(jacobian, slab.states() * slab.rows(), tolerance,
-                                                   jacobian_pivots_, "the Jacobian of f");
+    Outcome<TensorTrain> separated =
+        separated_jacobian_at(slab, centre_, kSourceShare * slab.tolerance(), jacobian_pivots_);
     if (!separated) return separated.ending();
     jacobian_ = std::move(*separated);
     return std::nullopt;

@@ -29,13 +29,16 @@ Outcome<TensorTrain> separated_rates(const StrategySlab& slab, const TensorTrain
 
 Outcome<TensorTrain> separated_jacobian(const StrategySlab& slab, const TensorTrain& iterate,
                                         double tolerance, CrossPivots& pivots) {
-  const TensorTrain at_points = slab.at_points(iterate);
-  const EntryFunction function = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
-    values = slab.jacobians(values_at(at_points, entries), slab.parameters_at(entries));
-  };
-  const int outputs = slab.states() * slab.rows();
-  return rounded_if_found(slab, slab.separate(function, outputs, tolerance, pivots, "the Jacobian of f"),
+  return rounded_if_found(slab, separated_jacobian_at(slab, slab.at_points(iterate), tolerance, pivots),
                           tolerance);
+}
+
+Outcome<TensorTrain> separated_jacobian_at(const StrategySlab& slab, const TensorTrain& states,
+                                           double tolerance, CrossPivots& pivots) {
+  const EntryFunction function = [&](const IndexBatch& entries, Eigen::MatrixXd& values) {
+    values = slab.jacobians(values_at(states, entries), slab.parameters_at(entries));
+  };
+  return slab.separate(function, slab.states() * slab.rows(), tolerance, pivots, "the Jacobian of f");
 }
 
 Eigen::MatrixXd source_at(const StrategySlab& slab, const Eigen::MatrixXd& rates, const Eigen::MatrixXd& x,

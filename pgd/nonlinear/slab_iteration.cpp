@@ -46,13 +46,11 @@ double defect_at(const StrategySlab& slab, const Eigen::MatrixXd& q, const Eigen
   return largest;
 }
 
-void SlabIteration::first_iterate(Strategy& strategy) {
+void SlabIteration::first_iterate(Strategy& strategy, int iterations) {
   bool fails = strategy.begin(slab_).has_value();
-  for (int k = 0; k < options_.first_iterations && !fails; ++k) fails = !step(strategy);
+  for (int k = 0; k < iterations && !fails; ++k) fails = !step(strategy);
   if (fails) iterate_ = slab_.constant();
-  record_.corrections.clear();
-  record_.source_ranks.clear();
-  record_.jacobian_ranks.clear();
+  record_ = {};
 }
 
 std::optional<Ending> SlabIteration::run(Strategy& strategy) {
@@ -80,7 +78,7 @@ std::optional<Ending> SlabIteration::run(Strategy& strategy) {
 std::optional<Ending> SlabIteration::reason_to_stop() const {
   if (options_.progress && !options_.progress({fmt::format("slab {}", slab_.number() + 1), fraction()}))
     return ended(Termination::cancelled, "cancelled");
-  const long used = evaluations_ + counts_.rhs + counts_.jacobian;
+  const long used = options_.evaluations_before + counts_.rhs + counts_.jacobian;
   if (options_.max_evaluations == 0 || used < options_.max_evaluations) return std::nullopt;
   return ended(
       Termination::max_calls,

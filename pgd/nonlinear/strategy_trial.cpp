@@ -72,14 +72,27 @@ void take(const Ending& ending, StrategyTrial& result) {
   result.where = ending.where;
 }
 
+void take(const IterationRecord& done, StrategyRecord& record) {
+  record.iterations = done.iterations;
+  record.corrections = done.corrections;
+  record.contraction = done.contraction;
+  record.source_ranks = done.source_ranks;
+  record.jacobian_ranks = done.jacobian_ranks;
+}
+
 /// One slab; the state at its end becomes the start of the next.
 void advance(const StrategySlab& slab, Strategy& strategy, const StrategyTrialOptions& options,
              const StrategyCounts& counts, TensorTrain& start, StrategyRecord& record,
              StrategyTrial& result) {
-  SlabIteration iteration(slab, options, result.rhs_evaluations + result.jacobian_evaluations, counts,
-                          record);
-  if (options.first != nullptr) iteration.first_iterate(*options.first);
+  SlabIteration iteration(slab,
+                          {.max_iterations = options.max_iterations,
+                           .max_evaluations = options.max_evaluations,
+                           .evaluations_before = result.rhs_evaluations + result.jacobian_evaluations,
+                           .progress = options.progress},
+                          counts);
+  if (options.first != nullptr) iteration.first_iterate(*options.first, options.first_iterations);
   const std::optional<Ending> failure = iteration.run(strategy);
+  take(iteration.record(), record);
   record.detail = strategy.detail();
   record.ranks = iteration.iterate().ranks();
   record.status = failure ? failure->status : Termination::converged;
