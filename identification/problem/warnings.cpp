@@ -32,14 +32,6 @@ std::vector<std::string> Warnings::sentences() const {
   return all;
 }
 
-std::vector<std::string> Warnings::sentences(WarningKind kind) const {
-  std::vector<std::string> some;
-  for (const Warning& warning : list_) {
-    if (warning.kind == kind) some.push_back(warning.sentence);
-  }
-  return some;
-}
-
 bool Warnings::has(WarningKind kind, std::string_view text) const {
   return std::ranges::any_of(list_, [&](const Warning& warning) {
     return warning.kind == kind && warning.sentence.find(text) != std::string::npos;

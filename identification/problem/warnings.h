@@ -47,8 +47,6 @@ class Warnings {
   const Warning& operator[](std::size_t k) const { return list_[k]; }
 
   std::vector<std::string> sentences() const;
-  /// Those of one kind, in order.
-  std::vector<std::string> sentences(WarningKind kind) const;
   /// Whether one of the kind has this text somewhere in its sentence.
   bool has(WarningKind kind, std::string_view text = {}) const;
 
