@@ -138,7 +138,7 @@ void measure_queries(const codebooks::Codebook& book, const benchmarks::Options&
 void measure_fit(const codebooks::Codebook& book) {
   const auto captures = identification::read_captures(kExample / "coin.toml");
   const identification::FitOptions options = coin_fit(book);
-  const auto drag = [&](const identification::TrajectoryFamily& family) {
+  const auto drag = [&](const models::TrajectoryFamily& family) {
     return identification::fit(family, captures, options).coefficients.front();
   };
   const auto ours = drag(*codebooks::codebook_trajectories(book));

@@ -196,9 +196,13 @@ C_R = [1, 6]
         config = write("fit_of_plate.toml", self.CONFIG.replace("DENSITY", density))
         result = run("fit", "falling_plate", capture, "--config", config, "--json")
         self.assertIn(result.returncode, (0, 4), result.stderr)
-        said = json.loads(result.stdout)["warnings"]
-        for sentence in said:
+        fit = json.loads(result.stdout)
+        said, kinds = fit["warnings"], fit["warning_kinds"]
+        self.assertEqual(len(kinds), len(said))
+        for sentence, kind in zip(said, kinds):
             self.assertIn(sentence, result.stderr)
+            if "never changes" in sentence:
+                self.assertEqual(kind, "captures")
         return " | ".join(said)
 
     def test_a_good_capture_raises_no_doubt(self):
