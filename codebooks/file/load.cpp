@@ -16,7 +16,7 @@
 
 #include "samara/base/termination.h"
 #include "samara/codebooks/file/format_version.h"
-#include "samara/codebooks/file/store_piece.h"
+#include "samara/codebooks/file/piece_format.h"
 #include "samara/io/hdf5_reader.h"
 #include "samara/models/interface/model.h"
 #include "samara/models/laws/registry.h"

@@ -7,7 +7,7 @@
 
 #include "samara/base/version.h"
 #include "samara/codebooks/file/format_version.h"
-#include "samara/codebooks/file/store_piece.h"
+#include "samara/codebooks/file/piece_format.h"
 #include "samara/io/hdf5_writer.h"
 
 namespace samara::codebooks {

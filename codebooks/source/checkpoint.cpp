@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/version.h"
-#include "samara/codebooks/file/store_piece.h"
+#include "samara/codebooks/file/piece_format.h"
 
 namespace samara::codebooks {
 

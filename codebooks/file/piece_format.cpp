@@ -1,4 +1,4 @@
-#include "samara/codebooks/file/store_piece.h"
+#include "samara/codebooks/file/piece_format.h"
 
 #include <algorithm>
 #include <string>
