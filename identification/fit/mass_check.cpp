@@ -10,8 +10,8 @@
 
 #include "samara/base/errors.h"
 #include "samara/identification/fit/fit.h"
-#include "samara/identification/problem/noise_scales.h"
 #include "samara/identification/solve/held_noise.h"
+#include "samara/identification/statistics/loss.h"
 #include "samara/models/trajectories/reference_trajectories.h"
 #include "samara/models/trajectories/step_trajectories.h"
 

@@ -15,6 +15,7 @@
 #include "samara/identification/problem/noise_scales.h"
 #include "samara/identification/problem/segments.h"
 #include "samara/identification/problem/unknown_charts.h"
+#include "samara/identification/statistics/loss.h"
 
 namespace samara::identification {
 
@@ -225,6 +226,27 @@ void assign_outputs(const models::FamilyInfo& family, std::span<const Capture> c
   }
 }
 
+/// Values that the options give shared coordinates for the first start.
+/// @throws ArgumentError for what is not shared, and for values outside the box.
+std::vector<std::pair<Eigen::Index, double>> stated_start(const FitOptions& options,
+                                                          const FitProblem& problem) {
+  std::vector<std::pair<Eigen::Index, double>> stated;
+  for (const auto& [name, value] : options.starts.initial) {
+    const std::optional<std::size_t> at = position(problem.shared, name);
+    if (!at) {
+      throw ArgumentError(fmt::format("initial: \"{}\" is not a shared coordinate{}", name,
+                                      suggestion(name, names_of(problem.shared))));
+    }
+    const models::FamilyCoordinate& c = problem.shared[*at];
+    if (!(value >= c.lower && value <= c.upper)) {
+      throw ArgumentError(fmt::format("initial: \"{}\" is {}; a value in its box, {} to {}, was expected",
+                                      name, value, c.lower, c.upper));
+    }
+    stated.emplace_back(static_cast<Eigen::Index>(*at), value);
+  }
+  return stated;
+}
+
 }  // namespace
 
 int FitProblem::observation_count() const {
@@ -344,7 +366,7 @@ FitProblem make_problem(const models::FamilyInfo& family, std::span<const Captur
   }
   add_charts(family, options, problem);
   add_priors(options, problem);
-  set_initial(options, problem);
+  problem.initial = stated_start(options, problem);
   add_segments(family, captures, options, problem);
   if (options.starts.round_body && problem.is_joined()) {
     throw ArgumentError(

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -125,7 +126,7 @@ struct FitProblem {
   std::optional<std::size_t> clock;         ///< the slot that holds the start of a segment, if there is one
   std::vector<PriorTerm> priors;            ///< of shared unknowns
   std::vector<PriorTerm> own_priors;        ///< of own ones, at the start of every motion
-  Eigen::VectorXd initial;                  ///< of the shared coordinates, at the first start
+  std::vector<std::pair<Eigen::Index, double>> initial;  ///< stated for the first start: shared index, value
   std::vector<ComparedOutput> outputs;
   std::optional<double> attitude_scale;  ///< if attitudes are compared
   int averaged_frames = 1;               ///< of which each frame is the mean

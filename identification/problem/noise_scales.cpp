@@ -54,21 +54,6 @@ bool noise_is_estimated(const NoiseOptions& options, const std::string& output) 
   return options.estimated && (options.levels.empty() || options.levels.contains(output));
 }
 
-double efficient_bend(LossKind loss) {
-  // (E psi')^2/E psi^2 = 0.95
-  switch (loss) {
-    case LossKind::none:
-      return 1.0;
-    case LossKind::huber:
-      return 1.345;
-    case LossKind::soft_l1:
-      return 1.287;
-    case LossKind::cauchy:
-      return 2.385;
-  }
-  throw ArgumentError("a loss of no known kind");
-}
-
 double frame_scatter(std::span<const Capture> captures, const std::string& output, double period) {
   constexpr double kShare = 1e-3;
   const double spread = spread_of(captures, output);

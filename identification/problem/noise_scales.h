@@ -12,10 +12,6 @@ namespace samara::identification {
 /// Whether the options ask for the noise of this output, or of "attitude".
 bool noise_is_estimated(const NoiseOptions& options, const std::string& output);
 
-/// The loss scale over the standard deviation of normal noise at which estimates of location keep 95 % of the
-/// efficiency of least squares; 1 where there is no bend.
-double efficient_bend(LossKind loss);
-
 /// The median over captures of the scatter of an output's frames about a smooth curve; where no capture has
 /// enough of them, a thousandth of its spread.
 double frame_scatter(std::span<const Capture> captures, const std::string& output, double period);

@@ -1,6 +1,5 @@
 #include "samara/identification/problem/unknown_charts.h"
 
-#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -53,29 +52,6 @@ void add_charts(const models::FamilyInfo& family, const FitOptions& options, Fit
     own.push_back(attitude && k == *attitude ? turns : Chart::Kind::linear);
   }
   problem.own_chart = Chart(own);
-}
-
-void set_initial(const FitOptions& options, FitProblem& problem) {
-  problem.initial.resize(problem.shared_count());
-  for (std::size_t k = 0; k < problem.shared.size(); ++k) {
-    const models::FamilyCoordinate& c = problem.shared[k];
-    problem.initial[static_cast<Eigen::Index>(k)] = problem.shared_chart.is_logarithmic(static_cast<int>(k))
-                                                        ? std::sqrt(c.lower * c.upper)
-                                                        : 0.5 * (c.lower + c.upper);
-  }
-  for (const auto& [name, value] : options.starts.initial) {
-    const std::optional<std::size_t> at = position(problem.shared, name);
-    if (!at) {
-      throw ArgumentError(fmt::format("initial: \"{}\" is not a shared coordinate{}", name,
-                                      suggestion(name, names_of(problem.shared))));
-    }
-    const models::FamilyCoordinate& c = problem.shared[*at];
-    if (!(value >= c.lower && value <= c.upper)) {
-      throw ArgumentError(fmt::format("initial: \"{}\" is {}; a value in its box, {} to {}, was expected",
-                                      name, value, c.lower, c.upper));
-    }
-    problem.initial[static_cast<Eigen::Index>(*at)] = value;
-  }
 }
 
 }  // namespace samara::identification

@@ -1,6 +1,6 @@
 #include "samara/identification/solve/held_noise.h"
 
-#include "samara/identification/problem/noise_scales.h"
+#include "samara/identification/statistics/loss.h"
 
 namespace samara::identification {
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -28,37 +27,7 @@ constexpr double kExact = 1e-9;
 /// A level so many times the scatter of frames holds more than their noise.
 constexpr double kMuchMore = 3.0;
 
-/// r^2 for small r, monotonous in |r|, bounded for robust losses.
-double chi(LossKind loss, double r) {
-  const double s = r * r;
-  switch (loss) {
-    case LossKind::none:
-      return s;
-    case LossKind::huber:
-      return std::min(s, 1.0);
-    default:
-      return s / (1.0 + s);
-  }
-}
-
-/// E chi(Z/bend) for normal Z.
-double expected_chi(LossKind loss) {
-  const double c = efficient_bend(loss);
-  const double outside = std::erfc(c / std::numbers::sqrt2);
-  switch (loss) {
-    case LossKind::none:
-      return 1.0;
-    case LossKind::huber: {
-      const double density = std::exp(-0.5 * c * c) / std::sqrt(2.0 * std::numbers::pi);
-      return (1.0 - outside - 2.0 * c * density) / (c * c) + outside;
-    }
-    default:
-      // E Z^2/(c^2 + Z^2)
-      return 1.0 - c * std::sqrt(0.5 * std::numbers::pi) * std::exp(0.5 * c * c) * outside;
-  }
-}
-
-/// s with sum chi(e/s) = target, which falls from the number of e that are not 0 (from infinity without a
+/// s with sum bounded_loss(e/s) = target, which falls from the number of e that are not 0 (from infinity without a
 /// loss) to 0; 0 if it begins below.
 double solve_scale(LossKind loss, const std::vector<double>& errors, double target) {
   double largest = 0.0;
@@ -66,7 +35,7 @@ double solve_scale(LossKind loss, const std::vector<double>& errors, double targ
   if (!(largest > 0.0)) return 0.0;
   const auto sum = [&](double s) {
     double total = 0.0;
-    for (const double e : errors) total += chi(loss, e / s);
+    for (const double e : errors) total += bounded_loss(loss, e / s);
     return total;
   };
   // At the upper end the sum is below target, where it is at most n (largest/s)^2.
@@ -195,7 +164,8 @@ double NoiseLevels::update(FitProblem& problem, std::vector<SegmentResidual>& re
     if (level.result.degrees_of_freedom < kFewest) {
       level.state = State::too_few;
     } else {
-      found = solve_scale(loss_, pooled.errors, level.result.degrees_of_freedom * expected_chi(loss_));
+      found =
+          solve_scale(loss_, pooled.errors, level.result.degrees_of_freedom * expected_bounded_loss(loss_));
       if (found <= kExact * level.start) level.state = State::exact;
     }
     level.result.estimated = level.state == State::estimated;

@@ -15,11 +15,11 @@
 namespace samara::identification {
 
 /// The levels of a problem. With residuals e, their number n, the trace p of the part of the hat matrix that
-/// belongs to them, and a function chi of the loss, the scale s = bend * sigma of a level solves
+/// belongs to them, and chi the bounded_loss() of statistics/loss.h, the scale s = bend * sigma of a level solves
 ///
 ///     sum chi(e/s) = (n - p) E chi(Z/bend),   Z normal,
 ///
-/// chi = r^2 without a loss: sigma^2 = sum e^2/(n - p). Robust losses have a bounded chi.
+/// chi = r^2 without a loss: sigma^2 = sum e^2/(n - p).
 class NoiseLevels {
  public:
   /// Levels that share outputs of different scales begin with the geometric mean of these.

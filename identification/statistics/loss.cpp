@@ -1,6 +1,8 @@
 #include "samara/identification/statistics/loss.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include <fmt/format.h>
@@ -31,6 +33,53 @@ LossKind loss_kind_from_string(const std::string& name) {
     if (known.back() == name) return kind;
   }
   throw ArgumentError(fmt::format("there is no loss \"{}\"{}", name, suggestion(name, known)));
+}
+
+double efficient_bend(LossKind kind) {
+  // (E psi')^2/E psi^2 = 0.95
+  switch (kind) {
+    case LossKind::none:
+      return 1.0;
+    case LossKind::huber:
+      return 1.345;
+    case LossKind::soft_l1:
+      return 1.287;
+    case LossKind::cauchy:
+      return 2.385;
+  }
+  throw ArgumentError("a loss of no known kind");
+}
+
+double bounded_loss(LossKind kind, double r) {
+  const double s = r * r;
+  switch (kind) {
+    case LossKind::none:
+      return s;
+    case LossKind::huber:
+      return std::min(s, 1.0);
+    case LossKind::soft_l1:
+    case LossKind::cauchy:
+      return s / (1.0 + s);
+  }
+  throw ArgumentError("a loss of no known kind");
+}
+
+double expected_bounded_loss(LossKind kind) {
+  const double c = efficient_bend(kind);
+  const double outside = std::erfc(c / std::numbers::sqrt2);
+  switch (kind) {
+    case LossKind::none:
+      return 1.0;
+    case LossKind::huber: {
+      const double density = std::exp(-0.5 * c * c) / std::sqrt(2.0 * std::numbers::pi);
+      return (1.0 - outside - 2.0 * c * density) / (c * c) + outside;
+    }
+    case LossKind::soft_l1:
+    case LossKind::cauchy:
+      // E Z^2/(c^2 + Z^2)
+      return 1.0 - c * std::sqrt(0.5 * std::numbers::pi) * std::exp(0.5 * c * c) * outside;
+  }
+  throw ArgumentError("a loss of no known kind");
 }
 
 LossValue loss_value(LossKind kind, double r) {

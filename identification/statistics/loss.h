@@ -4,7 +4,8 @@
 
 namespace samara::identification {
 
-/// How strongly large residuals count. Of a residual r, divided by the loss scale:
+/// How strongly large residuals count. Of a residual r, divided by the loss scale. A new one needs a line or a
+/// case in every function of loss.cpp:
 enum class LossKind {
   none,     ///< rho = r^2
   huber,    ///< rho = r^2 up to |r| = 1, then 2 |r| - 1: convex, outliers pull with a constant force
@@ -24,5 +25,15 @@ struct LossValue {
 };
 
 LossValue loss_value(LossKind kind, double r);
+
+/// The loss scale over the standard deviation of normal noise at which estimates of location keep 95 % of the
+/// efficiency of least squares; 1 where there is no bend.
+double efficient_bend(LossKind kind);
+
+/// What a scale is estimated with: r^2 for small r, monotonous in |r|, bounded for robust losses.
+double bounded_loss(LossKind kind, double r);
+
+/// The mean of bounded_loss(kind, Z / efficient_bend(kind)) for normal Z.
+double expected_bounded_loss(LossKind kind);
 
 }  // namespace samara::identification

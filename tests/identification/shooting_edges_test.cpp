@@ -24,6 +24,16 @@ using samara::models::find_model;
 
 namespace {
 
+/// The middle of the box of shared unknowns.
+Eigen::VectorXd centre(const FitProblem& problem) {
+  Eigen::VectorXd shared(problem.shared_count());
+  for (int k = 0; k < problem.shared_count(); ++k) {
+    const samara::models::FamilyCoordinate& c = problem.shared[static_cast<std::size_t>(k)];
+    shared[k] = 0.5 * (c.lower + c.upper);
+  }
+  return shared;
+}
+
 FitOptions in_segments(double length) {
   FitOptions options;
   options.loss.kind = LossKind::none;
@@ -141,7 +151,7 @@ TEST_CASE("where all segments start does not open their joins") {
   const FitProblem problem =
       make_problem(family->info(), std::vector{coin_capture("a", 1.2, 0.1, 0.0)}, options);
   SegmentResidual residual(*family, problem, problem.segments.at(0));
-  Eigen::VectorXd shared = problem.initial;
+  Eigen::VectorXd shared = centre(problem);
   const Eigen::VectorXd own = Eigen::Vector2d(0.1, 0.3);
   const auto joins = [&] {
     REQUIRE(residual.evaluate(shared.data(), own.data(), own.data(), true));
@@ -368,6 +378,6 @@ TEST_CASE("attitudes of a codebook are compared as turns") {
   for (int k = 0; k < 4; ++k) capture.channels[static_cast<std::size_t>(k + 3)].values.setConstant(q[k]);
   const FitProblem problem = make_problem(family->info(), std::vector{capture}, {});
   SegmentResidual residual(*family, problem, problem.segments.at(0));
-  REQUIRE(residual.evaluate(problem.initial.data(), nullptr, nullptr, false));
+  REQUIRE(residual.evaluate(centre(problem).data(), nullptr, nullptr, false));
   CHECK(residual.residual().norm() < 1e-12);
 }

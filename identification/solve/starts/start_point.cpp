@@ -47,7 +47,9 @@ FitPoint start_point(const FitProblem& problem, std::vector<SegmentResidual>& re
   point.shared.setZero(problem.shared_count());
   for (int k = 0; k < problem.shared_count(); ++k)
     point.shared[k] = at(problem.shared[static_cast<std::size_t>(k)], problem.shared_chart.is_logarithmic(k));
-  if (index == 0) point.shared = problem.initial;
+  if (index == 0) {
+    for (const auto& [k, value] : problem.initial) point.shared[k] = value;
+  }
   Eigen::VectorXd own = Eigen::VectorXd::Zero(problem.own_count());
   for (std::size_t k = 0; k < problem.own.size(); ++k)
     own[static_cast<Eigen::Index>(k)] = at(problem.own[k], false);
