@@ -178,7 +178,7 @@ struct Build {
                     provenance_of(plan, seconds), {}, plan.title);
   }
 
-  Solution solve_by_sampling(CallMemory& calls, long max_calls) {
+  Outcome<Solution> solve_by_sampling(CallMemory& calls, long max_calls) {
     const CertifyClaim certify_claim = [this](const pgd::TrainField& field, double calls_made) {
       BuildRecord record;
       record.evaluations = calls_made;
@@ -211,6 +211,13 @@ struct Build {
   }
 };
 
+/// Sampling without a field has nothing to store, whatever ended it.
+/// @throws NoResultError
+Solution given(Outcome<Solution> sampled) {
+  if (sampled) return std::move(*sampled);
+  throw NoResultError(fmt::format("the build ended before it had a result: {}", sampled.ending().message));
+}
+
 /// Nothing where the engine has no result or refuses the plan: what sampling found must not be lost for it.
 std::optional<Solution> engine_trial(const Build& build, const models::ParametricModel& model) {
   try {
@@ -232,19 +239,20 @@ Solution solve_by_trial(Build& build, const models::ParametricModel& model) {
                   "the plan prescribes an axis, and sampling chooses its own");
   }
   CallMemory calls = calls_of(plan, model_source(plan, model), build.options);
-  Solution first = build.solve_by_sampling(calls, at_most(plan, kTrialTrajectories));
-  const Termination status = first.record.status;
+  Outcome<Solution> first = build.solve_by_sampling(calls, at_most(plan, kTrialTrajectories));
+  const Termination status = first ? first->record.status : first.ending().status;
   if (status == Termination::converged)
-    return chosen(std::move(first),
+    return chosen(std::move(*first),
                   fmt::format("it needed no more than the {} trajectories of its trial", kTrialTrajectories));
   // Where there is no trajectory, no builder finds a solution.
-  if (build.cancelled || status == Termination::failed || status == Termination::not_finite) return first;
+  if (build.cancelled || status == Termination::failed || status == Termination::not_finite)
+    return given(std::move(first));
   std::optional<Solution> second = engine_trial(build, model);
   const std::string failed = fmt::format("sampling did not converge ({})", to_string(status));
   if (second && second->record.status == Termination::converged) return chosen(std::move(*second), failed);
   const std::string neither = "neither builder converged in its trial, and the calls of sampling are bounded";
-  if (build.cancelled || status != Termination::max_calls) return chosen(std::move(first), neither);
-  return chosen(build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls)), neither);
+  if (build.cancelled || status != Termination::max_calls) return chosen(given(std::move(first)), neither);
+  return chosen(given(build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls))), neither);
 }
 
 Solution solve(Build& build, const models::ParametricModel& model) {
@@ -253,7 +261,7 @@ Solution solve(Build& build, const models::ParametricModel& model) {
     return solve_by_pgd(plan, model, build.options, plan.builder.max_calls, build.progress);
   if (plan.builder.kind == "auto") return solve_by_trial(build, model);
   CallMemory calls = calls_of(plan, model_source(plan, model), build.options);
-  return build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls));
+  return given(build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls)));
 }
 
 /// What is fixed, and the centre of the box.
@@ -305,7 +313,7 @@ BuildResult build_of_command(const Plan& plan, const pgd::PointsFunction& functi
                        plan.certificate_points(calls.seconds_per_call(), book.build().evaluations);
                  return measure(book, calls, certify_by, extent);
                }}};
-  Solution solved = build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls));
+  Solution solved = given(build.solve_by_sampling(calls, at_most(plan, kMostSampledCalls)));
   if (solved.record.status == Termination::failed)
     build.certifier.options().progress = [](const Progress&) { return false; };
   BuildResult result = build.certified(std::move(solved));

@@ -194,28 +194,6 @@ pgd::RoundedField rounded_field(const pgd::SamplingResult& result, const Plan& p
                       plan.builder.seed, with_times(result.pivots, mesh, plan.builder.seed));
 }
 
-/// The stand-in of the source, for all times and points: where there is nothing better.
-pgd::TrainField stand_in(const Plan& plan, const SampledSource& source) {
-  std::vector<pgd::Axis> axes;
-  if (plan.end > 0.0)
-    axes.push_back(pgd::Axis::chebyshev({"t", source.time_unit, pgd::AxisRole::time}, 0.0, plan.end, 2));
-  for (std::size_t k = 0; k < plan.box.size(); ++k)
-    axes.push_back(pgd::Axis::chebyshev(source.coordinates[k], plan.box[k].lower, plan.box[k].upper, 2));
-  pgd::TensorTrain train;
-  train.cores.emplace_back(1, static_cast<int>(source.outputs.size()), 1).data = *source.stand_in;
-  for (const pgd::Axis& axis : axes) {
-    train.cores.emplace_back(1, axis.size(), 1);
-    train.cores.back().data.setOnes();
-  }
-  return {std::move(axes), source.outputs, std::move(train)};
-}
-
-Solution without_field(const Plan& plan, const SampledSource& source, BuildRecord record) {
-  if (!source.stand_in)
-    throw NoResultError(fmt::format("the build ended before it had a result: {}", record.message));
-  return {{Piece{{stand_in(plan, source)}}}, std::move(record), {}};
-}
-
 Termination status_of(const pgd::SamplingResult& result, bool mesh_is_resolved) {
   if (!result.tolerance_met()) return result.status;
   return mesh_is_resolved ? Termination::converged : Termination::not_resolved;
@@ -227,8 +205,8 @@ std::string described(const TimeMesh& mesh, long pilots, double tolerance) {
                      mesh.resolved ? "" : fmt::format(" > {:.3g}", tolerance));
 }
 
-Solution solve(const Plan& plan, CallMemory& calls, long max_calls, const ProgressCallback& progress,
-               const CertifyClaim& certify_claim) {
+Outcome<Solution> solve(const Plan& plan, CallMemory& calls, long max_calls, const ProgressCallback& progress,
+                        const CertifyClaim& certify_claim) {
   BuildRecord record;
   record.builder = "sampling";
   record.strategy = "cross";
@@ -236,11 +214,7 @@ Solution solve(const Plan& plan, CallMemory& calls, long max_calls, const Progre
   long pilots = 0;
   if (plan.end > 0.0) {
     Outcome<PilotedMesh> piloted = mesh_by_pilots(plan, calls, max_calls, progress);
-    if (!piloted) {
-      record.status = piloted.ending().status;
-      record.message = piloted.ending().message;
-      return without_field(plan, calls.source(), std::move(record));
-    }
+    if (!piloted) return piloted.ending();
     mesh.emplace(std::move(piloted->mesh));
     pilots = piloted->calls;
   }
@@ -263,7 +237,7 @@ Solution solve(const Plan& plan, CallMemory& calls, long max_calls, const Progre
   record.status = status_of(result, !mesh || mesh->resolved);
   record.message = result.message;
   if (mesh) record.message += described(*mesh, pilots, kTimeShare * plan.relative);
-  if (!result.field) return without_field(plan, calls.source(), std::move(record));
+  if (!result.field) return Ending{record.status, record.message};
   const bool is_certified = result.tolerance_met() && claimed;
   pgd::RoundedField field =
       is_certified ? std::move(*claimed) : rounded_field(result, plan, calls.source(), mesh, refuted);
@@ -272,15 +246,15 @@ Solution solve(const Plan& plan, CallMemory& calls, long max_calls, const Progre
   const ErrorBudget spent{.discretisation = mesh ? mesh->error : 0.0,
                           .compression = result.error + field.error};
   if (!is_certified) certificate.reset();
-  return {{Piece{{std::move(field.field)}}}, std::move(record), spent, std::move(certificate)};
+  return Solution{{Piece{{std::move(field.field)}}}, std::move(record), spent, std::move(certificate)};
 }
 
 }  // namespace
 
-Solution solve_by_sampling(const Plan& plan, CallMemory& calls, long max_calls,
-                           const ProgressCallback& progress, const CertifyClaim& certify_claim) {
+Outcome<Solution> solve_by_sampling(const Plan& plan, CallMemory& calls, long max_calls,
+                                    const ProgressCallback& progress, const CertifyClaim& certify_claim) {
   try {
-    Solution solution = solve(plan, calls, max_calls, progress, certify_claim);
+    Outcome<Solution> solution = solve(plan, calls, max_calls, progress, certify_claim);
     calls.save();
     return solution;
   } catch (const NoResultError&) {

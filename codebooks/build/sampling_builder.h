@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "samara/base/progress.h"
+#include "samara/base/termination.h"
 #include "samara/codebooks/build/solution.h"
 #include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/plan/plan.h"
@@ -24,11 +25,12 @@ using CertifyClaim = std::function<Measured(const pgd::TrainField& field, double
 /// What sampling claims to be met is certified, on fresh points each time. Where the certificate finds it
 /// wrong, these points go into the sample, and sampling goes on.
 ///
-/// A point without an answer ends the build with the status "failed" and the point; the best so far, or else
-/// the source's stand-in for all times, is the piece. All calls are stored in the end.
+/// A point without an answer ends the build with the status "failed" and the point; the best so far is the
+/// piece. All calls are stored in the end.
 /// @param max_calls pilots included; answers remembered from an earlier build count as if they were made
-/// @throws NoResultError if there is neither a best nor a stand-in
-Solution solve_by_sampling(const Plan& plan, CallMemory& calls, long max_calls,
-                           const ProgressCallback& progress, const CertifyClaim& certify_claim);
+/// @returns why there is no field, if none was found before the end
+/// @throws NoResultError where calls cannot be made at all
+Outcome<Solution> solve_by_sampling(const Plan& plan, CallMemory& calls, long max_calls,
+                                    const ProgressCallback& progress, const CertifyClaim& certify_claim);
 
 }  // namespace samara::codebooks

@@ -6,7 +6,6 @@
 #include <numeric>
 #include <set>
 
-#include "samara/codebooks/book/sobol_points.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/query/trajectory_query.h"
 

@@ -239,6 +239,11 @@ void check_builder_fits(const TomlTable& root, const Plan& plan) {
         "strategy", fmt::format("is \"{}\", which is one of the builder \"pgd\", not of \"sampling\"",
                                 plan.builder.strategy));
   }
+  if (plan.builder.max_cells != 1) {
+    throw root.table("builder").error(
+        "max_cells", fmt::format("is {}, but the builder of kind \"sampling\" never splits the box",
+                                 plan.builder.max_cells));
+  }
   for (const BoxEntry& entry : plan.box) {
     if (!entry.prescribes_axis()) continue;
     throw root.table("box").error(

@@ -148,13 +148,11 @@ class PlannedFunction {
 SampledSource model_source(const Plan& plan, const models::ParametricModel& model) {
   const models::ModelInfo& info = model.model().info();
   SampledSource source;
-  std::vector<double> middle;
   for (std::size_t k = 0; k < plan.box.size(); ++k) {
     const models::FreeCoordinate& free = model.free()[k];
     source.coordinates.push_back({free.name, free.unit,
                                   free.is_initial ? pgd::AxisRole::initial : pgd::AxisRole::parameter,
                                   plan.box[k].transform});
-    middle.push_back(0.5 * (plan.box[k].lower + plan.box[k].upper));
   }
   for (const auto& state : info.states) source.outputs.push_back({state.name, state.unit});
   source.time_unit = models::time_unit(info);
@@ -164,8 +162,6 @@ SampledSource model_source(const Plan& plan, const models::ParametricModel& mode
     return (*trajectories)(points, times);
   };
   source.batch = 256;
-  source.stand_in.emplace(model.state_count());
-  model.initial(middle, {source.stand_in->data(), static_cast<std::size_t>(model.state_count())});
   return source;
 }
 

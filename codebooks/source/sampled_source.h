@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,8 +34,6 @@ struct SampledSource {
   int batch = 1;  ///< most points that are asked for at a time
   /// How long an answer to so many may take: no more points are asked for than the last ones let expect.
   double batch_seconds = 10.0;
-  /// The outputs where a build ends before it has any: the initial values of a model. Commands have none.
-  std::optional<Eigen::VectorXd> stand_in;
 };
 
 /// Trajectories of the reference integrator, by the plan's number of threads. The model must outlive it.
