@@ -163,11 +163,8 @@ Codebook golden_command() {
   const std::vector<Axis> axes = {Axis::chebyshev({"a", "m"}, -1.0, 2.0, 3),
                                   Axis::chebyshev({"b", "kg"}, 0.0, 1.0, 2)};
   // Outputs (a, 1) by a and b: u = a b, v = a + 1.
-  samara::pgd::TensorTrain train;
-  samara::pgd::TrainCore& outputs = train.cores.emplace_back(1, 2, 2);
+  samara::pgd::TrainCore outputs(1, 2, 2), by_a(2, 3, 2), by_b(2, 2, 1);
   outputs.left_unfolding().setIdentity();
-  samara::pgd::TrainCore& by_a = train.cores.emplace_back(2, 3, 2);
-  samara::pgd::TrainCore& by_b = train.cores.emplace_back(2, 2, 1);
   for (int i = 0; i < 3; ++i) {
     const double a = axes[0].nodes()[i];
     by_a.data[0 + 2 * i] = a;              // u: a times the first of b
@@ -177,6 +174,7 @@ Codebook golden_command() {
     by_b.data[0 + 2 * i] = axes[1].nodes()[i];
     by_b.data[1 + 2 * i] = 1.0;
   }
+  samara::pgd::TensorTrain train{{outputs, by_a, by_b}};
   ModelDescription model;
   model.name = kCommandModel;
   model.title = "what a program answers";
