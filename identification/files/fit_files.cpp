@@ -196,6 +196,7 @@ FitResult predicted(const FitRequest& request, const FitSource& source, const st
   add_predictions(*source.family, left_out, source.options, prediction, result);
   result.status = FitStatus::converged;
   result.message = fmt::format("nothing was fitted; coefficients from {}", request.coefficients.string());
+  result.model = source.family->info().model;
   result.source = source.family->info().source;
   result.loss = to_string(source.options.loss.kind);
   result.fixed = source.family->info().fixed;
@@ -255,6 +256,8 @@ FitReport fit_files(const FitRequest& request) {
   WarningTeller teller(request);
   FitSource source = open_fit_source(request);
   teller.tell(source.warnings);
+  if (request.profiles && predicts_only(request))
+    throw ArgumentError("--profiles are of coefficients that are fitted; captures to fit were expected");
   source.options.uncertainty.profiles = source.options.uncertainty.profiles || request.profiles;
   const std::optional<PredictionOptions> prediction = prediction_of(request, source);
   CaptureSplit captures = read_split(request, source);

@@ -1,6 +1,7 @@
 #include "samara/identification/files/fit_source.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <system_error>
@@ -25,15 +26,13 @@ namespace samara::identification {
 
 namespace {
 
+/// Values that differ by less, relative, are the same but for the digits of a file.
+constexpr double kSameValue = 1e-6;
+
 /// A name that is no file, and has no dot or slash that would make it one, is the name of a model.
 bool is_model_name(const std::string& text) {
   std::error_code ignored;
   return !std::filesystem::exists(text, ignored) && text.find_first_of("./") == std::string::npos;
-}
-
-/// Whether nothing is fitted: coefficients come from another fit, and there are only captures to predict.
-bool predicts_only(const FitRequest& request) {
-  return request.captures.empty() && !request.coefficients.empty();
 }
 
 /// Takes coefficients of another fit over: held, or where this one begins.
@@ -67,8 +66,10 @@ void take_over(const FitRequest& request, const ConfigNames& names,
     if (options.unknowns.fixed.contains(c.name)) {
       throw InputError(
           request.coefficients.string(),
-          fmt::format("it holds \"{}\", which [fixed] of {} holds, too; one of the two was expected", c.name,
-                      request.config.string()));
+          request.config.empty()
+              ? fmt::format("it holds \"{}\" twice; once was expected", c.name)
+              : fmt::format("it holds \"{}\", which [fixed] of {} holds, too; one of the two was expected",
+                            c.name, request.config.string()));
     }
     if (const auto free = box.find(c.name); !predicts_only(request) && free != box.end()) {
       const auto& [lower, upper] = free->second;
@@ -153,7 +154,35 @@ void open_codebook(const FitRequest& request, FitSource& source) {
   });
 }
 
+/// Coefficients belong to the model, and to what was held, where they were found.
+void doubt_coefficients(const FitRequest& request, FitSource& source) {
+  if (!source.coefficients) return;
+  const FitResult& fitted = *source.coefficients;
+  const models::FamilyInfo& info = source.family->info();
+  const std::string file = request.coefficients.string();
+  if (fitted.model != info.model) {
+    source.warnings.add(
+        WarningKind::source,
+        fmt::format("{} holds coefficients of the model \"{}\"; here they are those of \"{}\"", file,
+                    fitted.model, info.model));
+  }
+  for (const auto& [name, value] : fitted.fixed) {
+    const auto here = info.fixed.find(name);
+    if (here == info.fixed.end() || name.ends_with("(0)")) continue;
+    if (std::abs(here->second - value) <= kSameValue * std::max(std::abs(here->second), std::abs(value)))
+      continue;
+    source.warnings.add(
+        WarningKind::source,
+        fmt::format("the coefficients of {} were found with \"{}\" held at {:.6g}; here it is {:.6g}", file,
+                    name, value, here->second));
+  }
+}
+
 }  // namespace
+
+bool predicts_only(const FitRequest& request) {
+  return request.captures.empty() && !request.coefficients.empty();
+}
 
 FitSource open_fit_source(const FitRequest& request) {
   FitSource source;
@@ -163,6 +192,7 @@ FitSource open_fit_source(const FitRequest& request) {
   } else {
     open_codebook(request, source);
   }
+  doubt_coefficients(request, source);
   return source;
 }
 

@@ -33,6 +33,9 @@ struct FitSource {
   Warnings warnings;
 };
 
+/// Whether nothing is fitted: coefficients come from another fit, and there are only captures to predict.
+bool predicts_only(const FitRequest& request);
+
 /// Reads source, config and coefficients.
 /// @throws ArgumentError, InputError
 FitSource open_fit_source(const FitRequest& request);

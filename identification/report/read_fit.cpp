@@ -47,6 +47,7 @@ FitResult result_of(const ParsedJson& object) {
   FitResult result{.status = status_of(object.at("status").get<std::string>()),
                    .message = object.at("message").get<std::string>(),
                    .model = object.at("model").get<std::string>()};
+  if (object.contains("fixed")) result.fixed = object.at("fixed").get<std::map<std::string, double>>();
   for (const ParsedJson& c : object.at("coefficients")) result.coefficients.push_back(coefficient_of(c));
   for (const ParsedJson& c : object.at("captures")) {
     const auto id = c.at("id").get<std::string>();

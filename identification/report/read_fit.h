@@ -6,8 +6,8 @@
 
 namespace samara::identification {
 
-/// What another fit may take over from the file that fit_json() made: status, message, model, coefficients
-/// with their errors, noise levels, and the names of the captures. Nothing else.
+/// What another fit may take over from the file that fit_json() made: status, message, model, what was
+/// held, coefficients with their errors, noise levels, and the names of the captures. Nothing else.
 /// @throws InputError if the file is none of a fit.
 FitResult read_fit(const std::filesystem::path& path);
 

@@ -156,9 +156,20 @@ class Fits(Case):
         # A model holds what its config has no box for.
         config = write("held.toml", 'outputs = ["x"]\n[fixed]\narea = "4.7144e-4 m^2"\nthickness = "2.55 mm"\ndensity = 6338.5\n'
                        '[box]\n"v(0)" = [0.0, 0.5]\n')
-        self.assertEqual(run("fit", "vertical_fall", "--coefficients", fitted, "--left-out", unseen, *times, "--config", config).returncode, 0)
+        held = run("fit", "vertical_fall", "--coefficients", fitted, "--left-out", unseen, *times, "--config", config)
+        self.assertEqual(held.returncode, 0)
+        self.assertNotIn("warning", held.stderr)
+        # Coefficients belong to what was held where they were found, and to their model.
+        heavier = write("heavier.toml", config.read_text().replace("6338.5", "1000.0"))
+        doubted = run("fit", "vertical_fall", "--coefficients", fitted, "--left-out", unseen, *times, "--config", heavier)
+        self.assertIn('found with "density" held at 6338.5; here it is 1000', doubted.stderr)
+        other = write("other.json", fitted.read_text().replace('"vertical_fall"', '"quadratic_drag_fall"'))
+        doubted = run("fit", path, "--coefficients", other, "--left-out", unseen, *times, "--json")
+        self.assertIn('coefficients of the model "quadratic_drag_fall"; here they are those of "vertical_fall"', doubted.stderr)
+        self.assertEqual(json.loads(doubted.stdout)["model"], "vertical_fall")
         self.check_error(run("fit", path, "--coefficients", fitted, "--left-out", capture, *times), 3, "fitted as well as left out")
         self.check_error(run("fit", path, "--coefficients", fitted), 2, "CAPTURE", "--left-out")
+        self.check_error(run("fit", path, "--coefficients", fitted, "--left-out", unseen, *times, "--profiles"), 2, "--profiles")
         self.check_error(run("fit", path, capture, "--coefficients", capture), 3, "fall.csv", "JSON of a fit")
         wrong = write("wrong.json", fitted.read_text().replace('"C_D"', '"C_d"'))
         self.check_error(run("fit", path, capture, "--coefficients", wrong), 3, "wrong.json", "C_d", "C_D")
