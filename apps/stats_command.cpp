@@ -182,6 +182,34 @@ BookStatistics statistics_of(const Codebook& book) {
   return statistics_of_cells(book);
 }
 
+/// An error of the field moves its indices by about twice its share of the deviation. Where the deviation is not so
+/// many times the largest error that the certificate has found, they may be the field's rather than the output's.
+constexpr double kResolved = 2.0;
+
+/// Takes indices away where the certificate does not stand for them.
+void leave_out_unresolved(const Codebook& book, BookStatistics& s) {
+  if (!book.certificate() || s.inputs.empty()) return;
+  for (OutputStatistics& output : s.outputs) {
+    const auto certified =
+        std::ranges::find(book.certificate()->outputs, output.name, &codebooks::OutputError::name);
+    if (certified == book.certificate()->outputs.end()) continue;
+    Eigen::Index left_out = 0;
+    for (Eigen::Index i = 0; i < output.deviation.size(); ++i) {
+      // Where the certificate has no number, nothing is resolved.
+      if (output.deviation[i] >= kResolved * certified->max_si) continue;
+      output.first_order.row(i).setConstant(std::nan(""));
+      output.total.row(i).setConstant(std::nan(""));
+      ++left_out;
+    }
+    if (left_out == 0) continue;
+    narrate(fmt::format(
+        "Sobol' indices of {} are left out at {} of {} {}: its deviation there is below {:g} times the "
+        "certificate's largest error, {:.3g} {}",
+        output.name, left_out, output.deviation.size(), book.has_time() ? "times" : "rows", kResolved,
+        certified->max_si, output.unit));
+  }
+}
+
 std::string to_csv(const Codebook& book, const BookStatistics& s) {
   std::vector<std::string> header;
   std::vector<Eigen::VectorXd> columns;
@@ -229,7 +257,8 @@ Json to_json(const Codebook& book, const BookStatistics& s) {
 int run(const StatsArguments& arguments) {
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
-  const BookStatistics statistics = statistics_of(book);
+  BookStatistics statistics = statistics_of(book);
+  leave_out_unresolved(book, statistics);
   if (arguments.json) {
     print(to_json(book, statistics));
   } else {

@@ -7,7 +7,7 @@ import csv
 import json
 import math
 
-from samara_case import LINE_PLAN, FOLDER, Case, book, main, run, write
+from samara_case import COIN_PLAN, FOLDER, LINE_PLAN, Case, book, main, run, write
 
 
 class Answers(Case):
@@ -201,6 +201,28 @@ class Answers(Case):
             self.assertAlmostEqual(deviation, t * math.sqrt(10 - mean**2), delta=1e-6)
             if t > 1e-6:
                 self.assertAlmostEqual(total, 1.0, delta=1e-9)
+
+    def test_indices_are_left_out_where_an_output_varies_less_than_its_error(self):
+        # x(0) is fixed, so that x varies with t^2; what a coarse codebook says of early times is its own error.
+        coarse, fine = book("coin", COIN_PLAN), book("coin6", COIN_PLAN.replace("relative = 1e-3", "relative = 1e-6"))
+        said = run("stats", coarse, "--json")
+        rough, sharp = json.loads(said.stdout), json.loads(run("stats", fine, "--json").stdout)
+        compared = left_out = 0
+        for a, b in zip(rough["outputs"], sharp["outputs"]):
+            for name in rough["inputs"]:
+                known = [(t, i) for t, i in zip(sharp["times"], b["first_order"][name]) if i is not None]
+                for t, index in zip(rough["times"], a["first_order"][name]):
+                    if index is None:
+                        left_out += 1
+                        continue
+                    near_t, near = min(known, key=lambda pair: abs(pair[0] - t))
+                    if abs(near_t - t) > 5e-3:
+                        continue
+                    compared += 1
+                    self.assertAlmostEqual(index, near, delta=0.05, msg=f"{a['name']}, {name}, t = {t}")
+        self.assertGreater(compared, 10)
+        self.assertGreater(left_out, 0)
+        self.assertIn("Sobol' indices of x are left out at", said.stderr)
 
     def test_validate_certifies_again_on_other_points(self):
         path = book("line", LINE_PLAN)
