@@ -90,8 +90,8 @@ function(samara_library target)
 endfunction()
 
 # Headers that nearly every source reads, compiled once per target: an eighth to a quarter of the time of a file. From
-# there GCC 12 no longer knows the standard library's headers as such, and warns of them. The presets of the long
-# checks do without, so that no source relies on what it does not include, and every warning is seen.
+# there GCC 12 no longer knows the standard library's headers as such, and warns of them. The preset "dev" does
+# without, so that no source relies on what it does not include, and every warning is seen.
 function(samara_precompile target)
   if(CMAKE_DISABLE_PRECOMPILE_HEADERS)
     return()

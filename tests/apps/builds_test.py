@@ -9,8 +9,9 @@ import resource
 import signal
 import subprocess
 import time
+import unittest
 
-from samara_case import COIN_PLAN, FOLDER, LINE_PLAN, SAMARA, Case, main, run, write
+from samara_case import COIN_PLAN, FOLDER, LINE_PLAN, LONGEST, PATIENCE, SAMARA, Case, main, run, write
 
 
 PLATE_PLAN = """model = "falling_plate_nd"
@@ -114,7 +115,7 @@ class Builds(Case):
         def limit():
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
-        return subprocess.run([SAMARA, "build", plan, "-o", target], capture_output=True, text=True, timeout=120, preexec_fn=limit)
+        return subprocess.run([SAMARA, "build", plan, "-o", target], capture_output=True, text=True, timeout=LONGEST, preexec_fn=limit)
 
     def test_a_full_disk_is_one_sentence_about_the_checkpoint_and_one_about_the_codebook(self):
         target = FOLDER / "full.h5"
@@ -126,6 +127,7 @@ class Builds(Case):
         self.assertEqual(len(result.stderr.strip().splitlines()), 2, result.stderr)
         self.assertFalse(target.exists())
 
+    @unittest.skipIf(PATIENCE > 1, "a slow build stores checkpoints on the way, which are larger than the codebook")
     def test_a_build_whose_file_cannot_be_written_at_the_end_keeps_its_checkpoint(self):
         target = FOLDER / "kept.h5"
         plan = write("kept.toml", COIN_PLAN.replace("1e-3", "1e-4"))

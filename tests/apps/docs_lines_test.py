@@ -9,7 +9,7 @@ import shlex
 import shutil
 import subprocess
 
-from samara_case import FOLDER, SAMARA, Case, main
+from samara_case import FOLDER, LONGEST, SAMARA, Case, main
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "fits.md").read_text()
@@ -22,7 +22,7 @@ class FitsPage(Case):
         (FOLDER / "ratio.toml").write_text(re.search(r"`ratio.toml`\n\n```toml\n(.*?)```", PAGE, re.S).group(1))
         lines = [line for line in PAGE.splitlines() if line.startswith("samara ") and "$SAMARA_DATA" not in line]
         self.assertEqual(len(lines), 10)
-        results = [subprocess.run([SAMARA, *shlex.split(line)[1:]], cwd=FOLDER, capture_output=True, text=True, timeout=120)
+        results = [subprocess.run([SAMARA, *shlex.split(line)[1:]], cwd=FOLDER, capture_output=True, text=True, timeout=LONGEST)
                    for line in lines]
         self.assertEqual([r.returncode for r in results], [0, 0, 0, 0, 0, 0, 0, 0, 4, 0], results[-1].stderr)
         self.assertRegex(results[1].stdout, r"C_D +1\.169.*0\.87\d+ to 1\.48\d+ \(95 %\)")

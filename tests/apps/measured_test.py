@@ -11,7 +11,7 @@ import re
 import subprocess
 import sys
 
-from samara_case import FOLDER, SAMARA, Case, main
+from samara_case import FOLDER, PATIENCE, SAMARA, Case, main
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "fits.md").read_text()
@@ -26,7 +26,7 @@ class Measured(Case):
         (FOLDER / "examples").unlink(missing_ok=True)
         (FOLDER / "examples").symlink_to(ROOT / "examples")
         environment = {**os.environ, "PATH": f"{FOLDER}:{os.environ['PATH']}"}
-        result = subprocess.run(["bash", "-c", f"{line} --json"], cwd=FOLDER, env=environment, capture_output=True, text=True, timeout=280)
+        result = subprocess.run(["bash", "-c", f"{line} --json"], cwd=FOLDER, env=environment, capture_output=True, text=True, timeout=280 * PATIENCE)
         self.assertIn(result.returncode, (0, 4), result.stderr)
         return json.loads(result.stdout), result.stderr
 

@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import sys
 
-from samara_case import COIN_PLAN, FOLDER, Case, book, main, run, write
+from samara_case import COIN_PLAN, FOLDER, LONGEST, Case, book, main, run, write
 
 BROWSER = next(filter(None, map(shutil.which, ["chromium-headless-shell", "chromium", "chromium-browser",
                                                "google-chrome"])), None)
@@ -125,7 +125,7 @@ class ReportInBrowser(Case):
     def opened(self, page):
         result = subprocess.run([BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=5000",
                                  "--window-size=1200,900", "--dump-dom", f"{page.as_uri()}#check"],
-                                capture_output=True, text=True, timeout=120)
+                                capture_output=True, text=True, timeout=LONGEST)
         self.assertEqual(result.returncode, 0, result.stderr)
         opened = Page(result.stdout)
         self.assertEqual(opened.one("pre", id="errors")["text"], "")

@@ -37,8 +37,13 @@ kind = "pgd"
 """
 
 
+# How much slower than usual a program may be, such as one with sanitizers.
+PATIENCE = float(os.environ.get("SAMARA_TEST_PATIENCE", "1"))
+LONGEST = 120 * PATIENCE
+
+
 def run(*arguments):
-    return subprocess.run([SAMARA, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+    return subprocess.run([SAMARA, *map(str, arguments)], capture_output=True, text=True, timeout=LONGEST)
 
 
 def write(name, text):

@@ -8,7 +8,7 @@ import os
 import signal
 import subprocess
 
-from samara_case import COIN_PLAN, FOLDER, LINE_PLAN, SAMARA, Case, book, main, run, write
+from samara_case import COIN_PLAN, FOLDER, LINE_PLAN, LONGEST, SAMARA, Case, book, main, run, write
 
 COIN = ["--set", "C_D=1.2", "--set", "area=4.7144e-4", "--set", "thickness=2.55e-3", "--set", "density=6338.5"]
 GONE = "reader gone"
@@ -18,11 +18,11 @@ def redirected(redirection, arguments):
     """As a shell starts it: `2>&-`, or with a pipe on stderr whose reader has gone."""
     if redirection is not GONE:
         return subprocess.run(["sh", "-c", f'exec "$0" "$@" {redirection}', SAMARA, *map(str, arguments)],
-                              capture_output=True, text=True, timeout=120)
+                              capture_output=True, text=True, timeout=LONGEST)
     reader, writer = os.pipe()
     os.close(reader)
     try:
-        return subprocess.run([SAMARA, *map(str, arguments)], stdout=subprocess.PIPE, stderr=writer, text=True, timeout=120,
+        return subprocess.run([SAMARA, *map(str, arguments)], stdout=subprocess.PIPE, stderr=writer, text=True, timeout=LONGEST,
                               restore_signals=True)
     finally:
         os.close(writer)
