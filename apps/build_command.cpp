@@ -22,6 +22,8 @@ int run(const BuildArguments& arguments) {
   options.checkpoint = arguments.output + ".checkpoint";
   options.keep_checkpoint = true;
   options.resume = arguments.resume;
+  if (arguments.resume && !std::filesystem::exists(options.checkpoint))
+    narrate(fmt::format("there is no {} to resume from: the build begins anew", options.checkpoint.string()));
   options.progress = progress_line();
   options.warning = [](const std::string& sentence) { warn(sentence); };
   const codebooks::BuildResult result = codebooks::build(plan, options);

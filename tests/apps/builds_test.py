@@ -138,8 +138,11 @@ class Builds(Case):
         self.assertEqual(result.returncode, 2)
         self.assertNotIn("no checkpoint", result.stderr)
         self.assertTrue(checkpoint.exists())
-        self.assertEqual(run("build", plan, "-o", target, "--resume").returncode, 0)
+        resumed = run("build", plan, "-o", target, "--resume")
+        self.assertEqual(resumed.returncode, 0)
+        self.assertNotIn("begins anew", resumed.stderr)
         self.assertFalse(checkpoint.exists())
+        self.assertIn("kept.h5.checkpoint to resume from: the build begins anew", run("build", plan, "-o", target, "--resume").stderr)
 
 
 if __name__ == "__main__":
