@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,9 @@
 namespace samara::pgd {
 
 namespace {
+
+/// Of the last correction, what the next source may be wrong by.
+constexpr double kInexact = 0.02;
 
 /// The rows of one unknown among those of all, at so many times: times x (states times).
 Eigen::MatrixXd rows_of_unknown(int unknown, int states, int times) {
@@ -29,20 +33,21 @@ class Decoupling final : public Strategy {
   }
 
   Outcome<LinearSlab> linearise(const StrategySlab& slab, const TensorTrain& iterate,
-                                std::optional<double>) override {
+                                std::optional<double> correction) override {
     const TensorTrain at_points = slab.at_points(iterate);
     const TensorTrain start = slab.start_at_points();
     unknowns_.clear();
     for (int m = 0; m < slab.states(); ++m)
       unknowns_.push_back(applied(at_points, 0, rows_of_unknown(m, slab.states(), slab.points())));
-    const double tolerance = kSourceShare * slab.tolerance();
+    // While corrections are large, their size is all that products must be good to.
+    const double tolerance = std::max(kSourceShare * slab.tolerance(), kInexact * correction.value_or(1.0));
     TensorTrain all;
     for (int m = 0; m < slab.states(); ++m) {
       Outcome<TensorTrain> source = source_of(slab, m, tolerance);
       if (!source) return source.ending();
       const Eigen::MatrixXd rows = rows_of_unknown(m, slab.states(), slab.points());
       unknowns_[static_cast<std::size_t>(m)] = slab.compressed(
-          sum(applied(start, 0, rows), applied(*source, 0, slab.integration())), 0.1 * tolerance);
+          sum(applied(start, 0, rows), applied(*source, 0, slab.integration())), tolerance);
       TensorTrain placed = applied(std::move(*source), 0, Eigen::MatrixXd(rows.transpose()));
       all = all.cores.empty() ? std::move(placed) : sum(all, placed);
     }
