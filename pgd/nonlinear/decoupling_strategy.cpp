@@ -46,8 +46,8 @@ class Decoupling final : public Strategy {
       Outcome<TensorTrain> source = source_of(slab, m, tolerance);
       if (!source) return source.ending();
       const Eigen::MatrixXd rows = rows_of_unknown(m, slab.states(), slab.points());
-      unknowns_[static_cast<std::size_t>(m)] = slab.compressed(
-          sum(applied(start, 0, rows), applied(*source, 0, slab.integration())), tolerance);
+      unknowns_[static_cast<std::size_t>(m)] =
+          slab.compressed(sum(applied(start, 0, rows), applied(*source, 0, slab.integration())), tolerance);
       TensorTrain placed = applied(std::move(*source), 0, Eigen::MatrixXd(rows.transpose()));
       all = all.cores.empty() ? std::move(placed) : sum(all, placed);
     }

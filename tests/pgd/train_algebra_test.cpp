@@ -6,8 +6,10 @@
 #include <catch2/catch.hpp>
 
 #include "random_tensor.h"
+#include "round_off_matrix.h"
 #include "samara/base/errors.h"
 #include "samara/pgd/tensors/tensor_algebra.h"
+#include "samara/pgd/tensors/thin_svd.h"
 
 using namespace samara::pgd;
 using Catch::Contains;
@@ -27,6 +29,17 @@ double difference(const TensorTrain& train, const SeparatedTensor& tensor) {
 }
 
 }  // namespace
+
+TEST_CASE(
+    "singular values and vectors of a matrix with columns of round-off are finite and make the matrix") {
+  const Eigen::MatrixXd matrix = round_off_matrix();
+  const ThinSvd svd = thin_svd(matrix);
+  const Eigen::MatrixXd made = svd.u * svd.singular.asDiagonal() * svd.v.transpose();
+  CHECK((made - matrix).norm() < 1e-13 * matrix.norm());
+  CHECK((svd.u.transpose() * svd.u - Eigen::MatrixXd::Identity(61, 61)).norm() < 1e-12);
+  CHECK((svd.v.transpose() * svd.v - Eigen::MatrixXd::Identity(61, 61)).norm() < 1e-12);
+  CHECK((svd.singular.head(60) - svd.singular.tail(60)).minCoeff() >= 0.0);
+}
 
 TEST_CASE("sum, multiple, product and inner product of trains are those of the sums they stand for") {
   const SeparatedTensor a = random_tensor(kTrainSizes, 4, 1);
