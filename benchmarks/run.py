@@ -73,8 +73,7 @@ def main():
                           f"| case | metric | value | unit | baseline | ratio |\n| --- | --- | --- | --- | --- | --- |\n{table}")
         if not quick and not case:
             text = "# Results of the benchmarks\n\nWritten by `./dev bench [NAME]`, section by section. Times in seconds; "
-            text += "ratio is the baseline's time over ours. Three quiet runs of `models` differed by 5 % in the median time and ratio, 15 % at "
-            text += "most; on another day all times of the same machine may be a third longer, ratios a tenth.\n"
+            text += "ratio is the baseline's time over ours. Three quiet runs of `models` differed by 5 % in the median time and ratio, 15 % at most.\n"
             text += "".join(f"\n## {n}\n\n{sections[n]}\n" for n in NAMES + SCRIPTS if n in sections)
             path.write_text(text)
 

@@ -48,6 +48,14 @@ double damping_after(double damping, double gain_ratio) {
   return gain_ratio < 0.25 ? 4.0 * damping : damping;
 }
 
+void harden(SecantModel& model, double& damping) {
+  if (model.has_learned()) {
+    model.forget();
+  } else {
+    damping *= 8.0;
+  }
+}
+
 double decrement(const SecantModel& model, const Eigen::VectorXd& gradient, const std::vector<int>& free) {
   const Eigen::VectorXd scale = damping_scale(model.normal());
   double largest = 0.0;

@@ -32,6 +32,9 @@ Eigen::VectorXd step_between(const Chart& chart, const Eigen::VectorXd& from, co
 /// The next damping after a step that lowered the cost by `gain_ratio` of what was predicted.
 double damping_after(double damping, double gain_ratio);
 
+/// After a step that failed: forgets what was learned, or damps more where nothing was.
+void harden(SecantModel& model, double& damping);
+
 /// g^T H^-1 g on the free directions, by J^T W J and by what was learned, whichever is larger: twice what a
 /// step could gain.
 double decrement(const SecantModel& model, const Eigen::VectorXd& gradient, const std::vector<int>& free);

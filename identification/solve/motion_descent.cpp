@@ -166,11 +166,7 @@ bool MotionDescent::step(FitPoint& point) {
       }
       std::ranges::copy(before, point.own.begin() + static_cast<std::ptrdiff_t>(first()));
     }
-    if (own_.has_learned()) {
-      own_.forget();
-    } else {
-      damping_ *= 8.0;
-    }
+    harden(own_, damping_);
   }
   damping_ = kFirstDamping;
   return false;

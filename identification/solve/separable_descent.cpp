@@ -159,11 +159,7 @@ class SeparableDescent {
         point_ = before;
         motions_ = motions;
       }
-      if (model_.has_learned()) {
-        model_.forget();
-      } else {
-        damping_ *= 8.0;
-      }
+      harden(model_, damping_);
     }
     damping_ = kFirstDamping;
     return false;

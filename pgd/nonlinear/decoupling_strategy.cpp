@@ -40,7 +40,8 @@ class Decoupling final : public Strategy {
     for (int m = 0; m < slab.states(); ++m)
       unknowns_.push_back(applied(at_points, 0, rows_of_unknown(m, slab.states(), slab.points())));
     // While corrections are large, their size is all that products must be good to.
-    const double tolerance = std::max(kSourceShare * slab.tolerance(), kInexact * correction.value_or(1.0));
+    const double enough = kSourceShare * slab.tolerance();
+    const double tolerance = std::max(enough, kInexact * correction.value_or(1.0));
     TensorTrain all;
     for (int m = 0; m < slab.states(); ++m) {
       Outcome<TensorTrain> source = source_of(slab, m, tolerance);
@@ -51,7 +52,7 @@ class Decoupling final : public Strategy {
       TensorTrain placed = applied(std::move(*source), 0, Eigen::MatrixXd(rows.transpose()));
       all = all.cores.empty() ? std::move(placed) : sum(all, placed);
     }
-    return LinearSlab{{}, slab.compressed(std::move(all), tolerance)};
+    return LinearSlab{{}, slab.compressed(std::move(all), tolerance), tolerance > enough};
   }
 
  private:

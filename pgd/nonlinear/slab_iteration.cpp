@@ -91,6 +91,7 @@ Outcome<double> SlabIteration::step(Strategy& strategy) {
       record_.corrections.empty() ? std::nullopt : std::optional(record_.corrections.back());
   const Outcome<LinearSlab> linear = strategy.linearise(slab_, iterate_, last);
   if (!linear) return linear.ending();
+  rough_ = linear->rough;
   raise(record_.source_ranks, linear->source.ranks());
   if (linear->jacobian) raise(record_.jacobian_ranks, linear->jacobian->ranks());
   Outcome<TensorTrain> next = strategy.solution(slab_, *linear, last, pivots_);
@@ -105,11 +106,11 @@ bool SlabIteration::converged(double correction) {
   const std::vector<double>& all = record_.corrections;
   const double enough = kCorrectionShare * slab_.tolerance();
   ratio_ = all.size() > 1 ? correction / all[all.size() - 2] : 0.0;
-  if (correction <= enough) return true;
+  if (correction <= enough) return !rough_;
   record_.contraction = std::max(record_.contraction, ratio_);
   // What is left of a contracting iteration is about ratio / (1 - ratio) of its last correction; but where
   // a separated Jacobian is wrong in a corner of the box, it is more there. The equations tell.
-  return all.size() > 1 && ratio_ < 0.5 && correction * ratio_ <= 0.5 * enough &&
+  return !rough_ && all.size() > 1 && ratio_ < 0.5 && correction * ratio_ <= 0.5 * enough &&
          defect_on_grid(slab_, iterate_) <= slab_.tolerance();
 }
 

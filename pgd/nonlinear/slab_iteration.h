@@ -60,6 +60,7 @@ class SlabIteration {
   TensorTrain iterate_;
   CrossPivots pivots_;
   double ratio_ = 0.0;
+  bool rough_ = false;  ///< the last source was
   int growths_ = 0;
 };
 

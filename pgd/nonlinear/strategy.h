@@ -32,6 +32,8 @@ struct LinearSlab {
   /// A: row (m + n k) + n^2 i of the first mode is A(m, k) at Radau point i. Empty: none.
   std::optional<TensorTrain> jacobian = {};
   TensorTrain source;  ///< b: row m + n i
+  /// Whether b is rounded more than the tolerance of the slab allows: such an iteration is never the last.
+  bool rough = false;
 };
 
 /// Something that a strategy has approximated on its way to A and b.

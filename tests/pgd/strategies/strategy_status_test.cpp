@@ -193,6 +193,43 @@ TEST_CASE("small corrections all over the box do not hide a corner in which the 
   CHECK(std::abs(result.value_at(std::vector{1.0, 0.5, 0.0})[0] - 0.5) <= 1e-3);
 }
 
+namespace {
+
+/// Solves x' = q with a source that is 0.9 q twice, said to be rough, and q from then on.
+class RoughAtFirst final : public Strategy {
+ public:
+  std::string name() const override { return "rough at first"; }
+  samara::Outcome<LinearSlab> linearise(const StrategySlab& slab, const TensorTrain&,
+                                        std::optional<double>) override {
+    const bool rough = iteration_++ < 2;
+    const EntryFunction source = [&](const IndexBatch& entries, Matrix& values) {
+      values = (rough ? 0.9 : 1.0) * slab.parameters_at(entries).topRows(1).replicate(slab.rows(), 1);
+    };
+    CrossPivots pivots;
+    return LinearSlab{{}, *slab.separate(source, slab.rows(), 1e-6, pivots, "f"), rough};
+  }
+
+ private:
+  int iteration_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("an iteration with a rough source is never the last, however small its correction") {
+  const slab_systems::System system(
+      1, [](const Vector&, const Vector& q) { return Vector(q.head(1)); },
+      [](const Vector&, const Vector&) { return Matrix(Matrix::Zero(1, 1)); });
+  const EvolutionProblem problem{
+      &system,    Axis::radau({"t"}, 0.0, 1.0, 1, 4), {Axis::chebyshev({"q"}, 0.5, 1.0, 6)}, {{"x"}}, {1.0},
+      {{0.0, -1}}};
+  RoughAtFirst strategy;
+  // The second iterate is the first: its correction is round-off.
+  const StrategyTrial result = try_strategy(problem, strategy, {.tolerance = 1e-4});
+  CAPTURE(result.message);
+  CHECK(result.status == samara::Termination::converged);
+  CHECK(std::abs(result.value_at(std::vector{1.0, 0.7})[0] - 0.7) <= 1e-4);
+}
+
 TEST_CASE("training trajectories that end too early are a status of the march, not a caller's mistake") {
   // x' = x^2 from 1 on ends at t = 1, long before the last of many points could be picked.
   const PolynomialSystem system(1, 1, {{0, 1.0, {1}, {2}}});
