@@ -6,10 +6,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "cases.h"
 #include "guard_families.h"
+#include "samara/base/parallel.h"
 #include "samara/codebooks/build/build.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/pgd/tensors/random.h"
@@ -95,7 +95,7 @@ struct Task {
 
 std::vector<Verdict> judge_all(const std::vector<Task>& tasks, long max_calls, int points) {
   std::vector<Verdict> verdicts(tasks.size());
-  tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
+  parallel_for(tasks.size(), [&](std::size_t i) {
     verdicts[i] = judged(tasks[i].function, tasks[i].seed, max_calls, points);
   });
   return verdicts;

@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/info.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/parallel.h"
 #include "samara/base/require.h"
 #include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/certify/point_errors.h"
@@ -199,7 +199,7 @@ Measured measure(const Codebook& book, const models::ParametricModel& model, con
   const Comparison comparison = [&](const Eigen::MatrixXd& q) {
     std::vector<PointErrors> errors(static_cast<std::size_t>(q.cols()));
     arena.execute([&] {
-      tbb::parallel_for(Eigen::Index{0}, q.cols(), [&](Eigen::Index i) {
+      parallel_for(q.cols(), [&](Eigen::Index i) {
         errors[static_cast<std::size_t>(i)] = compare_with_trajectory(
             workers.local(), {q.col(i).data(), static_cast<std::size_t>(q.rows())}, times, states);
       });

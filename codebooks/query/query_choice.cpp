@@ -1,17 +1,15 @@
 #include "samara/codebooks/query/query_choice.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <thread>
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/parallel.h"
 #include "samara/codebooks/book/box.h"
 #include "samara/codebooks/book/certificate_points.h"
 
@@ -120,51 +118,19 @@ Prepared prepare(const Codebook& book, const QueryOptions& options,
   return result;
 }
 
-namespace {
-
-/// What TBB orders, told once more to the thread sanitizer, which does not look into TBB.
-class Handover {
- public:
-#ifdef __SANITIZE_THREAD__
-  void give() {
-    mark_.fetch_add(1, std::memory_order_release);
-  }
-  void take() const {
-    mark_.load(std::memory_order_acquire);
-  }
-
- private:
-  std::atomic<int> mark_ = 0;
-#else
-  void give() {}
-  void take() const {}
-#endif
-};
-
-}  // namespace
-
 void in_ranges(Eigen::Index count, int threads, const std::function<void(Eigen::Index, Eigen::Index)>& run) {
   if (threads < 0) throw ArgumentError(fmt::format("a batch on {} threads, expected 0 or more", threads));
   const int machine = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const int used = threads == 0 ? machine : std::min(threads, machine);
   if (used == 1 || count <= kBatchChunk) return run(0, count);
   tbb::task_arena arena(used);
-  Handover begin, end;
-  begin.give();
   arena.execute([&] {
     // A few ranges per thread: a thread that is done takes the next one.
     const Eigen::Index chunks = (count + kBatchChunk - 1) / kBatchChunk;
-    const Eigen::Index grain = std::max<Eigen::Index>(1, chunks / (4 * used));
-    tbb::parallel_for(
-        tbb::blocked_range<Eigen::Index>(0, chunks, static_cast<std::size_t>(grain)),
-        [&](const tbb::blocked_range<Eigen::Index>& range) {
-          begin.take();
-          run(range.begin() * kBatchChunk, std::min(count, range.end() * kBatchChunk));
-          end.give();
-        },
-        tbb::simple_partitioner());
+    const Eigen::Index range = kBatchChunk * std::max<Eigen::Index>(1, chunks / (4 * used));
+    parallel_for((count + range - 1) / range,
+                 [&](Eigen::Index i) { run(i * range, std::min(count, (i + 1) * range)); });
   });
-  end.take();
 }
 
 }  // namespace samara::codebooks

@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/info.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/parallel.h"
 #include "samara/codebooks/source/command_program.h"
 #include "samara/models/integrators/integrate.h"
 
@@ -37,7 +37,7 @@ class Trajectories {
   SampledAnswers operator()(const Eigen::MatrixXd& points, const std::vector<double>& times) {
     std::vector<models::Trajectory> results(static_cast<std::size_t>(points.cols()));
     arena_.execute([&] {
-      tbb::parallel_for(Eigen::Index{0}, points.cols(), [&](Eigen::Index j) {
+      parallel_for(points.cols(), [&](Eigen::Index j) {
         const std::span<const double> q(points.col(j).data(), static_cast<std::size_t>(points.rows()));
         results[static_cast<std::size_t>(j)] = integrators_.local()(q, times);
       });

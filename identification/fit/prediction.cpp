@@ -9,9 +9,9 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/parallel.h"
 #include "samara/base/units.h"
 #include "samara/identification/fit/capture_prediction.h"
 #include "samara/identification/fit/fit.h"
@@ -185,7 +185,7 @@ void add_capture_predictions(const models::TrajectoryFamily& family, std::span<c
                              const PredictedOutputs& predicted, const FitOptions& held,
                              const PredictionOptions& prediction, PredictedCaptures& outcome) {
   std::vector<CapturePrediction> all(left_out.size());
-  tbb::parallel_for(std::size_t{0}, left_out.size(), [&](std::size_t k) {
+  parallel_for(left_out.size(), [&](std::size_t k) {
     all[k] = predict_capture(family, left_out[k], predicted, held, prediction);
   });
   std::vector<CapturePrediction>& predictions = outcome.predictions;

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
+#include "samara/base/parallel.h"
 #include "samara/identification/statistics/loss.h"
 
 namespace samara::identification {
@@ -37,7 +36,7 @@ void Evaluation::PrepareForEvaluation(bool evaluate_jacobians, bool new_point) {
   if (!new_point && (has_jacobians_ || !evaluate_jacobians)) return;
   has_jacobians_ = evaluate_jacobians;
   try {
-    tbb::parallel_for(std::size_t{0}, residuals_.size(), [&](std::size_t k) {
+    parallel_for(residuals_.size(), [&](std::size_t k) {
       const double* next = residuals_[k].segment().joined ? unknowns_.own(k + 1) : nullptr;
       ok_[k] = residuals_[k].evaluate(unknowns_.shared(), unknowns_.own(k), next, evaluate_jacobians);
     });

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <tbb/parallel_for.h>
 
+#include "samara/base/parallel.h"
 #include "samara/identification/problem/box_bounds.h"
 #include "samara/identification/statistics/loss.h"
 
@@ -87,7 +87,7 @@ Eigen::VectorXd influence_floor(const std::vector<models::FamilyCoordinate>& coo
 
 bool evaluate_all(std::vector<SegmentResidual>& residuals, const FitPoint& point) {
   std::vector<char> ok(residuals.size(), 0);
-  tbb::parallel_for(std::size_t{0}, residuals.size(), [&](std::size_t k) {
+  parallel_for(residuals.size(), [&](std::size_t k) {
     const double* next = residuals[k].segment().joined ? point.own[k + 1].data() : nullptr;
     ok[k] = residuals[k].evaluate(point.shared.data(), point.own[k].data(), next, true);
   });

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
+#include "samara/base/parallel.h"
 #include "samara/identification/solve/motion_descent.h"
 
 namespace samara::identification {
@@ -51,7 +50,7 @@ class SeparableDescent {
  private:
   template <class Action>
   void each_motion(const Action& action) {
-    tbb::parallel_for(std::size_t{0}, motions_.size(), [&](std::size_t k) { action(motions_[k]); });
+    parallel_for(motions_.size(), [&](std::size_t k) { action(motions_[k]); });
   }
 
   double total() const {
@@ -167,8 +166,7 @@ class SeparableDescent {
 
   bool follow_and_settle() {
     std::vector<char> ok(motions_.size(), 0);
-    tbb::parallel_for(std::size_t{0}, motions_.size(),
-                      [&](std::size_t k) { ok[k] = motions_[k].follow(point_, step_); });
+    parallel_for(motions_.size(), [&](std::size_t k) { ok[k] = motions_[k].follow(point_, step_); });
     if (!std::ranges::all_of(ok, [](char one) { return one != 0; })) return false;
     settle(kOwnSteps);
     return true;

@@ -1,12 +1,12 @@
 #include "samara/models/added_mass/panel_gmres.h"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
 #include <Eigen/Jacobi>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
+#include "samara/base/parallel.h"
 #include "samara/models/added_mass/panel_kernels.h"
 
 namespace samara::models::added_mass {
@@ -16,6 +16,9 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+/// Of a matrix, to one task.
+constexpr std::size_t kProductRows = 128;
 
 /// S A S x for up to kColumns columns, S = diag(A)^(-1/2).
 class ScaledOperator {
@@ -32,8 +35,9 @@ class ScaledOperator {
   auto set_column(Index c, const VectorXd& x) { in_.col(c) = scale_.cwiseProduct(x); }
   void apply() {
     const auto n = static_cast<std::size_t>(A_.rows());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 128), [&](const auto& range) {
-      multiply_rows(A_.data(), n, range.begin(), range.end(), in_.data(), out_.data());
+    parallel_for((n + kProductRows - 1) / kProductRows, [&](std::size_t rows) {
+      multiply_rows(A_.data(), n, rows * kProductRows, std::min(n, (rows + 1) * kProductRows), in_.data(),
+                    out_.data());
     });
   }
   VectorXd column(Index c) const { return scale_.cwiseProduct(out_.col(c)); }

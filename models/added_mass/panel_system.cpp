@@ -5,10 +5,9 @@
 #include <numbers>
 
 #include <Eigen/Geometry>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "samara/base/parallel.h"
 #include "samara/models/added_mass/panel_kernels.h"
 
 namespace samara::models::added_mass {
@@ -26,6 +25,8 @@ constexpr double kNearPoints = 3.0;
 /// Weight of Green's formula beside the energy of vortex loops, times half the root of the area: of the order
 /// of the body's inverse size. The added mass of the leaf changes by up to 0.6 % from 0.1 to 1.
 constexpr double kGreenWeight = 0.5;
+/// Of a matrix, to one task.
+constexpr std::size_t kLoopRows = 256;
 
 /// A ball about the centroids of a block of panels, which are mostly neighbours: spares asking each lane
 /// about panels that are near none.
@@ -73,7 +74,7 @@ class Assembly {
 
   PanelSystem run() {
     add_flux();
-    tbb::parallel_for(std::size_t{0}, blocks(n_), [&](std::size_t block) {
+    parallel_for(blocks(n_), [&](std::size_t block) {
       if (!progress_.goes_on()) return;
       set_green_rows(block);
       progress_.count();
@@ -218,12 +219,13 @@ class Assembly {
     std::vector<LoopLanes> lanes(std::min(group, count));
     for (std::size_t first = 0; first < count && progress_.goes_on(); first += group) {
       const std::size_t size = std::min(group, count - first);
-      tbb::parallel_for(std::size_t{0}, size, [&](std::size_t k) {
+      parallel_for(size, [&](std::size_t k) {
         see_loops(first + k, lanes[k]);
         progress_.count();
       });
-      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n_, 256), [&](const auto& range) {
-        for (std::size_t k = 0; k < size; ++k) add_loop_rows(first + k, lanes[k], range.begin(), range.end());
+      parallel_for((n_ + kLoopRows - 1) / kLoopRows, [&](std::size_t rows) {
+        const std::size_t begin = rows * kLoopRows, end = std::min(n_, begin + kLoopRows);
+        for (std::size_t k = 0; k < size; ++k) add_loop_rows(first + k, lanes[k], begin, end);
       });
       for (std::size_t k = 0; k < size; ++k) add_loop_rhs(first + k, lanes[k]);
     }

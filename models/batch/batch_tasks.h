@@ -5,10 +5,9 @@
 #include <span>
 
 #include <Eigen/Core>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "samara/base/parallel.h"
 #include "samara/base/shared_progress.h"
 #include "samara/models/integrators/model_kernel.h"
 #include "samara/models/interface/parametric_model.h"
@@ -74,15 +73,10 @@ void in_tasks(const Model& model, Eigen::Index trajectories, int threads, Shared
   const Eigen::Index tasks = (trajectories + task - 1) / task;
   tbb::task_arena arena = arena_of(threads);
   arena.execute([&] {
-    tbb::parallel_for(
-        tbb::blocked_range<Eigen::Index>(0, tasks, 1),
-        [&](const tbb::blocked_range<Eigen::Index>& range) {
-          for (Eigen::Index i = range.begin(); i < range.end(); ++i) {
-            run(i * task, std::min(trajectories, (i + 1) * task));
-            progress.count();
-          }
-        },
-        tbb::simple_partitioner());
+    parallel_for(tasks, [&](Eigen::Index i) {
+      run(i * task, std::min(trajectories, (i + 1) * task));
+      progress.count();
+    });
   });
 }
 

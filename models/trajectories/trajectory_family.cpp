@@ -4,16 +4,17 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/parallel.h"
 
 namespace samara::models {
 
 namespace {
 
+/// Trajectories to one source.
+constexpr std::size_t kGroup = 16;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Nothing is left where nothing is known.
@@ -56,9 +57,9 @@ FamilyBatch TrajectoryFamily::batch(const Eigen::Ref<const Eigen::MatrixXd>& poi
   result.outcomes.resize(count);
   result.values.resize(count);
   if (with_derivatives) result.derivatives.resize(count);
-  const auto run = [&](const tbb::blocked_range<std::size_t>& range) {
+  const auto run = [&](std::size_t group) {
     const std::unique_ptr<TrajectorySource> source = at(times, outputs);
-    for (std::size_t n = range.begin(); n < range.end(); ++n) {
+    for (std::size_t n = group * kGroup; n < std::min(count, (group + 1) * kGroup); ++n) {
       const Eigen::VectorXd q = points.row(static_cast<Eigen::Index>(n)).transpose();
       FamilyTrajectory one = evaluated(*source, std::span(q.data(), static_cast<std::size_t>(q.size())),
                                        times, static_cast<Eigen::Index>(outputs.size()), options.derivatives);
@@ -69,7 +70,7 @@ FamilyBatch TrajectoryFamily::batch(const Eigen::Ref<const Eigen::MatrixXd>& poi
   };
   if (count == 0) at(times, outputs);  // refuses what it must
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  arena.execute([&] { tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16), run); });
+  arena.execute([&] { parallel_for((count + kGroup - 1) / kGroup, run); });
   return result;
 }
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
+#include "samara/base/parallel.h"
 #include "samara/base/require.h"
 #include "samara/pgd/evolution/polynomial_system.h"
 #include "samara/pgd/tensors/random.h"
@@ -144,7 +144,7 @@ class SystemExaminer {
   void ask_from_threads() {
     constexpr int kCalls = 64;
     std::vector<char> same(kCalls, 0);
-    tbb::parallel_for(0, kCalls, [&](int i) {
+    parallel_for(kCalls, [&](int i) {
       same[static_cast<std::size_t>(i)] =
           rates_of(system_, at_) == f_ && jacobian_of(system_, at_) == jacobian_;
     });

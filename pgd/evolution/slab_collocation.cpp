@@ -6,8 +6,8 @@
 #include <utility>
 
 #include <Eigen/LU>
-#include <tbb/parallel_for.h>
 
+#include "samara/base/parallel.h"
 #include "samara/pgd/axes/axis.h"
 #include "samara/pgd/axes/lagrange.h"
 
@@ -210,7 +210,7 @@ SlabPoints SlabCollocation::solve(const std::vector<double>& borders, const Eige
   answer.status.assign(static_cast<std::size_t>(points), SlabPointStatus::solved);
   const Eigen::Index chunks = (points + kChunk - 1) / kChunk;
   std::vector<Chunk> work(static_cast<std::size_t>(chunks), Chunk(q, answer));
-  tbb::parallel_for(Eigen::Index{0}, chunks, [&](Eigen::Index c) {
+  parallel_for(chunks, [&](Eigen::Index c) {
     Chunk& chunk = work[static_cast<std::size_t>(c)];
     for (int e = 0; e < elements; ++e) {
       std::vector<int> columns;

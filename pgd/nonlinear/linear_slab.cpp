@@ -3,8 +3,8 @@
 #include <utility>
 
 #include <Eigen/LU>
-#include <tbb/parallel_for.h>
 
+#include "samara/base/parallel.h"
 #include "samara/pgd/evolution/slab_collocation.h"
 #include "samara/pgd/tensors/train_algebra.h"
 #include "samara/pgd/tensors/train_points.h"
@@ -32,7 +32,7 @@ Eigen::MatrixXd solve_at(const StrategySlab& slab, const LinearSlab& linear, con
   const Eigen::MatrixXd sources = values_at(linear.source, entries);
   const Eigen::MatrixXd starts = values_at(slab.start(), entries);
   Eigen::MatrixXd solutions(n * (s + 1), entries.cols());
-  tbb::parallel_for(Eigen::Index{0}, entries.cols(), [&](Eigen::Index e) {
+  parallel_for(entries.cols(), [&](Eigen::Index e) {
     Eigen::MatrixXd rhs = sources.col(e).reshaped(n, s) * integration.transpose();
     rhs.colwise() += starts.col(e);
     solutions.col(e).head(n) = starts.col(e);

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
+#include "samara/base/parallel.h"
 #include "samara/pgd/cross/nodal_approximation.h"
 #include "samara/pgd/evolution/slab_collocation.h"
 #include "samara/pgd/evolution/slab_train.h"
@@ -92,7 +92,7 @@ Eigen::MatrixXd StrategySlab::rates(const Eigen::MatrixXd& x, const Eigen::Matri
   const auto times = static_cast<Eigen::Index>(nodes.size());
   Eigen::MatrixXd result(n * times, x.cols());
   const Eigen::Index points = times * x.cols();
-  tbb::parallel_for(Eigen::Index{0}, (points + kChunk - 1) / kChunk, [&](Eigen::Index c) {
+  parallel_for((points + kChunk - 1) / kChunk, [&](Eigen::Index c) {
     const Eigen::Index first = c * kChunk;
     const Eigen::Index count = std::min(kChunk, points - first);
     Eigen::VectorXd t(count);
@@ -128,7 +128,7 @@ Eigen::MatrixXd StrategySlab::jacobians(const Eigen::MatrixXd& x, const Eigen::M
       length_ *
       (scales_.cwiseInverse() * scales_.transpose()).reshaped().eval();  // by state, column by column
   const Eigen::Index per_chunk = std::max<Eigen::Index>(1, kChunk / times);
-  tbb::parallel_for(Eigen::Index{0}, (x.cols() + per_chunk - 1) / per_chunk, [&](Eigen::Index c) {
+  parallel_for((x.cols() + per_chunk - 1) / per_chunk, [&](Eigen::Index c) {
     const Eigen::Index first = c * per_chunk;
     const Eigen::Index entries = std::min(per_chunk, x.cols() - first);
     const Eigen::VectorXd t = nodes_.replicate(entries, 1);

@@ -7,9 +7,9 @@
 #include <numeric>
 
 #include <nlopt.h>
-#include <tbb/parallel_for.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/parallel.h"
 #include "samara/identification/solve/starts/start_states.h"
 
 namespace samara::identification {
@@ -59,7 +59,7 @@ class SharedCost {
   }
 
   double operator()(const Eigen::VectorXd& shared) {
-    tbb::parallel_for(std::size_t{0}, residuals_.size(), [&](std::size_t k) {
+    parallel_for(residuals_.size(), [&](std::size_t k) {
       Eigen::VectorXd own = start_.own[k];
       const auto frames = static_cast<int>(residuals_[k].segment().times.size());
       costs_[k] = minimize_own(problem_, residuals_[k], shared, own, frames, kIterationsOfOwn);

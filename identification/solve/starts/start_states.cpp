@@ -7,8 +7,8 @@
 #include <span>
 
 #include <Eigen/Cholesky>
-#include <tbb/parallel_for.h>
 
+#include "samara/base/parallel.h"
 #include "samara/identification/smoothing/medians.h"
 #include "samara/identification/solve/starts/kinematic_start.h"
 #include "samara/identification/statistics/loss.h"
@@ -212,12 +212,12 @@ void find_start_states(const models::ParametricModel& equations, const FitProble
   }
   std::vector<double> costs(residuals.size());
   std::vector<Eigen::VectorXd> chosen(residuals.size());
-  tbb::parallel_for(std::size_t{0}, residuals.size(), [&](std::size_t k) {
+  parallel_for(residuals.size(), [&](std::size_t k) {
     const int trials = also_point ? kRivalIterations : kTrialIterations;
     costs[k] = choose(problem, residuals[k], point.shared, candidates, k, trials, chosen[k]);
   });
   const double limit = far_above(costs);
-  tbb::parallel_for(std::size_t{0}, residuals.size(), [&](std::size_t k) {
+  parallel_for(residuals.size(), [&](std::size_t k) {
     if (costs[k] > limit) grow(problem, residuals[k], point.shared, candidates, k, costs[k], chosen[k]);
   });
   point.own = std::move(chosen);
