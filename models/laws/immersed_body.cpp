@@ -17,8 +17,7 @@ Parameters coefficient_parameters() {
       not_negative("C_T", "1", 1.2, "coefficient of translational lift"),
       not_negative("C_R", "1", std::numbers::pi, "coefficient of rotational lift"),
       not_negative("C_w", "1", 0.8 * std::numbers::pi, "coefficient of rotational damping"),
-      share("damping_isotropy", 1.0,
-            "1: damping by the speed of the rim; 0: by the rate about each axis alone; or between"),
+      share("damping_isotropy", 1.0, "1: damping by the speed of the rim; 0: by each axis"),
       not_negative("linear_damping_x", "N m s", 0.0, "damping torque over rate about body x"),
       not_negative("linear_damping_y", "N m s", 0.0, "damping torque over rate about body y"),
       not_negative("linear_damping_z", "N m s", 0.0, "skin friction: torque over rate about body z"),
@@ -26,6 +25,9 @@ Parameters coefficient_parameters() {
             "share of the offset (1 - sin_alpha^3) l/4 of the centre of pressure; with 1, the Munk "
             "moment counts attached flow a second time: lower kappa"),
       share("kappa", 1.0, "factor of the Munk moment (M u_r) x u_r, 0 to 1"),
+      share("velocity_chord", 0.0,
+            "chord of the rotational lift. 0: the plate's own about each axis; 1: along the velocity, with "
+            "kinks"),
   };
 }
 
@@ -71,12 +73,13 @@ ModelInfo ImmersedBody::info() {
       "T = p x (drag + translational lift + rotational lift) + damping - m_f r_b x R^T (0, 0, -g);  "
       "drag = -1/2 rho A (1 + Re_drag/Re) (C_D0 (v_x^2 + v_y^2) + C_D90 v_z^2)/U v;  "
       "translational lift = -rho A C_T/(1 + Re_lift/Re) v_z/U v x (n x v);  "
-      "rotational lift = 1/2 rho A l C_R/(1 + Re_lift/Re) (w_x, w_y, 0) x v;  "
+      "rotational lift = 1/2 rho A C_R/(1 + Re_lift/Re) (l_x w_x, l_y w_y, 0) x v;  "
       "damping = -(4/15 rho C_w a b^3 s_x w_x, 4/15 rho C_w b a^3 s_y w_y, 0) - (linear_damping_x w_x, "
       "linear_damping_y w_y, linear_damping_z w_z);  "
       "v = u_r + w x p;  "
       "U = sqrt(|v|^2 + speed_floor^2);  "
       "Re = 2 a U/nu;  "
+      "(l_x, l_y) = (1 - velocity_chord) (2 b, 2 a) + velocity_chord (l, l);  "
       "l = 2 a b sqrt(v_x^2 + v_y^2 + speed_floor^2)/h(v);  "
       "h(v) = sqrt(b^2 v_x^2 + a^2 v_y^2 + a b speed_floor^2);  "
       "p = centre_of_pressure (1 - sin_alpha^3) (a b/2) (u_rx, u_ry, 0)/h(u_r);  "

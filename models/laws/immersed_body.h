@@ -29,6 +29,7 @@ struct ImmersedBody : EllipsoidBody {
     kLinearDamping,
     kCentreOfPressure = kLinearDamping + 3,
     kKappa,
+    kVelocityChord,
     kSpeedFloor,
     kRateFloor,
     kReDrag,
@@ -56,6 +57,7 @@ struct ImmersedBody : EllipsoidBody {
             .speed_floor = p[kSpeedFloor],
             .rate_floor = p[kRateFloor],
             .centre_of_pressure = p[kCentreOfPressure],
+            .velocity_chord = p[kVelocityChord],
             .Re = reynolds_speeds(p[kReDrag], p[kReLift], p[kNu], S(2.0) * p[kA])};
   }
 

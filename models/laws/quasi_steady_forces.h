@@ -10,14 +10,19 @@
 /// 65-90, for the plane; carried to three dimensions so that every term is passive (power on the relative
 /// motion never positive) and none depends on the choice of axes in a round disc.
 ///
-///   U = sqrt(|u|^2 + eps^2),  A = pi a b,  l the chord along the tangential velocity (u_x, u_y, 0)
+///   U = sqrt(|u|^2 + eps^2),  A = pi a b
 ///   drag               -1/2 rho A (C_D0 (u_x^2 + u_y^2) + C_D90 u_z^2) / U  u
 ///   translational lift -rho A C_T u_z / U  u x (n x u)                      perpendicular to u
-///   rotational lift    1/2 rho A l C_R  (w_x, w_y, 0) x u                   perpendicular to u
+///   rotational lift    1/2 rho A C_R (2b w_x, 2a w_y, 0) x u                perpendicular to u
 ///   damping            T_x = -1/2 rho C_w 8/15 a b^3 s w_x,  T_y = -1/2 rho C_w 8/15 b a^3 s w_y
 ///                      with the speed of the rim s = sqrt(b^2 w_x^2 + a^2 w_y^2)
 ///
 /// The small speed eps and the small rate w_eps make them smooth everywhere.
+///
+/// The rotational lift superposes the circulations of the rotation about each axis of the plate, C_R times half
+/// the chord at right angles to that axis squared times the rate: linear in w, and the planar law about either
+/// axis. One chord for both, along the tangential velocity (velocity_chord = 1), agrees in the plane but dips
+/// from 2a to 2 sqrt(a b) within a fraction of a millisecond whenever that velocity passes zero.
 namespace samara::models::laws {
 
 template <class S>
@@ -32,6 +37,7 @@ struct QuasiSteadyBody {
   S speed_floor;              ///< eps [m/s]
   S rate_floor;               ///< w_eps [rad/s]
   S centre_of_pressure;       ///< share of the quarter-chord offset: 0 none, 1 all
+  S velocity_chord;           ///< of the rotational lift: 0 by each axis, 1 the chord along the velocity
   ReynoldsSpeeds<S> Re;       ///< of the length 2 a
 };
 
@@ -67,6 +73,14 @@ S chord_along(const S& a, const S& b, const Vector3<S>& u, const S& floor) {
   using std::sqrt;
   const Tangential<S> tangential(a, b, u, floor);
   return S(2.0) * a * b * sqrt(tangential.speed_2 / tangential.stretched_2);
+}
+
+/// Twice the circulation of the rotation over C_R and |u|, as a vector along the axis of rotation. [m rad/s]
+template <class S>
+Vector3<S> rotation_of_chords(const QuasiSteadyBody<S>& body, const Vector3<S>& u, const Vector3<S>& w) {
+  const S along = body.velocity_chord * chord_along(body.a, body.b, u, body.speed_floor);
+  const S by_axis = S(2.0) * (S(1.0) - body.velocity_chord);
+  return {(by_axis * body.b + along) * w.x, (by_axis * body.a + along) * w.y, S(0.0)};
 }
 
 /// p = share (1 - sin^3 alpha) l/4 t, towards the leading edge: a quarter chord at small angles of attack,
@@ -117,13 +131,12 @@ QuasiSteadyLoads<S> quasi_steady_loads(const QuasiSteadyBody<S>& body, const Vec
   const S drag =
       S(0.5) * rho_A * of_drag * (body.C_D0 * tangential + body.C_D90 * u_p.z * u_p.z) * one_over_U;
   const S lift = rho_A * of_lift * body.C_T * u_p.z * one_over_U;
-  const S rotation = S(0.5) * rho_A * of_lift * body.C_R * chord_along(body.a, body.b, u_p, body.speed_floor);
-  const Vector3<S> w_in = {w.x, w.y, S(0.0)};
+  const S rotation = S(0.5) * rho_A * of_lift * body.C_R;
   // u x (n x u) = |u|^2 n - u_z u, without the cancellation in its last component.
   const Vector3<S> upward = {-u_p.z * u_p.x, -u_p.z * u_p.y, tangential};
   return {.drag = force_at(p, -drag * u_p),
           .translational_lift = force_at(p, -lift * upward),
-          .rotational_lift = force_at(p, rotation * cross(w_in, u_p)),
+          .rotational_lift = force_at(p, rotation * cross(rotation_of_chords(body, u_p, w), u_p)),
           .damping = {{}, damping_torque(body, w)}};
 }
 

@@ -62,6 +62,7 @@ TEST_CASE("the quasi-steady terms never do work on the body") {
     Values values;
     for (const char* name : {"C_D0", "C_D90", "C_T", "C_R", "C_w"}) values[name] = 4.0 * uniform(random);
     values["damping_isotropy"] = uniform(random);
+    values["velocity_chord"] = set % 4 == 0 ? 1.0 : uniform(random);
     values["centre_of_pressure"] = set % 2 == 0 ? 0.0 : 1.0;
     values["Re_drag"] = set % 3 == 0 ? 100.0 : 0.0;
     values["Re_lift"] = set % 5 == 0 ? 100.0 : 0.0;
@@ -136,6 +137,55 @@ TEST_CASE("with a Reynolds number the drag turns linear at low speed and the lif
       WithinRel(8.0, 1e-3));
 }
 
+TEST_CASE("the rotational lift is the sum of the planar ones about the two axes of the plate") {
+  const auto model = find_model("immersed_body");
+  const ParameterValues p = parameter_values(*model, card());
+  const auto lift = [&](const Eigen::Vector3d& u, const Eigen::Vector3d& w) {
+    BodyState state;
+    state.u = u;
+    state.w = w;
+    return Eigen::Vector3d(forces(*model, state, p)[kRotationalLift].force);
+  };
+  std::mt19937 random(31);
+  for (int k = 0; k < 100; ++k) {
+    const Eigen::Vector3d u = random_vector(random, 1.5), w = random_vector(random, 30.0);
+    const double half = 0.5 * 1.2 * std::numbers::pi * 0.035 * 0.02 * 1.21;
+    const Eigen::Vector3d expected = half * (2.0 * 0.02 * w.x() * Eigen::Vector3d::UnitX().cross(u) +
+                                             2.0 * 0.035 * w.y() * Eigen::Vector3d::UnitY().cross(u));
+    CHECK((lift(u, w) - expected).norm() <= 1e-14 * expected.norm());
+  }
+}
+
+TEST_CASE("either chord of the rotational lift is the plate's where the motion is planar") {
+  const auto model = find_model("immersed_body");
+  const ParameterValues by_axis = parameter_values(*model, card());
+  const ParameterValues by_velocity = parameter_values(*model, with(card(), {{"velocity_chord", 1.0}}));
+  BodyState state;
+  for (const bool about_y : {true, false}) {
+    state.u = about_y ? Eigen::Vector3d(0.7, 0.0, -0.4) : Eigen::Vector3d(0.0, 0.7, -0.4);
+    state.w = about_y ? Eigen::Vector3d(0.0, 3.0, 0.0) : Eigen::Vector3d(3.0, 0.0, 0.0);
+    const Eigen::Vector3d one = forces(*model, state, by_axis)[kRotationalLift].force;
+    const Eigen::Vector3d other = forces(*model, state, by_velocity)[kRotationalLift].force;
+    CHECK((one - other).norm() <= 1e-14 * one.norm());
+  }
+}
+
+TEST_CASE("the rotational lift of a round disc turns with its motion") {
+  const auto model = find_model("immersed_body");
+  const ParameterValues p = parameter_values(*model, with(card(), {{"b", 0.035}}));
+  std::mt19937 random(37);
+  for (int k = 0; k < 20; ++k) {
+    const Eigen::AngleAxisd turn(0.3 * k, Eigen::Vector3d::UnitZ());
+    BodyState state, turned;
+    state.u = random_vector(random, 1.5);
+    state.w = random_vector(random, 30.0);
+    turned.u = turn * state.u;
+    turned.w = turn * state.w;
+    const Eigen::Vector3d lift = forces(*model, state, p)[kRotationalLift].force;
+    CHECK((forces(*model, turned, p)[kRotationalLift].force - turn * lift).norm() <= 1e-14 * lift.norm());
+  }
+}
+
 TEST_CASE("damping does not depend on the axes chosen in a round disc") {
   const auto model = find_model("immersed_body");
   const ParameterValues p = parameter_values(*model, with(card(), {{"b", 0.035}, {"damping_isotropy", 1.0}}));
@@ -150,11 +200,14 @@ TEST_CASE("damping does not depend on the axes chosen in a round disc") {
   }
 }
 
-TEST_CASE("the chord stays between the axes of the outline where the tangential velocity vanishes") {
+TEST_CASE(
+    "a chord along the velocity stays between the axes of the outline where the tangential velocity "
+    "vanishes") {
   // Rotational lift is 1/2 rho A l C_R |w x u|.
   const auto model = find_model("immersed_body");
   for (const double floor : {1e-9, 0.02}) {
-    const ParameterValues p = parameter_values(*model, with(card(), {{"speed_floor", floor}}));
+    const ParameterValues p =
+        parameter_values(*model, with(card(), {{"speed_floor", floor}, {"velocity_chord", 1.0}}));
     for (const double angle : {0.0, 0.4, 1.2, std::numbers::pi / 2.0}) {
       for (const double tangential : {0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1.0}) {
         BodyState state;
