@@ -48,7 +48,9 @@ inline constexpr int kCertificatePoints = 2000;
 /// (pgd/sampling/error_climb.h).
 struct Certificate {
   double tolerance = 0.0;  ///< what the plan asked for
-  bool met = false;        ///< builder converged, no integration failed, and every output's max <= tolerance
+  /// The builder came to an end (a march to that of its time, sampling to its tolerance), no integration failed,
+  /// and every output's max <= tolerance.
+  bool met = false;
   double max_error = 0.0;  ///< largest OutputError::max; NaN where no integration succeeded
   int points = 0;
   int times = 0;

@@ -24,7 +24,7 @@ struct CertifyOptions {
 };
 
 /// Measures a codebook against CVODES, see Certificate. The result does not depend on the number of threads.
-/// `met` here means tolerance and integrations only; the builder adds whether it converged.
+/// `met` here means tolerance and integrations only; the builder adds whether it came to an end.
 /// @throws ArgumentError if points < 1, or the model does not fit the codebook's coordinates.
 Certificate certify(const Codebook& book, const models::ParametricModel& model,
                     const CertifyOptions& options);

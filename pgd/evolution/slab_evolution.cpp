@@ -11,6 +11,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/pgd/evolution/cross_collocation.h"
+#include "samara/pgd/evolution/guard_survey.h"
 #include "samara/pgd/evolution/slab_march.h"
 #include "samara/pgd/tensors/number_archive.h"
 #include "samara/pgd/tensors/train_points.h"
@@ -21,12 +22,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Tolerance of the first march, which finds the ranges of the states.
-constexpr double kCoarse = 0.03;
-/// Of the wanted error, what a slab may add: errors of many slabs accumulate and grow.
+/// Of the wanted error, what a slab may add at most: errors of many slabs accumulate and grow.
 constexpr double kFirstShare = 0.2;
 /// Guard points are few; what they see is held this far below the wanted error.
 constexpr double kSeen = 0.5;
+/// Of the wanted error, what a march aims at.
+constexpr double kAimed = 0.7 * kSeen;
 /// The error falls about like this power of the local tolerance.
 constexpr double kOrder = 0.85;
 
@@ -127,7 +128,8 @@ std::vector<double> numbers_of(const AdaptiveProblem& problem, const SlabOptions
   return writer.numbers();
 }
 
-/// March after march, each in the ranges that the one before has found, until one meets the tolerance.
+/// March after march, each in the ranges that the one before has found, until one meets the tolerance. The guard
+/// points alone give the first ranges, and how errors grow.
 class Marches {
  public:
   Marches(const AdaptiveProblem& problem, const SlabOptions& options, SlabSolver& solver)
@@ -136,20 +138,17 @@ class Marches {
         solver_(solver),
         first_scales_(Eigen::Map<const Eigen::VectorXd>(problem.scales.data(),
                                                         static_cast<Eigen::Index>(problem.scales.size()))),
-        scales_(first_scales_) {
-    const double share = kFirstShare * options.tolerance;
-    local_ = {std::max(kCoarse, share), share};
-  }
+        loosest_{kFirstShare * options.tolerance, kFirstShare * options.tolerance},
+        local_(loosest_),
+        scales_(first_scales_) {}
 
   SlabResult run(std::span<const double> state) {
     const Clock::time_point begin = Clock::now();
-    bool goes_on = true;
+    bool goes_on = !state.empty() || prepare();
     while (goes_on) {
       std::span<const double> started;
       if (!state.empty()) started = restore(std::exchange(state, {}));
-      const long left =
-          options_.max_evaluations == 0 ? -1 : std::max(0L, options_.max_evaluations - result_.evaluations);
-      SlabMarch march(problem_, options_, solver_, scales_, local_, left);
+      SlabMarch march(problem_, options_, solver_, scales_, local_, result_.evaluations);
       if (!started.empty()) march.restore(started);
       saved_at_ = Clock::now();
       march.run(options_.checkpoint ? [&] { save(march); } : std::function<void()>());
@@ -160,6 +159,19 @@ class Marches {
   }
 
  private:
+  /// @returns whether there is to be a march
+  bool prepare() {
+    const GuardSurvey survey = survey_guards(problem_, options_, solver_, scales_, local_.wanted);
+    result_.evaluations += survey.evaluations;
+    scales_ = scales_of(problem_, scales_.cwiseProduct(survey.ranges), first_scales_);
+    lower(std::clamp(kAimed * options_.tolerance / (survey.growth * local_.wanted), 0.05, 1.0));
+    if (survey.cancelled) {
+      result_.status = Termination::cancelled;
+      result_.message = "cancelled before the first slab";
+    }
+    return !survey.cancelled;
+  }
+
   /// Whether this march was the last; then the result is complete.
   bool ends_with(SlabMarch& march) {
     ++result_.marches;
@@ -170,12 +182,16 @@ class Marches {
     const double error = march.carried_error() * scales_.cwiseQuotient(ranges).maxCoeff();
     const bool complete = march.status() == Termination::converged;
     const bool met = complete && error <= kSeen * options_.tolerance;
-    // The first march is too coarse to be of any use but for ranges, unless it happens to do.
-    if (complete && (met || local_.wanted <= local_.largest) && !(error >= best_.error))
-      best_ = {march.state(), scales_, ranges, error};
-    if (!met && !is_last(march)) {
-      tighten(error);
-      scales_ = ranges;
+    if (complete && !(error >= best_.error)) best_ = {march.state(), scales_, ranges, error};
+    const bool is_too_strict = march.status() == Termination::not_resolved && local_.wanted < loosest_.wanted;
+    if (!met && (is_too_strict || !is_last(march))) {
+      if (is_too_strict) {
+        loosen();
+      } else {
+        loosest_ = local_;
+        tighten(error);
+        scales_ = ranges;
+      }
       return false;
     }
     const bool cut = !complete && march.status() != Termination::cancelled;
@@ -187,27 +203,34 @@ class Marches {
     return true;
   }
 
-  /// Where a second march ends early, or leaves slabs as they are, a third would do so too.
+  /// Where a march ends early, or leaves slabs as they are, another would do so too.
   bool is_last(const SlabMarch& march) const {
-    return march.status() == Termination::cancelled || march.status() == Termination::max_calls ||
-           ((march.status() != Termination::converged || march.left() > 0) && result_.marches > 1) ||
+    return march.status() != Termination::converged || march.left() > 0 ||
            result_.marches >= options_.max_marches;
   }
 
+  /// Once: what is not resolved at small tolerances, of kinks above all, may be at larger ones.
+  void loosen() {
+    const bool is_first = best_.state.empty();
+    local_ = is_first ? loosest_
+                      : LocalTolerance{std::sqrt(local_.wanted * loosest_.wanted),
+                                       std::sqrt(local_.largest * loosest_.largest)};
+    loosest_ = {};
+  }
+
   void tighten(double error) {
-    if (result_.marches == 1) {
-      local_.wanted = std::min(local_.wanted, local_.largest);
-      return;
-    }
-    const double ratio = 0.7 * kSeen * options_.tolerance / error;
-    const double factor = std::clamp(std::pow(ratio, 1.0 / kOrder), 0.05, 0.5);
+    const double ratio = kAimed * options_.tolerance / error;
+    lower(std::clamp(std::pow(ratio, 1.0 / kOrder), 0.05, 0.5));
+  }
+
+  void lower(double factor) {
     local_.wanted *= factor;
     local_.largest *= std::max(std::sqrt(factor), 0.5);
   }
 
   /// @param cut_by why the last march, at smaller tolerances, has ended early; empty: it has not
   void take_best(const std::string& cut_by) {
-    SlabMarch march(problem_, options_, solver_, best_.scales, local_, -1);
+    SlabMarch march(problem_, options_, solver_, best_.scales, local_, 0);
     march.restore(best_.state);
     march.run();
     take(march, result_);
@@ -232,17 +255,9 @@ class Marches {
     take(march, result_);
     result_.error = error;
     result_.ranges.assign(ranges.begin(), ranges.end());
-    if (march.ending()) {
-      result_.where = march.ending()->where;
-      result_.status = march.ending()->status;
-      result_.message = march.ending()->message;
-      return;
-    }
-    result_.status = Termination::missed;
-    result_.message = fmt::format(
-        "error {:.3g} of the range at the guard points after one march at a "
-        "tolerance of {:.3g}, which finds the ranges",
-        error, local_.wanted);
+    result_.where = march.ending()->where;
+    result_.status = march.ending()->status;
+    result_.message = march.ending()->message;
   }
 
   /// Stores the state from time to time.
@@ -276,7 +291,7 @@ class Marches {
     if (belongs_to != expected)
       throw ArgumentError("the stored state of a march in slabs belongs to another problem or other options");
     archive(result_.marches, result_.evaluations, result_.grid_evaluations, local_.wanted, local_.largest,
-            scales_);
+            loosest_.wanted, loosest_.largest, scales_);
     transfer(archive, best_);
     if (scales_.size() != first_scales_.size() || !(scales_.minCoeff() > 0.0) || !(local_.wanted > 0.0) ||
         result_.marches < 0 || result_.evaluations < 0)
@@ -287,7 +302,8 @@ class Marches {
   const SlabOptions& options_;
   SlabSolver& solver_;
   const Eigen::VectorXd first_scales_;
-  LocalTolerance local_;  ///< of the march under way, as are the scales
+  LocalTolerance loosest_;  ///< the largest that a march may go back to; none: 0
+  LocalTolerance local_;    ///< of the march under way, as are the scales
   Eigen::VectorXd scales_;
   CompleteMarch best_;
   SlabResult result_;

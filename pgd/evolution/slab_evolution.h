@@ -47,8 +47,8 @@ struct SlabOptions {
   int max_nodes = 96;  ///< of a parameter axis in a cell
   int max_rank = 120;
   int max_cells = 1;
-  int guards = 64;           ///< per cell; the corners of the cell are added to them
-  int max_marches = 4;       ///< the first of them, at a coarse tolerance, finds the ranges of the states
+  int guards = 64;  ///< per cell; the corners of the cell are added to them
+  int max_marches = 4;
   long max_evaluations = 0;  ///< of f and J; 0: no limit
   std::uint64_t seed = 1;
   ProgressCallback progress = {};

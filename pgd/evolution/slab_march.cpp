@@ -25,12 +25,12 @@ constexpr double kSlowGrowth = 1.3;
 }  // namespace
 
 SlabMarch::SlabMarch(const AdaptiveProblem& problem, const SlabOptions& options, SlabSolver& solver,
-                     const Eigen::VectorXd& scales, LocalTolerance tolerance, long evaluations_left)
+                     const Eigen::VectorXd& scales, LocalTolerance tolerance, long evaluations_before)
     : solver_(solver),
       context_(problem, options, solver, scales, tolerance),
       stepper_(context_),
       refiner_(context_),
-      evaluations_left_(evaluations_left) {
+      evaluations_before_(evaluations_before) {
   state_.random = Random(options.seed);
   std::vector<int> nodes;
   for (const AdaptiveAxis& axis : problem.parameters)
@@ -63,7 +63,8 @@ void SlabMarch::run(const std::function<void()>& between_slabs) {
 }
 
 std::optional<Ending> SlabMarch::reason_to_stop(const SlabCell& first) {
-  if (evaluations_left_ >= 0 && evaluations() >= evaluations_left_) return out_of_evaluations(first);
+  const long most = context_.options().max_evaluations;
+  if (most > 0 && evaluations_before_ + evaluations() >= most) return out_of_evaluations(first);
   double done = 0.0;
   for (const SlabCell& cell : state_.cells) done += cell.time;
   done /= context_.problem().end * cells();
@@ -88,8 +89,8 @@ Ending SlabMarch::out_of_evaluations(const SlabCell& cell) const {
                        *std::max_element(record->ranks.begin(), record->ranks.end()));
   }
   return {Termination::max_calls,
-          fmt::format("{} evaluations used, {} allowed, at t = {:.6g} in {} about {}{}", evaluations(),
-                      evaluations_left_, cell.time,
+          fmt::format("{} evaluations used, {} allowed, at t = {:.6g} in {} about {}{}",
+                      evaluations_before_ + evaluations(), context_.options().max_evaluations, cell.time,
                       cells() == 1 ? std::string("the box") : fmt::format("one of {} cells,", cells()),
                       described(cell.axes, {middle.begin(), middle.end()}), last),
           {middle.begin(), middle.end()}};
@@ -97,7 +98,8 @@ Ending SlabMarch::out_of_evaluations(const SlabCell& cell) const {
 
 std::optional<Ending> SlabMarch::attempt(SlabCell& cell) {
   if (!cell.slab) {
-    if (std::optional<Ending> ending = stepper_.probe(cell)) return ending;
+    if (std::optional<Ending> ending = stepper_.probe(cell, values_at(cell.start, cell.axes, cell.guards)))
+      return ending;
   }
   const Outcome<SolvedSlab> solved = solver_.solve(context_, cell, state_.random);
   if (!solved) return shorten(cell, solved.ending());

@@ -21,9 +21,9 @@ namespace samara::pgd {
 class SlabMarch {
  public:
   /// @param scales what errors are measured in
-  /// @param evaluations_left of f and J; negative: no limit
+  /// @param evaluations_before of f and J, which count for the limit of the options
   SlabMarch(const AdaptiveProblem& problem, const SlabOptions& options, SlabSolver& solver,
-            const Eigen::VectorXd& scales, LocalTolerance tolerance, long evaluations_left);
+            const Eigen::VectorXd& scales, LocalTolerance tolerance, long evaluations_before);
 
   /// @param between_slabs called after every slab
   void run(const std::function<void()>& between_slabs = {});
@@ -63,7 +63,7 @@ class SlabMarch {
   MarchContext context_;
   TimeStepper stepper_;
   SlabRefiner refiner_;
-  const long evaluations_left_;
+  const long evaluations_before_;
   MarchState state_;
   std::optional<Ending> ending_;
   double reached_ = 0.0;

@@ -60,7 +60,7 @@ TimeStepper::WorstPoint TimeStepper::error_in_time(const SlabPoints& element, do
   return worst;
 }
 
-std::optional<Ending> TimeStepper::probe(SlabCell& cell) {
+std::optional<Ending> TimeStepper::probe(SlabCell& cell, const Eigen::MatrixXd& start) {
   const SlabOptions& options = context_.options();
   const double whole = context_.problem().end;
   const double least = context_.shortest();
@@ -69,7 +69,7 @@ std::optional<Ending> TimeStepper::probe(SlabCell& cell) {
   const Eigen::Index states = context_.states();
   ProbedSlab slab;
   slab.borders = {cell.time};
-  slab.values = values_at(cell.start, cell.axes, cell.guards);
+  slab.values = start;
   double length = cell.length;
   struct {
     double length = 0.0, error = 0.0;
@@ -106,7 +106,7 @@ std::optional<Ending> TimeStepper::probe(SlabCell& cell) {
       if (length >= least) continue;
       if (slab.borders.size() > 1) break;  // what goes before it is a slab; the next one will end the march
       return failed ? give_up(cell, tried, solved, cell.guards)
-                    : give_up_on_time(cell, tried, cell.guards.col(worst.point));
+                    : give_up_on_time(cell, tried, start.col(worst.point), cell.guards.col(worst.point));
     }
     refused = {};
     length = tried * std::clamp(factor(), 0.5, 2.0);
@@ -176,8 +176,8 @@ Ending TimeStepper::give_up(const SlabCell& cell, double length, const SlabPoint
 }
 
 /// At a point that was solved, but that no polynomial follows.
-Ending TimeStepper::give_up_on_time(const SlabCell& cell, double length, const Eigen::VectorXd& q) const {
-  const Eigen::VectorXd start = values_at(cell.start, cell.axes, q).col(0);
+Ending TimeStepper::give_up_on_time(const SlabCell& cell, double length, const Eigen::VectorXd& start,
+                                    const Eigen::VectorXd& q) const {
   return start.cwiseAbs().maxCoeff() > 1.0 && moves_by_its_size(cell.time, start, q, length)
              ? ending_at(cell, Termination::ceases, kGrows, length, q)
              : ending_at(cell, Termination::not_resolved, "no polynomial follows the solution", length, q);

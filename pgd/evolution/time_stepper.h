@@ -16,9 +16,10 @@ class TimeStepper {
  public:
   explicit TimeStepper(MarchContext& context) : context_(context) {}
 
-  /// Marches the guard points, from the train, element by element, each as long as polynomials in time follow
-  /// all of them: the elements of the next slab. @returns why the march ends there, if it does
-  std::optional<Ending> probe(SlabCell& cell);
+  /// Marches the guard points element by element, each as long as polynomials in time follow
+  /// all of them: the elements of the next slab. @param start states x guard points
+  /// @returns why the march ends there, if it does
+  std::optional<Ending> probe(SlabCell& cell, const Eigen::MatrixXd& start);
 
   /// Half as many elements, or one of half the length. @returns false, and leaves the slab as it is, if elements
   /// cannot be shorter
@@ -35,7 +36,8 @@ class TimeStepper {
   WorstPoint error_in_time(const SlabPoints& element, double begin, double end, const Eigen::MatrixXd& q);
   Ending give_up(const SlabCell& cell, double length, const SlabPoints& points,
                  const Eigen::MatrixXd& q) const;
-  Ending give_up_on_time(const SlabCell& cell, double length, const Eigen::VectorXd& q) const;
+  Ending give_up_on_time(const SlabCell& cell, double length, const Eigen::VectorXd& start,
+                         const Eigen::VectorXd& q) const;
   bool moves_by_its_size(double t, const Eigen::VectorXd& start, const Eigen::VectorXd& q,
                          double length) const;
 

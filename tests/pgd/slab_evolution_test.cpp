@@ -108,7 +108,7 @@ TEST_CASE("a kink that sweeps through the box gets elements of its own length, a
 }
 
 TEST_CASE("short elements at a kink share slabs, as each slab rounds the state anew and errors grow") {
-  const System system = turning_at_q(3e-4, 6.0);
+  const System system = turning_at_q(1e-3, 6.0);
   const AdaptiveProblem problem = turning_problem(system, 0.4, 0.6);
   const SlabResult result = solve_by_slabs(problem, {.tolerance = 1e-3});
   CAPTURE(result.message);
@@ -120,8 +120,8 @@ TEST_CASE("short elements at a kink share slabs, as each slab rounds the state a
     elements += slab.elements;
     ++slabs;
   }
-  CHECK(elements >= 20);
-  CHECK(elements >= 3 * slabs);
+  CHECK(elements >= 15);
+  CHECK(2 * elements >= 3 * slabs);
 }
 
 TEST_CASE("slabs cost far fewer evaluations than their grids where there are many parameters") {
@@ -179,18 +179,18 @@ TEST_CASE("a jump of f, which no polynomial follows, is not mistaken for the end
 }
 
 TEST_CASE("a march at smaller tolerances that ends early leaves the one before it, which reached the end") {
-  const System system = triple_product();
-  const AdaptiveProblem problem = triple_problem(system, 0.8);
-  // What the first two marches take; the tolerance is one that the second march misses.
-  SlabOptions options{.tolerance = 3e-8, .max_marches = 2};
-  const SlabResult two = solve_by_slabs(problem, options);
-  REQUIRE(two.status == samara::Termination::missed);
+  const System system = turning_at_q(5e-4, 6.0);
+  const AdaptiveProblem problem = turning_problem(system, 0.4, 0.6);
+  // What the first march takes; the tolerance is one that it misses.
+  SlabOptions options{.tolerance = 1e-3, .max_marches = 1};
+  const SlabResult one = solve_by_slabs(problem, options);
+  REQUIRE(one.status == samara::Termination::missed);
   options.max_marches = 4;
-  SECTION("the budget is spent within the third march") {
-    options.max_evaluations = two.evaluations + 1000;
+  SECTION("the budget is spent within the second march") {
+    options.max_evaluations = one.evaluations + 1000;
   }
-  SECTION("the budget is spent when the second ends") {
-    options.max_evaluations = two.evaluations;
+  SECTION("the budget is spent when the first ends") {
+    options.max_evaluations = one.evaluations;
   }
   std::vector<std::vector<double>> states;
   options.checkpoint = [&](const std::vector<double>& state) { states.push_back(state); };
@@ -198,15 +198,15 @@ TEST_CASE("a march at smaller tolerances that ends early leaves the one before i
   CAPTURE(cut.message);
   CHECK(cut.status == samara::Termination::missed);
   CHECK_THAT(cut.message, Contains("evaluations used"));
-  CHECK(cut.marches == 3);
-  CHECK(cut.reached == 0.8);
-  CHECK(cut.error == two.error);
-  CHECK(cut.pieces.size() == two.pieces.size());
-  CHECK(largest_error(cut, problem, system, 0.8, 500, 3) <= 2e-7);
+  CHECK(cut.marches == 2);
+  CHECK(cut.reached == 1.0);
+  CHECK(cut.error == one.error);
+  CHECK(cut.pieces.size() == one.pieces.size());
+  CHECK(largest_error(cut, problem, system, 1.0, 200, 3, 1e-4) <= 2.0 * one.error);
   // A resumed build knows it too.
   const SlabResult resumed = solve_by_slabs(problem, options, states.back());
   CHECK(resumed.status == samara::Termination::missed);
-  CHECK(resumed.error == two.error);
+  CHECK(resumed.error == one.error);
   CHECK(resumed.message == cut.message);
 }
 
