@@ -12,6 +12,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(fmt REQUIRED)
 find_package(assimp 5.2 REQUIRED)
 find_package(tomlplusplus REQUIRED)
+find_path(samara_random123 Random123/philox.h REQUIRED)
 # The MPI flavour may be installed too (SUNDIALS pulls it in); FindHDF5 with this switch finds the serial one.
 set(HDF5_PREFER_PARALLEL OFF)
 find_package(HDF5 REQUIRED COMPONENTS C HL)
