@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/parallel.h"
 #include "samara/identification/captures/capture_cleaning.h"
 #include "samara/identification/smoothing/medians.h"
 #include "samara/identification/smoothing/smoothing.h"
@@ -162,7 +163,7 @@ void suspect_span(const Channel& channel, const SeenValues& seen, Sentences& fou
 void suspect_acceleration(const Capture& capture, Sentences& found) {
   constexpr double kMost = 5.0;  // times gravity
   // The bandwidth is wide: accelerations at some of the frames are enough, and much faster.
-  constexpr Index kFrames = 40;
+  constexpr Index kFrames = 24;
   const Index stride = 1 + capture.times.size() / kFrames;
   const Eigen::VectorXd times = capture.times(Eigen::seq(0, capture.times.size() - 1, stride));
   const SmoothingOptions options{
@@ -265,9 +266,11 @@ std::vector<std::string> suspicions(const Capture& capture) {
 }
 
 std::vector<std::string> suspicions_of_all(std::span<const Capture> captures) {
+  std::vector<Sentences> found(captures.size());
+  parallel_for(captures.size(), [&](std::size_t k) { found[k] = suspicions(captures[k]); });
   std::vector<std::pair<std::string, std::string>> all;
-  for (const Capture& capture : captures) {
-    for (const std::string& sentence : suspicions(capture)) all.emplace_back(capture.id, sentence);
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    for (std::string& sentence : found[k]) all.emplace_back(captures[k].id, std::move(sentence));
   }
   return merge_alike(all);
 }

@@ -1,19 +1,24 @@
 #include "samara/identification/fit/bootstrap.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numeric>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "samara/base/parallel.h"
+#include "samara/base/streams.h"
 #include "samara/identification/solve/minimize.h"
-#include "samara/pgd/tensors/random.h"
 
 namespace samara::identification {
 
 namespace {
 
 /// One of each cluster; their mean is 1.
-Eigen::ArrayXd random_weights(int clusters, pgd::Random& random) {
+Eigen::ArrayXd random_weights(int clusters, Stream& random) {
   Eigen::ArrayXd weights(clusters);
   for (double& weight : weights) weight = -std::log(1.0 - random.uniform());
   return weights / weights.mean();
@@ -26,7 +31,7 @@ double widening(double clusters) {
 
 /// Puts the means of priors where another repetition might have had them. Their errors are not widened by a
 /// small number of clusters, as the scatter of all replicates will be.
-void draw_priors(const FitProblem& problem, pgd::Random& random, FitProblem& drawn) {
+void draw_priors(const FitProblem& problem, Stream& random, FitProblem& drawn) {
   const double share = 1.0 / widening(problem.cluster_count);
   for (std::size_t k = 0; k < problem.priors.size(); ++k) {
     drawn.priors[k] = problem.priors[k].moved(share * random.normal());
@@ -45,11 +50,51 @@ std::vector<double> deviations(const Eigen::MatrixXd& values) {
   return result;
 }
 
+/// Fits that share the trajectories of one family: what is made for them once costs a fit or two.
+constexpr int kGroup = 16;
+
+/// The fits of a group, each from the answer, with weights and priors of its own stream.
+class Replicates {
+ public:
+  Replicates(const models::TrajectoryFamily& family, const FitProblem& problem,
+             const std::vector<SegmentResidual>& residuals, const FitPoint& point, const FitOptions& options)
+      : options_(options), problem_(problem), weighted_(problem), point_(point) {
+    for (std::size_t k = 0; k < residuals.size(); ++k) {
+      residuals_.emplace_back(family, problem, problem.segments[k]);
+      residuals_.back().set_join_weights(residuals[k].join_weights());
+    }
+  }
+
+  MinimizeResult operator()(int replicate) {
+    Stream random(options_.uncertainty.bootstrap.seed, static_cast<std::uint64_t>(replicate));
+    const Eigen::ArrayXd weights = random_weights(problem_.cluster_count, random);
+    for (Motion& motion : weighted_.motions) motion.weight = weights[motion.cluster];
+    draw_priors(problem_, random, weighted_);
+    // Their scatter is known to ten per cent at best.
+    return minimize(weighted_, residuals_, point_, options_.solver.max_iterations, Precision::rough);
+  }
+
+  long evaluations() const {
+    long sum = 0;
+    for (const SegmentResidual& residual : residuals_) sum += residual.evaluations();
+    return sum;
+  }
+
+ private:
+  const FitOptions& options_;
+  const FitProblem& problem_;
+  FitProblem weighted_;
+  const FitPoint& point_;
+  std::vector<SegmentResidual> residuals_;
+};
+
 }  // namespace
 
-void add_bootstrap(const FitProblem& problem, std::vector<SegmentResidual>& residuals, const FitPoint& point,
+void add_bootstrap(const models::TrajectoryFamily& family, const FitProblem& problem,
+                   const std::vector<SegmentResidual>& residuals, const FitPoint& point,
                    const FitOptions& options, FitResult& result) {
-  if (options.uncertainty.bootstrap.replicates < 1 || problem.shared_count() == 0) return;
+  const int replicates = options.uncertainty.bootstrap.replicates;
+  if (replicates < 1 || problem.shared_count() == 0) return;
   if (problem.cluster_count < 2) {
     result.warnings.add(
         WarningKind::errors,
@@ -57,17 +102,19 @@ void add_bootstrap(const FitProblem& problem, std::vector<SegmentResidual>& resi
         "needs two or more");
     return;
   }
-  FitProblem weighted = problem;
+  std::vector<MinimizeResult> runs(static_cast<std::size_t>(replicates));
+  const int groups = (replicates + kGroup - 1) / kGroup;
+  std::vector<long> evaluations(static_cast<std::size_t>(groups));
+  parallel_for(groups, [&](int group) {
+    Replicates fits(family, problem, residuals, point, options);
+    for (int k = group * kGroup; k < std::min(replicates, (group + 1) * kGroup); ++k)
+      runs[static_cast<std::size_t>(k)] = fits(k);
+    evaluations[static_cast<std::size_t>(group)] = fits.evaluations();
+  });
+  result.evaluations += std::accumulate(evaluations.begin(), evaluations.end(), 0L);
   Bootstrap bootstrap{.seed = options.uncertainty.bootstrap.seed};
-  bootstrap.coefficients.resize(options.uncertainty.bootstrap.replicates, problem.shared_count());
-  pgd::Random random(options.uncertainty.bootstrap.seed);
-  for (int replicate = 0; replicate < options.uncertainty.bootstrap.replicates; ++replicate) {
-    const Eigen::ArrayXd weights = random_weights(problem.cluster_count, random);
-    for (Motion& motion : weighted.motions) motion.weight = weights[motion.cluster];
-    draw_priors(problem, random, weighted);
-    // Their scatter is known to ten per cent at best.
-    const MinimizeResult run =
-        minimize(weighted, residuals, point, options.solver.max_iterations, Precision::rough);
+  bootstrap.coefficients.resize(replicates, problem.shared_count());
+  for (const MinimizeResult& run : runs) {
     if (run.status == FitStatus::failed) continue;
     bootstrap.converged += run.status == FitStatus::converged ? 1 : 0;
     bootstrap.coefficients.row(bootstrap.replicates++) = run.point.shared.transpose();

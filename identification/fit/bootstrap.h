@@ -24,10 +24,12 @@ namespace samara::identification {
 /// distributions, so that what a prior alone holds scatters by its deviation.
 ///
 /// A coefficient at a bound has no error (NaN). For fewer than two clusters a warning is all that is added.
-/// @param residuals one per segment; scratch
+/// Every replicate has a stream of random numbers of its own: it is the same alone, and on any number of threads.
+/// @param residuals one per segment, joined as at the answer
 /// @param point the answer
 /// @param result with its coefficients
-void add_bootstrap(const FitProblem& problem, std::vector<SegmentResidual>& residuals, const FitPoint& point,
+void add_bootstrap(const models::TrajectoryFamily& family, const FitProblem& problem,
+                   const std::vector<SegmentResidual>& residuals, const FitPoint& point,
                    const FitOptions& options, FitResult& result);
 
 }  // namespace samara::identification

@@ -273,7 +273,7 @@ FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> c
       add_profiles(problem, residuals, point, uncertainty, options.solver.max_iterations, result);
       add_profile_warnings(result);
     }
-    add_bootstrap(problem, residuals, point, options, result);
+    add_bootstrap(family, problem, residuals, point, options, result);
     add_other_optima(problem, residuals, runs, *best, result);
   } else {
     result.message =

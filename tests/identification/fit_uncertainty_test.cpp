@@ -207,8 +207,8 @@ double drawn_error(const std::vector<Capture>& captures, int repeats, std::mt199
 }  // namespace
 
 TEST_CASE("random weights give the errors of captures drawn with replacement, and clustered ones") {
-  // 400 replicates tell a deviation to 3.5 %; beyond the first order in 1/sqrt(16) the three differ by some
-  // per cent more.
+  // 400 replicates tell a deviation to 3.5 %; beyond the first order in 1/sqrt(16) the three differ by a sixth (4,000
+  // replicates: 0.0187 against 0.0161).
   constexpr int kReplicates = 400;
   std::mt19937_64 random(5);
   const std::vector<Capture> captures = braked_captures(16, {.k = 0.05}, random);
@@ -220,7 +220,7 @@ TEST_CASE("random weights give the errors of captures drawn with replacement, an
   CHECK(result.bootstrap->replicates == kReplicates);
   CHECK(result.bootstrap->coefficients.rows() == kReplicates);
   const double error = result.bootstrap->standard_errors.at(0);
-  CHECK_THAT(error, WithinRel(*result.coefficients[0].standard_error, 0.15));
+  CHECK_THAT(error, WithinRel(*result.coefficients[0].standard_error, 0.25));
   CHECK_THAT(error, WithinRel(drawn_error(captures, kReplicates, random), 0.2));
   CHECK_THAT(result.bootstrap->coefficients.col(0).mean(), WithinRel(result.coefficients[0].value, 0.01));
 }
@@ -235,6 +235,9 @@ TEST_CASE("random weights are those of clusters, and of a seed") {
   const auto replicates = [&] { return fit(BrakedFamily(), captures, options).bootstrap->coefficients; };
   const Eigen::MatrixXd first = replicates();
   CHECK(replicates() == first);
+  options.uncertainty.bootstrap.replicates = 40;
+  CHECK(replicates().topRows(5) == first);
+  options.uncertainty.bootstrap.replicates = 5;
   options.uncertainty.bootstrap.seed = 2;
   CHECK(replicates() != first);
 
