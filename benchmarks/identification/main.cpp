@@ -11,7 +11,9 @@ int main(int argc, char** argv) {
   FLAGS_minloglevel = google::GLOG_FATAL;
   try {
     const Options chosen = options(argc, argv);
+    identification::coin_cases(chosen);
     identification::plate_cases(chosen);
+    identification::posterior_case(chosen);
     identification::body_cases(chosen);
     identification::segment_map_case(chosen);
     identification::table_tennis_case(chosen);

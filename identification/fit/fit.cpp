@@ -274,6 +274,7 @@ FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> c
       add_profile_warnings(result);
     }
     add_bootstrap(family, problem, residuals, point, options, result);
+    add_posterior(family, problem, residuals, point, uncertainty, options, result);
     add_other_optima(problem, residuals, runs, *best, result);
   } else {
     result.message =

@@ -10,6 +10,7 @@
 
 #include "samara/identification/problem/segment_residual.h"
 #include "samara/identification/solve/minimize.h"
+#include "samara/identification/solve/posterior.h"
 #include "samara/identification/statistics/cluster_errors.h"
 #include "samara/identification/statistics/determined_inverse.h"
 #include "samara/identification/statistics/loss.h"
@@ -181,6 +182,33 @@ void add_profiles(const FitProblem& problem, std::vector<SegmentResidual>& resid
         target, packed(point), solver,
         {.dispersion = dispersion, .degrees_of_freedom = degrees_of_freedom(problem, uncertainty, c)}));
   }
+}
+
+void add_posterior(const models::TrajectoryFamily& family, const FitProblem& problem,
+                   const std::vector<SegmentResidual>& residuals, const FitPoint& point,
+                   const Uncertainty& uncertainty, const FitOptions& options, FitResult& result) {
+  if (options.uncertainty.posterior.samples < 1) return;
+  result.posterior = sample_posterior(family, problem, residuals, point, uncertainty.dispersion,
+                                      options.uncertainty.posterior);
+  if (!result.posterior) {
+    result.warnings.add(
+        WarningKind::errors,
+        "no posterior: the residuals leave nothing to tell the noise from, or the curvature at the "
+        "answer is not that of a minimum");
+    return;
+  }
+  result.evaluations += result.posterior->evaluations;
+  if (result.posterior->is_settled()) return;
+  const auto& unknowns = result.posterior->unknowns;
+  const auto worst = std::ranges::max_element(unknowns, {}, &PosteriorUnknown::rhat);
+  const auto fewest = std::ranges::min_element(unknowns, {}, &PosteriorUnknown::effective);
+  result.warnings.add(
+      WarningKind::errors,
+      fmt::format(
+          "the posterior is not settled: R-hat of {} is {:.3f} (1.01 or less was expected), {} has {:.0f} "
+          "effective draws (400 or more), and {} proposals diverged (none): more samples or priors are "
+          "needed",
+          worst->name, worst->rhat, fewest->name, fewest->effective, result.posterior->divergences));
 }
 
 void add_profile_warnings(FitResult& result) {

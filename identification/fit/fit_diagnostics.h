@@ -23,6 +23,12 @@ void add_identifiability(const FitProblem& problem, const Uncertainty& uncertain
 void add_profiles(const FitProblem& problem, std::vector<SegmentResidual>& residuals, const FitPoint& point,
                   const Uncertainty& uncertainty, int max_iterations, FitResult& result);
 
+/// Draws from the posterior, and a warning where they are not to be relied on.
+/// @param residuals one per segment, joined as at the optimum
+void add_posterior(const models::TrajectoryFamily& family, const FitProblem& problem,
+                   const std::vector<SegmentResidual>& residuals, const FitPoint& point,
+                   const Uncertainty& uncertainty, const FitOptions& options, FitResult& result);
+
 /// Profiles that say otherwise than the standard errors. Needs the profiles.
 void add_profile_warnings(FitResult& result);
 

@@ -129,14 +129,18 @@ GlobalOptions read_global(const TomlTable& root) {
   return global;
 }
 
-/// `bootstrap = 100`, or a table with a seed.
-BootstrapOptions read_bootstrap(const TomlTable& root) {
-  if (!root.is_table("bootstrap")) return {.replicates = positive_integer(root, "bootstrap")};
-  const TomlTable table = root.table("bootstrap");
-  table.expect_keys({"replicates", "seed"});
-  BootstrapOptions bootstrap{.replicates = positive_integer(table, "replicates")};
-  if (table.has("seed")) bootstrap.seed = static_cast<std::uint64_t>(positive_integer(table, "seed"));
-  return bootstrap;
+/// `key = 100`, or a table with a count of another name and a seed.
+struct SeededCount {
+  int count = 0;
+  std::uint64_t seed = 1;
+};
+SeededCount read_seeded_count(const TomlTable& root, const char* key, const char* count) {
+  if (!root.is_table(key)) return {positive_integer(root, key)};
+  const TomlTable table = root.table(key);
+  table.expect_keys({count, "seed"});
+  SeededCount result{positive_integer(table, count)};
+  if (table.has("seed")) result.seed = static_cast<std::uint64_t>(positive_integer(table, "seed"));
+  return result;
 }
 
 /// `noise = "estimated"`, or a table with levels and rounds.
@@ -269,7 +273,14 @@ UncertaintyOptions read_uncertainty(const TomlTable& root) {
   UncertaintyOptions uncertainty;
   uncertainty.cluster_by = root.optional_strings("cluster_by").value_or(std::vector<std::string>{});
   uncertainty.profiles = root.optional_boolean("profiles").value_or(false);
-  if (root.has("bootstrap")) uncertainty.bootstrap = read_bootstrap(root);
+  if (root.has("bootstrap")) {
+    const SeededCount asked = read_seeded_count(root, "bootstrap", "replicates");
+    uncertainty.bootstrap = {asked.count, asked.seed};
+  }
+  if (root.has("posterior")) {
+    const SeededCount asked = read_seeded_count(root, "posterior", "samples");
+    uncertainty.posterior = {asked.count, asked.seed};
+  }
   return uncertainty;
 }
 
@@ -279,7 +290,7 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
                     "profiles",    "segments",        "global",     "step",           "rounds",
                     "round_body",  "averaged_frames", "log_scale",  "attitude_scale", "fixed",
                     "initial",     "known",           "priors",     "periods",        "box",
-                    "bootstrap",   "noise",           "camera",     "stride",
+                    "bootstrap",   "noise",           "camera",     "stride",         "posterior",
                     "series",        // series_config.h
                     "prediction"});  // prediction_config.h
   FitOptions options;

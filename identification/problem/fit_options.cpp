@@ -111,6 +111,8 @@ void validate(const FitOptions& options) {
   require_at_least_one("max_iterations", options.solver.max_iterations);
   const int replicates = options.uncertainty.bootstrap.replicates;
   require(replicates >= 0, "bootstrap.replicates", replicates, "0 or more");
+  const int samples = options.uncertainty.posterior.samples;
+  require(samples >= 0, "posterior.samples", samples, "0 or more");
 }
 
 }  // namespace samara::identification

@@ -105,6 +105,12 @@ std::vector<int> carriers(const FitResult& result, const Coefficient& coefficien
   return few;
 }
 
+bool Posterior::is_settled() const {
+  return divergences == 0 && std::ranges::all_of(unknowns, [](const PosteriorUnknown& u) {
+           return u.rhat <= 1.01 && u.effective >= 400.0;
+         });
+}
+
 std::string verdict(const FitResult& result, const Coefficient& coefficient) {
   // First: limits of a profile would only be those that the boxes of the others leave.
   if (!coefficient.determined) return "not determined";

@@ -140,6 +140,31 @@ struct Bootstrap {
   std::vector<double> standard_errors = {};
 };
 
+/// One unknown of a posterior, SI.
+struct PosteriorUnknown {
+  std::string name = {};  ///< of the coefficient; or of the capture, and after a colon of its own unknown
+  double mean = 0.0;
+  double deviation = 0.0;
+  double lower = 0.0, median = 0.0, upper = 0.0;  ///< 95 % lie between lower and upper, 2.5 % on either side
+  double rhat = 0.0;       ///< 1 where the chains agree; above 1.01 they have not found the same (chains.h)
+  double effective = 0.0;  ///< independent draws that tell the mean as well
+};
+
+/// Draws of all unknowns together (posterior.h): unlike errors, which are those of a parabola at the answer, they
+/// follow bends, corners of the box, and several valleys if chains reach them. Frames count as independent.
+struct Posterior {
+  int chains = 0;
+  std::uint64_t seed = 1;
+  double acceptance = 0.0;  ///< mean share of proposals taken
+  int divergences = 0;   ///< proposals whose energy was lost: where there are some, draws may lack a corner
+  long evaluations = 0;  ///< trajectories of single captures
+  std::vector<PosteriorUnknown> unknowns = {};  ///< coefficients first, in their order
+  Eigen::MatrixXd draws = {};                   ///< draws, chain after chain, x unknowns, SI
+
+  /// Whether chains agree on all unknowns, without divergences and with 400 effective draws of each.
+  bool is_settled() const;
+};
+
 struct FitResult {
   FitStatus status = FitStatus::failed;
   std::string message = "the fit did not run";  ///< why it stopped, in one sentence
@@ -189,6 +214,7 @@ struct FitResult {
   std::vector<PredictionScore> capture_predictions = {};  ///< the same of each capture by itself
   std::optional<GlobalSearch> global_search = {};
   std::optional<Bootstrap> bootstrap = {};
+  std::optional<Posterior> posterior = {};
 
   /// Null if the coefficient has none.
   const Profile* find_profile(const std::string& coefficient) const;

@@ -105,6 +105,45 @@ Json json_of(const Bootstrap& bootstrap) {
           {"standard_errors", list(bootstrap.standard_errors)}};
 }
 
+Json json_of(const Posterior& posterior) {
+  Json unknowns = Json::array();
+  for (const PosteriorUnknown& u : posterior.unknowns) {
+    unknowns.push_back({{"name", u.name},
+                        {"mean", number(u.mean)},
+                        {"deviation", number(u.deviation)},
+                        {"lower", number(u.lower)},
+                        {"median", number(u.median)},
+                        {"upper", number(u.upper)},
+                        {"rhat", number(u.rhat)},
+                        {"effective", number(u.effective)}});
+  }
+  return {{"draws", posterior.draws.rows()},
+          {"chains", posterior.chains},
+          {"seed", posterior.seed},
+          {"acceptance", number(posterior.acceptance)},
+          {"divergences", posterior.divergences},
+          {"settled", posterior.is_settled()},
+          {"unknowns", unknowns}};
+}
+
+void add_posterior_text(const FitResult& result, std::back_insert_iterator<std::string> out) {
+  if (!result.posterior) return;
+  const Posterior& posterior = *result.posterior;
+  double rhat = 0.0, effective = posterior.unknowns.front().effective;
+  for (const PosteriorUnknown& u : posterior.unknowns) {
+    rhat = std::max(rhat, u.rhat);
+    effective = std::min(effective, u.effective);
+  }
+  fmt::format_to(out,
+                 "posterior: {} draws in {} chains, R-hat at most {:.3f}, {:.0f} effective draws or more, {} "
+                 "divergences\n",
+                 posterior.draws.rows(), posterior.chains, rhat, effective, posterior.divergences);
+  for (std::size_t k = 0; k < result.coefficients.size(); ++k) {
+    const PosteriorUnknown& u = posterior.unknowns[k];
+    fmt::format_to(out, "  {}: {:.5g}, 95 % from {:.5g} to {:.5g}\n", u.name, u.median, u.lower, u.upper);
+  }
+}
+
 void add_bootstrap_text(const FitResult& result, std::back_insert_iterator<std::string> out) {
   if (!result.bootstrap) return;
   fmt::format_to(out, "errors from {} fits with clusters weighted at random:", result.bootstrap->replicates);
@@ -227,6 +266,7 @@ void add_diagnostics(const FitResult& result, Json& object) {
   for (const PredictionScore& p : result.capture_predictions)
     object["capture_predictions"].push_back(json_of(p));
   object["bootstrap"] = result.bootstrap ? json_of(*result.bootstrap) : Json(nullptr);
+  object["posterior"] = result.posterior ? json_of(*result.posterior) : Json(nullptr);
   object["integration_shift"] = number(result.integration_shift);
   object["noise"] = Json::array();
   for (const NoiseLevel& level : result.noise) object["noise"].push_back(json_of(level));
@@ -237,6 +277,7 @@ void add_diagnostics(const FitResult& result, Json& object) {
 void add_diagnostics_text(const FitResult& result, std::string& text) {
   const auto out = std::back_inserter(text);
   add_bootstrap_text(result, out);
+  add_posterior_text(result, out);
   add_prediction_table(result, out);
   if (result.identifiability) {
     for (const std::string& phrase : result.identifiability->phrases)

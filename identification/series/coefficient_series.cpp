@@ -54,6 +54,13 @@ void check_combination(const FitOptions& options, const SeriesOptions& series) {
     throw ArgumentError(
         "profiles are of coefficients that stay constant; either profiles or a series was expected");
   }
+  if (options.uncertainty.posterior.samples > 0) {
+    throw ArgumentError(
+        fmt::format("posterior asks for {} samples, and those are of coefficients that stay constant; either "
+                    "a posterior or a "
+                    "series was expected",
+                    options.uncertainty.posterior.samples));
+  }
   if (options.uncertainty.bootstrap.replicates > 0) {
     throw ArgumentError(fmt::format(
         "bootstrap asks for {} replicates, and the errors of a series are not made of them; either a "
