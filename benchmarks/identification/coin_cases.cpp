@@ -19,7 +19,8 @@ namespace {
 namespace id = samara::identification;
 
 const std::filesystem::path kExample = std::filesystem::path(SAMARA_EXAMPLES_DIR) / "coin";
-/// At which CVODES errs by no more than the codebook's certificate: first_walk finds it.
+/// Of CVODES: the loosest that comes near the accuracy of the codebook. First_walk looks for the one that reaches it,
+/// with which fits take CVODES longer.
 constexpr double kTolerance = 1e-5;
 
 }  // namespace

@@ -237,8 +237,8 @@ class Marches {
     result_.error = best_.error;
     result_.ranges.assign(best_.ranges.begin(), best_.ranges.end());
     result_.status = best_.error <= kSeen * options_.tolerance ? Termination::converged : Termination::missed;
-    result_.message = fmt::format("error {:.3g} of the range at the guard points after {} marches",
-                                  best_.error, result_.marches);
+    result_.message = fmt::format("error {:.3g} of the range at the guard points after {} march{}",
+                                  best_.error, result_.marches, result_.marches == 1 ? "" : "es");
     if (march.left() > 0) {
       result_.message += fmt::format("; {} of {} slabs are left as they are: {}", march.left(),
                                      march.history().size(), reason_for_slabs_left());
