@@ -13,9 +13,8 @@
 
 #include "samara/base/parallel.h"
 #include "samara/base/streams.h"
-#include "samara/identification/solve/motion_terms.h"
+#include "samara/identification/solve/posterior_density.h"
 #include "samara/identification/statistics/chains.h"
-#include "samara/identification/statistics/loss.h"
 
 namespace samara::identification {
 
@@ -31,160 +30,11 @@ constexpr double kWantedAcceptance = 0.8;
 /// An energy that the leapfrog has lost altogether.
 constexpr double kDivergent = 1000.0;
 constexpr int kMostSteps = 200;
-constexpr double kImpossible = std::numeric_limits<double>::infinity();
-
-/// Where directions of a problem lie: shared ones, then those of every segment.
-struct Layout {
-  explicit Layout(const FitProblem& problem)
-      : shared(problem.shared_chart.directions()),
-        own(problem.own_chart.directions()),
-        all(shared + own * static_cast<int>(problem.segments.size())) {}
-  int first_of(std::size_t segment) const { return shared + own * static_cast<int>(segment); }
-  int shared, own, all;
-};
-
-/// A direction of an unknown with a box. Its value, or its logarithm, moves by the step along it.
-struct BoxedDirection {
-  int direction;        ///< of all
-  std::size_t segment;  ///< of an own unknown
-  bool is_shared, is_logarithmic;
-  Eigen::Index unknown;
-  double lower, upper;  ///< of the value, or of its logarithm
-
-  double place(const FitPoint& point) const {
-    const double value = is_shared ? point.shared[unknown] : point.own[segment][unknown];
-    return is_logarithmic ? std::log(value) : value;
-  }
-  /// Time until a wall is met at a velocity.
-  double time_to_wall(const FitPoint& point, double velocity) const {
-    if (velocity == 0.0) return kImpossible;
-    return std::max((velocity > 0.0 ? upper - place(point) : lower - place(point)) / velocity, 0.0);
-  }
-};
-
-void add_boxed(const std::vector<models::FamilyCoordinate>& box, const Chart& chart, bool is_shared,
-               std::size_t segment, int first, std::vector<BoxedDirection>& all) {
-  for (std::size_t k = 0; k < box.size(); ++k) {
-    const int unknown = static_cast<int>(k), direction = chart.direction_of(unknown);
-    if (direction < 0 || chart.is_part_of_quaternion(unknown)) continue;
-    const bool by_factor = chart.is_logarithmic(unknown);
-    const double lower = by_factor ? std::log(box[k].lower) : box[k].lower;
-    const double upper = by_factor ? std::log(box[k].upper) : box[k].upper;
-    if (!std::isfinite(upper - lower)) continue;
-    all.push_back({first + direction, segment, is_shared, by_factor, unknown, lower, upper});
-  }
-}
-
-std::vector<BoxedDirection> boxed_directions(const FitProblem& problem, const Layout& layout) {
-  std::vector<BoxedDirection> all;
-  add_boxed(problem.shared, problem.shared_chart, true, 0, 0, all);
-  for (std::size_t k = 0; k < problem.segments.size(); ++k)
-    add_boxed(problem.own, problem.own_chart, false, k, layout.first_of(k), all);
-  return all;
-}
-
-/// The density, its slope, and its curvature.
-class Density {
- public:
-  Density(const models::TrajectoryFamily& family, const FitProblem& problem,
-          const std::vector<SegmentResidual>& residuals, double dispersion)
-      : problem_(problem),
-        layout_(problem),
-        boxed_(boxed_directions(problem, layout_)),
-        dispersion_(dispersion) {
-    for (std::size_t k = 0; k < residuals.size(); ++k) {
-      residuals_.emplace_back(family, problem, problem.segments[k]);
-      residuals_.back().set_join_weights(residuals[k].join_weights());
-    }
-  }
-
-  const Layout& layout() const { return layout_; }
-  const std::vector<BoxedDirection>& boxed() const { return boxed_; }
-  long evaluations() const {
-    long sum = 0;
-    for (const SegmentResidual& residual : residuals_) sum += residual.evaluations();
-    return sum;
-  }
-
-  /// -log of the density in the box; infinite where there is no trajectory.
-  double operator()(const FitPoint& point, Eigen::VectorXd& slope) {
-    for (std::size_t k = 0; k < residuals_.size(); ++k) {
-      const double* next = residuals_[k].segment().joined ? point.own[k + 1].data() : nullptr;
-      if (!residuals_[k].evaluate(point.shared.data(), point.own[k].data(), next, true)) return kImpossible;
-    }
-    slope.setZero(layout_.all);
-    const PriorTerms priors = prior_terms(problem_, point);
-    Eigen::VectorXd by_shared = priors.gradient;
-    double sum = priors.cost;
-    for (const Motion& motion : problem_.motions) {
-      const MotionEquations equations = motion_equations(problem_, motion, residuals_, point);
-      const Eigen::VectorXd weighted = equations.psi.cwiseProduct(weights(equations));
-      sum += cost(equations);
-      by_shared += equations.by_shared.transpose() * weighted;
-      slope.segment(layout_.first_of(motion.first_segment), equations.by_own.cols()) +=
-          equations.by_own.transpose() * weighted;
-    }
-    slope.head(layout_.shared) =
-        problem_.shared_chart.plus_jacobian(point.shared.data()).transpose() * by_shared;
-    return sum;
-  }
-
-  /// About the curvature of -log of the density at the last point, positive: residuals beyond the bend of the loss
-  /// count as it weighs them, boxes and turns as uniform distributions.
-  Eigen::MatrixXd curvature(const FitPoint& point) const {
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(layout_.all, layout_.all);
-    const Eigen::MatrixXd moves = problem_.shared_chart.plus_jacobian(point.shared.data());
-    sum.topLeftCorner(layout_.shared, layout_.shared) =
-        moves.transpose() * prior_terms(problem_, point).information * moves;
-    for (const Motion& motion : problem_.motions) {
-      const MotionEquations equations = motion_equations(problem_, motion, residuals_, point);
-      Eigen::VectorXd weight = weights(equations);
-      for (Eigen::Index row = 0; row < weight.size(); ++row) {
-        if (equations.residual[row] != 0.0) weight[row] *= equations.psi[row] / equations.residual[row];
-      }
-      const Eigen::MatrixXd by_shared = equations.by_shared * moves;
-      const int first = layout_.first_of(motion.first_segment);
-      const Eigen::Index own = equations.by_own.cols();
-      const Eigen::MatrixXd weighted = weight.asDiagonal() * equations.by_own;
-      sum.topLeftCorner(layout_.shared, layout_.shared) +=
-          by_shared.transpose() * weight.asDiagonal() * by_shared;
-      sum.block(0, first, layout_.shared, own) += by_shared.transpose() * weighted;
-      sum.block(first, 0, own, layout_.shared) += weighted.transpose() * by_shared;
-      sum.block(first, first, own, own) += equations.by_own.transpose() * weighted;
-    }
-    Eigen::VectorXd beside =
-        Eigen::VectorXd::Constant(layout_.all, 12.0 / std::pow(2.0 * std::numbers::pi, 2));
-    for (const BoxedDirection& boxed : boxed_)
-      beside[boxed.direction] = 12.0 / std::pow(boxed.upper - boxed.lower, 2);
-    sum.diagonal() += beside;
-    return sum;
-  }
-
- private:
-  Eigen::VectorXd weights(const MotionEquations& equations) const {
-    return equations.is_data.array() / dispersion_ + (1.0 - equations.is_data.array());
-  }
-
-  double cost(const MotionEquations& equations) const {
-    double sum = 0.0;
-    for (Eigen::Index row = 0; row < equations.residual.size(); ++row) {
-      const double r = equations.residual[row];
-      sum += 0.5 * (equations.is_data[row] > 0.0 ? loss_value(problem_.loss, r).rho / dispersion_ : r * r);
-    }
-    return sum;
-  }
-
-  const FitProblem& problem_;
-  const Layout layout_;
-  const std::vector<BoxedDirection> boxed_;
-  const double dispersion_;
-  std::vector<SegmentResidual> residuals_;
-};
 
 /// A place of a chain.
 struct Place {
   FitPoint point;
-  double potential = kImpossible;
+  double potential = std::numeric_limits<double>::infinity();
   Eigen::VectorXd slope;  ///< by the directions of the chain
 };
 
@@ -218,7 +68,7 @@ class StepSize {
 class Chain {
  public:
   /// @param directions of curvature one at the answer, in columns
-  Chain(Density density, const FitProblem& problem, const Eigen::MatrixXd& directions, Stream random)
+  Chain(PosteriorDensity density, const FitProblem& problem, const Eigen::MatrixXd& directions, Stream random)
       : density_(std::move(density)), problem_(problem), directions_(directions), random_(random) {}
 
   ChainResult run(const FitPoint& answer, int draws) {
@@ -279,7 +129,7 @@ class Chain {
 
   /// The steps along the directions of all unknowns that lead from the answer to the place.
   Eigen::VectorXd steps_from(const FitPoint& answer) const {
-    const Layout& layout = density_.layout();
+    const DirectionLayout& layout = density_.layout();
     Eigen::VectorXd steps(layout.all);
     Eigen::VectorXd shared(layout.shared), own(layout.own);
     problem_.shared_chart.minus(place_.point.shared.data(), answer.shared.data(), shared.data());
@@ -326,7 +176,7 @@ class Chain {
   }
 
   void move(FitPoint& point, const Eigen::VectorXd& step) const {
-    const Layout& layout = density_.layout();
+    const DirectionLayout& layout = density_.layout();
     const FitPoint from = point;
     const Eigen::VectorXd shared = step.head(layout.shared);
     problem_.shared_chart.plus(from.shared.data(), shared.data(), point.shared.data());
@@ -372,7 +222,7 @@ class Chain {
     return probability;
   }
 
-  Density density_;
+  PosteriorDensity density_;
   const FitProblem& problem_;
   Eigen::MatrixXd directions_;  ///< of deviation one, in columns
   Stream random_;
@@ -424,7 +274,7 @@ std::optional<Posterior> sample_posterior(const models::TrajectoryFamily& family
                                           const FitPoint& point, double dispersion,
                                           const PosteriorOptions& options) {
   if (!(dispersion > 0.0) || !std::isfinite(dispersion)) return std::nullopt;
-  Density at_answer(family, problem, residuals, dispersion);
+  PosteriorDensity at_answer(family, problem, residuals, dispersion);
   Eigen::VectorXd slope;
   if (!std::isfinite(at_answer(point, slope))) return std::nullopt;
   const Eigen::LLT<Eigen::MatrixXd> factor(at_answer.curvature(point));
@@ -435,7 +285,7 @@ std::optional<Posterior> sample_posterior(const models::TrajectoryFamily& family
   std::vector<ChainResult> chains(kChains);
   const int draws = std::max((options.samples + kChains - 1) / kChains, 4);
   parallel_for(kChains, [&](int c) {
-    Chain chain(Density(family, problem, residuals, dispersion), problem, directions,
+    Chain chain(PosteriorDensity(family, problem, residuals, dispersion), problem, directions,
                 Stream(options.seed, static_cast<std::uint64_t>(c)));
     chains[static_cast<std::size_t>(c)] = chain.run(point, draws);
   });

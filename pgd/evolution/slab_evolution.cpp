@@ -28,6 +28,10 @@ constexpr double kFirstShare = 0.2;
 constexpr double kSeen = 0.5;
 /// Of the wanted error, what a march aims at.
 constexpr double kAimed = 0.7 * kSeen;
+/// A survey expects larger errors than come true, by this factor or so: slabs that are solved err by less than they may.
+constexpr double kPessimism = 6.0;
+/// Of the wanted error, what must be expected for smaller tolerances from the first slab on: they cost more.
+constexpr double kClearly = 0.6;
 /// The error falls about like this power of the local tolerance.
 constexpr double kOrder = 0.85;
 
@@ -164,7 +168,9 @@ class Marches {
     const GuardSurvey survey = survey_guards(problem_, options_, solver_, scales_, local_.wanted);
     result_.evaluations += survey.evaluations;
     scales_ = scales_of(problem_, scales_.cwiseProduct(survey.ranges), first_scales_);
-    lower(std::clamp(kAimed * options_.tolerance / (survey.growth * local_.wanted), 0.05, 1.0));
+    const double expected = survey.growth / kPessimism * local_.wanted;
+    if (expected > kClearly * options_.tolerance)
+      lower(std::clamp(kAimed * options_.tolerance / expected, 0.05, 1.0));
     if (survey.cancelled) {
       result_.status = Termination::cancelled;
       result_.message = "cancelled before the first slab";

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/problem/segment_residual.h"
+#include "samara/identification/solve/motion_terms.h"
+
+/// Internal to identification/: what posterior.h draws from, over the directions in which unknowns move.
+namespace samara::identification {
+
+/// Where directions of a problem lie: shared ones, then those of every segment.
+struct DirectionLayout {
+  explicit DirectionLayout(const FitProblem& problem)
+      : shared(problem.shared_chart.directions()),
+        own(problem.own_chart.directions()),
+        all(shared + own * static_cast<int>(problem.segments.size())) {}
+  int first_of(std::size_t segment) const { return shared + own * static_cast<int>(segment); }
+  int shared, own, all;
+};
+
+/// A direction of an unknown with a box. Its value, or its logarithm, moves by the step along it.
+struct BoxedDirection {
+  int direction;        ///< of all
+  std::size_t segment;  ///< of an own unknown
+  bool is_shared, is_logarithmic;
+  Eigen::Index unknown;
+  double lower, upper;  ///< of the value, or of its logarithm
+
+  double place(const FitPoint& point) const;
+  /// Time until a wall is met at a velocity.
+  double time_to_wall(const FitPoint& point, double velocity) const;
+};
+
+/// The density, its slope, and its curvature.
+class PosteriorDensity {
+ public:
+  /// @param residuals one per segment, joined as those to be made
+  PosteriorDensity(const models::TrajectoryFamily& family, const FitProblem& problem,
+                   const std::vector<SegmentResidual>& residuals, double dispersion);
+
+  const DirectionLayout& layout() const { return layout_; }
+  const std::vector<BoxedDirection>& boxed() const { return boxed_; }
+  long evaluations() const;
+
+  /// -log of the density in the box; infinite where there is no trajectory.
+  /// @param slope by directions
+  double operator()(const FitPoint& point, Eigen::VectorXd& slope);
+
+  /// About the curvature of -log of the density at the last point, positive: residuals beyond the bend of the loss
+  /// count as it weighs them, boxes and turns as uniform distributions.
+  Eigen::MatrixXd curvature(const FitPoint& point) const;
+
+ private:
+  Eigen::VectorXd weights(const MotionEquations& equations) const;
+
+  double cost(const MotionEquations& equations) const;
+
+  const FitProblem& problem_;
+  const DirectionLayout layout_;
+  const std::vector<BoxedDirection> boxed_;
+  const double dispersion_;
+  std::vector<SegmentResidual> residuals_;
+};
+
+}  // namespace samara::identification
