@@ -48,8 +48,8 @@ inline constexpr int kCertificatePoints = 2000;
 /// (pgd/sampling/error_climb.h).
 struct Certificate {
   double tolerance = 0.0;  ///< what the plan asked for
-  /// The builder came to an end (a march to that of its time, sampling to its tolerance), no integration failed,
-  /// and every output's max <= tolerance.
+  /// The builder came to an end (sampling to its tolerance; a march to the end of its time, with no guard point
+  /// beyond the tolerance), no integration failed, and every output's max <= tolerance.
   bool met = false;
   double max_error = 0.0;  ///< largest OutputError::max; NaN where no integration succeeded
   int points = 0;

@@ -162,12 +162,13 @@ class Certifier {
   int refuted_ = 0;
 };
 
-/// Whether the certificate decides if the plan is met. A march that went to the end of its time has 64 guard
-/// points, which it holds well below the tolerance; the certificate has more points, and is the judge. Sampling
-/// that did not converge may have seen a feature that 2000 points do not.
-bool is_complete(const BuildRecord& record) {
-  return record.status == Termination::converged ||
-         (record.builder == "pgd" && record.status == Termination::missed);
+/// Whether the certificate decides if the plan is met. A march that went to the end of its time holds its guard
+/// points well below the tolerance: where it only missed that, the certificate, which has more points, is the
+/// judge. An error beyond the tolerance at a guard point is evidence that points of a certificate which miss it
+/// do not outvote. Sampling that did not converge may have seen a feature that 2000 points do not.
+bool is_left_to_certificate(const BuildRecord& record, const ErrorBudget& spent, double tolerance) {
+  if (record.status == Termination::converged) return true;
+  return record.builder == "pgd" && record.status == Termination::missed && spent.nonlinearity <= tolerance;
 }
 
 /// A plan on its way to a codebook.
@@ -207,7 +208,7 @@ struct Build {
  private:
   BuildResult finished(const Codebook& book, const ErrorBudget& spent, Certificate certificate) const {
     const BuildRecord& record = book.build();
-    certificate.met = certificate.met && is_complete(record);
+    certificate.met = certificate.met && is_left_to_certificate(record, spent, certificate.tolerance);
     certificate.spent = spent;
     if (record.status == Termination::failed) certificate.failure = record.message;
     const bool met = certificate.met;

@@ -58,12 +58,11 @@ class Replicates {
  public:
   Replicates(const models::TrajectoryFamily& family, const FitProblem& problem,
              const std::vector<SegmentResidual>& residuals, const FitPoint& point, const FitOptions& options)
-      : options_(options), problem_(problem), weighted_(problem), point_(point) {
-    for (std::size_t k = 0; k < residuals.size(); ++k) {
-      residuals_.emplace_back(family, problem, problem.segments[k]);
-      residuals_.back().set_join_weights(residuals[k].join_weights());
-    }
-  }
+      : options_(options),
+        problem_(problem),
+        weighted_(problem),
+        point_(point),
+        residuals_(make_residuals(family, problem, residuals)) {}
 
   MinimizeResult operator()(int replicate) {
     Stream random(options_.uncertainty.bootstrap.seed, static_cast<std::uint64_t>(replicate));
@@ -74,11 +73,7 @@ class Replicates {
     return minimize(weighted_, residuals_, point_, options_.solver.max_iterations, Precision::rough);
   }
 
-  long evaluations() const {
-    long sum = 0;
-    for (const SegmentResidual& residual : residuals_) sum += residual.evaluations();
-    return sum;
-  }
+  long evaluations() const { return evaluations_of(residuals_); }
 
  private:
   const FitOptions& options_;

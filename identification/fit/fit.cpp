@@ -26,13 +26,6 @@ namespace samara::identification {
 
 namespace {
 
-std::vector<SegmentResidual> make_residuals(const models::TrajectoryFamily& family,
-                                            const FitProblem& problem) {
-  std::vector<SegmentResidual> residuals;
-  for (const Segment& segment : problem.segments) residuals.emplace_back(family, problem, segment);
-  return residuals;
-}
-
 /// Costs that differ by less are equal: a millionth, and what rounding leaves of an exact fit.
 double cost_margin(const FitProblem& problem, double best) {
   return 1e-6 * best + 1e-9 * problem.observation_count();
@@ -281,7 +274,7 @@ FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> c
         fmt::format("none of {} starts succeeded; the first: {}", runs.size(), runs.front().message);
     add_speed_warnings(family, captures, result);
   }
-  for (const SegmentResidual& residual : residuals) result.evaluations += residual.evaluations();
+  result.evaluations += evaluations_of(residuals);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
 }

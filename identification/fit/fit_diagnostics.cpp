@@ -188,15 +188,13 @@ void add_posterior(const models::TrajectoryFamily& family, const FitProblem& pro
                    const std::vector<SegmentResidual>& residuals, const FitPoint& point,
                    const Uncertainty& uncertainty, const FitOptions& options, FitResult& result) {
   if (options.uncertainty.posterior.samples < 1) return;
-  result.posterior = sample_posterior(family, problem, residuals, point, uncertainty.dispersion,
-                                      options.uncertainty.posterior);
-  if (!result.posterior) {
-    result.warnings.add(
-        WarningKind::errors,
-        "no posterior: the residuals leave nothing to tell the noise from, or the curvature at the "
-        "answer is not that of a minimum");
+  Outcome<Posterior> drawn = sample_posterior(family, problem, residuals, point, uncertainty.dispersion,
+                                              options.uncertainty.posterior);
+  if (!drawn) {
+    result.warnings.add(WarningKind::errors, fmt::format("no posterior: {}", drawn.ending().message));
     return;
   }
+  result.posterior = std::move(*drawn);
   result.evaluations += result.posterior->evaluations;
   if (result.posterior->is_settled()) return;
   const auto& unknowns = result.posterior->unknowns;

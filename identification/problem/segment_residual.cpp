@@ -305,4 +305,18 @@ void SegmentResidual::centre_offsets(Eigen::VectorXd& own) const {
   }
 }
 
+std::vector<SegmentResidual> make_residuals(const models::TrajectoryFamily& family, const FitProblem& problem,
+                                            const std::vector<SegmentResidual>& like) {
+  std::vector<SegmentResidual> residuals;
+  for (const Segment& segment : problem.segments) residuals.emplace_back(family, problem, segment);
+  for (std::size_t k = 0; k < like.size(); ++k) residuals[k].set_join_weights(like[k].join_weights());
+  return residuals;
+}
+
+long evaluations_of(const std::vector<SegmentResidual>& residuals) {
+  long sum = 0;
+  for (const SegmentResidual& residual : residuals) sum += residual.evaluations();
+  return sum;
+}
+
 }  // namespace samara::identification

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -98,5 +99,13 @@ class SegmentResidual {
   std::vector<char> turns_;   ///< per compared output: an angle that turns with the camera
   long evaluations_ = 0;
 };
+
+/// One per segment of the problem.
+/// @param like residuals of the same segments whose weights at joins are taken over; none: they stay 1
+std::vector<SegmentResidual> make_residuals(const models::TrajectoryFamily& family, const FitProblem& problem,
+                                            const std::vector<SegmentResidual>& like = {});
+
+/// Of all of them.
+long evaluations_of(const std::vector<SegmentResidual>& residuals);
 
 }  // namespace samara::identification

@@ -10,6 +10,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <fmt/format.h>
 
 #include "samara/base/parallel.h"
 #include "samara/base/streams.h"
@@ -23,13 +24,15 @@ namespace {
 constexpr int kChains = 4;
 /// Proposals of the warm-up: after each part but the last, directions are set anew by the draws of its second half.
 constexpr std::array kWarmUp = {120, 200, 100};
-/// Mean length of a trajectory in directions of curvature one: a quarter of a period forgets the start.
+/// Mean length of a trajectory in directions of deviation one: a quarter of a period forgets the start.
 constexpr double kLength = 0.5 * std::numbers::pi;
 /// Share of proposals to be taken, which the warm-up sets steps for.
 constexpr double kWantedAcceptance = 0.8;
 /// An energy that the leapfrog has lost altogether.
 constexpr double kDivergent = 1000.0;
 constexpr int kMostSteps = 200;
+/// Directions that dense matrices serve: more would take minutes for each change of directions.
+constexpr int kMostDirections = 2000;
 
 /// A place of a chain.
 struct Place {
@@ -269,17 +272,25 @@ PosteriorUnknown summary_of(std::string name, const std::vector<ChainResult>& ch
 
 }  // namespace
 
-std::optional<Posterior> sample_posterior(const models::TrajectoryFamily& family, const FitProblem& problem,
-                                          const std::vector<SegmentResidual>& residuals,
-                                          const FitPoint& point, double dispersion,
-                                          const PosteriorOptions& options) {
-  if (!(dispersion > 0.0) || !std::isfinite(dispersion)) return std::nullopt;
+Outcome<Posterior> sample_posterior(const models::TrajectoryFamily& family, const FitProblem& problem,
+                                    const std::vector<SegmentResidual>& residuals, const FitPoint& point,
+                                    double dispersion, const PosteriorOptions& options) {
+  const auto none = [](Termination status, std::string why) { return Ending{status, std::move(why)}; };
+  if (!(dispersion > 0.0) || !std::isfinite(dispersion))
+    return none(Termination::not_determined, "the residuals leave nothing to tell the noise from");
   PosteriorDensity at_answer(family, problem, residuals, dispersion);
-  Eigen::VectorXd slope;
-  if (!std::isfinite(at_answer(point, slope))) return std::nullopt;
-  const Eigen::LLT<Eigen::MatrixXd> factor(at_answer.curvature(point));
-  if (factor.info() != Eigen::Success) return std::nullopt;
   const Eigen::Index count = at_answer.layout().all;
+  if (count == 0) return none(Termination::not_determined, "nothing is unknown");
+  if (count > kMostDirections)
+    return none(Termination::exhausted,
+                fmt::format("{} unknowns of all captures together are more than the {} that it can draw",
+                            count, kMostDirections));
+  Eigen::VectorXd slope;
+  if (!std::isfinite(at_answer(point, slope)))
+    return none(Termination::not_finite, "its density at the answer is not finite");
+  const Eigen::LLT<Eigen::MatrixXd> factor(at_answer.curvature(point));
+  if (factor.info() != Eigen::Success)
+    return none(Termination::not_determined, "the curvature at the answer is not that of a minimum");
   const Eigen::MatrixXd directions = factor.matrixU().solve(Eigen::MatrixXd::Identity(count, count));
 
   std::vector<ChainResult> chains(kChains);

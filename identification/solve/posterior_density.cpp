@@ -51,18 +51,8 @@ PosteriorDensity::PosteriorDensity(const models::TrajectoryFamily& family, const
     : problem_(problem),
       layout_(problem),
       boxed_(boxed_directions(problem, layout_)),
-      dispersion_(dispersion) {
-  for (std::size_t k = 0; k < residuals.size(); ++k) {
-    residuals_.emplace_back(family, problem, problem.segments[k]);
-    residuals_.back().set_join_weights(residuals[k].join_weights());
-  }
-}
-
-long PosteriorDensity::evaluations() const {
-  long sum = 0;
-  for (const SegmentResidual& residual : residuals_) sum += residual.evaluations();
-  return sum;
-}
+      dispersion_(dispersion),
+      residuals_(make_residuals(family, problem, residuals)) {}
 
 double PosteriorDensity::operator()(const FitPoint& point, Eigen::VectorXd& slope) {
   for (std::size_t k = 0; k < residuals_.size(); ++k) {

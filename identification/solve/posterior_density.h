@@ -43,7 +43,7 @@ class PosteriorDensity {
 
   const DirectionLayout& layout() const { return layout_; }
   const std::vector<BoxedDirection>& boxed() const { return boxed_; }
-  long evaluations() const;
+  long evaluations() const { return evaluations_of(residuals_); }
 
   /// -log of the density in the box; infinite where there is no trajectory.
   /// @param slope by directions

@@ -19,9 +19,8 @@
 ///
 /// The small speed eps and the small rate w_eps make them smooth everywhere.
 ///
-/// The rotational lift superposes the circulations of the rotation about each axis of the plate, C_R times half
-/// the chord at right angles to that axis squared times the rate: linear in w, and the planar law about either
-/// axis. One chord for both, along the tangential velocity (velocity_chord = 1), agrees in the plane but dips
+/// The rotational lift is the sum of two planar ones, about each axis of the plate with the chord at right angles
+/// to it. One chord for both, along the tangential velocity (velocity_chord = 1), agrees in the plane but dips
 /// from 2a to 2 sqrt(a b) within a fraction of a millisecond whenever that velocity passes zero.
 namespace samara::models::laws {
 
@@ -75,9 +74,9 @@ S chord_along(const S& a, const S& b, const Vector3<S>& u, const S& floor) {
   return S(2.0) * a * b * sqrt(tangential.speed_2 / tangential.stretched_2);
 }
 
-/// Twice the circulation of the rotation over C_R and |u|, as a vector along the axis of rotation. [m rad/s]
+/// (l_x w_x, l_y w_y, 0), each rate times the chord that it turns: its circulation over C_R/2. [m rad/s]
 template <class S>
-Vector3<S> rotation_of_chords(const QuasiSteadyBody<S>& body, const Vector3<S>& u, const Vector3<S>& w) {
+Vector3<S> rates_of_chords(const QuasiSteadyBody<S>& body, const Vector3<S>& u, const Vector3<S>& w) {
   const S along = body.velocity_chord * chord_along(body.a, body.b, u, body.speed_floor);
   const S by_axis = S(2.0) * (S(1.0) - body.velocity_chord);
   return {(by_axis * body.b + along) * w.x, (by_axis * body.a + along) * w.y, S(0.0)};
@@ -136,7 +135,7 @@ QuasiSteadyLoads<S> quasi_steady_loads(const QuasiSteadyBody<S>& body, const Vec
   const Vector3<S> upward = {-u_p.z * u_p.x, -u_p.z * u_p.y, tangential};
   return {.drag = force_at(p, -drag * u_p),
           .translational_lift = force_at(p, -lift * upward),
-          .rotational_lift = force_at(p, rotation * cross(rotation_of_chords(body, u_p, w), u_p)),
+          .rotational_lift = force_at(p, rotation * cross(rates_of_chords(body, u_p, w), u_p)),
           .damping = {{}, damping_torque(body, w)}};
 }
 

@@ -12,7 +12,7 @@ namespace samara::pgd {
 
 namespace {
 
-/// Of the guard points of a cell, one of so many is surveyed.
+/// One random point for so many guards of a cell.
 constexpr int kOneOf = 4;
 /// Of the evaluations allowed, what a survey may take.
 constexpr double kShareOfBudget = 0.5;

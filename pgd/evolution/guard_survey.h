@@ -16,8 +16,8 @@ struct GuardSurvey {
   bool cancelled = false;
 };
 
-/// Marches the corners of the box and a quarter of its guard points from their starts to the end of the time, or as far as they go, each with a neighbour
-/// in a random direction.
+/// Marches the corners of the box and a quarter as many random points as a cell has guards, each with a neighbour
+/// in a random direction, from their starts to the end of the time or as far as they go.
 /// @param scales what errors are measured in @param tolerance of a slab, in scales
 GuardSurvey survey_guards(const AdaptiveProblem& problem, const SlabOptions& options,
                           const SlabSolver& solver, const Eigen::VectorXd& scales, double tolerance);

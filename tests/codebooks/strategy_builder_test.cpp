@@ -109,3 +109,15 @@ TEST_CASE("where the guard points of a march see too much, but the certificate d
   plan.relative = 0.7 * error;
   CHECK_FALSE(build(plan, few_points()).met);
 }
+
+TEST_CASE("what guard points saw beyond the tolerance is not outvoted by a certificate of few points") {
+  BuildOptions options;
+  options.certificate_points = 1;
+  Plan plan = plate_plan("slabs", "1e-9", ", nodes = 3");
+  const double seen = build(plan, options).book.certificate()->spent.nonlinearity;
+  plan.relative = 0.9 * seen;
+  const BuildResult result = build(plan, options);
+  CAPTURE(result.message, seen, result.book.certificate()->max_error);
+  CHECK(result.book.certificate()->max_error <= plan.relative);
+  CHECK_FALSE(result.met);
+}

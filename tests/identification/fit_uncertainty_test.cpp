@@ -220,7 +220,7 @@ TEST_CASE("random weights give the errors of captures drawn with replacement, an
   CHECK(result.bootstrap->replicates == kReplicates);
   CHECK(result.bootstrap->coefficients.rows() == kReplicates);
   const double error = result.bootstrap->standard_errors.at(0);
-  CHECK_THAT(error, WithinRel(*result.coefficients[0].standard_error, 0.25));
+  CHECK_THAT(error, WithinRel(*result.coefficients[0].standard_error, 0.2));
   CHECK_THAT(error, WithinRel(drawn_error(captures, kReplicates, random), 0.2));
   CHECK_THAT(result.bootstrap->coefficients.col(0).mean(), WithinRel(result.coefficients[0].value, 0.01));
 }
