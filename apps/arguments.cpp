@@ -38,6 +38,19 @@ CLI::Validator whole_number() {
       "");
 }
 
+/// The licence of the whole is that of its strictest part.
+std::string version_text() {
+#ifdef SAMARA_HAS_SUITESPARSE
+  constexpr const char* kGplParts = "UMFPACK and CHOLMOD of SuiteSparse, also within Ceres Solver";
+#else
+  constexpr const char* kGplParts = "SuiteSparse within Ceres Solver, where the distribution has built it so";
+#endif
+  return fmt::format(
+      "samara {}\nlicence: BSD-3-Clause; linked with parts under the GPL ({}), the program as a whole under "
+      "the GPL",
+      version(), kGplParts);
+}
+
 template <class T>
 void on_call(CLI::App* command, std::optional<T>& target, std::shared_ptr<T> values) {
   command->callback([&target, values] { target = *values; });
@@ -47,7 +60,8 @@ void add_models(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<ModelsArguments>();
   CLI::App* command =
       app.add_subcommand("models", "models with parameters, units, defaults, sources, validity");
-  command->add_option("NAME", values->model, "explain this model only");
+  command->add_option("NAME", values->model,
+                      "explain this model only, or the equations of a file (MODEL.toml)");
   command->add_flag("--json", values->json, "print one JSON object");
   on_call(command, arguments.models, values);
 }
@@ -55,7 +69,10 @@ void add_models(CLI::App& app, Arguments& arguments) {
 void add_simulate(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<SimulateArguments>();
   CLI::App* command = app.add_subcommand("simulate", "one trajectory, as CSV");
-  command->add_option("MODEL", values->model, "name of a model (samara models)")->required();
+  command
+      ->add_option("MODEL", values->model,
+                   "name of a model (samara models), or file with equations (MODEL.toml)")
+      ->required();
   command->add_option("--set", values->set, kAssignments)->allow_extra_args(false);
   command->add_option("--until", values->until, "end of the trajectory, s or with a unit")
       ->capture_default_str();
@@ -85,9 +102,37 @@ void add_build(CLI::App& app, Arguments& arguments) {
   CLI::App* command = app.add_subcommand("build", "builds and certifies the codebook of a plan");
   command->add_option("PLAN", values->plan, "plan, TOML")->required();
   command->add_option("-o,--output", values->output, "codebook file to write, HDF5")->required();
-  command->add_flag("--resume", values->resume,
-                    "go on where a killed build of the same plan and output stopped");
+  CLI::Option* resume = command->add_flag(
+      "--resume", values->resume,
+      "only go on where a build of the same plan and output stopped, which is done anyway if there is one");
+  command->add_flag("--fresh", values->fresh, "begin anew, and drop what an earlier build has left")
+      ->excludes(resume);
+  command->add_flag("--force", values->force, "replace the output also if it is no codebook");
   on_call(command, arguments.build, values);
+}
+
+void add_body(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<BodyArguments>();
+  CLI::App* command =
+      app.add_subcommand("body", "mass, inertia, added mass and scaling numbers of a body in a fluid");
+  command->add_option("BODY", values->body, "ellipsoid, disc or plate, with --size; or a mesh: OBJ, STL, PLY")
+      ->required();
+  command->add_option("--size", values->sizes,
+                      "semi-axes of an ellipsoid; radius and thickness of a disc; full sides of a plate");
+  command->add_option("--unit", values->unit, "of a mesh file, which says none: mm, cm, m");
+  command->add_option("--density", values->density, "of the body, kg/m^3 or with a unit")->required();
+  command->add_option("--fluid", values->fluid, "density of the fluid, kg/m^3 or with a unit")->required();
+  command->add_option("--viscosity", values->viscosity,
+                      "of the fluid, Pa s or with a unit: for the Reynolds number");
+  CLI::Option* panels =
+      command->add_flag("--panels", values->panels, "added mass by panels, as of meshes, also of a shape");
+  command
+      ->add_flag("--proxy", values->proxy,
+                 "added mass of the ellipsoid with the same extents, as of shapes, also of a mesh")
+      ->excludes(panels);
+  CLI::Option* json = command->add_flag("--json", values->json, "print one JSON object");
+  command->add_flag("--toml", values->toml, "print the lines of a plan of kirchhoff_body")->excludes(json);
+  on_call(command, arguments.body, values);
 }
 
 void add_info(CLI::App& app, Arguments& arguments) {
@@ -150,8 +195,9 @@ void add_fit(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<FitArguments>();
   CLI::App* command = app.add_subcommand("fit", "coefficients with uncertainty from captured trajectories");
   command
-      ->add_option("SOURCE", values->source,
-                   "codebook file, or name of a model (with a config that has a [box])")
+      ->add_option(
+          "SOURCE", values->source,
+          "codebook file, or a model by its name or its file of equations (with a config that has a [box])")
       ->required();
   // Not required for the parser, which would take the last capture left out for one to fit.
   command->add_option("CAPTURE", values->captures, "capture files: tables, or sidecars (.toml) that map one");
@@ -237,10 +283,13 @@ Arguments parse(int argc, const char* const* argv) {
       "Parametric solution codebooks of bodies moving in a fluid.\n"
       "Exit codes: 0 done, 1 internal failure, 2 wrong call, 3 bad input file, 4 tolerance or convergence "
       "missed,\n"
-      "5 query outside the box.",
+      "5 query outside the box, 130 interrupted.",
       "samara");
-  app.set_version_flag("--version", std::string("samara ") + version());
+  app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
+  app.add_option("--model-library", arguments.model_libraries,
+                 "shared library of models of your own, before the command; may be repeated")
+      ->allow_extra_args(false);
   add_models(app, arguments);
   add_simulate(app, arguments);
   add_build(app, arguments);
@@ -249,6 +298,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_query(app, arguments);
   add_validate(app, arguments);
   add_fit(app, arguments);
+  add_body(app, arguments);
   for (CLI::App* command : app.get_subcommands({})) refuse_empty(*command);
   check_command(app, argc, argv);
   try {

@@ -29,6 +29,8 @@ struct BuildArguments {
   std::string plan;
   std::string output;
   bool resume = false;
+  bool fresh = false;
+  bool force = false;
 };
 
 struct InfoArguments {
@@ -78,9 +80,23 @@ struct FitArguments {
   bool json = false;
 };
 
+struct BodyArguments {
+  std::string body;  ///< ellipsoid, disc, plate, or a mesh file
+  std::vector<std::string> sizes;
+  std::string unit;  ///< of the file
+  std::string density;
+  std::string fluid;
+  std::string viscosity;  ///< empty: no Reynolds number
+  bool panels = false;
+  bool proxy = false;
+  bool json = false;
+  bool toml = false;
+};
+
 /// One of the commands, or nothing but an exit code (help, version, a wrong call).
 struct Arguments {
   std::optional<int> exit_code;
+  std::vector<std::string> model_libraries;
   std::optional<ModelsArguments> models;
   std::optional<SimulateArguments> simulate;
   std::optional<BuildArguments> build;
@@ -89,6 +105,7 @@ struct Arguments {
   std::optional<StatsArguments> stats;
   std::optional<ValidateArguments> validate;
   std::optional<FitArguments> fit;
+  std::optional<BodyArguments> body;
 };
 
 /// Prints help to stdout and mistakes to stderr itself.

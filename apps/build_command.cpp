@@ -4,44 +4,92 @@
 #include <fmt/format.h>
 
 #include "commands.h"
+#include "interrupts.h"
 #include "output.h"
+#include "samara/base/errors.h"
 #include "samara/codebooks/build/build.h"
+#include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/io/atomic_file.h"
+#include "samara/io/file_lock.h"
 #include "terminal.h"
 
 namespace samara::apps {
 
-int run(const BuildArguments& arguments) {
-  // A build may take long: that its result cannot be written should be known before. No stream takes a
-  // codebook.
+namespace {
+
+/// A build may take long: that its result cannot be written should be known before. No stream takes a
+/// codebook, and no other file is lost to one.
+void check_target(const BuildArguments& arguments) {
   check_output(arguments.output, {arguments.plan});
-  { const io::PendingFile probe(arguments.output); }
-  const codebooks::Plan plan = codebooks::read_plan(arguments.plan);
+  std::error_code ignored;
+  const bool is_file = std::filesystem::is_regular_file(arguments.output, ignored);
+  if (is_file && !arguments.force && !codebooks::is_codebook(arguments.output))
+    throw ArgumentError(
+        fmt::format("the output \"{}\" is a file, and no codebook: --force replaces it", arguments.output));
+  const io::PendingFile probe(arguments.output);
+}
+
+/// What an earlier build has left is taken up, unless the user wants to begin anew.
+codebooks::BuildOptions build_options(const BuildArguments& arguments) {
   codebooks::BuildOptions options;
   options.checkpoint = arguments.output + ".checkpoint";
   options.keep_checkpoint = true;
-  options.resume = arguments.resume;
-  if (arguments.resume && !std::filesystem::exists(options.checkpoint))
-    narrate(fmt::format("there is no {} to resume from: the build begins anew", options.checkpoint.string()));
-  options.progress = progress_line();
+  options.resume = !arguments.fresh;
+  std::error_code ignored;
+  const bool is_there = std::filesystem::exists(options.checkpoint, ignored);
+  if (arguments.resume && !is_there)
+    throw ArgumentError(fmt::format("--resume: there is no {} to go on from", options.checkpoint.string()));
+  if (arguments.fresh) std::filesystem::remove(options.checkpoint, ignored);
+  options.progress = [report = progress_line(), path = options.checkpoint,
+                      goes_on = is_there && !arguments.fresh](const Progress& progress) mutable {
+    if (goes_on)
+      narrate(fmt::format("going on from {}", path.string()));  // now it is known to be of this plan
+    goes_on = false;
+    return report(progress);
+  };
   options.warning = [](const std::string& sentence) { warn(sentence); };
-  const codebooks::BuildResult result = codebooks::build(plan, options);
-  codebooks::save(result.book, arguments.output);
-  if (!result.resumable) {
-    std::error_code ignored;
-    std::filesystem::remove(options.checkpoint, ignored);
+  return options;
+}
+
+int end_interrupted(const std::filesystem::path& checkpoint) {
+  std::error_code ignored;
+  warn(std::filesystem::exists(checkpoint, ignored)
+           ? fmt::format("interrupted; {} is kept: the same line goes on from there", checkpoint.string())
+           : std::string("interrupted, before there was anything to keep"));
+  return kInterrupted;
+}
+
+}  // namespace
+
+int run(const BuildArguments& arguments) {
+  catch_interrupts();
+  check_target(arguments);
+  const codebooks::Plan plan = codebooks::read_plan(arguments.plan);
+  const io::FileLock lock(arguments.output + ".lock", fmt::format("builds {}", arguments.output));
+  const codebooks::BuildOptions options = build_options(arguments);
+  try {
+    const codebooks::BuildResult result = codebooks::build(plan, options);
+    if (is_interrupted()) return end_interrupted(options.checkpoint);
+    codebooks::save(result.book, arguments.output);
+    if (!result.resumable) {
+      std::error_code ignored;
+      std::filesystem::remove(options.checkpoint, ignored);
+    }
+    narrate(fmt::format("built {} by {} in {:.1f} s: {}", arguments.output, result.book.build().builder,
+                        result.book.provenance().build_seconds, effort(result.book)));
+    print(to_table(*result.book.certificate(), result.book));
+    if (result.met) return kDone;
+    warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
+    if (result.resumable)
+      warn(fmt::format("the calls that were answered are kept in {}: the same line goes on from there",
+                       options.checkpoint.string()));
+    return kToleranceMissed;
+  } catch (const NoResultError&) {
+    // A program that is asked for answers gets Ctrl-C too, and ends.
+    if (is_interrupted()) return end_interrupted(options.checkpoint);
+    throw;
   }
-  narrate(fmt::format("built {} by {} in {:.1f} s: {}", arguments.output, result.book.build().builder,
-                      result.book.provenance().build_seconds, effort(result.book)));
-  print(to_table(*result.book.certificate(), result.book));
-  if (result.met) return kDone;
-  warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
-  if (result.resumable) {
-    warn(fmt::format("the calls that were answered are kept in {}: --resume goes on from there",
-                     options.checkpoint.string()));
-  }
-  return kToleranceMissed;
 }
 
 }  // namespace samara::apps

@@ -13,5 +13,6 @@ int run(const QueryArguments& arguments);
 int run(const StatsArguments& arguments);
 int run(const ValidateArguments& arguments);
 int run(const FitArguments& arguments);
+int run(const BodyArguments& arguments);
 
 }  // namespace samara::apps

@@ -3,6 +3,7 @@
 #include <new>
 
 #include "commands.h"
+#include "model_libraries.h"
 #include "samara/base/errors.h"
 #include "terminal.h"
 
@@ -12,6 +13,7 @@ namespace {
 
 int dispatch(const Arguments& arguments) {
   if (arguments.exit_code) return *arguments.exit_code;
+  load_model_libraries(arguments.model_libraries);
   if (arguments.models) return run(*arguments.models);
   if (arguments.simulate) return run(*arguments.simulate);
   if (arguments.build) return run(*arguments.build);
@@ -19,7 +21,8 @@ int dispatch(const Arguments& arguments) {
   if (arguments.query) return run(*arguments.query);
   if (arguments.stats) return run(*arguments.stats);
   if (arguments.validate) return run(*arguments.validate);
-  return run(*arguments.fit);
+  if (arguments.fit) return run(*arguments.fit);
+  return run(*arguments.body);
 }
 
 int guarded(int argc, const char* const* argv) {

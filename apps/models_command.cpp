@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "output.h"
+#include "samara/codebooks/model/model_file.h"
 #include "samara/models/interface/model.h"
 #include "samara/models/laws/registry.h"
 #include "terminal.h"
@@ -159,20 +160,23 @@ std::string explain(const models::ModelInfo& info) {
 }  // namespace
 
 int run(const ModelsArguments& arguments) {
-  std::vector<std::string> names = models::model_names();
-  if (!arguments.model.empty()) names = {models::find_model(arguments.model)->info().name};
+  std::vector<std::shared_ptr<const models::Model>> listed;
+  if (!arguments.model.empty()) {
+    listed.push_back(codebooks::open_model(arguments.model));
+  } else {
+    for (const std::string& name : models::model_names()) listed.push_back(models::find_model(name));
+  }
   if (arguments.json) {
     Json object = {{"schema", "samara-models/1"}, {"models", Json::array()}};
-    for (const std::string& name : names)
-      object["models"].push_back(to_json(models::find_model(name)->info()));
+    for (const auto& model : listed) object["models"].push_back(to_json(model->info()));
     print(object);
   } else if (!arguments.model.empty()) {
-    print(explain(models::find_model(arguments.model)->info()));
+    print(explain(listed.front()->info()));
   } else {
-    const auto longest = std::ranges::max_element(names, {}, &std::string::size);
-    for (const std::string& name : names) {
-      print(fmt::format("{:<{}}  {}\n", name, longest->size(), models::find_model(name)->info().title));
-    }
+    std::size_t longest = 0;
+    for (const auto& model : listed) longest = std::max(longest, model->info().name.size());
+    for (const auto& model : listed)
+      print(fmt::format("{:<{}}  {}\n", model->info().name, longest, model->info().title));
   }
   return kDone;
 }

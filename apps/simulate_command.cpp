@@ -7,8 +7,8 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
+#include "samara/codebooks/model/model_file.h"
 #include "samara/io/csv.h"
-#include "samara/models/laws/registry.h"
 #include "samara/models/trajectories/integrator_trajectories.h"
 #include "steered_model.h"
 #include "terminal.h"
@@ -156,7 +156,7 @@ models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const
 
 int run(const SimulateArguments& arguments) {
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.coefficients});
-  const auto model = models::find_model(arguments.model);
+  const auto model = codebooks::open_model(arguments.model);
   const models::ModelInfo& info = model->info();
   if (arguments.forces && info.force_terms.empty()) {
     throw ArgumentError(fmt::format("--forces: model \"{}\" does not list its force by terms", info.name));

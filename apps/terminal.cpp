@@ -1,12 +1,16 @@
 #include "terminal.h"
 
+#include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <string>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "interrupts.h"
 #include "samara/base/names.h"
 #include "samara/models/checks/parameter_warnings.h"
 
@@ -53,12 +57,58 @@ void narrate(const std::string& line) {
   say(fmt::format("{}\n", printable(line)));
 }
 
+namespace {
+
+std::string duration_text(double seconds) {
+  const long whole = std::lround(seconds);
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
+}
+
+/// Says how far work is, now and then.
+class ProgressReport {
+ public:
+  explicit ProgressReport(bool overwrites) : overwrites_(overwrites) {}
+
+  bool operator()(const Progress& progress) {
+    const Clock::time_point now = Clock::now();
+    if (progress.stage != stage_ || progress.fraction < fraction_) stage_begin_ = now;
+    stage_ = progress.stage;
+    fraction_ = progress.fraction;
+    if (now - told_ >= (overwrites_ ? kRedraw : kHeartbeat)) tell(now);
+    return !is_interrupted();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds kRedraw{50}, kHeartbeat{30'000};
+
+  void tell(Clock::time_point now) {
+    const auto since = [&](Clock::time_point then) {
+      return std::chrono::duration<double>(now - then).count();
+    };
+    std::string line =
+        fmt::format("{} {:.0f} %, {}", stage_, 100.0 * fraction_, duration_text(since(begin_)));
+    constexpr double kToldApart = 0.02;  // earlier, what is left is a guess
+    if (fraction_ > kToldApart && since(stage_begin_) > 1.0)
+      line += fmt::format(", {} of this stage left",
+                          duration_text(since(stage_begin_) * (1.0 / fraction_ - 1.0)));
+    say(overwrites_ ? fmt::format("\r\033[K{}", line) : line + "\n");
+    told_ = now;
+  }
+
+  bool overwrites_;
+  Clock::time_point begin_ = Clock::now(), told_ = overwrites_ ? Clock::time_point() : begin_,
+                    stage_begin_ = begin_;
+  std::string stage_;
+  double fraction_ = 0.0;
+};
+
+}  // namespace
+
 ProgressCallback progress_line() {
-  if (isatty(STDERR_FILENO) == 0) return {};
-  return [](const Progress& progress) {
-    say(fmt::format("\r\033[K{} {:.0f} %", progress.stage, 100.0 * progress.fraction));
-    return true;
-  };
+  return ProgressReport(isatty(STDERR_FILENO) != 0);
 }
 
 void clear_progress() {

@@ -16,6 +16,7 @@ inline constexpr int kWrongCall = 2;
 inline constexpr int kBadInput = 3;
 inline constexpr int kToleranceMissed = 4;
 inline constexpr int kOutsideBox = 5;
+inline constexpr int kInterrupted = 130;
 
 /// To be called first. Closed standard streams are opened such that they can be neither read nor written:
 /// else a file opened later would take their descriptor, and receive what is written to them.
@@ -30,7 +31,8 @@ void warn_of_parameters(const models::Model& model, const std::map<std::string, 
 /// One line of narration on stderr.
 void narrate(const std::string& line);
 
-/// Draws one line that overwrites itself, if stderr is a terminal; else does nothing.
+/// Draws one line that overwrites itself, if stderr is a terminal: what is done, how long it has taken, how long its
+/// stage may still take. Else prints such a line every half minute. Asks for the work to end once is_interrupted().
 ProgressCallback progress_line();
 /// Removes that line.
 void clear_progress();

@@ -27,6 +27,5 @@ void run_bodies(const Options& options);
 void run_builders(const Options& options);
 
 /// Builds that are killed, and resumed.
-void run_resume(const Options& options);
 
 }  // namespace samara::benchmarks

@@ -18,7 +18,6 @@ int main(int argc, char** argv) {
     run_strategy_orders(chosen);
     run_bodies(chosen);
     run_builders(chosen);
-    run_resume(chosen);
   } catch (const std::exception& error) {
     std::cerr << "nonlinear: " << error.what() << '\n';
     return 1;

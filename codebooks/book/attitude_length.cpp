@@ -6,7 +6,6 @@
 #include <string>
 
 #include "samara/models/interface/model.h"
-#include "samara/models/laws/registry.h"
 
 namespace samara::codebooks {
 
@@ -14,9 +13,8 @@ namespace {
 
 /// The states that are the numbers of the quaternion; none where the model is unknown, or has no quaternion.
 std::vector<models::StateInfo> quaternion_states(const Codebook& book) {
-  const std::vector<std::string> known = models::model_names();
-  if (std::ranges::find(known, book.model().name) == known.end()) return {};
-  const auto model = models::find_model(book.model().name);
+  const auto model = known_model(book.model());
+  if (!model) return {};
   const models::ModelInfo& info = model->info();
   const auto group =
       std::ranges::find(info.groups, models::StateGroupKind::quaternion, &models::StateGroup::kind);

@@ -11,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/models/checks/check_physics.h"
+#include "samara/models/laws/registry.h"
 
 namespace samara::codebooks {
 
@@ -151,6 +152,10 @@ const std::vector<double>& Piece::lower() const {
 }
 const std::vector<double>& Piece::upper() const {
   return content_->upper;
+}
+
+std::shared_ptr<const models::Model> known_model(const ModelDescription& description) {
+  return description.of_text ? description.of_text : models::find_model_or_null(description.name);
 }
 
 Codebook::Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecord build,

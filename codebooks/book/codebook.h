@@ -11,6 +11,7 @@
 #include "samara/base/termination.h"
 #include "samara/codebooks/book/certificate.h"
 #include "samara/codebooks/book/field_group.h"
+#include "samara/models/interface/model.h"
 
 /// A codebook is the separated solution of a parametric model over time and a box of parameters and initial
 /// values, or the separated form of what a program answers over a box of its inputs (and time, if it knows
@@ -35,7 +36,12 @@ struct ModelDescription {
   std::string source;
   std::map<std::string, double> fixed;             ///< parameters and initial values the plan fixed, SI
   std::map<std::string, std::string> fixed_units;  ///< their units
+  /// Of a model that is text: the codebook brings it along. Null of others, which go by their name.
+  std::shared_ptr<const models::Model> of_text = {};
 };
+
+/// The model itself; null where this program does not know it.
+std::shared_ptr<const models::Model> known_model(const ModelDescription& description);
 
 /// How it was made: the only part that differs from build to build of the same plan.
 struct Provenance {

@@ -21,9 +21,11 @@
 #include "samara/codebooks/build/sampling_builder.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/certify/measure.h"
+#include "samara/codebooks/plan/make_plan.h"
 #include "samara/codebooks/source/call_memory.h"
 #include "samara/codebooks/source/checkpoint.h"
 #include "samara/models/checks/parameter_warnings.h"
+#include "samara/models/equations/equation_model.h"
 
 namespace samara::codebooks {
 
@@ -37,8 +39,15 @@ using Clock = std::chrono::steady_clock;
 
 ModelDescription describe(const models::ParametricModel& model) {
   const models::ModelInfo& info = model.model().info();
-  ModelDescription description{info.name,     info.title, info.equations, info.frames, info.source,
-                               model.fixed(), {}};
+  const bool is_text = models::equations_of(model.model()) != nullptr;
+  ModelDescription description{.name = info.name,
+                               .title = info.title,
+                               .equations = info.equations,
+                               .frames = info.frames,
+                               .source = info.source,
+                               .fixed = model.fixed(),
+                               .fixed_units = {},
+                               .of_text = is_text ? model.shared_model() : nullptr};
   std::map<std::string, std::string>& units = description.fixed_units;
   for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;
   for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
@@ -107,12 +116,13 @@ Solution chosen(Solution solution, const std::string& reason) {
 /// not end a build that needs no disk: it is told once.
 CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& options) {
   std::vector<CallSheet> known;
-  if (options.resume && is_checkpoint(options.checkpoint)) known = load_calls(options.checkpoint, plan.text);
+  if (options.resume && is_checkpoint(options.checkpoint))
+    known = load_calls(options.checkpoint, plan.whole_text());
   CallMemory::Save save;
   if (!options.checkpoint.empty()) {
     save = [&plan, &options, warned = false](const std::vector<CallSheet>& calls) mutable {
       try {
-        save_calls(options.checkpoint, plan.text, calls, plan.box.size());
+        save_calls(options.checkpoint, plan.whole_text(), calls, plan.box.size());
       } catch (const ArgumentError& error) {
         if (!warned && options.warning) options.warning(fmt::format("no checkpoint: {}", error.what()));
         warned = true;
@@ -355,6 +365,11 @@ BuildResult built(const Plan& plan, const pgd::PointsFunction& function, const B
 }
 
 }  // namespace
+
+BuildResult build(const models::ParametricModel& model, const BuildRequest& request,
+                  const BuildOptions& options) {
+  return build(make_plan(model, request), options);
+}
 
 BuildResult build(const Plan& plan, const BuildOptions& options) {
   return built(plan, {}, options);

@@ -50,6 +50,17 @@ struct BuildResult {
 /// result, or printed more than it was asked for.
 BuildResult build(const Plan& plan, const BuildOptions& options = {});
 
+/// The codebook of a model of your own, or any other, with its coordinates as they are fixed and free:
+///
+///   BuildRequest request;
+///   request.box = {{.name = "growth", .lower = 0.8, .upper = 1.2}};
+///   request.end = 15.0;
+///   const BuildResult result = build(ParametricModel(model, {{"hunt", 0.1}}, {"growth"}), request);
+///
+/// @throws ArgumentError as make_plan(), and as above
+BuildResult build(const models::ParametricModel& model, const BuildRequest& request,
+                  const BuildOptions& options = {});
+
 /// The same of a plan with a command, where a function answers instead of the program: in its columns stand
 /// the inputs of [command] in order and the times, if the plan has any; outputs come first, then times.
 /// @throws ArgumentError if the plan has no command, or the function is empty

@@ -259,7 +259,10 @@ models::ParametricModel model_of(const Codebook& book) {
   }
   std::vector<std::string> free;
   for (std::size_t k = 1; k < book.coordinates().size(); ++k) free.push_back(book.coordinates()[k].name);
-  return models::ParametricModel(models::find_model(book.model().name), book.model().fixed, free);
+  auto model = known_model(book.model());
+  // Which says what is known, and what is near.
+  if (!model) model = models::find_model(book.model().name);
+  return models::ParametricModel(std::move(model), book.model().fixed, free);
 }
 
 }  // namespace samara::codebooks

@@ -15,7 +15,6 @@
 #include "samara/codebooks/query/trajectory_query.h"
 #include "samara/models/integrators/trajectory_tools.h"
 #include "samara/models/interface/parametric_model.h"
-#include "samara/models/laws/registry.h"
 #include "samara/models/trajectories/interval.h"
 #include "samara/models/trajectories/model_symmetry.h"
 #include "samara/models/trajectories/reference_trajectories.h"
@@ -24,13 +23,9 @@ namespace samara::codebooks {
 
 namespace {
 
-bool is_known_model(const std::string& name) {
-  return std::ranges::count(models::model_names(), name) > 0;
-}
-
-/// Empty if the model is not one of Samara's, or has other coordinates than the codebook.
+/// Empty if the model is not known, or has other coordinates than the codebook.
 std::optional<models::ParametricModel> equations_of(const Codebook& book) {
-  if (!is_known_model(book.model().name)) return {};
+  if (!known_model(book.model())) return {};
   try {
     return model_of(book);
   } catch (const ArgumentError&) {
@@ -49,8 +44,8 @@ models::FamilyInfo describe(const Codebook& book, const std::optional<models::Pa
   for (const pgd::OutputLabel& output : book.outputs()) info.outputs.push_back({output.name, output.unit});
   if (equations) {
     models::describe_equations(*equations, info);
-  } else if (is_known_model(info.model)) {
-    info.translations = models::translated_outputs(models::find_model(info.model)->info(), info.outputs);
+  } else if (const auto model = known_model(book.model())) {
+    info.translations = models::translated_outputs(model->info(), info.outputs);
   }
   return info;
 }
@@ -225,13 +220,12 @@ std::unique_ptr<models::TrajectoryFamily> flow_map_trajectories(const Codebook& 
 
 std::unique_ptr<models::TrajectoryFamily> reference_trajectories(const Codebook& book,
                                                                  const models::IntegrateOptions& options) {
-  model_of(book);  // a command has none, and is told apart from an unknown model
+  const auto model = model_of(book).shared_model();
   std::map<std::string, models::Interval> box;
   for (const Coordinate& c : book.coordinates()) {
     if (c.role != pgd::AxisRole::time) box[c.name] = {c.lower, c.upper};
   }
-  return models::reference_trajectories(models::find_model(book.model().name), book.model().fixed, box,
-                                        options);
+  return models::reference_trajectories(model, book.model().fixed, box, options);
 }
 
 }  // namespace samara::codebooks

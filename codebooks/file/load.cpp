@@ -17,9 +17,9 @@
 #include "samara/base/termination.h"
 #include "samara/codebooks/file/format_version.h"
 #include "samara/codebooks/file/piece_format.h"
+#include "samara/codebooks/model/model_file.h"
 #include "samara/io/hdf5_reader.h"
 #include "samara/models/interface/model.h"
-#include "samara/models/laws/registry.h"
 
 namespace samara::codebooks {
 
@@ -160,6 +160,14 @@ ModelDescription read_model(const Hdf5Reader& file) {
   model.equations = file.text_attribute(path, "equations");
   model.frames = file.text_attribute(path, "frames");
   model.source = file.text_attribute(path, "source");
+  if (file.has_attribute(path, "definition")) {
+    try {
+      model.of_text =
+          read_equation_model(io::TomlTable::parse(file.text_attribute(path, "definition"), "definition"));
+    } catch (const InputError& error) {
+      throw file.error(path, fmt::format("holds equations that cannot be read: {}", error.what()));
+    }
+  }
   for (const std::string& name : file.children(path + "/fixed")) {
     model.fixed[name] = file.vector(path + "/fixed/" + name, {.rows = 1})[0];
     model.fixed_units[name] = file.text_attribute(path + "/fixed/" + name, "units");
@@ -210,9 +218,8 @@ void check_unit(const Hdf5Reader& file, const std::string& object, const std::st
 
 /// Units of axes, outputs and fixed values, where this library knows the model.
 void check_units(const Hdf5Reader& file, const Codebook& book) {
-  const std::vector<std::string> known = models::model_names();
-  if (std::find(known.begin(), known.end(), book.model().name) == known.end()) return;
-  const auto model = models::find_model(book.model().name);
+  const auto model = known_model(book.model());
+  if (!model) return;
   const models::ModelInfo& info = model->info();
   std::map<std::string, std::string> units = {{book.coordinates().front().name, models::time_unit(info)}};
   std::map<std::string, std::string> output_units;
@@ -327,6 +334,15 @@ Codebook load(const std::filesystem::path& path) {
     return book.with_certificate(std::move(certificate));
   } catch (const ArgumentError& error) {
     throw file.error("/", error.what());
+  }
+}
+
+bool is_codebook(const std::filesystem::path& path) {
+  try {
+    const Hdf5Reader file(path);
+    return file.has_attribute("/", "format") && file.text_attribute("/", "format") == format::kFormat;
+  } catch (const InputError&) {
+    return false;
   }
 }
 

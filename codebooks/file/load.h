@@ -12,4 +12,7 @@ namespace samara::codebooks {
 ///   version, or holds impossible values.
 Codebook load(const std::filesystem::path& path);
 
+/// Whether the file says that it is a codebook, sound or not.
+bool is_codebook(const std::filesystem::path& path);
+
 }  // namespace samara::codebooks

@@ -8,7 +8,9 @@
 #include "samara/base/version.h"
 #include "samara/codebooks/file/format_version.h"
 #include "samara/codebooks/file/piece_format.h"
+#include "samara/codebooks/model/model_file.h"
 #include "samara/io/hdf5_writer.h"
+#include "samara/models/equations/equation_model.h"
 
 namespace samara::codebooks {
 
@@ -70,6 +72,8 @@ void write_model(Hdf5Writer& file, const ModelDescription& model) {
   file.write_text_attribute(path, "equations", model.equations);
   file.write_text_attribute(path, "frames", model.frames);
   file.write_text_attribute(path, "source", model.source);
+  if (model.of_text)
+    file.write_text_attribute(path, "definition", to_toml(*models::equations_of(*model.of_text)));
   file.create_group(path + "/fixed");
   for (const auto& [name, value] : model.fixed) {
     const auto unit = model.fixed_units.find(name);

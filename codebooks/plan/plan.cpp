@@ -11,10 +11,11 @@
 #include "samara/base/limits.h"
 #include "samara/base/names.h"
 #include "samara/codebooks/book/certificate.h"
+#include "samara/codebooks/model/model_file.h"
 #include "samara/codebooks/plan/plan_command.h"
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
-#include "samara/models/laws/registry.h"
+#include "samara/models/equations/equation_model.h"
 #include "samara/pgd/nonlinear/march.h"
 #include "samara/pgd/tensors/random.h"
 
@@ -85,10 +86,16 @@ void check_meaning(const TomlTable& table, const std::string& key, const Subject
   }
 }
 
+/// The one that the plan names, or brings along.
 std::shared_ptr<const models::Model> read_model(const TomlTable& root) {
+  if (const auto equations = root.optional_table("equations")) {
+    if (root.has("model")) throw root.error("equations", "stand beside a model, expected one of the two");
+    check_name(*equations);
+    return read_equation_model(*equations);
+  }
   const std::string name = root.string("model");
   try {
-    return models::find_model(name);
+    return open_model(name, std::filesystem::path(root.file()).parent_path());
   } catch (const ArgumentError& error) {
     throw root.error("model", error.what());
   }
@@ -318,7 +325,7 @@ void check_complete(const TomlTable& root, const Plan& plan) {
     for (const BoxEntry& entry : plan.box) centre.push_back(0.5 * (entry.lower + entry.upper));
     model.check(centre);
   } catch (const ArgumentError& error) {
-    throw InputError(plan.source, root.line("model"), error.what());
+    throw InputError(plan.source, root.line(root.has("equations") ? "equations" : "model"), error.what());
   }
 }
 
@@ -337,6 +344,8 @@ int Plan::certificate_points(double seconds_per_call, double calls) const {
 
 std::uint64_t Plan::certificate_seed() const {
   std::string question = model;
+  if (const models::Equations* equations = definition ? models::equations_of(*definition) : nullptr)
+    question += to_toml(*equations);
   for (const auto& [name, value] : fixed) question += fmt::format("|{} {}", name, value);
   for (const BoxEntry& entry : box)
     question += fmt::format("|{} {} {}", entry.name, entry.lower, entry.upper);
@@ -346,7 +355,12 @@ std::uint64_t Plan::certificate_seed() const {
   return pgd::Random(hash).bits();
 }
 
-bool Plan::prescribes_axes() const {
+std::string Plan::whole_text() const {
+  const models::Equations* equations = definition ? models::equations_of(*definition) : nullptr;
+  return equations == nullptr ? text : text + "\n# the model\n" + to_toml(*equations);
+}
+
+bool BuildRequest::prescribes_axes() const {
   return std::ranges::any_of(box, &BoxEntry::prescribes_axis);
 }
 
@@ -354,20 +368,26 @@ models::ParametricModel Plan::parametric_model() const {
   if (command) throw ArgumentError(fmt::format("the plan {} is one of a command and has no model", source));
   std::vector<std::string> free;
   for (const BoxEntry& entry : box) free.push_back(entry.name);
-  return models::ParametricModel(models::find_model(model), fixed, free);
+  return models::ParametricModel(definition, fixed, free);
 }
 
-Plan parse_plan(const std::string& text, const std::string& name) {
+Plan parse_plan(const std::string& text, const std::string& name,
+                const std::shared_ptr<const models::Model>& model) {
   const TomlTable root = TomlTable::parse(text, name);
-  root.expect_keys({"model", "command", "title", "fixed", "box", "time", "tolerance", "builder"});
+  root.expect_keys(
+      {"model", "equations", "command", "title", "fixed", "box", "time", "tolerance", "builder"});
   Plan plan;
   plan.source = name;
   plan.text = text;
   if (const auto command = root.optional_table("command")) {
-    if (root.has("model")) throw root.error("command", "stands beside a model, expected one of the two");
+    for (const char* other : {"model", "equations"}) {
+      if (root.has(other)) throw root.error("command", "stands beside a model, expected one of the two");
+    }
     plan.command = read_command(*command);
   }
-  const Subject subject = plan.command ? subject_of(*plan.command) : subject_of(read_model(root));
+  const Subject subject =
+      plan.command ? subject_of(*plan.command) : subject_of(model ? model : read_model(root));
+  plan.definition = subject.model;
   if (subject.model) plan.model = subject.model->info().name;
   plan.title = read_title(root);
   read_coordinates(root, subject, plan);

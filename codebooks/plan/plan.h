@@ -3,12 +3,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "samara/models/interface/parametric_model.h"
-#include "samara/models/laws/registry.h"
 #include "samara/pgd/axes/axis.h"
 
 namespace samara::codebooks {
@@ -24,7 +24,7 @@ struct BoxEntry {
   std::string name;
   double lower = 0.0;  ///< SI
   double upper = 0.0;
-  std::optional<int> nodes;  ///< of its axis; empty: chosen by the builder
+  std::optional<int> nodes = {};  ///< of its axis; empty: chosen by the builder
   pgd::Basis basis = pgd::Basis::chebyshev;
   pgd::Transform transform = pgd::Transform::none;
   /// Whether the plan says how the axis is to be discretised, which sampling and slabs do by themselves.
@@ -49,13 +49,9 @@ struct PlannedCommand {
   bool persistent = false;  ///< whether the program is kept between batches
 };
 
-/// A plan of a build (PLAN.toml): a model or a command, what is fixed, the box, the time, the tolerance, the
-/// builder.
-struct Plan {
-  std::string model;                      ///< empty where there is a command
-  std::optional<PlannedCommand> command;  ///< instead of a model
+/// What is asked of a build: the box, the time, the tolerance, the builder.
+struct BuildRequest {
   std::string title;
-  std::map<std::string, double> fixed;     ///< SI
   std::vector<BoxEntry> box;               ///< in the order of the file
   double end = 0.0;                        ///< s; time runs from 0; 0: there is no time (commands only)
   double relative = 1e-3;                  ///< of each output's range over box and time
@@ -76,6 +72,17 @@ struct Plan {
     std::uint64_t seed = 1;
   } builder;
 
+  /// Whether it prescribes any axis.
+  bool prescribes_axes() const;
+};
+
+/// A plan of a build (PLAN.toml): a model or a command, what is fixed, and what is asked.
+struct Plan : BuildRequest {
+  std::string model;                                ///< its name; empty where there is a command
+  std::shared_ptr<const models::Model> definition;  ///< of the model; null where there is a command
+  std::optional<PlannedCommand> command;            ///< instead of a model
+  std::map<std::string, double> fixed;              ///< SI
+
   std::string source;  ///< file the plan came from, for messages; empty if none
   std::string text;    ///< the plan as read
 
@@ -87,10 +94,10 @@ struct Plan {
   /// nothing.
   std::uint64_t certificate_seed() const;
 
-  /// Whether it prescribes any axis.
-  bool prescribes_axes() const;
+  /// The text, and that of a model in another file: plans that differ in neither have the same checkpoints.
+  std::string whole_text() const;
   /// The model with the plan's fixed and free coordinates.
-  /// @throws ArgumentError as models::find_model() and ParametricModel do, and for a plan of a command.
+  /// @throws ArgumentError as ParametricModel does, and for a plan of a command.
   models::ParametricModel parametric_model() const;
 };
 
@@ -100,6 +107,8 @@ struct Plan {
 Plan read_plan(const std::filesystem::path& path);
 
 /// The same from text; `name` stands for the file in messages.
-Plan parse_plan(const std::string& text, const std::string& name);
+/// @param model that the plan is of, whatever it says; null: the one that it says
+Plan parse_plan(const std::string& text, const std::string& name,
+                const std::shared_ptr<const models::Model>& model = {});
 
 }  // namespace samara::codebooks

@@ -143,7 +143,7 @@ bool is_checkpoint(const std::filesystem::path& path) {
 }
 
 InputError bad_checkpoint(const std::filesystem::path& path, const std::string& reason) {
-  return InputError(path.string(), fmt::format("{}; remove the file or build without --resume", reason));
+  return InputError(path.string(), fmt::format("{}; --fresh begins anew, and removes it", reason));
 }
 
 void save_march(const std::filesystem::path& path, const std::string& plan,

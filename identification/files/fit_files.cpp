@@ -17,7 +17,6 @@
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/fit/mass_check.h"
 #include "samara/identification/fit/prediction.h"
-#include "samara/models/laws/registry.h"
 
 namespace samara::identification {
 
@@ -109,10 +108,9 @@ class WarningTeller {
 };
 
 /// The family by integrating the codebook's equations; null for a codebook of a program, or of a model that
-/// is not in the registry.
+/// is not known.
 std::unique_ptr<models::TrajectoryFamily> equations_of_codebook(const FitSource& source) {
-  const std::vector<std::string> known = models::model_names();
-  if (!source.book || std::ranges::count(known, source.book->model().name) == 0) return {};
+  if (!source.book || !codebooks::known_model(source.book->model())) return {};
   return codebooks::reference_trajectories(*source.book);
 }
 

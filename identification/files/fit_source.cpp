@@ -13,12 +13,12 @@
 #include "samara/base/units.h"
 #include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/file/load.h"
+#include "samara/codebooks/model/model_file.h"
 #include "samara/identification/problem/fit_config.h"
 #include "samara/identification/report/fit_report.h"
 #include "samara/identification/report/read_fit.h"
 #include "samara/identification/series/series_config.h"
 #include "samara/models/checks/parameter_warnings.h"
-#include "samara/models/laws/registry.h"
 #include "samara/models/trajectories/reference_trajectories.h"
 #include "samara/models/trajectories/step_trajectories.h"
 
@@ -29,9 +29,10 @@ namespace {
 /// Values that differ by less, relative, are the same but for the digits of a file.
 constexpr double kSameValue = 1e-6;
 
-/// A name that is no file, and has no dot or slash that would make it one, is the name of a model.
-bool is_model_name(const std::string& text) {
+/// A file of equations, or a name that is no file, and has no dot or slash that would make it one.
+bool is_model(const std::string& text) {
   std::error_code ignored;
+  if (codebooks::is_model_file(text)) return true;
   return !std::filesystem::exists(text, ignored) && text.find_first_of("./") == std::string::npos;
 }
 
@@ -93,7 +94,7 @@ void take_over(const FitRequest& request, const ConfigNames& names,
 }
 
 void open_model(const FitRequest& request, FitSource& source) {
-  const auto model = models::find_model(request.source);
+  const auto model = codebooks::open_model(request.source);
   if (request.reference) {
     throw ArgumentError(fmt::format(
         "--reference says how to fit a codebook; the model \"{}\" is integrated anyway", request.source));
@@ -187,7 +188,7 @@ bool predicts_only(const FitRequest& request) {
 FitSource open_fit_source(const FitRequest& request) {
   FitSource source;
   if (!request.config.empty()) source.prediction = read_prediction_config(request.config);
-  if (is_model_name(request.source)) {
+  if (is_model(request.source)) {
     open_model(request, source);
   } else {
     open_codebook(request, source);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <type_traits>
 
-/// Added mass of an ellipsoid for any scalar with derivatives (double, ceres::Jet<double, N>).
+/// Added mass of an ellipsoid for any scalar with derivatives (double, Dual<double, N>).
 ///
 /// The integrals over the outside of the ellipsoid (H. Lamb, Hydrodynamics, 6th ed., 1932, art. 114;
 /// semi-axes a, b, c in any order, Delta = sqrt((a^2+s)(b^2+s)(c^2+s)))

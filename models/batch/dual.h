@@ -6,15 +6,16 @@
 
 namespace samara::models {
 
-/// Value and K tangents of forward differentiation over a scalar or a SIMD pack S: what ceres::Jet is for
-/// doubles, without Eigen inside, which packs do not fit into. It has what laws use and no more.
+/// Value and K tangents of forward differentiation over a scalar or a SIMD pack S.
 template <class S, int K>
 struct Dual {
   S a;                 ///< value
   std::array<S, K> v;  ///< tangents
 
   Dual() = default;
-  explicit Dual(double constant) : a(constant) { v.fill(S(0.0)); }
+  Dual(double constant) : a(constant) { v.fill(S(0.0)); }
+  /// Variable number k.
+  Dual(double value, std::size_t k) : Dual(value) { v[k] = S(1.0); }
 
   /// A value whose tangents are those of `x` times `slope`.
   static Dual chain(const S& value, const S& slope, const Dual& x) {
@@ -85,6 +86,46 @@ struct Dual {
     using std::log;
     return chain(log(x.a), S(1.0) / x.a, x);
   }
+  friend Dual tan(const Dual& x) {
+    using std::tan;
+    const S value = tan(x.a);
+    return chain(value, S(1.0) + value * value, x);
+  }
+  friend Dual asin(const Dual& x) {
+    using std::asin;
+    using std::sqrt;
+    return chain(asin(x.a), S(1.0) / sqrt(S(1.0) - x.a * x.a), x);
+  }
+  friend Dual acos(const Dual& x) {
+    using std::acos;
+    using std::sqrt;
+    return chain(acos(x.a), S(-1.0) / sqrt(S(1.0) - x.a * x.a), x);
+  }
+  friend Dual atan(const Dual& x) {
+    using std::atan;
+    return chain(atan(x.a), S(1.0) / (S(1.0) + x.a * x.a), x);
+  }
+  friend Dual sinh(const Dual& x) {
+    using std::cosh;
+    using std::sinh;
+    return chain(sinh(x.a), cosh(x.a), x);
+  }
+  friend Dual cosh(const Dual& x) {
+    using std::cosh;
+    using std::sinh;
+    return chain(cosh(x.a), sinh(x.a), x);
+  }
+  friend Dual tanh(const Dual& x) {
+    using std::tanh;
+    const S value = tanh(x.a);
+    return chain(value, S(1.0) - value * value, x);
+  }
+  friend Dual pow(const Dual& x, double exponent) {
+    using std::pow;
+    return chain(pow(x.a, S(exponent)), S(exponent) * pow(x.a, S(exponent - 1.0)), x);
+  }
+  /// x > 0.
+  friend Dual pow(const Dual& x, const Dual& y) { return exp(y * log(x)); }
   friend Dual abs(const Dual& x) {
     using std::abs;
     using std::copysign;

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 
-#include <ceres/jet.h>
 #include <experimental/simd>
 
 #include "samara/models/batch/dual.h"
@@ -77,19 +76,6 @@ struct LaneTime<Dual<S, K>> {
   }
 };
 
-template <int K>
-struct LaneLayout<ceres::Jet<double, K>> {
-  static ceres::Jet<double, K> load(const double* from) {
-    ceres::Jet<double, K> x(*from);
-    for (int k = 0; k < K; ++k) x.v[k] = from[k + 1];
-    return x;
-  }
-  static void store(const ceres::Jet<double, K>& x, double* to) {
-    *to = x.a;
-    for (int k = 0; k < K; ++k) to[k + 1] = x.v[k];
-  }
-};
-
 /// The scalar of one lane.
 template <class S>
 struct OneLane {
@@ -97,7 +83,7 @@ struct OneLane {
 };
 template <class S, int K>
 struct OneLane<Dual<S, K>> {
-  using Type = ceres::Jet<double, K>;
+  using Type = Dual<double, K>;
 };
 
 template <class Law, class S>
@@ -119,7 +105,8 @@ class LawKernel final : public StepKernel {
       for (std::size_t j = 0; j < kParameters; ++j) {
         all[j] = LaneLayout<Lane>::load(numbers.data() + j * kLaneStride);
       }
-      law_.template complete<Lane>(given, all.data());
+      if constexpr (requires { law_.template complete<Lane>(given, all.data()); })
+        law_.template complete<Lane>(given, all.data());
       for (std::size_t j = 0; j < kParameters; ++j) {
         LaneLayout<Lane>::store(all[j], numbers.data() + j * kLaneStride);
       }

@@ -190,6 +190,34 @@ void check_values(const Model& model, const Point& point, Findings& findings) {
   }
 }
 
+/// At many points at once a model says what it says at each of them.
+void check_points(const Model& model, const Point& point, Findings& findings) {
+  constexpr Eigen::Index kPoints = 3;
+  const auto columns = [](const std::vector<double>& values) -> Eigen::MatrixXd {
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()))
+        .replicate(1, kPoints);
+  };
+  const Eigen::MatrixXd x = columns(point.x), p = columns(model.completed(point.p));
+  const Eigen::VectorXd t = Eigen::VectorXd::Constant(kPoints, point.t);
+  Eigen::MatrixXd f(x.rows(), kPoints), jacobians(x.rows() * x.rows(), kPoints);
+  model.rhs_at_points(t, x, p, f);
+  model.jacobians_at_points(t, x, p, jacobians);
+  const Eigen::VectorXd sizes = term_sizes(point);
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    const std::string name = quoted(model.info().states[static_cast<std::size_t>(i)].name);
+    const double apart = (f.row(i).array() - point.f[static_cast<std::size_t>(i)]).abs().maxCoeff();
+    if (!(apart <= kEqualRates * sizes[i]))
+      findings.push_back("the rate of " + name + " at many points is another than at one");
+    for (Eigen::Index j = 0; j < x.rows(); ++j) {
+      const double slope = point.df_dx(i, j);
+      const double slopes_apart = (jacobians.row(i + x.rows() * j).array() - slope).abs().maxCoeff();
+      if (!(slopes_apart <= kEqualRates * (std::abs(slope) + sizes[i])))
+        findings.push_back("the derivatives of the rate of " + name +
+                           " at many points are others than at one");
+    }
+  }
+}
+
 /// Compares one column of derivatives with central differences in `variable`, which lies in `point`.
 void check_column(const Model& model, const Point& point, double& variable, double size,
                   const std::string& name, const Eigen::VectorXd& derivative, double tolerance,
@@ -277,6 +305,7 @@ Check check_model(const Model& model, const CheckModelOptions& options) {
   for (int k = 0; k < options.points; ++k) {
     Point point = random_point(model, random);
     check_values(model, point, check.findings);
+    check_points(model, point, check.findings);
     check_derivatives(model, point, options.tolerance, check.findings);
     check_symmetries(model, point, check.findings);
     check_rotation(model, point, random, check.findings);

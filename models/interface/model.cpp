@@ -23,6 +23,45 @@ std::optional<double> Model::kinetic_energy(double, std::span<const double>, con
   return std::nullopt;
 }
 
+namespace {
+
+/// Parameters of a point, all given.
+void take_point(const Eigen::Ref<const Eigen::MatrixXd>& p, Eigen::Index point, ParameterValues& values) {
+  values.value.assign(p.col(point).begin(), p.col(point).end());
+  values.given.assign(values.value.size(), 1);
+}
+
+std::span<const double> column_of(const Eigen::Ref<const Eigen::MatrixXd>& matrix, Eigen::Index j) {
+  return {matrix.col(j).data(), static_cast<std::size_t>(matrix.rows())};
+}
+
+}  // namespace
+
+void Model::rhs_at_points(const Eigen::Ref<const Eigen::VectorXd>& t,
+                          const Eigen::Ref<const Eigen::MatrixXd>& x,
+                          const Eigen::Ref<const Eigen::MatrixXd>& p,
+                          Eigen::Ref<Eigen::MatrixXd> dxdt) const {
+  ParameterValues values;
+  for (Eigen::Index j = 0; j < x.cols(); ++j) {
+    take_point(p, j, values);
+    rhs(t[j], column_of(x, j), values, {dxdt.col(j).data(), static_cast<std::size_t>(dxdt.rows())});
+  }
+}
+
+void Model::jacobians_at_points(const Eigen::Ref<const Eigen::VectorXd>& t,
+                                const Eigen::Ref<const Eigen::MatrixXd>& x,
+                                const Eigen::Ref<const Eigen::MatrixXd>& p,
+                                Eigen::Ref<Eigen::MatrixXd> jacobians) const {
+  ParameterValues values;
+  std::vector<double> f(static_cast<std::size_t>(x.rows()));
+  Eigen::MatrixXd df_dx(x.rows(), x.rows()), df_dp(x.rows(), p.rows());
+  for (Eigen::Index j = 0; j < x.cols(); ++j) {
+    take_point(p, j, values);
+    rhs_with_derivatives(t[j], column_of(x, j), values, f, df_dx, df_dp);
+    jacobians.col(j) = df_dx.reshaped();
+  }
+}
+
 void Model::complete_into(const ParameterValues& p, std::span<double> all) const {
   std::ranges::copy(completed(p), all.begin());
 }
@@ -54,6 +93,7 @@ AffineSplit affine_split(const Model& model, double t, std::span<const double> x
 }
 
 double state_scale(const StateInfo& state, const Scales& scales) {
+  if (state.scale) return *state.scale;
   if (state.unit == "m") return scales.length;
   if (state.unit == "m/s") return scales.velocity;
   if (state.unit == "rad/s" || state.unit == "1/s") return 1.0 / scales.time;

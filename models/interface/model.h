@@ -42,6 +42,7 @@ struct StateInfo {
   std::string unit;
   double default_initial = 0.0;
   std::string description = {};
+  std::optional<double> scale = {};  ///< characteristic size, if it does not follow from Scales by the unit
 };
 
 /// One term of the forces on a body: "drag", "gravity and buoyancy".
@@ -153,6 +154,19 @@ class Model {
   virtual std::optional<double> kinetic_energy(double t, std::span<const double> x,
                                                const ParameterValues& p) const;
 
+  /// f at many points, one per column: t (points), x (states x points), p (all parameters x points, complete), into
+  /// dxdt (states x points). Does not check. By default one point after another.
+  virtual void rhs_at_points(const Eigen::Ref<const Eigen::VectorXd>& t,
+                             const Eigen::Ref<const Eigen::MatrixXd>& x,
+                             const Eigen::Ref<const Eigen::MatrixXd>& p,
+                             Eigen::Ref<Eigen::MatrixXd> dxdt) const;
+
+  /// df_dx at many points likewise, into (states^2 x points), column-major.
+  virtual void jacobians_at_points(const Eigen::Ref<const Eigen::VectorXd>& t,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& x,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& p,
+                                   Eigen::Ref<Eigen::MatrixXd> jacobians) const;
+
   /// Parameters with defaults and derived defaults filled in.
   virtual std::vector<double> completed(const ParameterValues& p) const = 0;
 
@@ -183,7 +197,7 @@ struct AffineSplit {
 /// @throws ArgumentError if ModelInfo::affine_in names something that is no parameter.
 AffineSplit affine_split(const Model& model, double t, std::span<const double> x, const ParameterValues& p);
 
-/// The scale of a state: length, velocity, 1/time by its unit ("m", "m/s", "rad/s" or "1/s"), else 1.
+/// The scale of a state: its own, or length, velocity, 1/time by its unit ("m", "m/s", "rad/s" or "1/s"), else 1.
 double state_scale(const StateInfo& state, const Scales& scales);
 
 /// "s", or "1" for a model all of whose states and parameters are dimensionless.

@@ -172,6 +172,55 @@ void ParametricModel::rhs_with_derivatives(double t, std::span<const double> x, 
   }
 }
 
+namespace {
+
+/// Points that are completed at a time, so that their parameters stay in the cache.
+constexpr Eigen::Index kPointsTogether = 256;
+
+}  // namespace
+
+Eigen::MatrixXd ParametricModel::complete_at_points(const Eigen::Ref<const Eigen::MatrixXd>& q) const {
+  const auto parameters = static_cast<Eigen::Index>(base_->value.size());
+  Eigen::MatrixXd all(parameters, q.cols());
+  ParameterValues p = *base_;
+  for (Eigen::Index j = 0; j < q.cols(); ++j) {
+    if (j > 0 && q.col(j) == q.col(j - 1)) {
+      all.col(j) = all.col(j - 1);
+      continue;
+    }
+    for (std::size_t k = 0; k < free_.size(); ++k) {
+      if (!free_[k].is_initial)
+        p.value[static_cast<std::size_t>(free_[k].index)] = q(static_cast<Eigen::Index>(k), j);
+    }
+    model_->complete_into(p, {all.col(j).data(), static_cast<std::size_t>(parameters)});
+  }
+  return all;
+}
+
+void ParametricModel::rhs_at_points(const Eigen::Ref<const Eigen::VectorXd>& t,
+                                    const Eigen::Ref<const Eigen::MatrixXd>& x,
+                                    const Eigen::Ref<const Eigen::MatrixXd>& q,
+                                    Eigen::Ref<Eigen::MatrixXd> dxdt) const {
+  for (Eigen::Index first = 0; first < x.cols(); first += kPointsTogether) {
+    const Eigen::Index count = std::min(kPointsTogether, x.cols() - first);
+    const Eigen::MatrixXd p = complete_at_points(q.middleCols(first, count));
+    model_->rhs_at_points(t.segment(first, count), x.middleCols(first, count), p,
+                          dxdt.middleCols(first, count));
+  }
+}
+
+void ParametricModel::jacobians_at_points(const Eigen::Ref<const Eigen::VectorXd>& t,
+                                          const Eigen::Ref<const Eigen::MatrixXd>& x,
+                                          const Eigen::Ref<const Eigen::MatrixXd>& q,
+                                          Eigen::Ref<Eigen::MatrixXd> jacobians) const {
+  for (Eigen::Index first = 0; first < x.cols(); first += kPointsTogether) {
+    const Eigen::Index count = std::min(kPointsTogether, x.cols() - first);
+    const Eigen::MatrixXd p = complete_at_points(q.middleCols(first, count));
+    model_->jacobians_at_points(t.segment(first, count), x.middleCols(first, count), p,
+                                jacobians.middleCols(first, count));
+  }
+}
+
 void ParametricModel::initial(std::span<const double> q, std::span<double> x0) const {
   std::ranges::copy(base_initial_, x0.begin());
   for (std::size_t j = 0; j < free_.size(); ++j) {

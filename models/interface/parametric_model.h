@@ -70,6 +70,17 @@ class ParametricModel {
   void rhs_with_derivatives(double t, std::span<const double> x, std::span<const double> q,
                             std::span<double> dxdt, RhsDerivatives& derivatives, Workspace& workspace) const;
 
+  /// f at many points: t (points), x (states x points), q (free coordinates x points), into dxdt (states x
+  /// points). Fastest where neighbours have the same q.
+  void rhs_at_points(const Eigen::Ref<const Eigen::VectorXd>& t, const Eigen::Ref<const Eigen::MatrixXd>& x,
+                     const Eigen::Ref<const Eigen::MatrixXd>& q, Eigen::Ref<Eigen::MatrixXd> dxdt) const;
+
+  /// df_dx likewise, into (states^2 x points), column-major.
+  void jacobians_at_points(const Eigen::Ref<const Eigen::VectorXd>& t,
+                           const Eigen::Ref<const Eigen::MatrixXd>& x,
+                           const Eigen::Ref<const Eigen::MatrixXd>& q,
+                           Eigen::Ref<Eigen::MatrixXd> jacobians) const;
+
   /// x(0) at q. Its derivative by q_j is one where q_j is the initial value of that state, else zero.
   void initial(std::span<const double> q, std::span<double> x0) const;
 
@@ -90,6 +101,8 @@ class ParametricModel {
  private:
   /// Completes the parameters, unless the workspace has them already.
   void complete(std::span<const double> q, Workspace& workspace) const;
+  /// All parameters at the points q, in columns.
+  Eigen::MatrixXd complete_at_points(const Eigen::Ref<const Eigen::MatrixXd>& q) const;
   void check_attitude(std::span<const double> q) const;
 
   std::shared_ptr<const Model> model_;

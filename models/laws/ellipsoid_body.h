@@ -81,13 +81,17 @@ struct EllipsoidBody {
   /// others.
   template <class Jet>
   static void added_mass_over_mf(const Jet* p, Jet* over_mf) {
-    using AxisJet = ceres::Jet<double, 3>;
+    using AxisJet = Dual<double, 3>;
     AxisJet axes[3], by_axes[6];
-    for (int k = 0; k < 3; ++k) axes[k] = AxisJet(p[kA + k].a, k);
+    for (int k = 0; k < 3; ++k) axes[k] = AxisJet(p[kA + k].a, static_cast<std::size_t>(k));
     added_mass::ellipsoid_added_mass(axes[0], axes[1], axes[2], by_axes, by_axes + 3);
     for (int i = 0; i < 6; ++i) {
       over_mf[i].a = by_axes[i].a;
-      over_mf[i].v = by_axes[i].v[0] * p[kA].v + by_axes[i].v[1] * p[kB].v + by_axes[i].v[2] * p[kC].v;
+      over_mf[i].v.fill(0.0);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        for (std::size_t k = 0; k < over_mf[i].v.size(); ++k)
+          over_mf[i].v[k] += by_axes[i].v[axis] * p[kA + axis].v[k];
+      }
     }
   }
 };

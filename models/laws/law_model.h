@@ -10,26 +10,27 @@
 #include <type_traits>
 #include <utility>
 
-#include <ceres/jet.h>
-
 #include "samara/models/batch/law_kernel.h"
 #include "samara/models/interface/model.h"
 
-/// From a law to a Model.
+/// From a law to a Model: equations of your own, compiled, with exact derivatives and steps of many trajectories
+/// side by side.
 ///
-/// A law is the physics alone, written once for every scalar type S (double, ceres::Jet, a SIMD pack):
+/// A law is the physics alone, written once for every scalar type S (double, numbers with derivatives, SIMD packs):
 ///
 ///   struct SomeLaw {
 ///     static constexpr int kStates = ..., kParameters = ...;
 ///     static ModelInfo info();
-///     /// dxdt = f(t, x, p), branch-free; p is complete.
+///     /// dxdt = f(t, x, p), without branches on values; p is complete. Functions are those of <cmath>, called
+///     /// without std:: after `using std::sqrt;` and so on.
 ///     template <class S> static void rhs(const S& t, const S* x, const S* p, S* dxdt);
-///     /// Puts derived defaults where `given` is false; constant defaults are in place already.
-///     /// May branch on values: it is never called with packs.
-///     template <class S> static void complete(const char* given, S* p);
-///     /// Characteristic sizes, finite and positive for every p within its meaning.
-///     static Scales scales(const double* p);
 ///
+///     // Where parameters follow from others by default: puts these where `given` is false; constant defaults are
+///     // in place already. May branch on values: it is never called with packs.
+///     template <class S> static void complete(const char* given, S* p);
+///     // Characteristic sizes, finite and positive for every p within its meaning; without it, those that
+///     // StateInfo::scale does not say are 1.
+///     static Scales scales(const double* p);
 ///     // Where the law has forces to name (ModelInfo::force_terms lists them in this order):
 ///     template <class S> static void forces(const S& t, const S* x, const S* p, LawWrench<S>* terms);
 ///     // Where it has an energy:
@@ -38,10 +39,12 @@
 ///     static std::string problem(const double* p);
 ///   };
 ///
+///   const std::shared_ptr<const Model> model = make_model<SomeLaw>();
+///
 /// The functions may also be members of an object that the law carries (a flow field), info() included.
 ///
-/// Derivatives come from forward automatic differentiation, a few directions at a time.
-/// Include this only in source files: no installed header shows ceres::Jet.
+/// Derivatives come from forward automatic differentiation, a few directions at a time. A source that includes this
+/// compiles the law three times over: seconds for a law of a few lines.
 namespace samara::models {
 
 /// A force term as laws write it: body axes, see Wrench.
@@ -50,6 +53,16 @@ struct LawWrench {
   S force[3] = {S(0.0), S(0.0), S(0.0)};
   S torque[3] = {S(0.0), S(0.0), S(0.0)};
   S power = S(0.0);
+};
+
+template <class Law>
+concept HasDerivedDefaults = requires(const Law& law, const char* given, double* p) {
+  law.template complete<double>(given, p);
+};
+
+template <class Law>
+concept HasScales = requires(const Law& law, const double* p) {
+  { law.scales(p) } -> std::same_as<Scales>;
 };
 
 template <class Law>
@@ -127,13 +140,12 @@ class LawModel final : public Model {
       // A parameter that is not given is no variable: it is a constant, or a function of those that are.
       for (std::size_t j = 0; j < kParameters; ++j) all[j] = Jet(p.given[j] ? p.value[j] : defaults_[j]);
       for (std::size_t k = 0; k < size; ++k) {
-        all[static_cast<std::size_t>(wanted[first + k])].v[static_cast<Eigen::Index>(k)] = 1.0;
+        all[static_cast<std::size_t>(wanted[first + k])].v[k] = 1.0;
       }
-      law_.template complete<Jet>(p.given.data(), all.data());
+      derive(p.given.data(), all.data());
       for (std::size_t j = 0; j < kParameters; ++j) {
         for (std::size_t k = 0; k < size; ++k) {
-          tangents(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(first + k)) =
-              all[j].v[static_cast<Eigen::Index>(k)];
+          tangents(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(first + k)) = all[j].v[k];
         }
       }
     }
@@ -146,7 +158,7 @@ class LawModel final : public Model {
                          const Eigen::Ref<const Eigen::MatrixXd>& tangents, std::span<double> dxdt,
                          Eigen::Ref<Eigen::MatrixXd> df_dx,
                          Eigen::Ref<Eigen::MatrixXd> df_dq) const override {
-    std::array<Jet, kStates> x_jet, f;
+    std::array<Jet, kStates> x_jet;
     std::array<Jet, kParameters> p_jet;
     for (std::size_t i = 0; i < kStates; ++i) x_jet[i] = Jet(x[i]);
     for (std::size_t j = 0; j < kParameters; ++j) p_jet[j] = Jet(all[j]);
@@ -154,21 +166,23 @@ class LawModel final : public Model {
     for (std::size_t first = 0; first < directions; first += kChunk) {
       const std::size_t size = std::min(kChunk, directions - first);
       for (std::size_t i = 0; i < kStates; ++i) {
-        x_jet[i].v.setZero();
-        if (i >= first && i < first + size) x_jet[i].v[static_cast<Eigen::Index>(i - first)] = 1.0;
+        x_jet[i].v.fill(0.0);
+        if (i >= first && i < first + size) x_jet[i].v[i - first] = 1.0;
       }
       for (std::size_t k = first < kStates ? std::min(size, kStates - first) : 0; k < size; ++k) {
         for (std::size_t j = 0; j < kParameters; ++j) {
-          p_jet[j].v[static_cast<Eigen::Index>(k)] =
+          p_jet[j].v[k] =
               tangents(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(first + k - kStates));
         }
       }
+      std::array<Jet, kStates> f;
       law_.template rhs<Jet>(Jet(t), x_jet.data(), p_jet.data(), f.data());
+      for (std::size_t i = 0; i < kStates; ++i) dxdt[i] = f[i].a;
       for (std::size_t k = 0; k < size; ++k) {
         const std::size_t direction = first + k;
         for (std::size_t i = 0; i < kStates; ++i) {
           const auto row = static_cast<Eigen::Index>(i);
-          const double slope = f[i].v[static_cast<Eigen::Index>(k)];
+          const double slope = f[i].v[k];
           if (direction < kStates) {
             df_dx(row, static_cast<Eigen::Index>(direction)) = slope;
           } else {
@@ -177,7 +191,27 @@ class LawModel final : public Model {
         }
       }
     }
-    for (std::size_t i = 0; i < kStates; ++i) dxdt[i] = f[i].a;
+  }
+
+  void rhs_at_points(const Eigen::Ref<const Eigen::VectorXd>& t, const Eigen::Ref<const Eigen::MatrixXd>& x,
+                     const Eigen::Ref<const Eigen::MatrixXd>& p,
+                     Eigen::Ref<Eigen::MatrixXd> dxdt) const override {
+    for (Eigen::Index j = 0; j < x.cols(); ++j)
+      rate(t[j], x.col(j).data(), p.col(j).data(), dxdt.col(j).data());
+  }
+
+  void jacobians_at_points(const Eigen::Ref<const Eigen::VectorXd>& t,
+                           const Eigen::Ref<const Eigen::MatrixXd>& x,
+                           const Eigen::Ref<const Eigen::MatrixXd>& p,
+                           Eigen::Ref<Eigen::MatrixXd> jacobians) const override {
+    const Columns<Law::kParameters> no_tangents(static_cast<Eigen::Index>(kParameters), 0);
+    Columns<Law::kStates> no_columns(static_cast<Eigen::Index>(kStates), 0);
+    std::array<double, kStates> f;
+    for (Eigen::Index j = 0; j < x.cols(); ++j) {
+      Eigen::Map<Eigen::MatrixXd> df_dx(jacobians.col(j).data(), x.rows(), x.rows());
+      rhs_with_tangents(t[j], {x.col(j).data(), kStates}, {p.col(j).data(), kParameters}, no_tangents, f,
+                        df_dx, no_columns);
+    }
   }
 
   void forces(double t, std::span<const double> x, const ParameterValues& p,
@@ -213,7 +247,10 @@ class LawModel final : public Model {
     std::ranges::copy(complete(p), all.begin());
   }
 
-  Scales scales(const ParameterValues& p) const override { return law_.scales(complete(p).data()); }
+  Scales scales(const ParameterValues& p) const override {
+    if constexpr (HasScales<Law>) return law_.scales(complete(p).data());
+    return {};
+  }
 
   const StepKernels* step_kernels() const override { return kernels(kernels_); }
 
@@ -222,7 +259,7 @@ class LawModel final : public Model {
   static constexpr std::size_t kParameters = Law::kParameters;
   /// Directions of one pass: as many as an evaluation carries at little more than the cost of one.
   static constexpr std::size_t kChunk = 8;
-  using Jet = ceres::Jet<double, static_cast<int>(kChunk)>;
+  using Jet = Dual<double, static_cast<int>(kChunk)>;
   /// On the stack. (A column that may hold one number only would have to be a row, for Eigen: hence the 1.)
   template <int rows>
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, rows + 1,
@@ -231,8 +268,13 @@ class LawModel final : public Model {
   std::array<double, kParameters> complete(const ParameterValues& p) const {
     std::array<double, kParameters> all;
     for (std::size_t j = 0; j < kParameters; ++j) all[j] = p.given[j] ? p.value[j] : defaults_[j];
-    law_.template complete<double>(p.given.data(), all.data());
+    derive(p.given.data(), all.data());
     return all;
+  }
+
+  template <class S>
+  void derive(const char* given, S* p) const {
+    if constexpr (HasDerivedDefaults<Law>) law_.template complete<S>(given, p);
   }
 
   /// The law with all that it calls in one function: a third less time for a body.
@@ -248,5 +290,11 @@ class LawModel final : public Model {
   ModelInfo info_;
   std::array<double, kParameters> defaults_ = {};
 };
+
+/// @throws std::logic_error if what info() lists is not what the law has
+template <class Law>
+std::shared_ptr<const Model> make_model(Law law = {}) {
+  return std::make_shared<LawModel<Law>>(std::move(law));
+}
 
 }  // namespace samara::models

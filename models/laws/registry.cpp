@@ -1,6 +1,7 @@
 #include "samara/models/laws/registry.h"
 
 #include <algorithm>
+#include <mutex>
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
@@ -42,8 +43,31 @@ ModelList make_models() {
   return models;
 }
 
-const ModelList& all_models() {
-  static const ModelList models = make_models();
+/// Models are added rarely, and looked up by several threads.
+class Registry {
+ public:
+  ModelList all() const {
+    const std::scoped_lock lock(mutex_);
+    return models_;
+  }
+  /// @returns false if there is another of its name
+  bool add(const std::shared_ptr<const Model>& model) {
+    const std::scoped_lock lock(mutex_);
+    const auto place = std::ranges::lower_bound(models_, model->info().name, {}, name_of);
+    if (place != models_.end() && name_of(*place) == model->info().name) return *place == model;
+    models_.insert(place, model);
+    return true;
+  }
+
+ private:
+  static const std::string& name_of(const std::shared_ptr<const Model>& model) { return model->info().name; }
+
+  mutable std::mutex mutex_;
+  ModelList models_ = make_models();
+};
+
+Registry& registry() {
+  static Registry models;
   return models;
 }
 
@@ -51,15 +75,26 @@ const ModelList& all_models() {
 
 std::vector<std::string> model_names() {
   std::vector<std::string> names;
-  for (const auto& model : all_models()) names.push_back(model->info().name);
+  for (const auto& model : registry().all()) names.push_back(model->info().name);
   return names;
 }
 
-std::shared_ptr<const Model> find_model(const std::string& name) {
-  for (const auto& model : all_models()) {
+std::shared_ptr<const Model> find_model_or_null(const std::string& name) {
+  for (const auto& model : registry().all()) {
     if (model->info().name == name) return model;
   }
+  return nullptr;
+}
+
+std::shared_ptr<const Model> find_model(const std::string& name) {
+  if (auto model = find_model_or_null(name)) return model;
   throw ArgumentError("there is no model \"" + name + "\"" + suggestion(name, model_names()));
+}
+
+void add_model(const std::shared_ptr<const Model>& model) {
+  if (!model) throw ArgumentError("a null pointer was given, a model was expected");
+  if (!registry().add(model))
+    throw ArgumentError("there is another model \"" + model->info().name + "\" already");
 }
 
 }  // namespace samara::models

@@ -56,7 +56,9 @@ class Builds(Case):
         process.wait()
         self.assertFalse(killed.exists())
         self.assertTrue(checkpoint.exists())
-        self.assertEqual(run("build", plan, "-o", killed, "--resume").returncode, 0)
+        again = run("build", plan, "-o", killed)
+        self.assertEqual(again.returncode, 0)
+        self.assertIn(f"going on from {checkpoint}", again.stderr)
         self.assertFalse(checkpoint.exists())
         left, right = (json.loads(run("info", p, "--json").stdout) for p in (whole, killed))
         for info in (left, right):
@@ -88,8 +90,68 @@ class Builds(Case):
         path = FOLDER / "slabs.h5"
         pathlib.Path(f"{path}.checkpoint").write_text("")
         result = run("build", write("slabs.toml", PLATE_PLAN), "-o", path, "--resume")
-        self.check_error(result, 3, f"{path}.checkpoint", "remove the file or build without --resume")
+        self.check_error(result, 3, f"{path}.checkpoint", "--fresh begins anew")
         self.assertFalse(path.exists())
+        self.assertEqual(run("build", FOLDER / "slabs.toml", "-o", path, "--fresh").returncode, 0)
+        self.assertFalse(pathlib.Path(f"{path}.checkpoint").exists())
+
+    def test_a_checkpoint_of_another_plan_is_not_eaten(self):
+        path = FOLDER / "two_plans.h5"
+        process = subprocess.Popen([SAMARA, "build", write("slabs.toml", PLATE_PLAN), "-o", path], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        checkpoint = pathlib.Path(f"{path}.checkpoint")
+        while process.poll() is None and not checkpoint.exists():
+            time.sleep(0.001)
+        process.kill()
+        process.wait()
+        before = checkpoint.read_bytes()
+        result = run("build", write("line.toml", LINE_PLAN), "-o", path)
+        self.check_error(result, 3, "belongs to another plan", "--fresh begins anew")
+        self.assertEqual(checkpoint.read_bytes(), before)
+        self.assertEqual(run("build", FOLDER / "slabs.toml", "-o", path).returncode, 0)
+
+    def test_an_interrupted_build_keeps_its_checkpoint_and_the_same_line_goes_on(self):
+        plan = write("slabs.toml", PLATE_PLAN)
+        whole, path = FOLDER / "whole_interrupted.h5", FOLDER / "interrupted.h5"
+        self.assertEqual(run("build", plan, "-o", whole).returncode, 0)
+        for kind in (signal.SIGINT, signal.SIGTERM):
+            process = subprocess.Popen([SAMARA, "build", plan, "-o", path], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            checkpoint = pathlib.Path(f"{path}.checkpoint")
+            while process.poll() is None and not checkpoint.exists():
+                time.sleep(0.001)
+            process.send_signal(kind)
+            _, words = process.communicate(timeout=LONGEST)
+            self.assertEqual(process.returncode, 130, words)
+            self.assertIn(f"interrupted; {checkpoint} is kept: the same line goes on from there", words)
+            self.assertFalse(path.exists())
+            self.assertFalse(pathlib.Path(f"{path}.lock").exists())
+            self.assertEqual(run("build", plan, "-o", path).returncode, 0)
+            left, right = (json.loads(run("info", p, "--json").stdout) for p in (whole, path))
+            for info in (left, right):
+                del info["provenance"], info["bytes"]
+            self.assertEqual(left, right)
+            path.unlink()
+
+    def test_two_builds_of_one_output_at_once_are_refused(self):
+        path = FOLDER / "twice.h5"
+        process = subprocess.Popen([SAMARA, "build", write("slabs.toml", PLATE_PLAN), "-o", path], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        lock = pathlib.Path(f"{path}.lock")
+        while process.poll() is None and not (lock.exists() and lock.read_text()):
+            time.sleep(0.001)
+        result = run("build", FOLDER / "slabs.toml", "-o", path)
+        self.check_error(result, 2, f"process {process.pid} builds", "twice.h5.lock")
+        self.assertEqual(process.wait(timeout=LONGEST), 0)
+        self.assertFalse(lock.exists())
+        lock.write_text("1")  # of a build that was killed
+        self.assertEqual(run("build", FOLDER / "slabs.toml", "-o", path).returncode, 0)
+
+    def test_what_is_no_codebook_is_not_replaced_without_force(self):
+        plan = write("line.toml", LINE_PLAN)
+        thesis = FOLDER / "thesis.tex"
+        thesis.write_text("years of work")
+        self.check_error(run("build", plan, "-o", thesis), 2, "thesis.tex", "no codebook", "--force replaces it")
+        self.assertEqual(thesis.read_text(), "years of work")
+        self.assertEqual(run("build", plan, "-o", thesis, "--force").returncode, 0)
+        self.assertEqual(run("build", plan, "-o", thesis).returncode, 0)  # it is one now
 
     def test_a_name_with_room_for_no_checkpoint_is_built_without(self):
         for length in (244, 255):
@@ -138,11 +200,9 @@ class Builds(Case):
         self.assertEqual(result.returncode, 2)
         self.assertNotIn("no checkpoint", result.stderr)
         self.assertTrue(checkpoint.exists())
-        resumed = run("build", plan, "-o", target, "--resume")
-        self.assertEqual(resumed.returncode, 0)
-        self.assertNotIn("begins anew", resumed.stderr)
+        self.assertEqual(run("build", plan, "-o", target, "--resume").returncode, 0)
         self.assertFalse(checkpoint.exists())
-        self.assertIn("kept.h5.checkpoint to resume from: the build begins anew", run("build", plan, "-o", target, "--resume").stderr)
+        self.check_error(run("build", plan, "-o", target, "--resume"), 2, "--resume: there is no", "kept.h5.checkpoint")
 
 
 if __name__ == "__main__":

@@ -308,7 +308,7 @@ class ResumedCommands(Case):
         random.seed(5)
         kills, text = 0, plan("kills", body, command="batch = 20")
         while not target.exists():
-            process = subprocess.Popen([SAMARA, "build", text, "-o", target, "--resume"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            process = subprocess.Popen([SAMARA, "build", text, "-o", target], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
             try:
                 process.wait(random.uniform(0.3, 1.0) if kills < 6 else 100)
             except subprocess.TimeoutExpired:

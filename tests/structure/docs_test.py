@@ -30,7 +30,9 @@ class Excerpts(unittest.TestCase):
         self.assertIn(f"```python\n{textwrap.dedent(loop)}\n```", text("docs/plans.md"))
 
     def test_own_model(self):
-        self.assertIn(f"```cpp\n{text('examples/own_model/own_model.cpp')}```", text("docs/models.md"))
+        for name in ["predator_prey.toml", "plan.toml", "predator_prey.h", "own_model.cpp", "library.cpp"]:
+            kind = "toml" if name.endswith("toml") else "cpp"
+            self.assertIn(f"```{kind}\n{text('examples/own_model/' + name)}```", text("docs/own_models.md"))
 
     def test_queries(self):
         self.assertIn(f"```cpp\n{text('examples/query/query.cpp')}```", text("docs/queries.md"))

@@ -9,10 +9,10 @@
 
 #include <boost/math/special_functions/ellint_rd.hpp>
 #include <catch2/catch.hpp>
-#include <ceres/jet.h>
 
 #include "models/added_mass/ellipsoid_integrals.h"
 #include "samara/base/errors.h"
+#include "samara/models/batch/dual.h"
 
 using namespace samara::models;
 using Catch::Matchers::Contains;
@@ -194,7 +194,7 @@ TEST_CASE("the added inertia passes smoothly through equal axes") {
 }
 
 TEST_CASE("the scalar of the added mass carries derivatives by the semi-axes") {
-  using Jet = ceres::Jet<double, 3>;
+  using Jet = Dual<double, 3>;
   const auto values = [](const Vector3d& s) {
     Eigen::Matrix<double, 6, 1> K;
     added_mass::ellipsoid_added_mass(s[0], s[1], s[2], K.data(), K.data() + 3);

@@ -1,0 +1,11 @@
+#pragma once
+
+namespace samara::apps {
+
+/// From now on Ctrl-C and SIGTERM are remembered, so that long work can end in order; a second one ends the program at
+/// once.
+void catch_interrupts();
+
+bool is_interrupted();
+
+}  // namespace samara::apps

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "report.h"
+
+/// The cases of the benchmark "doors".
+namespace samara::benchmarks::doors {
+
+inline constexpr const char* kBench = "doors";
+
+void own_model_cases(const Options& options);
+void interrupts_case(const Options& options);
+
+}  // namespace samara::benchmarks::doors

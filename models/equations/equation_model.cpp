@@ -1,0 +1,353 @@
+#include "samara/models/equations/equation_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "samara/base/units.h"
+#include "samara/models/equations/expression.h"
+#include "samara/models/equations/tape.h"
+
+namespace samara::models {
+
+namespace {
+
+constexpr std::size_t kMostStates = 200;
+constexpr std::size_t kMostParameters = 200;
+/// Of a graph with all derivatives: more would take gigabytes.
+constexpr int kMostNodes = 1'000'000;
+
+/// Symbols are numbered: states, then parameters, then t.
+struct CompiledEquations {
+  ModelInfo info;
+  ExpressionGraph graph;
+  std::vector<int> rates;
+};
+
+void require_unit(const std::string& name, const std::string& unit) {
+  try {
+    if (is_coherent_si(unit)) return;
+  } catch (const ArgumentError& error) {
+    throw EquationError(name, fmt::format("the unit of \"{}\" cannot be read: {}", name, error.what()));
+  }
+  throw EquationError(name,
+                      fmt::format("the unit of \"{}\" is \"{}\", expected one of the SI without a factor, "
+                                  "such as m/s: numbers go into the equations as they are",
+                                  name, unit));
+}
+
+void require_finite(const std::string& name, double value, const char* what) {
+  if (!std::isfinite(value))
+    throw EquationError(name, fmt::format("{} of \"{}\" is {}, expected a finite number", what, name, value));
+}
+
+class EquationCompiler {
+ public:
+  explicit EquationCompiler(const Equations& equations) : equations_(equations) {}
+
+  CompiledEquations compile() {
+    check_counts();
+    int number = 0;
+    for (const StateInfo& state : equations_.states) {
+      require_finite(state.name, state.default_initial, "the initial value");
+      if (state.scale && !(*state.scale > 0.0 && std::isfinite(*state.scale)))
+        throw EquationError(state.name, fmt::format("the scale of \"{}\" is {}, expected a positive number",
+                                                    state.name, *state.scale));
+      declare(state.name, state.unit, number++);
+    }
+    for (const ParameterInfo& parameter : equations_.parameters) {
+      if (parameter.default_value) require_finite(parameter.name, *parameter.default_value, "the default");
+      if (parameter.default_value && !in_meaning(parameter, *parameter.default_value))
+        throw EquationError(parameter.name,
+                            fmt::format("the default of \"{}\" is {}, expected {}", parameter.name,
+                                        *parameter.default_value, meaning_text(parameter)));
+      declare(parameter.name, parameter.unit, number++);
+    }
+    compiled_.info.states = equations_.states;
+    compiled_.info.parameters = equations_.parameters;
+    const UnitPowers time(parse_unit(time_unit(compiled_.info)).dimension);
+    require_new("t");
+    names_["t"] = {compiled_.graph.symbol(number), time};
+    for (const auto& [name, text] : equations_.abbreviations) {
+      require_name(name);
+      const Term term = read(name, text);
+      require_new(name);
+      names_[name] = term;
+    }
+    for (std::size_t i = 0; i < equations_.states.size(); ++i) add_rate(equations_.states[i], i, time);
+    describe();
+    return std::move(compiled_);
+  }
+
+ private:
+  void check_counts() const {
+    const std::size_t states = equations_.states.size(), rates = equations_.rates.size();
+    if (states == 0) throw EquationError("", "the equations have no state, expected at least one");
+    if (states > kMostStates || equations_.parameters.size() > kMostParameters)
+      throw EquationError("", fmt::format("{} states and {} parameters, expected at most {} and {}", states,
+                                          equations_.parameters.size(), kMostStates, kMostParameters));
+    if (rates != states)
+      throw EquationError("", fmt::format("{} rates for {} states, expected one of each", rates, states));
+  }
+
+  void require_name(const std::string& name) const {
+    if (name == "t") throw EquationError(name, "\"t\" is the time, expected another name");
+    if (!is_expression_name(name))
+      throw EquationError(name,
+                          fmt::format("\"{}\" is no name: letters, digits and underscores were expected, no "
+                                      "digit first, and neither a function nor pi",
+                                      name));
+  }
+
+  void require_new(const std::string& name) const {
+    if (names_.contains(name)) throw EquationError(name, fmt::format("the name \"{}\" is given twice", name));
+  }
+
+  void declare(const std::string& name, const std::string& unit, int number) {
+    require_name(name);
+    require_new(name);
+    require_unit(name, unit);
+    names_[name] = {compiled_.graph.symbol(number), UnitPowers(parse_unit(unit).dimension)};
+  }
+
+  Term read(const std::string& name, const std::string& text) {
+    try {
+      return read_expression(text, names_, compiled_.graph);
+    } catch (const ArgumentError& error) {
+      throw EquationError(name, error.what());
+    }
+  }
+
+  void add_rate(const StateInfo& state, std::size_t index, const UnitPowers& time) {
+    const Term rate = read(state.name, equations_.rates[index]);
+    const UnitPowers expected = names_.at(state.name).unit.times(time, -1);
+    if (!(rate.unit == expected) && !compiled_.graph.is_constant(rate.node, 0.0))
+      throw EquationError(state.name,
+                          fmt::format("the rate of \"{}\" is in {}, expected {}: its unit per {}", state.name,
+                                      to_string(rate.unit), to_string(expected), to_string(time)));
+    compiled_.rates.push_back(rate.node);
+  }
+
+  void describe() {
+    ModelInfo& info = compiled_.info;
+    info.name = equations_.name;
+    info.title = equations_.title;
+    info.frames = equations_.frames.empty() ? "as the names of the states say" : equations_.frames;
+    info.source = equations_.source.empty() ? "equations as text" : equations_.source;
+    info.validity = equations_.validity.empty() ? "not stated" : equations_.validity;
+    for (std::size_t i = 0; i < info.states.size(); ++i)
+      info.equations +=
+          fmt::format("{}{}' = {}", i == 0 ? "" : ",  ", info.states[i].name, equations_.rates[i]);
+    for (const auto& [name, text] : equations_.abbreviations)
+      info.equations += fmt::format(",  {} = {}", name, text);
+    find_translations();
+    find_affine();
+  }
+
+  bool is_zero(int node) const { return compiled_.graph.is_constant(node, 0.0); }
+
+  void find_translations() {
+    for (std::size_t i = 0; i < equations_.states.size(); ++i) {
+      const bool is_free = std::ranges::all_of(compiled_.rates, [&](int rate) {
+        return is_zero(compiled_.graph.derivative(rate, static_cast<int>(i)));
+      });
+      if (is_free) compiled_.info.symmetries.push_back("translation of " + equations_.states[i].name);
+    }
+  }
+
+  /// Parameters whose second derivatives with all those before vanish: f is affine in them together.
+  void find_affine() {
+    const auto states = static_cast<int>(equations_.states.size());
+    std::vector<int> affine;
+    for (int j = 0; j < static_cast<int>(equations_.parameters.size()); ++j) {
+      affine.push_back(states + j);
+      const bool holds = std::ranges::all_of(compiled_.rates, [&](int rate) {
+        const int slope = compiled_.graph.derivative(rate, states + j);
+        return std::ranges::all_of(
+            affine, [&](int other) { return is_zero(compiled_.graph.derivative(slope, other)); });
+      });
+      if (!holds) affine.pop_back();
+    }
+    for (const int symbol : affine)
+      compiled_.info.affine_in.push_back(
+          equations_.parameters[static_cast<std::size_t>(symbol - states)].name);
+  }
+
+  const Equations& equations_;
+  CompiledEquations compiled_;
+  std::map<std::string, Term> names_;
+};
+
+/// An entry of a Jacobian that is not always zero.
+struct JacobianEntry {
+  int row = 0, column = 0;
+};
+
+class EquationModel final : public Model {
+ public:
+  EquationModel(const Equations& equations, CompiledEquations compiled)
+      : equations_(equations), info_(std::move(compiled.info)), rates_(compiled.graph, compiled.rates) {
+    std::vector<int> roots = compiled.rates;
+    const int states = static_cast<int>(info_.states.size());
+    add_columns(compiled, 0, states, roots);
+    entries_by_state_ = entries_.size();
+    state_jacobian_ = Tape(compiled.graph, roots);
+    add_columns(compiled, states, states + parameters(), roots);
+    jacobian_ = Tape(compiled.graph, roots);
+  }
+
+  const ModelInfo& info() const override { return info_; }
+  const Equations& equations() const { return equations_; }
+
+  void rhs(double t, std::span<const double> x, const ParameterValues& p,
+           std::span<double> dxdt) const override {
+    Scratch& scratch = scratch_for(rates_, 1);
+    gather(t, x, p, scratch.symbols);
+    rates_.evaluate(scratch.symbols.data(), scratch.work, dxdt.data());
+  }
+
+  void rhs_with_derivatives(double t, std::span<const double> x, const ParameterValues& p,
+                            std::span<double> dxdt, Eigen::Ref<Eigen::MatrixXd> df_dx,
+                            Eigen::Ref<Eigen::MatrixXd> df_dp) const override {
+    Scratch& scratch = scratch_for(jacobian_, 1);
+    gather(t, x, p, scratch.symbols);
+    jacobian_.evaluate(scratch.symbols.data(), scratch.work, scratch.results.data());
+    const std::size_t states = info_.states.size();
+    std::copy_n(scratch.results.begin(), states, dxdt.begin());
+    df_dx.setZero();
+    df_dp.setZero();
+    for (std::size_t k = 0; k < entries_.size(); ++k) {
+      const auto [row, column] = entries_[k];
+      const int parameter = column - static_cast<int>(states);
+      if (parameter < 0) {
+        df_dx(row, column) = scratch.results[states + k];
+      } else if (p.given[static_cast<std::size_t>(parameter)]) {
+        df_dp(row, parameter) = scratch.results[states + k];
+      }
+    }
+  }
+
+  void rhs_at_points(const Eigen::Ref<const Eigen::VectorXd>& t, const Eigen::Ref<const Eigen::MatrixXd>& x,
+                     const Eigen::Ref<const Eigen::MatrixXd>& p,
+                     Eigen::Ref<Eigen::MatrixXd> dxdt) const override {
+    in_lanes(rates_, t, x, p, [&](Eigen::Index point, int lane, const std::vector<double>& results) {
+      for (Eigen::Index row = 0; row < dxdt.rows(); ++row)
+        dxdt(row, point) = results[static_cast<std::size_t>(row * Tape::kLanes + lane)];
+    });
+  }
+
+  void jacobians_at_points(const Eigen::Ref<const Eigen::VectorXd>& t,
+                           const Eigen::Ref<const Eigen::MatrixXd>& x,
+                           const Eigen::Ref<const Eigen::MatrixXd>& p,
+                           Eigen::Ref<Eigen::MatrixXd> jacobians) const override {
+    const auto states = static_cast<Eigen::Index>(info_.states.size());
+    jacobians.setZero();
+    in_lanes(state_jacobian_, t, x, p, [&](Eigen::Index point, int lane, const std::vector<double>& results) {
+      for (std::size_t k = 0; k < entries_by_state_; ++k) {
+        const auto [row, column] = entries_[k];
+        jacobians(row + states * column, point) =
+            results[(static_cast<std::size_t>(states) + k) * Tape::kLanes + static_cast<std::size_t>(lane)];
+      }
+    });
+  }
+
+  std::vector<double> completed(const ParameterValues& p) const override {
+    std::vector<double> all(info_.parameters.size());
+    complete_into(p, all);
+    return all;
+  }
+
+  void complete_into(const ParameterValues& p, std::span<double> all) const override {
+    for (std::size_t j = 0; j < all.size(); ++j)
+      all[j] = p.given[j] ? p.value[j] : info_.parameters[j].default_value.value_or(0.0);
+  }
+
+  Scales scales(const ParameterValues&) const override { return {}; }
+
+ private:
+  /// Of one thread, shared by all models: it grows to the largest that was needed.
+  struct Scratch {
+    std::vector<double> symbols, work, results;
+  };
+
+  /// Entries of the Jacobian by symbols from `first` to before `end`.
+  void add_columns(CompiledEquations& compiled, int first, int end, std::vector<int>& roots) {
+    for (int column = first; column < end; ++column) {
+      for (int row = 0; row < static_cast<int>(compiled.rates.size()); ++row) {
+        const int node = compiled.graph.derivative(compiled.rates[static_cast<std::size_t>(row)], column);
+        if (compiled.graph.size() > kMostNodes)
+          throw EquationError("", "the derivatives of the equations are too long to be stored");
+        if (compiled.graph.is_constant(node, 0.0)) continue;
+        entries_.push_back({row, column});
+        roots.push_back(node);
+      }
+    }
+  }
+
+  int parameters() const { return static_cast<int>(info_.parameters.size()); }
+  std::size_t symbols() const { return info_.states.size() + info_.parameters.size() + 1; }
+
+  Scratch& scratch_for(const Tape& tape, int lanes) const {
+    thread_local Scratch scratch;
+    const auto grow = [](std::vector<double>& space, std::size_t size) {
+      if (space.size() < size) space.resize(size);
+    };
+    const auto width = static_cast<std::size_t>(lanes);
+    grow(scratch.symbols, symbols() * width);
+    grow(scratch.work, tape.work_size(lanes));
+    grow(scratch.results, static_cast<std::size_t>(tape.root_count()) * width);
+    return scratch;
+  }
+
+  void gather(double t, std::span<const double> x, const ParameterValues& p,
+              std::vector<double>& symbols) const {
+    std::ranges::copy(x, symbols.begin());
+    complete_into(p, {symbols.data() + x.size(), info_.parameters.size()});
+    symbols[x.size() + info_.parameters.size()] = t;
+  }
+
+  /// Points in groups of kLanes; the last group repeats its last point.
+  template <class Take>
+  void in_lanes(const Tape& tape, const Eigen::Ref<const Eigen::VectorXd>& t,
+                const Eigen::Ref<const Eigen::MatrixXd>& x, const Eigen::Ref<const Eigen::MatrixXd>& p,
+                Take&& take) const {
+    constexpr Eigen::Index kLanes = Tape::kLanes;
+    Scratch& scratch = scratch_for(tape, Tape::kLanes);
+    for (Eigen::Index first = 0; first < x.cols(); first += kLanes) {
+      const Eigen::Index count = std::min(kLanes, x.cols() - first);
+      for (Eigen::Index lane = 0; lane < kLanes; ++lane) {
+        const Eigen::Index point = first + std::min(lane, count - 1);
+        double* to = scratch.symbols.data() + lane;
+        for (Eigen::Index k = 0; k < x.rows(); ++k, to += kLanes) *to = x(k, point);
+        for (Eigen::Index k = 0; k < p.rows(); ++k, to += kLanes) *to = p(k, point);
+        *to = t[point];
+      }
+      tape.evaluate_lanes(scratch.symbols.data(), scratch.work, scratch.results.data());
+      for (int lane = 0; lane < count; ++lane) take(first + lane, lane, scratch.results);
+    }
+  }
+
+  Equations equations_;
+  ModelInfo info_;
+  Tape rates_;
+  Tape state_jacobian_;  ///< rates, then the entries by states
+  Tape jacobian_;        ///< rates, then all entries
+  std::vector<JacobianEntry> entries_;
+  std::size_t entries_by_state_ = 0;
+};
+
+}  // namespace
+
+std::shared_ptr<const Model> equation_model(const Equations& equations) {
+  return std::make_shared<EquationModel>(equations, EquationCompiler(equations).compile());
+}
+
+const Equations* equations_of(const Model& model) {
+  const auto* of_text = dynamic_cast<const EquationModel*>(&model);
+  return of_text == nullptr ? nullptr : &of_text->equations();
+}
+
+}  // namespace samara::models

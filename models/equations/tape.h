@@ -1,0 +1,46 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "samara/models/equations/expression_graph.h"
+
+/// Internal to models/.
+namespace samara::models {
+
+/// Expressions of a graph as a list of steps, each on many points at a time: where a step of one point would cost as
+/// much in finding out what to do as in doing it.
+class Tape {
+ public:
+  /// Points that go together.
+  static constexpr int kLanes = 32;
+
+  Tape() = default;
+  /// @param roots the nodes that are wanted
+  Tape(const ExpressionGraph& graph, const std::vector<int>& roots);
+
+  /// Doubles of scratch space that evaluate() needs for so many lanes (1 or kLanes).
+  std::size_t work_size(int lanes) const { return places_ * static_cast<std::size_t>(lanes); }
+  int root_count() const { return static_cast<int>(roots_.size()); }
+
+  /// @param symbols symbol k at lanes k*lanes, ..  @param results root k likewise
+  /// @param work scratch space of work_size(lanes)
+  void evaluate(const double* symbols, std::span<double> work, double* results) const;
+  void evaluate_lanes(const double* symbols, std::span<double> work, double* results) const;
+
+ private:
+  struct Step {
+    Operation operation;
+    int a, b, to;  ///< places in the scratch space; of a symbol, a is its number
+    double value;
+  };
+
+  template <int lanes>
+  void run(const double* symbols, double* work, double* results) const;
+
+  std::vector<Step> steps_;
+  std::vector<int> roots_;  ///< places
+  std::size_t places_ = 0;
+};
+
+}  // namespace samara::models

@@ -1,0 +1,197 @@
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "../../examples/own_model/predator_prey.h"
+#include "../error_text.h"
+#include "samara/base/errors.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
+#include "samara/codebooks/model/model_file.h"
+#include "samara/codebooks/plan/plan.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/models/laws/registry.h"
+#include "../io/temporary_directory.h"
+
+using namespace samara::codebooks;
+namespace models = samara::models;
+using Catch::Matchers::Contains;
+using samara::ArgumentError;
+using samara::InputError;
+
+namespace {
+
+constexpr const char* kEquations = R"([equations]
+name = "hunters"
+states.prey = { initial = 10 }
+states.predator = { initial = 5 }
+parameters.growth = { unit = "1/s", above = 0 }
+parameters.hunt = { unit = "1/s", above = 0 }
+parameters.gain = { unit = "1/s", default = 0.05 }
+parameters.death = { unit = "1/s", default = 0.5 }
+let.meetings = "prey*predator"
+rates.prey = "growth*prey - hunt*meetings"
+rates.predator = "gain*meetings - death*predator"
+)";
+
+constexpr const char* kBox = R"([box]
+growth = [0.9, 1.1]
+hunt = [0.09, 0.11]
+[time]
+end = 5
+[tolerance]
+relative = 1e-5
+)";
+
+Plan plan_of_text() { return parse_plan(std::string(kEquations) + kBox, "hunters.toml"); }
+
+/// The same question in C++.
+struct Asked {
+  models::ParametricModel model{
+      models::make_model<PredatorPrey>(), {{"gain", 0.05}, {"death", 0.5}}, {"growth", "hunt"}};
+  BuildRequest request;
+
+  Asked() {
+    request.box = {{.name = "growth", .lower = 0.9, .upper = 1.1}, {.name = "hunt", .lower = 0.09, .upper = 0.11}};
+    request.end = 5.0;
+    request.relative = 1e-5;
+  }
+};
+
+BuildOptions few() {
+  BuildOptions options;
+  options.certificate_points = 100;
+  return options;
+}
+
+void write(const std::filesystem::path& path, const std::string& text) { std::ofstream(path) << text; }
+
+}  // namespace
+
+TEST_CASE("text and C++ end in the same codebook") {
+  const BuildResult text = build(plan_of_text(), few());
+  const Asked asked;
+  const BuildResult compiled = build(asked.model, asked.request, few());
+  CAPTURE(text.message, compiled.message);
+  REQUIRE(text.met);
+  REQUIRE(compiled.met);
+  CHECK(compiled.book.model().name == "predator_prey_law");
+  Query from_text(text.book), from_law(compiled.book);
+  std::mt19937 random(31);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  Eigen::VectorXd a(2), b(2);
+  for (int k = 0; k < 200; ++k) {
+    const std::vector<double> point = {5.0 * share(random), 0.9 + 0.2 * share(random),
+                                       0.09 + 0.02 * share(random)};
+    from_text.values(point, a);
+    from_law.values(point, b);
+    CHECK((a - b).cwiseAbs().maxCoeff() < 2e-5 * 20.0);  // both within 1e-5 of ranges below 20
+  }
+}
+
+TEST_CASE("a codebook brings its equations along") {
+  const TemporaryDirectory folder;
+  const auto path = folder.path() / "hunters.h5";
+  const Codebook built = build(plan_of_text(), few()).book;
+  save(built, path);
+  const Codebook book = load(path);
+  REQUIRE(known_model(book.model()));
+  CHECK(models::find_model_or_null("hunters") == nullptr);
+  CertifyOptions options;
+  options.points = 50;
+  options.seed = 9;
+  options.tolerance = 1e-5;
+  const Certificate again = certify(book, model_of(book), options);
+  CHECK(again.met);
+  const auto* before = models::equations_of(*built.model().of_text);
+  const auto* after = models::equations_of(*book.model().of_text);
+  CHECK(to_toml(*before) == to_toml(*after));
+}
+
+TEST_CASE("what is written of equations is read again as it was") {
+  models::Equations equations;
+  equations.name = "a \"name\"";
+  equations.title = "tabs\tand \\ signs";
+  equations.states = {{.name = "x", .unit = "m", .default_initial = 0.1, .description = "d", .scale = 1e-3}};
+  equations.parameters = {
+      {.name = "k", .unit = "1/s", .default_value = 1.0 / 3.0, .lower = 0.0, .lower_inclusive = true, .upper = 7.5}};
+  equations.abbreviations = {{"twice", "2*x"}, {"again", "twice + x"}};
+  equations.rates = {"-k*again"};
+  const std::string text = to_toml(equations);
+  const models::Equations read = read_equations(samara::io::TomlTable::parse(text, "text"));
+  CHECK(to_toml(read) == text);
+  CHECK(read.name == equations.name);
+  CHECK(read.parameters[0].default_value == 1.0 / 3.0);
+  CHECK(read.abbreviations == equations.abbreviations);
+}
+
+TEST_CASE("a plan finds the file of its model beside itself, and its checkpoints know both") {
+  const TemporaryDirectory folder;
+  const auto plan_path = folder.path() / "plan.toml";
+  std::string model = kEquations;
+  model = model.substr(model.find('\n') + 1);  // without the head of the table
+  write(folder.path() / "hunters.toml", model);
+  write(plan_path, std::string("model = 'hunters.toml'\n") + kBox);
+  const Plan plan = read_plan(plan_path);
+  CHECK(plan.model == "hunters");
+  write(folder.path() / "hunters.toml", model + "# the same\n");
+  CHECK(read_plan(plan_path).whole_text() == plan.whole_text());
+  model.replace(model.find("death*predator"), 5, "0.5*death");
+  write(folder.path() / "hunters.toml", model);
+  CHECK(read_plan(plan_path).whole_text() != plan.whole_text());
+  CHECK(read_plan(plan_path).certificate_seed() != plan.certificate_seed());
+  std::filesystem::remove(folder.path() / "hunters.toml");
+  CHECK_THAT(error_text<InputError>([&] { read_plan(plan_path); }), Contains("hunters.toml"));
+}
+
+TEST_CASE("equations that are wrong are refused with the line of what is wrong") {
+  const auto changed = [](const std::string& from, const std::string& to) {
+    std::string text = std::string(kEquations) + kBox;
+    text.replace(text.find(from), from.size(), to);
+    return error_text<InputError>([&] { parse_plan(text, "p.toml"); });
+  };
+  CHECK_THAT(changed("growth*prey", "grwoth*prey"),
+             Contains("p.toml:10") && Contains("there is no \"grwoth\"; did you mean \"growth\"?"));
+  CHECK_THAT(changed("gain*meetings", "gain + meetings"), Contains("p.toml:11") && Contains("equal units"));
+  CHECK_THAT(changed("\"prey*predator\"", "\"prey*\""), Contains("p.toml:9") && Contains("the expression ends"));
+  CHECK_THAT(changed("rates.predator", "rates.predators"), Contains("predators"));
+  CHECK_THAT(changed("rates.predator = \"gain*meetings - death*predator\"", ""), Contains("predator"));
+  CHECK_THAT(changed("default = 0.05", "default = '5 cm'"), Contains("p.toml:7"));
+  CHECK_THAT(changed("above = 0", "above = nan"), Contains("p.toml:5"));
+  CHECK_THAT(changed("above = 0", "beyond = 0"), Contains("beyond"));
+  CHECK_THAT(changed("name = \"hunters\"", "name = 'vertical_fall'"), Contains("another model"));
+  CHECK_THAT(changed("[equations]", "model = 'vertical_fall'\n[equations]"), Contains("one of the two"));
+  CHECK_THAT(changed("states.prey = { initial = 10 }", "states.prey = { initial = inf }"), Contains("p.toml:3"));
+}
+
+TEST_CASE("a request that makes no plan is refused") {
+  const auto refused = [](const std::function<void(BuildRequest&)>& change) {
+    Asked asked;
+    change(asked.request);
+    return error_text<ArgumentError>([&] { build(asked.model, asked.request); });
+  };
+  CHECK_THAT(refused([](BuildRequest& r) { r.box.pop_back(); }), Contains("\"hunt\" has no interval"));
+  CHECK_THAT(refused([](BuildRequest& r) { r.box.push_back(r.box.front()); }), Contains("\"growth\""));
+  CHECK_THAT(refused([](BuildRequest& r) { r.box.push_back({.name = "death", .lower = 0.1, .upper = 1.0}); }),
+             Contains("\"death\", which is no free coordinate"));
+  CHECK_THAT(refused([](BuildRequest& r) { r.box[0].upper = std::nan(""); }), Contains("growth"));
+  CHECK_THAT(refused([](BuildRequest& r) { r.box[0].lower = -1.0; }), Contains("growth"));
+  CHECK_THAT(refused([](BuildRequest& r) { r.end = 0.0; }), Contains("end"));
+  CHECK_THAT(refused([](BuildRequest& r) { r.relative = 2.0; }), Contains("relative"));
+  CHECK_THAT(refused([](BuildRequest& r) { r.builder.kind = "magic"; }), Contains("magic"));
+}
+
+TEST_CASE("models that are added are known by their names, and take nobody else's") {
+  const auto model = models::make_model<PredatorPrey>();
+  models::add_model(model);
+  models::add_model(model);
+  CHECK(models::find_model("predator_prey_law") == model);
+  CHECK_THAT(error_text<ArgumentError>([] { models::add_model(models::make_model<PredatorPrey>()); }),
+             Contains("another model \"predator_prey_law\""));
+  CHECK_THAT(error_text<ArgumentError>([] { models::add_model(nullptr); }), Contains("null pointer"));
+}

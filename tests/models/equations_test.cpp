@@ -1,0 +1,283 @@
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "../error_text.h"
+#include "samara/base/errors.h"
+#include "samara/models/checks/check_model.h"
+#include "samara/models/equations/equation_model.h"
+#include "samara/models/laws/law_model.h"
+
+using namespace samara::models;
+using Catch::Matchers::Contains;
+using Catch::Matchers::WithinRel;
+
+namespace {
+
+ParameterInfo positive_number(const std::string& name, const std::string& unit) {
+  return {.name = name, .unit = unit, .description = "of the test", .lower = 0.0};
+}
+
+/// x' = expression of x, y in no unit, and p.
+Equations one_rate(const std::string& text) {
+  return {.title = "of a test",
+          .states = {{.name = "x", .unit = "1", .description = "a state"},
+                     {.name = "y", .unit = "1", .description = "a state"}},
+          .parameters = {positive_number("p", "1")},
+          .rates = {text, "0"}};
+}
+
+double rate(const Model& model, double t, std::vector<double> x, std::vector<double> p) {
+  std::vector<double> f(x.size());
+  const std::vector<char> given(p.size(), 1);
+  model.rhs(t, x, {std::move(p), given}, f);
+  return f[0];
+}
+
+/// A mass on a spring in metres and kilograms.
+Equations spring() {
+  return {
+      .name = "spring",
+      .title = "A mass on a spring that stiffens, in a fluid",
+      .states = {{.name = "x", .unit = "m", .description = "deflection"},
+                 {.name = "v", .unit = "m/s", .description = "velocity"}},
+      .parameters = {positive_number("mass", "kg"), positive_number("stiffness", "N/m"),
+                     positive_number("drag", "kg/m"), positive_number("width", "m")},
+      .abbreviations = {{"frequency", "sqrt(stiffness/mass)"}, {"speed", "sqrt(v^2 + (width*frequency)^2)"}},
+      .rates = {"v", "-frequency^2*width*tanh(x/width) - drag/mass*speed*v"}};
+}
+
+/// The same, compiled.
+struct CompiledSpring {
+  static constexpr int kStates = 2, kParameters = 4;
+  static ModelInfo info() {
+    const Equations equations = spring();
+    return {.name = "compiled_spring",
+            .title = equations.title,
+            .equations = "as the text has them",
+            .frames = "along the spring",
+            .source = "the test",
+            .validity = "the test",
+            .states = equations.states,
+            .parameters = equations.parameters};
+  }
+  template <class S>
+  static void rhs(const S&, const S* x, const S* p, S* dxdt) {
+    using std::sqrt;
+    using std::tanh;
+    const S frequency = sqrt(p[1] / p[0]);
+    const S floor = p[3] * frequency;
+    const S speed = sqrt(x[1] * x[1] + floor * floor);
+    dxdt[0] = x[1];
+    dxdt[1] = -frequency * frequency * p[3] * tanh(x[0] / p[3]) - p[2] / p[0] * speed * x[1];
+  }
+};
+
+}  // namespace
+
+TEST_CASE("an expression is worth what C++ makes of it") {
+  using Function = std::function<double(double t, double x, double y, double p)>;
+  const std::vector<std::pair<std::string, Function>> cases = {
+      {"1 + 2*3 - 4/8", [](double, double, double, double) { return 6.5; }},
+      {"-x^2", [](double, double x, double, double) { return -x * x; }},
+      {"2^3^2 + 2**-1", [](double, double, double, double) { return 512.5; }},
+      {"-(x - y) - -p", [](double, double x, double y, double p) { return -(x - y) + p; }},
+      {"x/y/p*t", [](double t, double x, double y, double p) { return x / y / p * t; }},
+      {"p^2.5 + p^y", [](double, double, double y, double p) { return std::pow(p, 2.5) + std::pow(p, y); }},
+      {"x^-3", [](double, double x, double, double) { return 1.0 / (x * x * x); }},
+      {"sin(x)*cos(y) + tan(x/4)",
+       [](double, double x, double y, double) { return std::sin(x) * std::cos(y) + std::tan(x / 4); }},
+      {"asin(x/4) + acos(y/4) + atan(x) + atan2(x, y)",
+       [](double, double x, double y, double) {
+         return std::asin(x / 4) + std::acos(y / 4) + std::atan(x) + std::atan2(x, y);
+       }},
+      {"exp(-x) + log(p) + sqrt(p) + sinh(x) + cosh(x) + tanh(x)",
+       [](double, double x, double, double p) {
+         return std::exp(-x) + std::log(p) + std::sqrt(p) + std::sinh(x) + std::cosh(x) + std::tanh(x);
+       }},
+      {"abs(x) + min(x, y) + 2*max(x, y) + sign(y) + step(x)",
+       [](double, double x, double y, double) {
+         return std::abs(x) + std::min(x, y) + 2 * std::max(x, y) + (y > 0 ? 1 : -1) + (x >= 0 ? 1 : 0);
+       }},
+      {"  pi*1.5e-1 + .5", [](double, double, double, double) { return std::numbers::pi * 0.15 + 0.5; }},
+      {"3 [cm]/1 [mm] + 90 [deg]",
+       [](double, double, double, double) { return 30.0 + std::numbers::pi / 2; }},
+  };
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> number(-2.0, 2.0);
+  for (const auto& [text, expected] : cases) {
+    const auto model = equation_model(one_rate(text));
+    CAPTURE(text);
+    for (int k = 0; k < 20; ++k) {
+      const double t = std::abs(number(random)), x = number(random), y = number(random),
+                   p = std::abs(number(random));
+      CHECK_THAT(rate(*model, t, {x, y}, {p}), WithinRel(expected(t, x, y, p), 1e-13));
+    }
+  }
+}
+
+TEST_CASE("equations as text pass the checks of models: derivatives, units, groups of points") {
+  const auto model = equation_model(spring());
+  for (const std::string& finding : check_model(*model).findings) FAIL_CHECK(finding);
+  for (const char* text :
+       {"p*sin(x)*exp(-y^2) + x/(1 + y^2)", "p^x*cosh(y) + atan2(x, 2 + y^2)", "tanh(x*y)/p - log(p + x^2)",
+        "sqrt(p + x^2)*atan(y) + asin(x/4)*acos(y/4)", "x^5*y^-4*p^2.5", "tan(x/4) + sinh(y) + p*t*x"}) {
+    CAPTURE(text);
+    for (const std::string& finding : check_model(*equation_model(one_rate(text))).findings)
+      FAIL_CHECK(finding);
+  }
+}
+
+TEST_CASE("text and C++ make the same model") {
+  const auto text = equation_model(spring());
+  const auto compiled = make_model<CompiledSpring>();
+  for (const std::string& finding : check_model(*compiled).findings) FAIL_CHECK(finding);
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> number(0.1, 2.0);
+  constexpr int kPoints = 100;  // more than go together, and not a multiple of these
+  Eigen::VectorXd t(kPoints);
+  Eigen::MatrixXd x(2, kPoints), p(4, kPoints);
+  for (double& value : t) value = number(random);
+  for (double& value : x.reshaped()) value = number(random) - 1.0;
+  for (double& value : p.reshaped()) value = number(random);
+  Eigen::MatrixXd rates(2, kPoints), expected(2, kPoints), jacobians(4, kPoints),
+      expected_jacobians(4, kPoints);
+  text->rhs_at_points(t, x, p, rates);
+  compiled->rhs_at_points(t, x, p, expected);
+  CHECK((rates - expected).cwiseAbs().maxCoeff() < 1e-13 * expected.cwiseAbs().maxCoeff());
+  text->jacobians_at_points(t, x, p, jacobians);
+  compiled->jacobians_at_points(t, x, p, expected_jacobians);
+  CHECK((jacobians - expected_jacobians).cwiseAbs().maxCoeff() <
+        1e-13 * expected_jacobians.cwiseAbs().maxCoeff());
+}
+
+TEST_CASE("equations tell by themselves where they are affine and what they do not depend on") {
+  Equations fall{.states = {{.name = "z", .unit = "m"}, {.name = "v", .unit = "m/s"}},
+                 .parameters = {positive_number("g", "m/s^2"), positive_number("drag", "1/m"),
+                                positive_number("size", "m"), positive_number("share", "1")},
+                 .rates = {"v", "g*share - drag*size*v^2/(1 [m] + size)"}};
+  const auto model = equation_model(fall);
+  const ModelInfo& info = model->info();
+  CHECK(info.affine_in == std::vector<std::string>{"g", "drag"});
+  CHECK(info.symmetries == std::vector<std::string>{"translation of z"});
+  CHECK_THAT(info.equations, Contains("v' = g*share"));
+}
+
+TEST_CASE("what is no expression is refused with its column and what was expected") {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"", "at column 1: the expression ends"},
+      {"x +", "at column 4: the expression ends"},
+      {"x $ y", "at column 3: \"$ y\" is left over"},
+      {"(x", "at column 3: the expression ends, expected \")\""},
+      {"2x", "at column 2: \"x\" follows a number at once"},
+      {"1.2.3", "follows a number at once"},
+      {"1e999", "too large or too small"},
+      {"q*x", "there is no \"q\""},
+      {"sine(x)", "did you mean \"sin\"?"},
+      {"sin", "without its argument in parentheses"},
+      {"x(2)", "\"x\" is no function; a product is written with *"},
+      {"atan2(x)", "\",\" was expected"},
+      {"x/0", "divides by zero"},
+      {"3 [furlong]", "furlong"},
+      {"3 [m", "no \"]\" follows"},
+      {std::string(500, '('), "more than 200 deep"},
+      {std::string(500, '-') + "x", "more than 200 deep"},
+      {"\x1b[2J", "\\x1b"},
+  };
+  for (const auto& [text, expected] : cases) {
+    CAPTURE(text);
+    CHECK_THAT(error_text<EquationError>([&] { equation_model(one_rate(text)); }), Contains(expected));
+  }
+  std::string longest = "x";
+  while (longest.size() < 18'000) longest += " + sin(x*y)*x";
+  CHECK_NOTHROW(equation_model(one_rate(longest)));
+  CHECK_THAT(error_text<EquationError>([&] { equation_model(one_rate(longest + longest)); }),
+             Contains("at most 20000"));
+}
+
+TEST_CASE("units that do not fit are refused") {
+  const auto with = [](const std::string& rate_of_x, const std::string& rate_of_v) {
+    Equations equations = spring();
+    equations.rates = {rate_of_x, rate_of_v};
+    return error_text<EquationError>([&] { equation_model(equations); });
+  };
+  CHECK_THAT(with("x", "0"), Contains("the rate of \"x\" is in m, expected m s^-1"));
+  CHECK_THAT(with("v", "v + x"), Contains("sum of something in m s^-1 and something in m"));
+  CHECK_THAT(with("v", "sin(x)"), Contains("sin is taken of something in m, expected a plain number"));
+  CHECK_THAT(with("v", "v^x"), Contains("the exponent is in m"));
+  CHECK_THAT(with("v", "2^mass"), Contains("the exponent is in kg"));
+  CHECK_THAT(with("v", "v^pi"), Contains("a whole number or a simple fraction"));
+  CHECK_THAT(with("max(v, x)", "0"), Contains("max of something in m s^-1 and something in m"));
+  CHECK_THAT(with("atan2(v, x)", "0"), Contains("atan2 of"));
+  CHECK(with("max(0, v)", "sqrt(v^2*v^2)/width") == "no exception");
+  CHECK(with("x*sqrt(stiffness/mass)", "x^(3/2)/sqrt(x)*stiffness/mass") == "no exception");
+}
+
+TEST_CASE("names, numbers and counts that make no model are refused") {
+  const auto changed = [](const std::function<void(Equations&)>& change) {
+    Equations equations = spring();
+    change(equations);
+    return error_text<EquationError>([&] { equation_model(equations); });
+  };
+  CHECK_THAT(changed([](Equations& e) { e.states.clear(); }), Contains("no state"));
+  CHECK_THAT(changed([](Equations& e) { e.rates.pop_back(); }), Contains("1 rates for 2 states"));
+  CHECK_THAT(changed([](Equations& e) { e.states[0].name = "t"; }), Contains("\"t\" is the time"));
+  CHECK_THAT(changed([](Equations& e) { e.states[0].name = "v"; }), Contains("\"v\" is given twice"));
+  CHECK_THAT(changed([](Equations& e) { e.parameters[0].name = "sin"; }), Contains("\"sin\" is no name"));
+  CHECK_THAT(changed([](Equations& e) { e.parameters[0].name = "2m"; }), Contains("\"2m\" is no name"));
+  CHECK_THAT(changed([](Equations& e) { e.parameters[0].unit = "g"; }),
+             Contains("\"g\", expected one of the SI"));
+  CHECK_THAT(changed([](Equations& e) { e.parameters[0].unit = "kilo"; }), Contains("kilo"));
+  CHECK_THAT(changed([](Equations& e) { e.parameters[0].default_value = -1.0; }),
+             Contains("expected > 0 kg"));
+  CHECK_THAT(changed([](Equations& e) { e.states[0].default_initial = std::nan(""); }), Contains("finite"));
+  CHECK_THAT(changed([](Equations& e) { e.states[0].scale = 0.0; }), Contains("positive"));
+  CHECK_THAT(changed([](Equations& e) { e.abbreviations[0].first = "x"; }), Contains("\"x\" is given twice"));
+}
+
+TEST_CASE("a damaged expression is refused, or still keeps its units") {
+  std::mt19937 random(13);
+  const std::string letters = "xvpt0123456789.+-*/^()[], amswidthfrequencystiffness";
+  int refused = 0, taken = 0;
+  for (int k = 0; k < 3000; ++k) {
+    Equations equations = spring();
+    std::string& text = equations.rates[1];
+    for (int change = 0; change < 1 + k % 2; ++change) {
+      const std::size_t at = random() % (text.size() + 1);
+      const char letter = letters[random() % letters.size()];
+      const std::size_t kind = random() % 3;
+      if (kind == 0) text.insert(at, 1, letter);
+      if (kind == 1 && at < text.size()) text.erase(at, 1);
+      if (kind == 2 && at < text.size()) text[at] = letter;
+    }
+    std::shared_ptr<const Model> model;
+    try {
+      model = equation_model(equations);
+    } catch (const samara::ArgumentError&) {
+      ++refused;
+      continue;
+    }
+    ++taken;
+    // Lengths, masses and times in other units: the rate must follow.
+    const double length = 3.0, mass = 7.0, time = 2.0;
+    const std::vector<double> x = {0.3, 0.4}, p = {1.1, 2.3, 0.7, 0.9};
+    const std::vector<double> scaled_x = {x[0] * length, x[1] * length / time};
+    const std::vector<double> scaled_p = {p[0] * mass, p[1] * mass / (time * time), p[2] * mass / length,
+                                          p[3] * length};
+    std::vector<double> f(2), scaled_f(2);
+    const std::vector<char> given(4, 1);
+    model->rhs(0.5, x, {p, given}, f);
+    model->rhs(0.5 * time, scaled_x, {scaled_p, given}, scaled_f);
+    const double expected = f[1] * length / (time * time);
+    // A text with a unit of its own holds numbers that do not follow.
+    if (!std::isfinite(f[1]) || text.find('[') != std::string::npos) continue;
+    CAPTURE(text);
+    CHECK_THAT(scaled_f[1], WithinRel(expected, 1e-9) || Catch::Matchers::WithinAbs(expected, 1e-9));
+  }
+  CHECK(refused > 500);
+  CHECK(taken > 60);
+}
