@@ -241,6 +241,7 @@ FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> c
                    .source = family.info().source,
                    .loss = to_string(problem.loss),
                    .fixed = problem.fixed};
+  add_setup(family.info(), problem, options, result);
   add_capture_warnings(family.info(), captures, options, result);
   result.global_search = search;
   estimate_noise(levels, options.noise.rounds, problem, residuals, descend, runs, result);

@@ -112,7 +112,40 @@ void add_frames(const FitProblem& problem, const Motion& motion,
   }
 }
 
+/// @param camera of the problem, if it has one
+CameraOptions resolved(const FitProblem& problem, const CameraOptions& options) {
+  CameraOptions camera = options;
+  if (!problem.camera) return camera;
+  camera.axes.clear();
+  for (const int column : problem.camera->columns)
+    camera.axes.push_back(problem.requested[static_cast<std::size_t>(column)]);
+  return camera;
+}
+
 }  // namespace
+
+void add_setup(const models::FamilyInfo& family, const FitProblem& problem, const FitOptions& options,
+               FitResult& result) {
+  FitOptions& setup = result.setup;
+  for (const ComparedOutput& output : problem.outputs) setup.compared.outputs.push_back(output.name);
+  if (problem.attitude_scale)
+    setup.compared.outputs.insert(setup.compared.outputs.end(), family.attitude.begin(),
+                                  family.attitude.end());
+  setup.compared.averaged_frames = problem.averaged_frames;
+  setup.unknowns.fixed = options.unknowns.fixed;
+  setup.unknowns.offsets = problem.offsets;
+  setup.unknowns.shared = models::names_of(problem.shared);
+  setup.unknowns.per_capture = models::names_of(problem.own);
+  for (const std::string& name : problem.known) setup.unknowns.known.emplace(name, name);
+  for (const auto* coordinates : {&problem.shared, &problem.own}) {
+    for (const models::FamilyCoordinate& c : *coordinates) setup.unknowns.box[c.name] = {c.lower, c.upper};
+  }
+  for (const auto& [name, prior] : options.priors.coordinates) {
+    if (models::position(problem.own, name)) setup.priors.coordinates[name] = prior;
+  }
+  setup.camera = resolved(problem, options.camera);
+  setup.starts.round_body = options.starts.round_body;
+}
 
 void add_coefficients(const FitProblem& problem, const FitPoint& point, const Uncertainty& uncertainty,
                       FitResult& result) {
@@ -138,6 +171,7 @@ void add_coefficients(const FitProblem& problem, const FitPoint& point, const Un
   result.cluster_names = problem.cluster_names;
   result.covariance = problem.cluster_count >= 2 ? uncertainty.clustered : uncertainty.naive;
   result.correlation = correlation_of(result.covariance);
+  result.naive_covariance = uncertainty.naive;
 }
 
 void add_captures(const FitProblem& problem, const std::vector<SegmentResidual>& residuals,

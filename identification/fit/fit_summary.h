@@ -11,6 +11,10 @@
 /// Internal to identification/: putting the numbers of a fit into its result.
 namespace samara::identification {
 
+/// FitResult::setup.
+void add_setup(const models::FamilyInfo& family, const FitProblem& problem, const FitOptions& options,
+               FitResult& result);
+
 void add_coefficients(const FitProblem& problem, const FitPoint& point, const Uncertainty& uncertainty,
                       FitResult& result);
 

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/warnings.h"
 #include "samara/identification/statistics/baseline_scores.h"
 #include "samara/identification/statistics/identifiability.h"
@@ -174,12 +175,18 @@ struct FitResult {
   std::string source = {};  ///< as models::FamilyInfo
   std::string loss = {};
   std::map<std::string, double> fixed = {};  ///< everything that was held, SI
+  /// How captures were seen, all names resolved: what a fit of further captures takes over. Outputs, roles of
+  /// coordinates, boxes, offsets, camera, means of frames, priors of each capture's own; known coordinates
+  /// stand in labels of their own names. Nothing else is set.
+  FitOptions setup = {};
 
   std::vector<Coefficient> coefficients = {};
   /// Of the coefficients, from the scatter between clusters where there are two or more, else naive. Rows and
   /// columns of coefficients without a standard error are NaN.
   Eigen::MatrixXd covariance = {};
   Eigen::MatrixXd correlation = {};
+  /// Of the coefficients, frames taken as independent; NaN likewise.
+  Eigen::MatrixXd naive_covariance = {};
   /// Second derivative of the cost by the coefficients, priors included, own unknowns eliminated.
   Eigen::MatrixXd information = {};
   int clusters = 0;

@@ -9,6 +9,7 @@
 
 #include "samara/base/names.h"
 #include "samara/identification/report/diagnostics_report.h"
+#include "samara/identification/report/fit_setup.h"
 
 namespace samara::identification {
 
@@ -183,8 +184,10 @@ std::string fit_json(const FitResult& result) {
                  {"source", result.source},
                  {"loss", result.loss},
                  {"fixed", result.fixed},
+                 {"setup", setup_json(result.setup)},
                  {"coefficients", coefficients},
                  {"covariance", matrix(result.covariance)},
+                 {"naive_covariance", matrix(result.naive_covariance)},
                  {"correlation", matrix(result.correlation)},
                  {"clusters", result.clusters},
                  {"cluster_names", result.cluster_names},

@@ -53,6 +53,35 @@ TEST_CASE("coefficients are read from the JSON of a fit to the last bit") {
              Contains("its schema is \"samara-series/1\""));
 }
 
+TEST_CASE("how captures were seen is read from the JSON of a fit, or told from its captures") {
+  const TestFiles files;
+  FitResult result = example();
+  result.setup.camera = {.scale = 0.02, .axes = {"x"}};
+  result.setup.priors.coordinates["v(0)"] = {.mean = 0.1, .deviation = 0.05};
+  result.setup.unknowns.known.emplace("C_m", "C_m");
+  const FitResult read = read_fit(files.put("fit.json", fit_json(result)));
+  CHECK(read.setup.compared.outputs == std::vector<std::string>{"x"});
+  CHECK(read.setup.unknowns.shared == std::vector<std::string>{"C_D"});
+  CHECK(read.setup.unknowns.per_capture == std::vector<std::string>{"v(0)"});
+  CHECK(read.setup.unknowns.offsets == std::vector<std::string>{"x"});
+  CHECK(read.setup.unknowns.known.at("C_m").label == "C_m");
+  CHECK(read.setup.unknowns.box.at("v(0)").upper == 0.8);
+  CHECK(read.setup.priors.coordinates.at("v(0)").deviation == 0.05);
+  CHECK(read.setup.camera.scale == 0.02);
+  CHECK_FALSE(read.setup.camera.rotation);
+  CHECK(read.setup.camera.axes == std::vector<std::string>{"x"});
+  CHECK(read.naive_covariance == result.naive_covariance);
+  CHECK(read.captures[1].times == result.captures[1].times);
+  CHECK(read.captures[1].nuisances[0].value == result.captures[1].nuisances[0].value);
+  nlohmann::json older = nlohmann::json::parse(fit_json(result));
+  older.erase("setup");
+  const FitOptions told = read_fit(files.put("older.json", older.dump())).setup;
+  CHECK(told.compared.outputs == read.setup.compared.outputs);
+  CHECK(told.unknowns.shared == read.setup.unknowns.shared);
+  CHECK(told.unknowns.per_capture == read.setup.unknowns.per_capture);
+  CHECK(told.unknowns.offsets == read.setup.unknowns.offsets);
+}
+
 TEST_CASE("the JSON of a fit holds its numbers to the last bit") {
   const FitResult result = example();
   const nlohmann::json json = nlohmann::json::parse(fit_json(result));
