@@ -167,19 +167,24 @@ void doubt_coefficients(const FitRequest& request, FitSource& source) {
         fmt::format("{} holds coefficients of the model \"{}\"; here they are those of \"{}\"", file,
                     fitted.model, info.model));
   }
+  doubt_held_values(fitted, info, file, source.warnings);
+}
+
+}  // namespace
+
+void doubt_held_values(const FitResult& fitted, const models::FamilyInfo& info, const std::string& file,
+                       Warnings& warnings) {
   for (const auto& [name, value] : fitted.fixed) {
     const auto here = info.fixed.find(name);
     if (here == info.fixed.end() || name.ends_with("(0)")) continue;
     if (std::abs(here->second - value) <= kSameValue * std::max(std::abs(here->second), std::abs(value)))
       continue;
-    source.warnings.add(
+    warnings.add(
         WarningKind::source,
         fmt::format("the coefficients of {} were found with \"{}\" held at {:.6g}; here it is {:.6g}", file,
                     name, value, here->second));
   }
 }
-
-}  // namespace
 
 bool predicts_only(const FitRequest& request) {
   return request.captures.empty() && !request.coefficients.empty();

@@ -40,6 +40,11 @@ bool predicts_only(const FitRequest& request);
 /// @throws ArgumentError, InputError
 FitSource open_fit_source(const FitRequest& request);
 
+/// Warns of values that were held where coefficients were found, and are held at others here.
+/// @param file of the coefficients
+void doubt_held_values(const FitResult& fitted, const models::FamilyInfo& info, const std::string& file,
+                       Warnings& warnings);
+
 /// What is wrong with values that came from a file is wrong with the file.
 template <class Call>
 auto of_file(const std::filesystem::path& file, const Call& call) {

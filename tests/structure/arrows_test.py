@@ -24,7 +24,7 @@ SUB_ROOMS = {
     ],
     "identification": [
         "smoothing", "captures/exports", "captures", "statistics", "problem", "report",
-        "solve/starts", "solve", "fit", "series", "files",
+        "solve/starts", "solve", "fit", "design", "series", "files",
     ],
 }
 MOST_FILES = 40
