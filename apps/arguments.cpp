@@ -231,6 +231,57 @@ void add_fit(CLI::App& app, Arguments& arguments) {
   on_call(command, arguments.fit, values);
 }
 
+void add_design(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<DesignArguments>();
+  CLI::App* command = app.add_subcommand(
+      "design",
+      "the next experiment: which releases, outputs and times would shrink the errors of a fit most");
+  command
+      ->add_option("SOURCE", values->source, "codebook file, or name of a model (with the config of the fit)")
+      ->required();
+  command->add_option("--fit", values->fit, "JSON of the fit so far (samara fit -o)")->required();
+  command->add_option("--config", values->config, "of that fit, TOML; needed for a model only");
+  command->add_option("--captures", values->captures, "how many more")
+      ->capture_default_str()
+      ->check(whole_number());
+  command->add_option("--duration", values->duration,
+                      "of each, s or with a unit; default: as the longest of the fit");
+  command->add_option("--frames", values->frames, "of each; default: at the rate of the fit's")
+      ->check(whole_number());
+  command
+      ->add_option(
+          "--release", values->release,
+          "a coordinate that can be chosen; default: all that are no coefficients; the others stay where "
+          "the captures of the fit were in the mean")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--set", values->set,
+                   "where a release must be, NAME=VALUE or NAME=FROM..TO, SI or with units: \"theta(0)=20 "
+                   "deg..60 deg\"")
+      ->allow_extra_args(false);
+  command->add_option("--seen", values->outputs, "an output that is seen; default: what the fit compared")
+      ->allow_extra_args(false);
+  command->add_option("--noise", values->noise, "of an output, NAME=VALUE; default: what the fit found")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--criterion", values->criterion,
+                   "D (the volume of what remains possible) or A (the mean square of relative errors)")
+      ->capture_default_str();
+  command->add_option("--for", values->coefficients, "a coefficient whose error counts; default: all")
+      ->allow_extra_args(false);
+  command->add_option("--times", values->times, "also find so many frames that say most alone")
+      ->check(whole_number());
+  command->add_option("--draws", values->draws, "of the coefficients from what the fit leaves open")
+      ->capture_default_str()
+      ->check(whole_number());
+  command->add_option("--seed", values->seed, "of draws and first releases")
+      ->capture_default_str()
+      ->check(whole_number<std::uint64_t>());
+  command->add_option("-o,--output", values->output, "also write the design as JSON to this file");
+  command->add_flag("--json", values->json, "print one JSON object instead of the tables");
+  on_call(command, arguments.design, values);
+}
+
 }  // namespace
 
 namespace {
@@ -299,6 +350,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_validate(app, arguments);
   add_fit(app, arguments);
   add_body(app, arguments);
+  add_design(app, arguments);
   for (CLI::App* command : app.get_subcommands({})) refuse_empty(*command);
   check_command(app, argc, argv);
   try {

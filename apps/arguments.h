@@ -93,6 +93,26 @@ struct BodyArguments {
   bool toml = false;
 };
 
+struct DesignArguments {
+  std::string source;  ///< codebook file or model name
+  std::string fit;     ///< JSON
+  std::string config;
+  int captures = 1;
+  std::string duration;       ///< empty: as the fit
+  std::optional<int> frames;  ///< none: as the fit
+  std::vector<std::string> release;
+  std::vector<std::string> set;
+  std::vector<std::string> outputs;
+  std::vector<std::string> noise;
+  std::string criterion = "D";
+  std::vector<std::string> coefficients;
+  int times = 0;
+  int draws = 8;
+  std::uint64_t seed = 1;
+  std::string output;
+  bool json = false;
+};
+
 /// One of the commands, or nothing but an exit code (help, version, a wrong call).
 struct Arguments {
   std::optional<int> exit_code;
@@ -106,6 +126,7 @@ struct Arguments {
   std::optional<ValidateArguments> validate;
   std::optional<FitArguments> fit;
   std::optional<BodyArguments> body;
+  std::optional<DesignArguments> design;
 };
 
 /// Prints help to stdout and mistakes to stderr itself.

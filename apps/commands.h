@@ -14,5 +14,6 @@ int run(const StatsArguments& arguments);
 int run(const ValidateArguments& arguments);
 int run(const FitArguments& arguments);
 int run(const BodyArguments& arguments);
+int run(const DesignArguments& arguments);
 
 }  // namespace samara::apps

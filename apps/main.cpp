@@ -22,6 +22,7 @@ int dispatch(const Arguments& arguments) {
   if (arguments.stats) return run(*arguments.stats);
   if (arguments.validate) return run(*arguments.validate);
   if (arguments.fit) return run(*arguments.fit);
+  if (arguments.design) return run(*arguments.design);
   return run(*arguments.body);
 }
 
