@@ -10,6 +10,7 @@ inline constexpr const char* kBench = "identification";
 void coin_cases(const Options& options);
 void plate_cases(const Options& options);
 void posterior_case(const Options& options);
+void design_case(const Options& options);
 void body_cases(const Options& options);
 void segment_map_case(const Options& options);
 void table_tennis_case(const Options& options);

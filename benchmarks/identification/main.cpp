@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
     identification::coin_cases(chosen);
     identification::plate_cases(chosen);
     identification::posterior_case(chosen);
+    identification::design_case(chosen);
     identification::body_cases(chosen);
     identification::segment_map_case(chosen);
     identification::table_tennis_case(chosen);
