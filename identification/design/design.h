@@ -171,7 +171,8 @@ Design design_experiment(const models::TrajectoryFamily& family, const FitResult
 
 /// The same of given releases: nothing is searched.
 /// @param releases each in the order of Design::coordinates, SI; Design::captures has them
-/// @throws as design_experiment(), NoResultError if none of them has a trajectory, and ArgumentError for releases of another size or outside the box.
+/// @throws as design_experiment(), NoResultError if none of them has a trajectory, and ArgumentError for
+/// releases of another size or outside the box.
 Design assess_releases(const models::TrajectoryFamily& family, const FitResult& fitted,
                        std::span<const std::vector<double>> releases, const DesignOptions& options = {});
 
