@@ -28,13 +28,6 @@ double within(double end, double interval, double time) {
 /// Rows of a family that are averaged for one frame.
 using Rows = std::vector<Eigen::Index>;
 
-void check(const FrameMean& mean) {
-  if (mean.frames < 1 || mean.frames % 2 == 0) {
-    throw ArgumentError(fmt::format("a frame is the mean of {}; an odd number was expected", mean.frames));
-  }
-  if (mean.frames > 1) require_positive(mean.interval, "the time between frames");
-}
-
 class AveragedSource final : public TrajectorySource {
  public:
   AveragedSource(std::unique_ptr<TrajectorySource> all, Eigen::Index times, Eigen::Index outputs,
@@ -112,9 +105,16 @@ class AveragedTrajectories final : public TrajectoryFamily {
 
 }  // namespace
 
+void check_frame_mean(const FrameMean& mean) {
+  if (mean.frames < 1 || mean.frames % 2 == 0) {
+    throw ArgumentError(fmt::format("a frame is the mean of {}; an odd number was expected", mean.frames));
+  }
+  if (mean.frames > 1) require_positive(mean.interval, "the time between frames");
+}
+
 std::unique_ptr<TrajectoryFamily> averaged_trajectories(std::unique_ptr<TrajectoryFamily> family,
                                                         const FrameMean& mean) {
-  check(mean);
+  check_frame_mean(mean);
   return std::make_unique<AveragedTrajectories>(std::move(family), mean);
 }
 
@@ -122,7 +122,7 @@ std::unique_ptr<TrajectorySource> averaged_source(const TrajectoryFamily& family
                                                   const std::vector<double>& times,
                                                   const std::vector<std::string>& outputs,
                                                   const std::vector<int>& wanted) {
-  check(mean);
+  check_frame_mean(mean);
   if (mean.frames == 1 || times.empty()) return family.at(times, outputs, wanted);
   const int half = mean.frames / 2;
   const std::size_t frames = times.size() - (mean.last_is_state ? 1 : 0);

@@ -17,6 +17,9 @@ struct FrameMean {
   bool last_is_state = false;  ///< the last time is no frame: the end of a joined segment
 };
 
+/// @throws ArgumentError unless `mean.frames` is odd and positive and, of several, `mean.interval` positive.
+void check_frame_mean(const FrameMean& mean);
+
 /// The family's values where frames are single; else each frame as the mean of the family's values at
 /// `mean.frames` times centred on it. Of these times, those before 0 count as 0, and those that
 /// rounding puts after the end of the family as the end.
