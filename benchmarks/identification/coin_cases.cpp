@@ -1,6 +1,9 @@
-/// Whole fits of the measured coin from its codebook, beside CVODES at the codebook's accuracy; and a thousand fits
-/// with random weights.
+/// Whole fits of the measured coin from its codebook, beside CVODES at the codebook's accuracy; a thousand fits
+/// with random weights; and what residuals cost with a delay of the captures' clocks, beside those without.
 #include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "cases.h"
@@ -11,6 +14,10 @@
 #include "samara/identification/captures/capture_file.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/problem/fit_config.h"
+#include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/problem/segment_residual.h"
+#include "samara/identification/solve/starts/start_point.h"
+#include "samara/models/trajectories/step_trajectories.h"
 
 namespace samara::benchmarks::identification {
 
@@ -23,10 +30,50 @@ const std::filesystem::path kExample = std::filesystem::path(SAMARA_EXAMPLES_DIR
 /// with which fits take CVODES longer.
 constexpr double kTolerance = 1e-5;
 
+/// Residuals of all tracks with their derivatives, at the first start.
+class AllResiduals {
+ public:
+  AllResiduals(const models::TrajectoryFamily& family, const std::vector<id::Capture>& captures,
+               const id::FitOptions& options)
+      : problem_(id::make_problem(family.info(), captures, options)),
+        residuals_(id::make_residuals(family, problem_)),
+        point_(id::start_point(problem_, residuals_, 0)) {}
+
+  void operator()() {
+    for (std::size_t k = 0; k < residuals_.size(); ++k)
+      residuals_[k].evaluate(point_.shared.data(), point_.own[k].data(), nullptr, true);
+  }
+
+ private:
+  id::FitProblem problem_;
+  std::vector<id::SegmentResidual> residuals_;
+  id::FitPoint point_;
+};
+
+/// The factor in time that a delay of up to six frames makes, for trajectories of any source.
+void delay_case(const codebooks::Codebook& book, const std::vector<id::Capture>& captures,
+                id::FitOptions asked) {
+  asked.compared.span = 0.35;
+  id::FitOptions delayed = asked;
+  delayed.measurement.delay = models::Interval{0.0, 0.1};
+  const auto compare = [&](const std::string& source, const models::TrajectoryFamily& family) {
+    AllResiduals without(family, captures, asked), with(family, captures, delayed);
+    const Pair times = time_both(std::ref(with), std::ref(without));
+    print({kBench, "coin_delay", source + "_factor", times.ours / times.theirs});
+  };
+  const auto family = codebooks::codebook_trajectories(book);
+  compare("codebook", *family);
+  compare("cvodes", *codebooks::reference_trajectories(book, {.relative_tolerance = kTolerance}));
+  const models::ParametricModel& equations = *family->equations();
+  std::map<std::string, models::Interval> box;
+  for (const models::FamilyCoordinate& c : family->info().coordinates) box[c.name] = {c.lower, c.upper};
+  compare("steps", *models::step_trajectories(equations.shared_model(), equations.fixed(), box, 2e-3));
+}
+
 }  // namespace
 
 void coin_cases(const Options& options) {
-  if (!options.wants("coin_fit") && !options.wants("bootstrap_1000")) return;
+  if (!options.wants("coin_fit") && !options.wants("bootstrap_1000") && !options.wants("coin_delay")) return;
   const codebooks::Codebook book = codebooks::build(codebooks::read_plan(kExample / "plan.toml")).book;
   const auto captures = id::read_captures(kExample / "coin.toml");
   id::FitOptions asked = id::read_fit_config(kExample / "fit.toml", id::config_names(book));
@@ -38,6 +85,7 @@ void coin_cases(const Options& options) {
     const double theirs = time_of([&] { id::fit(*integrator, captures, asked); }, repeats, 0.0);
     print({kBench, "coin_fit", "time", ours, "s", "cvodes", theirs / ours});
   }
+  if (options.wants("coin_delay")) delay_case(book, captures, asked);
   if (options.wants("bootstrap_1000")) {
     asked.uncertainty.bootstrap.replicates = 1000;
     id::FitResult result;

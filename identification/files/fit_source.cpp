@@ -37,10 +37,18 @@ bool is_model(const std::string& text) {
 }
 
 /// Takes coefficients of another fit over: held, or where this one begins.
-/// @param box of what the source leaves free
-void take_over(const FitRequest& request, const ConfigNames& names,
-               std::map<std::string, models::Interval> box, FitSource& source) {
+/// @param names, box of what the source has, and leaves free; delay and gains of the config are added
+void take_over(const FitRequest& request, ConfigNames names, std::map<std::string, models::Interval> box,
+               FitSource& source) {
   if (request.coefficients.empty()) return;
+  if (const auto& delay = source.options.measurement.delay) {
+    names.coordinates[kDelay] = "s";
+    box[kDelay] = *delay;
+  }
+  for (const auto& [output, range] : source.options.measurement.gains) {
+    names.coordinates[gain_name(output)] = "1";
+    box[gain_name(output)] = range;
+  }
   source.coefficients = read_fit(request.coefficients);
   const FitResult& fitted = *source.coefficients;
   if (fitted.status == FitStatus::failed || fitted.coefficients.empty()) {
@@ -106,7 +114,7 @@ void open_model(const FitRequest& request, FitSource& source) {
   const ConfigNames names = config_names(model->info());
   source.options = read_fit_config(request.config, names);
   take_over(request, names, source.options.unknowns.box, source);
-  std::map<std::string, double> values = source.options.unknowns.fixed;
+  std::map<std::string, double> values = fixed_of_model(source.options);
   for (const auto& [name, interval] : source.options.unknowns.box)
     values.emplace(name, 0.5 * (interval.lower + interval.upper));
   source.warnings.add_all(WarningKind::source, models::parameter_warnings(*model, values));
@@ -114,14 +122,15 @@ void open_model(const FitRequest& request, FitSource& source) {
   source.series = read_series_config(request.config, names);
   source.family = of_file(request.config, [&] {
     const FitOptions& options = source.options;
+    const std::vector<std::string> measurement = measurement_names(options);
     for (const auto& [name, value] : options.unknowns.known) {
-      if (options.unknowns.box.contains(name)) continue;
+      if (options.unknowns.box.contains(name) || contains(measurement, name)) continue;
       throw ArgumentError(fmt::format(
           "[known] \"{}\" has no entry in [box]; an interval that holds its values was expected", name));
     }
     return options.solver.step
-               ? step_trajectories(model, options.unknowns.fixed, options.unknowns.box, *options.solver.step)
-               : reference_trajectories(model, options.unknowns.fixed, options.unknowns.box);
+               ? step_trajectories(model, fixed_of_model(options), options.unknowns.box, *options.solver.step)
+               : reference_trajectories(model, fixed_of_model(options), options.unknowns.box);
   });
 }
 

@@ -12,6 +12,7 @@
 #include "samara/identification/fit/fitted_motion.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/known_values.h"
+#include "samara/identification/problem/measurement.h"
 #include "samara/identification/smoothing/medians.h"
 #include "samara/identification/smoothing/rotation_vectors.h"
 
@@ -90,17 +91,20 @@ FitResult without_unknowns(const models::FamilyInfo& family, const Capture& capt
 
 /// Of the capture's times, the last at which a frame has a trajectory. That begins at 0, or, with segments,
 /// at the first frame of the span with something to compare.
+/// @param delay where the delay of the capture's clock may lie, s
 /// @param before frames of the span
 /// @param attitudes of these, frames x 4, or none
 double last_time(const models::FamilyInfo& family, const FitOptions& options, const Capture& capture,
-                 const std::vector<Eigen::Index>& before, const Eigen::MatrixXd& positions,
-                 const Eigen::MatrixXd& attitudes) {
+                 const models::Interval& delay, const std::vector<Eigen::Index>& before,
+                 const Eigen::MatrixXd& positions, const Eigen::MatrixXd& attitudes) {
   double start = 0.0;
   for (std::size_t k = before.size(); options.segments.length && k-- > 0;) {
     const auto row = static_cast<Eigen::Index>(k);
     const bool has_attitude = attitudes.cols() > 0 && !attitudes.row(row).hasNaN();
     if (has_attitude || !positions.row(row).array().isNaN().all()) start = capture.times[before[k]];
   }
+  if (options.segments.length) start -= std::max(0.0, -delay.lower);
+  start -= delay.upper;
   // It begins half the width of a mean earlier, and the last mean reaches as far beyond its frame.
   if (options.compared.averaged_frames > 1 && before.size() > 1)
     start -= (options.compared.averaged_frames - 1) * median_interval(capture.times(before));
@@ -194,7 +198,10 @@ CapturePrediction predict_capture(const models::TrajectoryFamily& family, const 
   const Eigen::MatrixXd values = result.seen.positions.leftCols(std::ssize(problem.outputs));
   const Eigen::MatrixXd attitudes =
       problem.attitude_scale ? Eigen::MatrixXd(result.turn.attitudes) : Eigen::MatrixXd();
-  const double last = last_time(family.info(), options, capture, before, values, attitudes);
+  Motion motion;
+  if (problem.delay) motion.known = known_values(with_measurement(family.info(), options), capture, options);
+  const models::Interval delay = delay_range(problem, motion);
+  const double last = last_time(family.info(), options, capture, delay, before, values, attitudes);
   const double wanted = prediction.span + prediction.ahead;
   const double end = std::min(wanted, last - capture.times[0]);
   const std::vector<Eigen::Index> after = frames_between(capture, prediction.span, end);

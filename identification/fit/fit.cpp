@@ -7,11 +7,13 @@
 #include <fmt/format.h>
 
 #include "samara/identification/fit/bootstrap.h"
+#include "samara/identification/fit/delay_check.h"
 #include "samara/identification/fit/fit_diagnostics.h"
 #include "samara/identification/fit/fit_summary.h"
 #include "samara/identification/fit/fit_warnings.h"
 #include "samara/identification/fit/integration_check.h"
 #include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/problem/measurement.h"
 #include "samara/identification/problem/segment_residual.h"
 #include "samara/identification/solve/join_weights.h"
 #include "samara/identification/solve/minimize.h"
@@ -99,10 +101,15 @@ class Descents {
   }
 
  private:
-  /// Segments of a capture have one camera from the first stage on, since alone they hardly determine it.
+  /// Segments of a capture have one camera and one clock from the first stage on, since alone they hardly
+  /// determine them.
   void weigh_joins(double stage) {
     Eigen::VectorXd weights = stage * deviations_->cwiseInverse();
-    weights.tail(problem_.camera_count()) *= options_.segments.stages.back() / stage;
+    Eigen::Index row = 0;
+    for (const JoinRule& rule : problem_.joins) {
+      if (is_of_measurement(problem_, rule.own)) weights[row] *= options_.segments.stages.back() / stage;
+      row += rule.rows();
+    }
     for (SegmentResidual& residual : residuals_) {
       if (residual.segment().joined) residual.set_join_weights(weights);
     }
@@ -260,6 +267,7 @@ FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> c
     add_start_warning(family, options, result);
     add_warnings(problem, uncertainty, result);
     levels.report(problem, result);
+    add_delay_warning(family, problem, residuals, point, result);
     add_integration_shift(family, problem, residuals, point, uncertainty, result);
     add_whiteness(result);
     add_identifiability(problem, uncertainty, result);

@@ -8,6 +8,7 @@
 #include "samara/base/names.h"
 #include "samara/identification/captures/capture_suspicions.h"
 #include "samara/identification/problem/camera.h"
+#include "samara/identification/problem/measurement.h"
 #include "samara/identification/smoothing/medians.h"
 
 namespace samara::identification {
@@ -93,6 +94,24 @@ void warn_about_camera(const FitProblem& problem, FitResult& result) {
                         fmt::format("the captures say nothing of the {} of their camera{} that was not known "
                                     "beforehand: its errors are those of the deviation given",
                                     names[k], result.captures.size() == 1 ? "" : "s"));
+  }
+}
+
+/// Delays and gains of captures of which their range says as much as the captures do.
+void warn_about_measurement(const FitProblem& problem, FitResult& result) {
+  for (std::size_t k = 0; k < problem.own.size(); ++k) {
+    const models::FamilyCoordinate& own = problem.own[k];
+    if (!is_of_measurement(problem, static_cast<int>(k))) continue;
+    std::vector<std::string> ids;
+    for (const CaptureFit& capture : result.captures) {
+      if (capture.nuisances[k].standard_error.value_or(0.0) >= 0.5 * (own.upper - own.lower))
+        ids.push_back(fmt::format("\"{}\"", capture.id));
+    }
+    if (ids.empty()) continue;
+    result.warnings.add(WarningKind::undetermined,
+                        fmt::format("{} of {} captures say little about their {}, with a standard error of "
+                                    "half its range or more: {}",
+                                    ids.size(), result.captures.size(), own.name, join(ids)));
   }
 }
 
@@ -248,6 +267,7 @@ void add_warnings(const FitProblem& problem, const Uncertainty& uncertainty, Fit
   warn_about_bounds(result);
   warn_about_undetermined(uncertainty, result);
   warn_about_camera(problem, result);
+  warn_about_measurement(problem, result);
   warn_about_errors(uncertainty, result);
   warn_about_starts(uncertainty, result);
 }

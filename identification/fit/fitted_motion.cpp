@@ -96,8 +96,9 @@ std::optional<Eigen::MatrixXd> fitted_motion(const models::TrajectoryFamily& fam
   const std::vector<std::string> axes =
       has_camera ? camera_axes(family.info(), options.camera) : std::vector<std::string>{};
   const std::vector<std::string> requested = with_axes(outputs, axes);
+  const double delay = options.measurement.delay ? value_of(fitted, one, kDelay) : 0.0;
   std::vector<double> since_start;
-  for (const double time : times) since_start.push_back(time - one.start);
+  for (const double time : times) since_start.push_back(time - one.start + delay);
   const models::FrameMean mean{.frames = options.compared.averaged_frames, .interval = one.interval};
   Eigen::MatrixXd values(static_cast<Eigen::Index>(times.size()),
                          static_cast<Eigen::Index>(requested.size()));
@@ -105,6 +106,10 @@ std::optional<Eigen::MatrixXd> fitted_motion(const models::TrajectoryFamily& fam
   if (!source->evaluate(q, values, nullptr) || !values.allFinite()) return {};
   if (has_camera) look_through_camera(family, options, one, axes, requested, values);
   values.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(outputs.size()));
+  for (const auto& [output, range] : options.measurement.gains) {
+    const auto column = std::ranges::find(outputs, output) - outputs.begin();
+    if (column < std::ssize(outputs)) values.col(column) *= value_of(fitted, one, gain_name(output));
+  }
   for (std::size_t o = 0; o < outputs.size(); ++o) {
     const Nuisance* offset = find_nuisance(one, fmt::format("offset of {}", outputs[o]));
     if (offset != nullptr) values.col(static_cast<Eigen::Index>(o)).array() += offset->value;

@@ -16,9 +16,10 @@ namespace samara::identification {
 /// from the capture's own start, and goes through the same mean of frames (ComparisonOptions::averaged_frames).
 /// @param family, options those of the fit
 /// @param capture its number in `fitted.captures`
-/// @param times s, of the capture, not decreasing, not before CaptureFit::start and half a mean of frames
+/// @param times s, of the capture, not decreasing, not before CaptureFit::start, less the delay of its clock, and
+///   half a mean of frames
 /// @param outputs of the family
-/// @returns times x outputs, SI, offsets included; empty where the family has no trajectory
+/// @returns times x outputs, SI, gains and offsets included; empty where the family has no trajectory
 /// @throws ArgumentError if there is no such capture or output
 std::optional<Eigen::MatrixXd> fitted_motion(const models::TrajectoryFamily& family,
                                              const FitOptions& options, const FitResult& fitted,

@@ -76,16 +76,18 @@ std::map<std::string, double> read_quantities(const TomlTable& table, const Unit
   return values;
 }
 
+models::Interval read_interval(const TomlTable& table, const std::string& key, const std::string& unit) {
+  const std::vector<double> ends = table.quantities(key, unit);
+  if (ends.size() != 2 || !(ends[0] < ends[1])) {
+    throw table.error(key, "an interval, [lower, upper] with lower < upper, was expected");
+  }
+  return {ends[0], ends[1]};
+}
+
 std::map<std::string, models::Interval> read_box(const TomlTable& table, const Units& coordinates) {
   table.expect_keys(names_of(coordinates));
   std::map<std::string, models::Interval> box;
-  for (const std::string& name : table.keys()) {
-    const std::vector<double> ends = table.quantities(name, coordinates.at(name));
-    if (ends.size() != 2 || !(ends[0] < ends[1])) {
-      throw table.error(name, "an interval, [lower, upper] with lower < upper, was expected");
-    }
-    box[name] = {ends[0], ends[1]};
-  }
+  for (const std::string& name : table.keys()) box[name] = read_interval(table, name, coordinates.at(name));
   return box;
 }
 
@@ -181,6 +183,38 @@ CameraOptions read_camera(const TomlTable& root, const Units& outputs) {
   return camera;
 }
 
+/// `delay = { range = ["-20 ms", "20 ms"] }`, and `gain = { theta = { range = [0.95, 1.05] } }`.
+MeasurementOptions read_measurement(const TomlTable& root, const Units& outputs) {
+  MeasurementOptions measurement;
+  const auto range = [](const TomlTable& parent, const std::string& key, const std::string& unit) {
+    const TomlTable table = parent.table(key);
+    table.expect_keys({"range"});
+    return read_interval(table, "range", unit);
+  };
+  if (root.has("delay")) measurement.delay = range(root, "delay", "s");
+  if (!root.has("gain")) return measurement;
+  const TomlTable gains = root.table("gain");
+  gains.expect_keys(names_of(outputs));
+  for (const std::string& name : gains.keys()) {
+    const models::Interval gain = range(gains, name, "1");
+    if (gain.contains(0.0)) {
+      throw gains.table(name).error("range",
+                                    fmt::format("it goes from {} to {}, and with a gain of 0 nothing is "
+                                                "measured; an interval without 0 was expected",
+                                                gain.lower, gain.upper));
+    }
+    measurement.gains[name] = gain;
+  }
+  return measurement;
+}
+
+/// Names with those of delay and gains.
+ConfigNames with_measurement(ConfigNames names, const FitOptions& options) {
+  for (const std::string& name : measurement_names(options))
+    names.coordinates[name] = name == kDelay ? "s" : "1";
+  return names;
+}
+
 /// `mass = "m"`, or `mass = { label = "radius_m", times = 0.22, power = 2 }`.
 std::map<std::string, KnownValue> read_known(const TomlTable& root, const Units& coordinates) {
   root.expect_keys(names_of(coordinates));
@@ -239,7 +273,8 @@ ComparisonOptions read_comparison(const TomlTable& root, const Units& outputs) {
   return compared;
 }
 
-UnknownOptions read_unknowns(const TomlTable& root, const ConfigNames& names) {
+/// @param of_model names without delay and gains, which have their ranges, no box
+UnknownOptions read_unknowns(const TomlTable& root, const ConfigNames& names, const ConfigNames& of_model) {
   UnknownOptions unknowns;
   if (root.has("shared")) unknowns.shared = known_names(root, "shared", names.coordinates);
   if (root.has("per_capture")) unknowns.per_capture = known_names(root, "per_capture", names.coordinates);
@@ -247,7 +282,7 @@ UnknownOptions read_unknowns(const TomlTable& root, const ConfigNames& names) {
   if (root.has("log_scale")) unknowns.log_scale = known_names(root, "log_scale", names.coordinates);
   if (root.has("fixed")) unknowns.fixed = read_quantities(root.table("fixed"), names.coordinates);
   if (root.has("known")) unknowns.known = read_known(root.table("known"), names.coordinates);
-  if (root.has("box")) unknowns.box = read_box(root.table("box"), names.coordinates);
+  if (root.has("box")) unknowns.box = read_box(root.table("box"), of_model.coordinates);
   for (const auto& [list, chosen] :
        {std::pair{"shared", &unknowns.shared}, std::pair{"per_capture", &unknowns.per_capture}}) {
     for (const std::string& name : *chosen) {
@@ -284,22 +319,24 @@ UncertaintyOptions read_uncertainty(const TomlTable& root) {
   return uncertainty;
 }
 
-FitOptions read_options(const TomlTable& root, const ConfigNames& names) {
-  root.expect_keys({"span",        "window",          "outputs",    "loss",           "shared",
-                    "per_capture", "offsets",         "cluster_by", "starts",         "max_iterations",
-                    "profiles",    "segments",        "global",     "step",           "rounds",
-                    "round_body",  "averaged_frames", "log_scale",  "attitude_scale", "fixed",
-                    "initial",     "known",           "priors",     "periods",        "box",
-                    "bootstrap",   "noise",           "camera",     "stride",         "posterior",
-                    "series",        // series_config.h
-                    "prediction"});  // prediction_config.h
+FitOptions read_options(const TomlTable& root, const ConfigNames& of_model) {
+  root.expect_keys(
+      {"span",       "window",     "outputs",         "loss",      "shared",         "per_capture", "offsets",
+       "cluster_by", "starts",     "max_iterations",  "profiles",  "segments",       "global",      "step",
+       "rounds",     "round_body", "averaged_frames", "log_scale", "attitude_scale", "fixed",       "initial",
+       "known",      "priors",     "periods",         "box",       "bootstrap",      "noise",       "camera",
+       "stride",     "posterior",  "delay",           "gain",
+       "series",        // series_config.h
+       "prediction"});  // prediction_config.h
   FitOptions options;
+  options.measurement = read_measurement(root, of_model.outputs);
+  const ConfigNames names = with_measurement(of_model, options);
   options.compared = read_comparison(root, names.outputs);
   if (root.has("loss")) options.loss = read_loss(root.table("loss"), names.outputs);
   if (root.has("attitude_scale"))
     options.loss.attitude_scale = positive_quantity(root, "attitude_scale", "rad");
   if (root.has("noise")) options.noise = read_noise(root, names.outputs);
-  options.unknowns = read_unknowns(root, names);
+  options.unknowns = read_unknowns(root, names, of_model);
   if (root.has("priors")) options.priors.coordinates = read_priors(root.table("priors"), names.coordinates);
   if (root.has("camera")) options.camera = read_camera(root, names.outputs);
   if (root.has("segments")) options.segments = read_segments(root);

@@ -34,6 +34,8 @@
 ///     attitude_scale = "2 deg"
 ///     noise = "estimated"                             # or { levels = { x = "a", y = "a" }, rounds = 10 }
 ///     camera = { scale = 0.02, rotation = "1 deg" }   # unknown of each capture: deviations beforehand
+///     delay = { range = ["-20 ms", "20 ms"] }         # of each capture's clock; "delay" is a coordinate
+///     gain = { theta = { range = [0.95, 1.05] } }     # of a sensor; "gain of theta" is a coordinate
 ///
 ///     [fixed]
 ///     fluid_density = "998.2 kg/m^3"
@@ -56,11 +58,11 @@
 ///
 /// Tables [series] and [prediction] are for series_config.h and prediction_config.h. Every key may be left
 /// out; fit_options.h has the meanings and defaults. To fit a model without a codebook, its family takes
-/// `fixed` and `box` of the options:
+/// what is fixed of it, and `box`, of the options:
 ///
 ///     const auto model = models::find_model("vertical_fall");
 ///     const FitOptions options = read_fit_config("fit.toml", config_names(model->info()));
-///     const auto family = reference_trajectories(model, options.unknowns.fixed, options.unknowns.box);
+///     const auto family = reference_trajectories(model, fixed_of_model(options), options.unknowns.box);
 namespace samara::identification {
 
 /// What a config may name, with the units that its numbers are checked against.

@@ -45,14 +45,28 @@ void validate(const LossOptions& loss) {
     require_positive(scale, fmt::format("the loss scale of \"{}\"", output));
 }
 
+void require_length(const std::string& what, const models::Interval& interval) {
+  if (interval.width() > 0.0 && std::isfinite(interval.width())) return;
+  throw ArgumentError(fmt::format("{} goes from {} to {}; an interval with a length was expected", what,
+                                  interval.lower, interval.upper));
+}
+
 void validate(const UnknownOptions& unknowns) {
   for (const auto& [name, value] : unknowns.fixed)
     require(std::isfinite(value), fmt::format("the fixed value of \"{}\"", name), value, "a finite number");
-  for (const auto& [name, interval] : unknowns.box) {
-    if (interval.width() > 0.0 && std::isfinite(interval.width())) continue;
-    throw ArgumentError(
-        fmt::format("the box of \"{}\" goes from {} to {}; an interval with a length was expected", name,
-                    interval.lower, interval.upper));
+  for (const auto& [name, interval] : unknowns.box)
+    require_length(fmt::format("the box of \"{}\"", name), interval);
+}
+
+void validate(const MeasurementOptions& measurement) {
+  if (measurement.delay) require_length("the range of the delay", *measurement.delay);
+  for (const auto& [output, range] : measurement.gains) {
+    const std::string what = fmt::format("the range of the gain of \"{}\"", output);
+    require_length(what, range);
+    if (!range.contains(0.0)) continue;
+    throw ArgumentError(fmt::format(
+        "{} goes from {} to {}, and with a gain of 0 nothing is measured; an interval without 0 was expected",
+        what, range.lower, range.upper));
   }
 }
 
@@ -97,6 +111,23 @@ GlobalMethod global_method_from_string(const std::string& name) {
   throw ArgumentError(fmt::format("there is no global search \"{}\"{}", name, suggestion(name, known)));
 }
 
+std::string gain_name(const std::string& output) {
+  return fmt::format("gain of {}", output);
+}
+
+std::vector<std::string> measurement_names(const FitOptions& options) {
+  std::vector<std::string> names;
+  if (options.measurement.delay) names.emplace_back(kDelay);
+  for (const auto& [output, range] : options.measurement.gains) names.push_back(gain_name(output));
+  return names;
+}
+
+std::map<std::string, double> fixed_of_model(const FitOptions& options) {
+  std::map<std::string, double> fixed = options.unknowns.fixed;
+  for (const std::string& name : measurement_names(options)) fixed.erase(name);
+  return fixed;
+}
+
 void validate(const FitOptions& options) {
   validate(options.compared);
   validate(options.loss);
@@ -105,6 +136,7 @@ void validate(const FitOptions& options) {
   validate(options.priors);
   if (options.camera.scale) require_positive(*options.camera.scale, "camera.scale");
   if (options.camera.rotation) require_positive(*options.camera.rotation, "camera.rotation");
+  validate(options.measurement);
   validate(options.segments);
   validate(options.starts);
   if (options.solver.step) require_positive(*options.solver.step, "step");

@@ -56,6 +56,24 @@ struct CameraOptions {
   std::optional<std::vector<std::string>> angles = {};
 };
 
+/// What is not known of the clock of captures and of the sensors that measured them. The delay, and the gain of
+/// each output, are coordinates beside those of the model, by the names "delay" and "gain of x": of each
+/// capture's own unless named in `UnknownOptions::shared`. What is said of coordinates there, in `starts.initial`
+/// and in `priors` holds for them.
+struct MeasurementOptions {
+  /// s: between which bounds the time lies that the clock of a capture reads 0 after the release, where the
+  /// model starts. A frame at t is compared with the model at t + delay: positive where the clock was started
+  /// late. Empty: the clock is right.
+  std::optional<models::Interval> delay = {};
+  /// Of compared outputs: between which bounds the gain lies, where measured = gain * (what the camera sees of the
+  /// model) + offset.
+  std::map<std::string, models::Interval> gains = {};
+};
+
+/// The names of the coordinates of a measurement.
+constexpr const char* kDelay = "delay";
+std::string gain_name(const std::string& output);  ///< "gain of x"
+
 /// Where the value of a coordinate that is known for each capture stands: in a label, or, where the capture
 /// has no such label, in the first value of a channel of that name. SI, times * value^power: the mass of a
 /// disc of paper of which the radius is known is {"radius_m", 0.07 * pi, 2}.
@@ -218,6 +236,7 @@ struct FitOptions {
   UnknownOptions unknowns = {};
   PriorOptions priors = {};
   CameraOptions camera = {};
+  MeasurementOptions measurement = {};
   SegmentOptions segments = {};
   StartOptions starts = {};
   SolverOptions solver = {};
@@ -225,6 +244,12 @@ struct FitOptions {
   /// Told before each start; where it asks for an end, starts that remain are left out (the first never is).
   ProgressCallback progress = {};
 };
+
+/// Delay and gains that the options ask for, in the order of their coordinates.
+std::vector<std::string> measurement_names(const FitOptions& options);
+
+/// What is fixed of the model, for whoever makes its family: without the delay and the gains.
+std::map<std::string, double> fixed_of_model(const FitOptions& options);
 
 /// @throws ArgumentError naming field, value and requirement.
 void validate(const FitOptions& options);

@@ -12,6 +12,7 @@
 #include "samara/base/units.h"
 #include "samara/identification/problem/camera.h"
 #include "samara/identification/problem/joins.h"
+#include "samara/identification/problem/measurement.h"
 #include "samara/identification/problem/noise_scales.h"
 #include "samara/identification/problem/segments.h"
 #include "samara/identification/problem/unknown_charts.h"
@@ -85,6 +86,7 @@ CoordinateSlot fixed_slot(const models::FamilyInfo& family, const models::Family
 }
 
 void assign_roles(const models::FamilyInfo& family, const FitOptions& options, FitProblem& problem) {
+  const std::vector<std::string> measurement = measurement_names(options);
   for (const models::FamilyCoordinate& coordinate : family.coordinates) {
     if (coordinate.name == family.clock) {
       problem.clock = problem.slots.size();
@@ -103,8 +105,9 @@ void assign_roles(const models::FamilyInfo& family, const FitOptions& options, F
       problem.slots.push_back({CoordinateRole::known, index, 0.0});
       continue;
     }
+    const bool is_own_by_default = coordinate.is_initial || contains(measurement, coordinate.name);
     const bool own = contains(options.unknowns.per_capture, coordinate.name) ||
-                     (coordinate.is_initial && !contains(options.unknowns.shared, coordinate.name));
+                     (is_own_by_default && !contains(options.unknowns.shared, coordinate.name));
     auto& list = own ? problem.own : problem.shared;
     problem.slots.push_back(
         {own ? CoordinateRole::own : CoordinateRole::shared, static_cast<int>(list.size()), 0.0});
@@ -338,10 +341,11 @@ std::vector<Capture> cut(const models::FamilyInfo& family, std::span<const Captu
 
 }  // namespace
 
-FitProblem describe_problem(const models::FamilyInfo& family, std::span<const Capture> captures,
+FitProblem describe_problem(const models::FamilyInfo& of_model, std::span<const Capture> captures,
                             const FitOptions& options) {
   validate(options);
   if (captures.empty()) throw ArgumentError("there are no captures; at least one was expected");
+  const models::FamilyInfo family = with_measurement(of_model, options);
   check_names(family, options);
   FitProblem problem;
   problem.loss = options.loss.kind;
@@ -351,6 +355,7 @@ FitProblem describe_problem(const models::FamilyInfo& family, std::span<const Ca
   assign_roles(family, options, problem);
   assign_outputs(family, captures, options, problem);
   add_camera(family, options, problem);
+  add_measurement(options, problem);
   return problem;
 }
 
@@ -367,7 +372,7 @@ FitProblem make_problem(const models::FamilyInfo& family, std::span<const Captur
   add_charts(family, options, problem);
   add_priors(options, problem);
   problem.initial = stated_start(options, problem);
-  add_segments(family, captures, options, problem);
+  add_segments(with_measurement(family, options), captures, options, problem);
   if (options.starts.round_body && problem.is_joined()) {
     throw ArgumentError(
         "round_body is set and captures are cut into joined segments; segments.length no shorter than the "

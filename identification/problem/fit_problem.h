@@ -34,11 +34,12 @@ struct CoordinateSlot {
 struct ComparedOutput {
   std::string name;
   std::string unit;
-  double scale = 1.0;              ///< residuals are divided by it, SI
-  std::optional<int> offset = {};  ///< its place among the offsets, if it has one
-  double period = 0.0;             ///< differences are taken on a circle of that length; 0: on the line
-  bool scale_is_stated = true;     ///< by the options; else it may be no more than a unit
-  bool scale_is_scatter = false;   ///< of frames about a smooth curve
+  double scale = 1.0;                    ///< residuals are divided by it, SI
+  std::optional<int> offset = {};        ///< its place among the offsets, if it has one
+  std::optional<std::size_t> gain = {};  ///< the slot of its gain, if it has one
+  double period = 0.0;                   ///< differences are taken on a circle of that length; 0: on the line
+  bool scale_is_stated = true;           ///< by the options; else it may be no more than a unit
+  bool scale_is_scatter = false;         ///< of frames about a smooth curve
 };
 
 /// One compared number.
@@ -59,7 +60,9 @@ struct Segment {
   int motion = 0;
   double start = 0.0;     ///< s, of the capture's times: where its state is
   double interval = 0.0;  ///< s, between the frames of a mean; 0 where frames are no means
-  double lead = 0.0;      ///< s, from its state to its first frame: half the width of a mean
+  /// s, from its state to its first frame: half the width of a mean, and where motions are cut, how far the delay
+  /// may go below 0.
+  double lead = 0.0;
   /// Since the start: of frames with something to compare, and if `joined`, last, where the next one starts.
   std::vector<double> times = {};
   std::vector<Observation> observations = {};
@@ -117,7 +120,9 @@ struct Camera {
 
 struct FitProblem {
   LossKind loss = LossKind::huber;
-  std::vector<CoordinateSlot> slots;  ///< per coordinate of the family
+  std::vector<CoordinateSlot> slots;  ///< per coordinate of the family, then of the delay and the gains
+  std::size_t model_slots = 0;        ///< how many belong to the family
+  std::optional<std::size_t> delay;   ///< the slot of the delay of the clock, if there is one
   std::vector<std::string> known;     ///< names of known coordinates, in the order of Motion::known
   std::vector<models::FamilyCoordinate> shared;  ///< with the box of the fit
   std::vector<models::FamilyCoordinate> own;     ///< likewise; each segment has these
@@ -166,7 +171,7 @@ FitProblem describe_problem(const models::FamilyInfo& family, std::span<const Ca
 FitProblem make_problem(const models::FamilyInfo& family, std::span<const Capture> captures,
                         const FitOptions& options);
 
-/// The coordinates of the family for a segment of a motion.
+/// The coordinates of the family, then delay and gains, for a segment of a motion.
 /// @param q of their number already
 void family_point(const FitProblem& problem, const Motion& motion, const double* shared, const double* own,
                   Eigen::VectorXd& q);

@@ -2,16 +2,18 @@
 
 #include <cmath>
 
+#include "samara/identification/problem/measurement.h"
 #include "samara/models/trajectories/averaged_source.h"
+#include "samara/models/trajectories/delayed_source.h"
 
 namespace samara::identification {
 
 namespace {
 
-/// Coordinates by which the fit needs derivatives.
+/// Coordinates of the family by which the fit needs derivatives.
 std::vector<int> wanted_coordinates(const FitProblem& problem) {
   std::vector<int> wanted;
-  for (std::size_t k = 0; k < problem.slots.size(); ++k) {
+  for (std::size_t k = 0; k < problem.model_slots; ++k) {
     const CoordinateRole role = problem.slots[k].role;
     if (role == CoordinateRole::shared || role == CoordinateRole::own) wanted.push_back(static_cast<int>(k));
   }
@@ -20,6 +22,16 @@ std::vector<int> wanted_coordinates(const FitProblem& problem) {
 
 models::FrameMean mean_of(const FitProblem& problem, const Segment& segment) {
   return {.frames = problem.averaged_frames, .interval = segment.interval, .last_is_state = segment.joined};
+}
+
+/// The requested outputs at the frames, and without a delay where a joined segment ends.
+std::unique_ptr<models::TrajectorySource> source_of(const models::TrajectoryFamily& family,
+                                                    const FitProblem& problem, const Segment& segment) {
+  const models::FrameMean mean = mean_of(problem, segment);
+  const std::vector<int> wanted = wanted_coordinates(problem);
+  if (!problem.delay) return averaged_source(family, mean, segment.times, problem.requested, wanted);
+  return delayed_source(family, delay_range(problem, problem.motion_of(segment)), mean, segment.times,
+                        problem.requested, wanted);
 }
 
 /// The difference on a circle of length `period`, or on the line.
@@ -33,17 +45,17 @@ SegmentResidual::SegmentResidual(const models::TrajectoryFamily& family, const F
                                  const Segment& segment)
     : problem_(&problem),
       segment_(&segment),
-      source_(averaged_source(family, mean_of(problem, segment), segment.times, problem.requested,
-                              wanted_coordinates(problem))) {
+      source_(source_of(family, problem, segment)),
+      source_slots_(problem.model_slots + (problem.delay ? 1 : 0)) {
   const auto times = static_cast<Eigen::Index>(segment.times.size());
   const auto outputs = static_cast<Eigen::Index>(problem.requested.size());
-  const auto coordinates = static_cast<Eigen::Index>(problem.slots.size());
+  const auto coordinates = static_cast<Eigen::Index>(source_slots_);
   frame_count_ = times - (segment.joined ? 1 : 0);
   data_size_ = static_cast<int>(segment.observations.size() + 3 * segment.attitudes.size());
   const bool is_first = &segment == &problem.segments[problem.motion_of(segment).first_segment];
   prior_size_ = is_first ? static_cast<int>(problem.own_priors.size()) : 0;
   const int joins = segment.joined ? problem.join_rows() : 0;
-  q_.setZero(coordinates);
+  q_.setZero(std::ssize(problem.slots));
   values_.setZero(times, outputs);
   derivatives_.setZero(times, outputs * coordinates);
   residual_.setZero(data_size_ + prior_size_ + joins);
@@ -66,7 +78,7 @@ bool SegmentResidual::evaluate(const double* shared, const double* own, const do
   family_point(*problem_, problem_->motion_of(*segment_), shared, own, q_);
   if (problem_->clock) q_[static_cast<Eigen::Index>(*problem_->clock)] = segment_->start;
   ++evaluations_;
-  const std::span<const double> q(q_.data(), static_cast<std::size_t>(q_.size()));
+  const std::span<const double> q(q_.data(), source_slots_);
   if (!source_->evaluate(q, values_, with_derivatives ? &derivatives_ : nullptr)) return false;
   if (problem_->camera) view_ = CameraView(*problem_->camera, own);
   compare(own);
@@ -85,11 +97,15 @@ Eigen::Vector3d SegmentResidual::place(Eigen::Index frame) const {
   return place;
 }
 
+double SegmentResidual::shown_value(Eigen::Index frame, int output) const {
+  const auto at = static_cast<std::size_t>(output);
+  if (axis_of_[at] >= 0) return view_.map.row(axis_of_[at]).dot(place(frame));
+  return values_(frame, output) + (turns_[at] ? view_.angle : 0.0);
+}
+
 double SegmentResidual::seen_value(Eigen::Index frame, int output, const double* own) const {
   const auto at = static_cast<std::size_t>(output);
-  double value = values_(frame, output);
-  if (axis_of_[at] >= 0) value = view_.map.row(axis_of_[at]).dot(place(frame));
-  if (turns_[at]) value += view_.angle;
+  const double value = gain_at(problem_->outputs[at], q_) * shown_value(frame, output);
   const std::optional<int>& offset = problem_->outputs[at].offset;
   return offset ? value + own[problem_->own.size() + static_cast<std::size_t>(*offset)] : value;
 }
@@ -112,13 +128,16 @@ void SegmentResidual::compare(const double* own) {
   }
 }
 
+void SegmentResidual::fill_slot(Eigen::Index row, std::size_t slot, double derivative) {
+  const CoordinateSlot& of = problem_->slots[slot];
+  if (of.role == CoordinateRole::shared) by_shared_(row, of.index) = derivative;
+  if (of.role == CoordinateRole::own) by_own_(row, of.index) = derivative;
+}
+
 void SegmentResidual::fill_row(Eigen::Index row, Eigen::Index frame, Eigen::Index column, double factor) {
   const auto outputs = static_cast<Eigen::Index>(problem_->requested.size());
-  for (std::size_t k = 0; k < problem_->slots.size(); ++k) {
-    const CoordinateSlot& slot = problem_->slots[k];
-    const double derivative = factor * derivatives_(frame, column + outputs * static_cast<Eigen::Index>(k));
-    if (slot.role == CoordinateRole::shared) by_shared_(row, slot.index) = derivative;
-    if (slot.role == CoordinateRole::own) by_own_(row, slot.index) = derivative;
+  for (std::size_t k = 0; k < source_slots_; ++k) {
+    fill_slot(row, k, factor * derivatives_(frame, column + outputs * static_cast<Eigen::Index>(k)));
   }
 }
 
@@ -136,7 +155,7 @@ void SegmentResidual::fill_axis(Eigen::Index row, Eigen::Index frame, int axis, 
                                 double factor) {
   const Camera& camera = *problem_->camera;
   const auto outputs = static_cast<Eigen::Index>(problem_->requested.size());
-  for (std::size_t k = 0; k < problem_->slots.size(); ++k) {
+  for (std::size_t k = 0; k < source_slots_; ++k) {
     const CoordinateSlot& slot = problem_->slots[k];
     if (slot.role != CoordinateRole::shared && slot.role != CoordinateRole::own) continue;
     double sum = 0.0;
@@ -164,15 +183,19 @@ void SegmentResidual::join_offset(const JoinRule& rule, int axis, Eigen::Index r
     const double start = slot == JoinRule::kNone ? camera.starts[k] : q_[slot];
     part = camera.is_own[k] ? 0.0 : part - start;
   }
-  residual_[row] = weight * (view_.map.row(axis).dot(way) + own[rule.own] - next[rule.own]);
+  const ComparedOutput& output = problem_->outputs[static_cast<std::size_t>(rule.column)];
+  const double shown = view_.map.row(axis).dot(way);
+  const double gain = gain_at(output, q_);
+  residual_[row] = weight * (gain * shown + own[rule.own] - next[rule.own]);
   if (!with_derivatives) return;
-  fill_axis(row, frame_count_, axis, way, weight);
+  fill_axis(row, frame_count_, axis, way, weight * gain);
+  if (output.gain) fill_slot(row, *output.gain, weight * shown);
   for (std::size_t k = 0; k < camera.columns.size(); ++k) {
     const int start = camera.start_slots[k];
     if (start == JoinRule::kNone) continue;
     const CoordinateSlot& slot = problem_->slots[static_cast<std::size_t>(start)];
     if (slot.role == CoordinateRole::shared)
-      by_shared_(row, slot.index) -= weight * view_.map(axis, static_cast<Eigen::Index>(k));
+      by_shared_(row, slot.index) -= weight * gain * view_.map(axis, static_cast<Eigen::Index>(k));
   }
   by_own_(row, rule.own) = weight;
   by_next_(row, rule.own) = -weight;
@@ -183,11 +206,14 @@ void SegmentResidual::fill_derivatives() {
     const auto row = static_cast<Eigen::Index>(k);
     const Observation& observation = segment_->observations[k];
     const ComparedOutput& output = problem_->outputs[static_cast<std::size_t>(observation.output)];
+    const double factor = gain_at(output, q_) / output.scale;
     if (problem_->camera) {
-      fill_seen(row, observation, 1.0 / output.scale);
+      fill_seen(row, observation, factor);
     } else {
-      fill_row(row, observation.frame, observation.output, 1.0 / output.scale);
+      fill_row(row, observation.frame, observation.output, factor);
     }
+    if (output.gain)
+      fill_slot(row, *output.gain, shown_value(observation.frame, observation.output) / output.scale);
     if (output.offset) {
       by_own_(row, static_cast<Eigen::Index>(problem_->own.size()) + *output.offset) = 1.0 / output.scale;
     }
@@ -206,7 +232,7 @@ void SegmentResidual::compare_attitudes(bool with_derivatives) {
     const Turn turn = turn_between(observation.q_WB.data(), model.data());
     const double scale = *problem_->attitude_scale;
     residual_.segment<3>(row) = turn.vector / scale;
-    for (std::size_t k = 0; with_derivatives && k < problem_->slots.size(); ++k) {
+    for (std::size_t k = 0; with_derivatives && k < source_slots_; ++k) {
       const CoordinateSlot& slot = problem_->slots[k];
       if (slot.role != CoordinateRole::shared && slot.role != CoordinateRole::own) continue;
       auto& target = slot.role == CoordinateRole::shared ? by_shared_ : by_own_;
@@ -253,17 +279,22 @@ void SegmentResidual::join(const double* own, const double* next, bool with_deri
     const bool is_constant = rule.kind == JoinRule::Kind::constant;
     const bool is_state = rule.kind == JoinRule::Kind::state;
     const double start = rule.start_slot == JoinRule::kNone ? rule.start : q_[rule.start_slot];
+    const bool is_offset = rule.kind == JoinRule::Kind::offset;
+    const std::optional<std::size_t> gain_slot =
+        is_offset ? problem_->outputs[static_cast<std::size_t>(rule.column)].gain : std::nullopt;
+    const double gain = gain_slot ? q_[static_cast<Eigen::Index>(*gain_slot)] : 1.0;
     const double moved = is_constant ? own[rule.own]
                          : is_state  ? values_(end, rule.column)
-                                     : values_(end, rule.column) + own[rule.own] - start;
+                                     : gain * (values_(end, rule.column) - start) + own[rule.own];
     residual_[row] = weight * (moved - next[rule.own]);
     if (with_derivatives) {
       by_next_(row, rule.own) = -weight;
-      if (!is_constant) fill_row(row, end, rule.column, weight);
+      if (!is_constant) fill_row(row, end, rule.column, weight * gain);
+      if (gain_slot) fill_slot(row, *gain_slot, weight * (values_(end, rule.column) - start));
       if (!is_state) by_own_(row, rule.own) = weight;
       if (rule.start_slot != JoinRule::kNone) {
         const CoordinateSlot& slot = problem_->slots[static_cast<std::size_t>(rule.start_slot)];
-        if (slot.role == CoordinateRole::shared) by_shared_(row, slot.index) -= weight;
+        if (slot.role == CoordinateRole::shared) by_shared_(row, slot.index) -= weight * gain;
       }
     }
     ++row;
@@ -280,7 +311,7 @@ void SegmentResidual::join_turn(const JoinRule& rule, Eigen::Index row, const do
   if (!with_derivatives) return;
   const auto outputs = static_cast<Eigen::Index>(problem_->requested.size());
   by_next_.block<3, 4>(row, rule.own) = weights.asDiagonal() * turn.by_from;
-  for (std::size_t k = 0; k < problem_->slots.size(); ++k) {
+  for (std::size_t k = 0; k < source_slots_; ++k) {
     const CoordinateSlot& slot = problem_->slots[k];
     if (slot.role != CoordinateRole::shared && slot.role != CoordinateRole::own) continue;
     auto& target = slot.role == CoordinateRole::shared ? by_shared_ : by_own_;

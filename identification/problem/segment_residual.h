@@ -42,11 +42,11 @@ class SegmentResidual {
   const Eigen::MatrixXd& by_shared() const { return by_shared_; }
   const Eigen::MatrixXd& by_own() const { return by_own_; }
   const Eigen::MatrixXd& by_next() const { return by_next_; }
-  /// The model's compared outputs without offsets, frames x outputs, SI.
+  /// The model's compared outputs without gains and offsets, frames x outputs, SI.
   auto values() const {
     return values_.topLeftCorner(frame_count_, static_cast<Eigen::Index>(problem_->outputs.size()));
   }
-  /// What the camera should have seen: compared outputs with offsets, frames x outputs, SI.
+  /// What should have been measured: compared outputs with gains and offsets, frames x outputs, SI.
   Eigen::MatrixXd seen(const double* own) const;
   /// The model's attitude at a frame: (w, x, y, z), not normalised. If attitudes are compared.
   Eigen::Vector4d attitude(Eigen::Index frame) const {
@@ -61,7 +61,9 @@ class SegmentResidual {
   void centre_offsets(Eigen::VectorXd& own) const;
 
  private:
-  /// Output of a frame as the camera should see it, with its offset.
+  /// Output of a frame as the camera should see it.
+  double shown_value(Eigen::Index frame, int output) const;
+  /// The same as it should be measured, with gain and offset.
   double seen_value(Eigen::Index frame, int output, const double* own) const;
   /// The coordinates of the place at a frame, as the model has them.
   Eigen::Vector3d place(Eigen::Index frame) const;
@@ -79,12 +81,15 @@ class SegmentResidual {
   void join(const double* own, const double* next, bool with_derivatives);
   void join_turn(const JoinRule& rule, Eigen::Index row, const double* next, bool with_derivatives);
   void fill_derivatives();
+  /// The derivative of a row by one coordinate, if that is unknown.
+  void fill_slot(Eigen::Index row, std::size_t slot, double derivative);
   /// Row of derivatives of requested output `column` at `frame`, times `factor`.
   void fill_row(Eigen::Index row, Eigen::Index frame, Eigen::Index column, double factor);
 
   const FitProblem* problem_;
   const Segment* segment_;
   std::unique_ptr<models::TrajectorySource> source_;
+  std::size_t source_slots_ = 0;  ///< on which the source depends: all but the gains
   Eigen::Index frame_count_ = 0;  ///< without the end of a joined segment
   int data_size_ = 0;
   int prior_size_ = 0;

@@ -12,6 +12,7 @@
 #include "samara/base/names.h"
 #include "samara/base/units.h"
 #include "samara/identification/problem/known_values.h"
+#include "samara/identification/problem/measurement.h"
 #include "samara/identification/smoothing/medians.h"
 
 namespace samara::identification {
@@ -106,11 +107,12 @@ class Frames {
   std::vector<const Channel*> attitude_;
 };
 
-void check_times(const models::FamilyInfo& family, const Motion& motion, Segment& segment) {
+void check_times(const models::FamilyInfo& family, const FitProblem& problem, const Motion& motion,
+                 Segment& segment) {
   double previous = 0.0;
   const bool averages = segment.interval > 0.0;
-  // The end of a segment lies before the last of the frames whose means reach over it.
-  const std::size_t frames = segment.times.size() - (segment.joined && averages ? 1 : 0);
+  // The end of a segment lies before the last of its frames where the next one starts before its first.
+  const std::size_t frames = segment.times.size() - (segment.joined && segment.lead > 0.0 ? 1 : 0);
   for (std::size_t k = 0; k < frames; ++k) {
     const double time = segment.times[k];
     if (!(time >= previous)) {
@@ -121,10 +123,16 @@ void check_times(const models::FamilyInfo& family, const Motion& motion, Segment
     }
     previous = time;
   }
-  if (averages) previous += segment.lead;
-  if (previous <= family.end_time) return;
+  const double half_mean = 0.5 * (problem.averaged_frames - 1) * segment.interval;
+  previous += half_mean;
   // Rounding may put a frame on the border just after it, as in first().
   const double interval = previous / static_cast<double>(segment.times.size());
+  if (problem.delay) {
+    const double first = segment.times.empty() ? 0.0 : segment.times.front() - half_mean;
+    check_delay(family, problem, motion, {first, previous}, 1e-3 * interval);
+    previous = segment.joined ? segment.times.back() : 0.0;  // the end has no delay
+  }
+  if (previous <= family.end_time) return;
   if (previous > family.end_time + 1e-3 * interval) {
     refuse(motion.file,
            fmt::format("capture \"{}\" lasts {} s, but the {} ends at {} s; a `span` of at most that was "
@@ -218,8 +226,10 @@ void add_motion(const models::FamilyInfo& family, const Capture& capture, const 
     if (options.compared.averaged_frames > 1 && capture.times.size() > 1) {
       segment.interval = median_interval(capture.times);
       segment.lead = 0.5 * (options.compared.averaged_frames - 1) * segment.interval;
-      segment.start -= segment.lead;
     }
+    // Where motions are cut, every segment starts early enough for its first frame.
+    if (!starts.empty()) segment.lead += std::max(0.0, -delay_range(problem, motion).lower);
+    segment.start -= segment.lead;
     for (const Eigen::Index frame : seen) {
       const bool before = !starts.empty() && frame < starts[k];
       const bool after = segment.joined && frame >= starts[k + 1];
@@ -230,7 +240,7 @@ void add_motion(const models::FamilyInfo& family, const Capture& capture, const 
       segment.times.push_back(capture.times[starts[k + 1]] - capture.times[starts[k]]);
     }
     check_start(family, motion, segment);
-    check_times(family, motion, segment);
+    check_times(family, problem, motion, segment);
     problem.segments.push_back(std::move(segment));
   }
   check_size(problem, motion);
@@ -245,13 +255,14 @@ double outside(double value, const models::FamilyCoordinate& box, double period)
 }
 
 /// Start states that were measured must be possible: all of a segment's first frames outside the box are no
-/// noise.
+/// noise. With a delay the start is not at the first frame, and with a gain not what was measured.
 void check_boxes(const FitProblem& problem, const Motion& motion) {
+  if (problem.delay) return;
   constexpr int kFrames = 3;
   constexpr double kScales = 5.0;
   for (const models::FamilyCoordinate& own : problem.own) {
     const auto output = std::ranges::find_if(problem.outputs, [&](const ComparedOutput& o) {
-      return own.is_initial && !o.offset && own.name == fmt::format("{}(0)", o.name);
+      return own.is_initial && !o.offset && !o.gain && own.name == fmt::format("{}(0)", o.name);
     });
     if (output == problem.outputs.end()) continue;
     const auto index = static_cast<int>(output - problem.outputs.begin());

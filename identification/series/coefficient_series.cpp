@@ -50,6 +50,13 @@ void check_coefficient(const models::ModelInfo& model, const FitOptions& options
 
 /// @throws ArgumentError for what has no meaning for a series.
 void check_combination(const FitOptions& options, const SeriesOptions& series) {
+  if (const std::vector<std::string> measured = measurement_names(options); !measured.empty()) {
+    throw ArgumentError(
+        fmt::format("a series says when coefficients change by the clock of the captures and by what they "
+                    "measured; no {} was "
+                    "expected",
+                    measured.front()));
+  }
   if (options.uncertainty.profiles) {
     throw ArgumentError(
         "profiles are of coefficients that stay constant; either profiles or a series was expected");

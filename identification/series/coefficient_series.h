@@ -124,9 +124,9 @@ struct CoefficientSeries {
 /// @param options with `unknowns.fixed`, `unknowns.box` (of the coefficients too), and for fixed steps
 ///   `solver.step`
 /// @throws ArgumentError as fit(), and for spans longer than half of the captures, coefficients that are no
-///   parameters or not free, options outside their meaning, profiles and a bootstrap; where spans slide,
-///   for segments, noise to be estimated, and all that belongs to the start of a capture: states that are not
-///   free, their priors, a camera, and parameters of each capture.
+///   parameters or not free, options outside their meaning, profiles and a bootstrap, a delay and gains; where
+///   spans slide, for segments, noise to be estimated, and all that belongs to the start of a capture: states that
+///   are not free, their priors, a camera, and parameters of each capture.
 CoefficientSeries fit_series(const std::shared_ptr<const models::Model>& model,
                              std::span<const Capture> captures, const FitOptions& options,
                              const SeriesOptions& series);

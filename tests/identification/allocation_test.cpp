@@ -9,7 +9,7 @@
 
 using namespace samara::identification;
 
-TEST_CASE("residuals of joined segments do not allocate, seen by a camera or not") {
+TEST_CASE("residuals of joined segments do not allocate, seen by a camera or not, by a late clock or not") {
   const std::map<std::string, double> held = {{"inertia_ratio", 1.4}, {"beta", 1.0 / 14.0}, {"B", 1.0}};
   std::map<std::string, double> values = held;
   values.insert({{"C_T", 1.2}, {"C_R", 3.14159}, {"A", 1.4}, {"mu1", 0.2}});
@@ -22,8 +22,11 @@ TEST_CASE("residuals of joined segments do not allocate, seen by a camera or not
   FitOptions options;
   options.loss.scales = {{"x", 0.01}, {"y", 0.01}, {"theta", 0.01}};
   options.segments.length = 1.0;
-  for (const bool with_camera : {false, true}) {
+  for (const auto& [with_camera, with_clock] : {std::pair{false, false}, {true, false}, {true, true}}) {
     if (with_camera) options.camera = {.scale = 0.05, .rotation = 0.05, .angles = {{"theta"}}};
+    if (with_clock) {
+      options.measurement = {.delay = samara::models::Interval{-0.2, 0.3}, .gains = {{"theta", {0.05, 1.1}}}};
+    }
     const FitProblem problem = make_problem(family->info(), captures, options);
     REQUIRE(problem.segments[0].joined);
     SegmentResidual residual(*family, problem, problem.segments[0]);

@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "samara/identification/problem/measurement.h"
 #include "samara/identification/smoothing/medians.h"
 #include "samara/identification/smoothing/smoothing.h"
 #include "samara/identification/smoothing/smoothing_attitude.h"
@@ -23,28 +24,36 @@ constexpr int kLaterFrames = 2;
 constexpr double kGuessError = 1e-4;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// A motion as a table again: rows are frames of all its segments.
+/// A motion as a table again: rows are frames of all its segments, at the times of the model and without gains.
 struct Record {
   Eigen::VectorXd times;
   Eigen::MatrixXd values;      ///< frames x outputs
   Eigen::MatrixX4d attitudes;  ///< frames x (w, x, y, z)
+  double delay = 0.0;          ///< s, by which the model is later than the clock of the capture
+  Eigen::VectorXd gains;       ///< per output
 };
 
-Record record_of(const FitProblem& problem, const Motion& motion) {
+/// @param q where the delay and the gains are
+Record record_of(const FitProblem& problem, const Motion& motion, const Eigen::VectorXd& q) {
   std::vector<double> times;
   Eigen::Index row = 0;
   for (std::size_t k = 0; k < motion.segment_count; ++k) {
     row += static_cast<Eigen::Index>(problem.segments[motion.first_segment + k].times.size());
   }
   Record record;
+  record.delay = delay_at(problem, q);
+  record.gains.resize(std::ssize(problem.outputs));
+  for (std::size_t o = 0; o < problem.outputs.size(); ++o)
+    record.gains[static_cast<Eigen::Index>(o)] = gain_at(problem.outputs[o], q);
   record.values.setConstant(row, static_cast<Eigen::Index>(problem.outputs.size()), kNaN);
   record.attitudes.setConstant(row, 4, kNaN);
   for (std::size_t k = 0; k < motion.segment_count; ++k) {
     const Segment& segment = problem.segments[motion.first_segment + k];
     const auto first = static_cast<Eigen::Index>(times.size());
     const std::size_t frames = segment.times.size() - (segment.joined ? 1 : 0);
-    for (std::size_t f = 0; f < frames; ++f) times.push_back(segment.start + segment.times[f]);
-    for (const Observation& o : segment.observations) record.values(first + o.frame, o.output) = o.value;
+    for (std::size_t f = 0; f < frames; ++f) times.push_back(segment.start + segment.times[f] + record.delay);
+    for (const Observation& o : segment.observations)
+      record.values(first + o.frame, o.output) = o.value / record.gains[o.output];
     for (const AttitudeObservation& a : segment.attitudes) {
       record.attitudes.row(first + a.frame) = Eigen::Vector4d(a.q_WB.data()).transpose();
     }
@@ -90,7 +99,7 @@ double bandwidth_of(const Eigen::VectorXd& times, const StartSmoothing& smoothin
   return (smoothing.frames - 0.5) * duration / static_cast<double>(times.size() - 1);
 }
 
-/// A frame that is a mean shows the state half its width later: back to the state.
+/// The first frame shows the state later, by half the width of a mean and by the delay: back to the state.
 void go_back(double lead, const Smoothed& smoothed, Eigen::Index row, int state, Known& known) {
   const double rate = smoothed.rate(row, 0);
   const double acceleration = smoothed.acceleration(row, 0);
@@ -104,18 +113,20 @@ void add_smoothed(const models::ParametricModel& equations, const FitProblem& pr
   for (std::size_t o = 0; o < problem.outputs.size(); ++o) {
     const ComparedOutput& output = problem.outputs[o];
     const Eigen::VectorXd channel = record.values.col(static_cast<Eigen::Index>(o));
+    const double gain = std::abs(record.gains[static_cast<Eigen::Index>(o)]);
     if (!are_enough(seen_frames(channel), smoothing)) continue;
     const SmoothingOptions options{.degree = smoothing.degree,
                                    .bandwidth = bandwidth_of(record.times, smoothing),
-                                   .noise = output.scale};
+                                   .noise = output.scale / gain};
     const Smoothed smoothed = output.period > 0.0
-                                  ? smooth_angle(record.times, channel, output.period, at, options)
+                                  ? smooth_angle(record.times, channel, output.period / gain, at, options)
                                   : smooth(record.times, channel, at, options);
     const int state = state_index(equations, output.name);
     if (state == equations.state_count()) continue;  // an output that is no state
     for (std::size_t k = 0; k < known.size(); ++k) {
       const auto row = static_cast<Eigen::Index>(k);
-      go_back(problem.segments[motion.first_segment + k].lead, smoothed, row, state, known[k]);
+      const double lead = problem.segments[motion.first_segment + k].lead + record.delay;
+      go_back(lead, smoothed, row, state, known[k]);
       known[k].value_error[state] = smoothed.value_error(row, 0);
       known[k].rate_error[state] = smoothed.rate_error(row, 0);
     }
@@ -170,7 +181,9 @@ std::optional<Eigen::MatrixX3d> pushes(const models::ParametricModel& equations,
     const double bandwidth = bandwidth_of(record.times, smoothing);
     const Smoothed smoothed =
         smooth(record.times, channel, at,
-               {.degree = smoothing.degree, .bandwidth = bandwidth, .noise = output->scale});
+               {.degree = smoothing.degree,
+                .bandwidth = bandwidth,
+                .noise = output->scale / std::abs(record.gains[output - problem.outputs.begin()])});
     result.col(axis) = smoothed.acceleration.col(0);
   }
   result.col(2).array() += kGravity;
@@ -205,20 +218,26 @@ void add_guessed_attitude(const models::ParametricModel& equations, const FitPro
   }
 }
 
+/// Own unknowns in the middle of their boxes, where they have one.
+Eigen::VectorXd middle_of_boxes(const FitProblem& problem) {
+  Eigen::VectorXd middle = Eigen::VectorXd::Zero(problem.own_count());
+  for (std::size_t k = 0; k < problem.own.size(); ++k)
+    middle[static_cast<Eigen::Index>(k)] = 0.5 * (problem.own[k].lower + problem.own[k].upper);
+  return middle;
+}
+
 /// The own coordinates whose states agree best with values and rates: Gauss-Newton on the equations.
 class StateSearch {
  public:
   StateSearch(const models::ParametricModel& equations, const FitProblem& problem, const Motion& motion,
               const Eigen::VectorXd& shared)
-      : equations_(equations), problem_(problem), workspace_(equations.make_workspace()) {
-    middle_.resize(problem.own_count());
-    middle_.setZero();
-    for (std::size_t k = 0; k < problem.own.size(); ++k) {
-      middle_[static_cast<Eigen::Index>(k)] = 0.5 * (problem.own[k].lower + problem.own[k].upper);
-    }
-    q_.setZero(static_cast<Eigen::Index>(problem.slots.size()));
+      : equations_(equations),
+        problem_(problem),
+        workspace_(equations.make_workspace()),
+        middle_(middle_of_boxes(problem)) {
+    q_.setZero(std::ssize(problem.slots));
     family_point(problem, motion, shared.data(), middle_.data(), q_);
-    for (std::size_t slot = 0; slot < problem.slots.size(); ++slot) {
+    for (std::size_t slot = 0; slot < problem.model_slots; ++slot) {
       if (problem.slots[slot].role == CoordinateRole::own && equations.free()[slot].is_initial) {
         state_of_own_.push_back(
             {problem.slots[slot].index, equations.free()[slot].index, static_cast<Eigen::Index>(slot)});
@@ -235,7 +254,7 @@ class StateSearch {
           start_attitude(problem_, segment);
     }
     for (const OwnState& s : state_of_own_) q_[s.slot] = middle_[s.own];
-    equations_.initial({q_.data(), static_cast<std::size_t>(q_.size())}, states_);
+    equations_.initial({q_.data(), problem_.model_slots}, states_);
     for (const OwnState& s : state_of_own_) {
       if (std::isfinite(known.value_error[s.state]))
         states_[static_cast<std::size_t>(s.state)] = known.value[s.state];
@@ -259,8 +278,8 @@ class StateSearch {
   static constexpr double kLoose = 1e3;
 
   void improve(const Known& known) {
-    equations_.rhs_with_derivatives(0.0, states_, {q_.data(), static_cast<std::size_t>(q_.size())}, rates_,
-                                    derivatives_, workspace_);
+    equations_.rhs_with_derivatives(0.0, states_, {q_.data(), problem_.model_slots}, rates_, derivatives_,
+                                    workspace_);
     const auto unknowns = static_cast<Eigen::Index>(state_of_own_.size());
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns, unknowns);
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(unknowns);
@@ -300,7 +319,8 @@ class StateSearch {
   models::ParametricModel::Workspace workspace_;
   models::RhsDerivatives derivatives_;
   std::vector<OwnState> state_of_own_;
-  Eigen::VectorXd middle_, q_;
+  Eigen::VectorXd middle_;
+  Eigen::VectorXd q_;  ///< with delay and gains
   std::vector<double> states_, rates_;
 };
 
@@ -309,11 +329,13 @@ class StateSearch {
 std::vector<Eigen::VectorXd> kinematic_start(const models::ParametricModel& equations,
                                              const FitProblem& problem, const Motion& motion,
                                              const Eigen::VectorXd& shared, const StartSmoothing& smoothing) {
-  const Record record = record_of(problem, motion);
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(std::ssize(problem.slots));
+  family_point(problem, motion, shared.data(), middle_of_boxes(problem).data(), q);
+  const Record record = record_of(problem, motion, q);
   Eigen::VectorXd at(static_cast<Eigen::Index>(motion.segment_count));
   for (std::size_t k = 0; k < motion.segment_count; ++k) {
     const Segment& segment = problem.segments[motion.first_segment + k];
-    at[static_cast<Eigen::Index>(k)] = segment.start + segment.lead;
+    at[static_cast<Eigen::Index>(k)] = segment.start + segment.lead + record.delay;
   }
   std::vector<Known> known(motion.segment_count, Known(equations.state_count()));
   add_smoothed(equations, problem, motion, record, at, smoothing, known);
@@ -333,7 +355,7 @@ std::vector<Eigen::VectorXd> kinematic_start(const models::ParametricModel& equa
       const int state = state_index(equations, output.name);
       if (state == equations.state_count() || !std::isfinite(one.value_error[state])) continue;
       result.back()[static_cast<Eigen::Index>(problem.own.size()) + *output.offset] =
-          one.value[state] - search.state(state);
+          gain_at(output, q) * (one.value[state] - search.state(state));
     }
   }
   return result;

@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include "samara/base/parallel.h"
+#include "samara/identification/problem/measurement.h"
 #include "samara/identification/smoothing/medians.h"
 #include "samara/identification/solve/starts/kinematic_start.h"
 #include "samara/identification/statistics/loss.h"
@@ -92,8 +93,10 @@ class OwnProblem {
   /// After evaluate() with derivatives there.
   void linearise(const Eigen::VectorXd& own, Eigen::MatrixXd& normal, Eigen::VectorXd& gradient) const {
     Eigen::MatrixXd moves = problem_.own_chart.plus_jacobian(own.data());
-    // One segment alone cannot tell a camera from a start.
-    moves.rightCols(problem_.camera_count()).setZero();
+    // One segment alone cannot tell a camera, or a delay, from a start.
+    for (int unknown = 0; unknown < problem_.own_count(); ++unknown) {
+      if (is_of_measurement(problem_, unknown)) moves.row(unknown).setZero();
+    }
     Eigen::MatrixXd J(psi_.size(), moves.cols());
     J.topRows(rows_.values) = residual_.by_own().topRows(rows_.values) * moves;
     J.middleRows(rows_.values, rows_.turns) =
