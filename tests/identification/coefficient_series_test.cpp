@@ -285,6 +285,16 @@ TEST_CASE("what is asked of constant coefficients or joined segments is refused 
              Contains("profiles or a series"));
   CHECK_THAT(with(joined, [](FitOptions& o) { o.uncertainty.bootstrap.replicates = 20; }),
              Contains("20 replicates") && Contains("bootstrap or a series"));
+  CHECK_THAT(with(joined,
+                  [](FitOptions& o) {
+                    o.measurement.delay = samara::models::Interval{0.0, 0.1};
+                  }),
+             Contains("no delay was expected"));
+  CHECK_THAT(with(joined,
+                  [](FitOptions& o) {
+                    o.measurement.gains["x"] = {0.9, 1.1};
+                  }),
+             Contains("no gain of x was expected"));
   CHECK_THAT(with(sliding, [](FitOptions& o) { o.segments.length = 0.8; }),
              Contains("segments of 0.8 s and a series.stride"));
   CHECK_THAT(with(sliding, [](FitOptions& o) { o.noise.estimated = true; }),

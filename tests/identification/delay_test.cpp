@@ -13,7 +13,6 @@
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/fit/fitted_motion.h"
 #include "samara/identification/fit/prediction.h"
-#include "samara/identification/problem/fit_config.h"
 #include "samara/identification/problem/measurement.h"
 #include "samara/identification/problem/segment_residual.h"
 #include "samara/identification/report/fit_report.h"
@@ -387,31 +386,4 @@ TEST_CASE("delays that mean nothing are refused") {
     CHECK_THAT(error_of<samara::ArgumentError>([&] { fit(family, captures, released(0.0, 0.1)); }),
                Contains("\"delay\" is a coordinate of \"braked\" itself"));
   }
-}
-
-TEST_CASE("a config says where a delay lies, and what is known of it") {
-  const ConfigNames names = config_names(find_model("vertical_fall")->info());
-  const FitOptions options = parse_fit_config(
-      "shared = [\"delay\"]\n"
-      "delay = { range = [\"-20 ms\", \"20 ms\"] }\n"
-      "[priors]\n"
-      "delay = { mean = \"2 ms\", deviation = \"5 ms\" }\n"
-      "[initial]\n"
-      "delay = \"1 ms\"\n",
-      "fit.toml", names);
-  REQUIRE(options.measurement.delay.has_value());
-  CHECK(options.measurement.delay->lower == -0.02);
-  CHECK(options.measurement.delay->upper == 0.02);
-  CHECK(options.priors.coordinates.at("delay").deviation == 0.005);
-  CHECK(options.starts.initial.at("delay") == 0.001);
-  const auto error = [&](const std::string& text) {
-    return error_of<samara::InputError>([&] { parse_fit_config(text, "fit.toml", names); });
-  };
-  CHECK_THAT(error("delay = { range = [\"20 ms\", \"-20 ms\"] }"),
-             Contains("[lower, upper] with lower < upper"));
-  CHECK_THAT(error("delay = { range = [nan, 0.1] }"), Contains("fit.toml:1"));
-  CHECK_THAT(error("delay = { range = [\"1 m\", \"2 m\"] }"), Contains("range"));
-  CHECK_THAT(error("delay = { width = \"20 ms\" }"), Contains("width"));
-  CHECK_THAT(error("shared = [\"delay\"]"), Contains("unknown name \"delay\""));
-  CHECK_THAT(error("delay = { range = [0, 0.1] }\n[box]\ndelay = [0, 0.2]"), Contains("delay"));
 }

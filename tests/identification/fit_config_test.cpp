@@ -181,3 +181,26 @@ TEST_CASE("options of segments and priors outside their meaning are refused with
   CHECK_THAT(config_error("[periods]\nx = -1\n"), StartsWith("fit.toml:2: "));
   CHECK_THAT(config_error("[known]\nthicknes = \"t\"\n"), Contains("thickness"));
 }
+
+TEST_CASE("a config says where a delay lies, and what is known of it") {
+  const FitOptions options = parse_fit_config(
+      "shared = [\"delay\"]\n"
+      "delay = { range = [\"-20 ms\", \"20 ms\"] }\n"
+      "[priors]\n"
+      "delay = { mean = \"2 ms\", deviation = \"5 ms\" }\n"
+      "[initial]\n"
+      "delay = \"1 ms\"\n",
+      "fit.toml", names());
+  REQUIRE(options.measurement.delay.has_value());
+  CHECK(options.measurement.delay->lower == -0.02);
+  CHECK(options.measurement.delay->upper == 0.02);
+  CHECK(options.priors.coordinates.at("delay").deviation == 0.005);
+  CHECK(options.starts.initial.at("delay") == 0.001);
+  CHECK_THAT(config_error("delay = { range = [\"20 ms\", \"-20 ms\"] }"),
+             Contains("[lower, upper] with lower < upper"));
+  CHECK_THAT(config_error("delay = { range = [nan, 0.1] }"), Contains("fit.toml:1"));
+  CHECK_THAT(config_error("delay = { range = [\"1 m\", \"2 m\"] }"), Contains("range"));
+  CHECK_THAT(config_error("delay = { width = \"20 ms\" }"), Contains("width"));
+  CHECK_THAT(config_error("shared = [\"delay\"]"), Contains("unknown name \"delay\""));
+  CHECK_THAT(config_error("delay = { range = [0, 0.1] }\n[box]\ndelay = [0, 0.2]"), Contains("delay"));
+}
