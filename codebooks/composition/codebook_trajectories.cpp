@@ -11,8 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/composition/flow_map.h"
-#include "samara/codebooks/query/query.h"
-#include "samara/codebooks/query/trajectory_query.h"
+#include "samara/codebooks/composition/shared_queries.h"
 #include "samara/models/integrators/trajectory_tools.h"
 #include "samara/models/interface/parametric_model.h"
 #include "samara/models/trajectories/interval.h"
@@ -52,19 +51,15 @@ models::FamilyInfo describe(const Codebook& book, const std::optional<models::Pa
 
 class CodebookSource final : public models::TrajectorySource {
  public:
-  CodebookSource(const Codebook& book, const std::vector<double>& times,
-                 const std::vector<std::string>& outputs)
-      : query_(book, times, outputs) {
-    models::check_times(times);
-  }
+  explicit CodebookSource(SharedQueries::Query query) : query_(std::move(query)) {}
 
   models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
                                      Eigen::MatrixXd* derivatives) override {
     try {
       if (derivatives) {
-        query_.values(q, values, *derivatives);
+        query_->values(q, values, *derivatives);
       } else {
-        query_.values(q, values);
+        query_->values(q, values);
       }
     } catch (const OutsideBoxError& error) {
       return {models::TrajectoryStatus::outside_box, error.what()};
@@ -73,13 +68,13 @@ class CodebookSource final : public models::TrajectorySource {
   }
 
  private:
-  TrajectoryQuery query_;
+  SharedQueries::Query query_;
 };
 
 class CodebookTrajectories final : public models::TrajectoryFamily {
  public:
   explicit CodebookTrajectories(const Codebook& book)
-      : book_(book), equations_(equations_of(book)), info_(describe(book, equations_)) {}
+      : equations_(equations_of(book)), info_(describe(book, equations_)), queries_(book) {}
 
   const models::FamilyInfo& info() const override { return info_; }
   const models::ParametricModel* equations() const override { return equations_ ? &*equations_ : nullptr; }
@@ -87,13 +82,14 @@ class CodebookTrajectories final : public models::TrajectoryFamily {
   using models::TrajectoryFamily::at;
   std::unique_ptr<models::TrajectorySource> at(const std::vector<double>& times,
                                                const std::vector<std::string>& outputs) const override {
-    return std::make_unique<CodebookSource>(book_, times, outputs);
+    models::check_times(times);
+    return std::make_unique<CodebookSource>(queries_.at(times, outputs));
   }
 
  private:
-  const Codebook& book_;
   std::optional<models::ParametricModel> equations_;
   models::FamilyInfo info_;
+  SharedQueries queries_;
 };
 
 /// Where a number of the flow map's start comes from.

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
-#include "samara/codebooks/query/query.h"
-#include "samara/codebooks/query/trajectory_query.h"
+#include "samara/codebooks/composition/shared_queries.h"
 
 namespace samara::codebooks {
 
@@ -101,9 +101,9 @@ std::vector<Shift> shifts_of(const Codebook& book, const models::FamilyInfo& dir
 
 class MixedSource final : public models::TrajectorySource {
  public:
-  MixedSource(const Cover& cover, std::unique_ptr<models::TrajectorySource> direct,
-              const models::FamilyInfo& family, const std::vector<double>& times,
-              const std::vector<std::string>& outputs)
+  MixedSource(const Cover& cover, const SharedQueries& queries,
+              std::unique_ptr<models::TrajectorySource> direct, const models::FamilyInfo& family,
+              const std::vector<double>& times, const std::vector<std::string>& outputs)
       : cover_(cover),
         direct_(std::move(direct)),
         shifts_(shifts_of(*cover.book, family, outputs)),
@@ -111,7 +111,8 @@ class MixedSource final : public models::TrajectorySource {
         coordinates_(family.coordinates.size()),
         q_(cover.coordinates.size()) {
     if (times.empty() || times.back() > cover.end_time) return;
-    query_.emplace(*cover.book, times, outputs);
+    query_ = queries.at(times, outputs);
+    values_.resize(static_cast<Eigen::Index>(times.size()), outputs_);
     derivatives_.resize(static_cast<Eigen::Index>(times.size()),
                         outputs_ * static_cast<Eigen::Index>(q_.size()));
   }
@@ -120,16 +121,9 @@ class MixedSource final : public models::TrajectorySource {
                                      Eigen::MatrixXd* derivatives) override {
     models::check_point(q, coordinates_);
     if (!query_ || !cover_.contains(q)) return direct_->evaluate(q, values, derivatives);
-    for (std::size_t k = 0; k < q_.size(); ++k) {
-      const CoverCoordinate& c = cover_.coordinates[k];
-      q_[k] = c.from ? q[*c.from] : c.value;
-    }
-    if (derivatives) {
-      query_->values(q_, values, derivatives_);
-      spread(*derivatives);
-    } else {
-      query_->values(q_, values);
-    }
+    ask(q);
+    values = values_;
+    if (derivatives) spread(*derivatives);
     for (const Shift& shift : shifts_) {
       const double start = shift.coordinate ? q[*shift.coordinate] : shift.held;
       values.col(shift.output).array() += start - shift.codebook_start;
@@ -138,6 +132,20 @@ class MixedSource final : public models::TrajectorySource {
   }
 
  private:
+  /// The codebook at q, with derivatives whether they are wanted or not: a descent that asks for values at a point
+  /// mostly asks for its derivatives next, and both together cost little more than values.
+  void ask(std::span<const double> q) {
+    bool is_known = std::exchange(is_answered_, false);
+    for (std::size_t k = 0; k < q_.size(); ++k) {
+      const CoverCoordinate& c = cover_.coordinates[k];
+      const double value = c.from ? q[*c.from] : c.value;
+      is_known = is_known && q_[k] == value;
+      q_[k] = value;
+    }
+    if (!is_known) (*query_)->values(q_, values_, derivatives_);
+    is_answered_ = true;
+  }
+
   /// Derivatives by the codebook's coordinates to their places among the family's; by the start of what is
   /// shifted they are one.
   void spread(Eigen::MatrixXd& derivatives) const {
@@ -159,15 +167,21 @@ class MixedSource final : public models::TrajectorySource {
   std::vector<Shift> shifts_;
   Eigen::Index outputs_;
   std::size_t coordinates_;  ///< of the family
-  std::optional<TrajectoryQuery> query_;
-  std::vector<double> q_;
+  std::optional<SharedQueries::Query> query_;
+  std::vector<double> q_;     ///< the codebook's coordinates
+  bool is_answered_ = false;  ///< whether what follows is of q_
+  Eigen::MatrixXd values_;
   Eigen::MatrixXd derivatives_;  ///< by the codebook's coordinates
 };
 
 class MixedTrajectories final : public models::TrajectoryFamily {
  public:
   MixedTrajectories(const Codebook& book, std::unique_ptr<models::TrajectoryFamily> direct)
-      : book_(book), direct_(std::move(direct)), info_(direct_->info()), cover_(cover_of(book, info_)) {
+      : book_(book),
+        direct_(std::move(direct)),
+        info_(direct_->info()),
+        cover_(cover_of(book, info_)),
+        queries_(book) {
     check_held(book, info_);
     info_.source = fmt::format("codebook and {}", info_.source);
   }
@@ -194,13 +208,14 @@ class MixedTrajectories final : public models::TrajectoryFamily {
   std::unique_ptr<models::TrajectorySource> mixed(std::unique_ptr<models::TrajectorySource> direct,
                                                   const std::vector<double>& times,
                                                   const std::vector<std::string>& outputs) const {
-    return std::make_unique<MixedSource>(cover_, std::move(direct), info_, times, outputs);
+    return std::make_unique<MixedSource>(cover_, queries_, std::move(direct), info_, times, outputs);
   }
 
   const Codebook& book_;
   std::unique_ptr<models::TrajectoryFamily> direct_;
   models::FamilyInfo info_;
   Cover cover_;
+  SharedQueries queries_;
 };
 
 }  // namespace

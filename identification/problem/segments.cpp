@@ -247,6 +247,24 @@ void add_motion(const models::FamilyInfo& family, const Capture& capture, const 
   problem.motions.push_back(std::move(motion));
 }
 
+/// Segments of as many frames, equally far apart, take the times of the first of them to the last bit: rounding alone
+/// tells them apart, and families prepare what belongs to the same times once.
+void share_times(std::vector<Segment>& segments, std::size_t first) {
+  // Of the duration: far above rounding, and no motion shows it.
+  constexpr double kSameShare = 1e-9;
+  for (std::size_t k = first; k < segments.size(); ++k) {
+    const auto same_times = [&](const Segment& other) {
+      const auto same = [&](double a, double b) {
+        return std::abs(a - b) <= kSameShare * other.times.back();
+      };
+      return std::ranges::equal(segments[k].times, other.times, same);
+    };
+    const auto end = segments.begin() + static_cast<std::ptrdiff_t>(k);
+    const auto like = std::find_if(segments.begin(), end, same_times);
+    if (like != end) segments[k].times = like->times;
+  }
+}
+
 /// How far a value lies outside the interval; on a circle, the nearest of its places counts.
 double outside(double value, const models::FamilyCoordinate& box, double period) {
   const double middle = 0.5 * (box.lower + box.upper);
@@ -362,6 +380,7 @@ void add_segments(const models::FamilyInfo& family, std::span<const Capture> cap
     }
     add_motion(family, options.compared.span ? first(capture, *options.compared.span) : capture, options,
                problem);
+    share_times(problem.segments, problem.motions.back().first_segment);
     check_boxes(problem, problem.motions.back());
   }
   if (options.solver.step) check_steps(problem, *options.solver.step);

@@ -1,6 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "../allocation_counter.h"
+#include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/codebooks/query/trajectory_query.h"
 #include "sample_books.h"
@@ -91,4 +92,28 @@ TEST_CASE("a trajectory query does not allocate after its construction, however 
               query.values(point(points, j).subspan(1), values, derivatives);
           }) == 0);
   }
+}
+
+TEST_CASE("sources of one family share what is prepared for the same times, as long as one is used") {
+  const Codebook book(sample_model(), {random_train_piece({0.0, 1.0, 0.5, 1.0}, 1, 60)});
+  const auto family = codebook_trajectories(book);
+  const std::vector<double> times = {0.0, 0.1, 0.5, 0.7, 1.0};
+  std::vector<std::unique_ptr<samara::models::TrajectorySource>> sources;
+  const auto make = [&] { sources.push_back(family->at(times, {"x", "v"})); };
+  const long first = allocation_counter::during(make);
+  const long second = allocation_counter::during(make);
+  CHECK(3 * second < first);
+  sources.clear();
+  CHECK(allocation_counter::during(make) > 2 * second);
+
+  // What they share they do not change.
+  make();
+  Eigen::MatrixXd one(5, 2), other(5, 2), by_one(5, 4), by_other(5, 4);
+  const Eigen::MatrixXd points = random_points(book, 2, 1);
+  REQUIRE(sources[0]->evaluate(point(points, 0).subspan(1), one, &by_one));
+  CHECK(allocation_counter::during(
+            [&] { sources[1]->evaluate(point(points, 1).subspan(1), other, &by_other); }) == 0);
+  REQUIRE(sources[1]->evaluate(point(points, 0).subspan(1), other, &by_other));
+  CHECK(one == other);
+  CHECK(by_one == by_other);
 }

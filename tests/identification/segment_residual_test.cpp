@@ -108,3 +108,21 @@ TEST_CASE("two outputs stand in one residual, each over its own scale") {
   CHECK_THAT(residual.residual()[0], WithinAbs(0.0, 1e-9));  // v(0), over 1 cm/s
   CHECK_THAT(residual.residual()[1], WithinAbs(0.0, 1e-9));
 }
+
+TEST_CASE("segments of equally spaced frames have the same times to the last bit") {
+  // Thirds are not exact in binary: differences of these times are not the same numbers.
+  Capture capture = make_capture("a", even_times(61, 20.0 / 3.0), Eigen::VectorXd::Zero(61));
+  capture.times.array() += 1.0 / 3.0;
+  Capture uneven = capture;
+  uneven.id = "b";
+  uneven.times.tail(60).array() += 1e-6;
+  FitOptions options;
+  options.segments.length = 1.0 / 3.0;
+  const FitProblem problem = make_problem(BrakedFamily().info(), std::vector{capture, uneven}, options);
+  REQUIRE(problem.segments.size() == 40);
+  // All but the first of the uneven one; the last of each ends at a frame where others end at their join.
+  int same = 0;
+  for (const Segment& segment : problem.segments) same += segment.times == problem.segments[0].times ? 1 : 0;
+  CHECK(same == 39);
+  CHECK(problem.segments[20].times[1] - problem.segments[0].times[1] == Approx(1e-6).epsilon(1e-6));
+}
