@@ -1,11 +1,14 @@
 #include "samara/identification/fit/fit.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <thread>
 
 #include <fmt/format.h>
 
+#include "samara/base/parallel.h"
 #include "samara/identification/fit/bootstrap.h"
 #include "samara/identification/fit/delay_check.h"
 #include "samara/identification/fit/fit_diagnostics.h"
@@ -33,58 +36,68 @@ double cost_margin(const FitProblem& problem, double best) {
   return 1e-6 * best + 1e-9 * problem.observation_count();
 }
 
-/// The descents of a fit, one per start.
+/// Whether the start is to be made.
+bool goes_on(const FitOptions& options, int start) {
+  if (!options.progress) return true;
+  const bool wanted =
+      options.progress({.stage = fmt::format("start {} of {}", start + 1, options.starts.count),
+                        .fraction = static_cast<double>(start) / options.starts.count});
+  return wanted || start == 0;
+}
+
+/// The descents of a fit, one per start: side by side, each but the first with residuals of its own, so that none
+/// depends on when the others end.
 class Descents {
  public:
+  /// @param residuals of the whole fit: those of the first start
   Descents(const models::TrajectoryFamily& family, const FitProblem& problem,
            std::vector<SegmentResidual>& residuals, const FitOptions& options)
       : family_(family), problem_(problem), residuals_(residuals), options_(options) {}
 
-  /// From start number `index` to a minimum; where there are joins, stage by stage until they hold.
-  MinimizeResult operator()(int index) {
-    FitPoint point = first_point(index);
-    if (!problem_.is_joined()) return in_rounds(std::move(point));
-    // The same for all starts, or their costs could not be compared.
-    if (!deviations_) deviations_ = start_deviations(problem_, residuals_, point);
-    MinimizeResult result{.point = point, .message = "there is no trajectory at this start"};
-    if (!deviations_) return result;
-    int iterations = 0;
-    for (const double stage : options_.segments.stages) {
-      weigh_joins(stage);
-      result = minimize(problem_, residuals_, std::move(point), options_.solver.max_iterations);
-      iterations += result.iterations;
-      point = result.point;
-      if (result.status == FitStatus::failed) break;
+  /// From starts, all or until the callback asks for an end, to minima.
+  std::vector<MinimizeResult> run() {
+    weigh_for_all();
+    // Whoever watches is told of starts before they begin, as many at a time as there are threads.
+    const int wave = options_.progress ? std::max(1, static_cast<int>(std::thread::hardware_concurrency()))
+                                       : options_.starts.count;
+    std::vector<MinimizeResult> runs;
+    for (bool wanted = true; wanted && std::ssize(runs) < options_.starts.count;) {
+      const int first = static_cast<int>(runs.size());
+      int last = first;
+      while (wanted && last < std::min(first + wave, options_.starts.count)) {
+        wanted = goes_on(options_, last);
+        if (wanted) ++last;
+      }
+      runs.resize(static_cast<std::size_t>(last));
+      with_residuals(first, last, [&](int k, std::vector<SegmentResidual>& residuals) {
+        runs[static_cast<std::size_t>(k)] = descend(k, residuals);
+      });
     }
-    result.iterations = iterations;
-    return result;
+    finish_joins(residuals_);
+    return runs;
   }
 
-  /// Joins as the last stage has them, whatever the last start made of them: for all that is asked of a
-  /// minimum.
-  void finish_joins() {
-    if (deviations_) weigh_joins(options_.segments.stages.back());
-  }
-
-  /// Weighs joins anew after the scales of residuals have changed.
-  void rescale(const FitPoint& point) {
-    if (!problem_.is_joined()) return;
-    deviations_ = start_deviations(problem_, residuals_, point);
-    finish_joins();
-  }
-
-  /// From a minimum with other scales to the one beside it.
-  MinimizeResult again(MinimizeResult last) {
-    MinimizeResult next =
-        minimize(problem_, residuals_, std::move(last.point), options_.solver.max_iterations);
-    next.iterations += last.iterations;
-    return next;
+  /// After the scales of residuals have changed: weighs joins anew, at the best of the minima, and goes from the minima
+  /// to those beside them.
+  void again(std::size_t best, std::vector<MinimizeResult>& runs) {
+    if (problem_.is_joined()) {
+      if (const auto deviations = start_deviations(problem_, residuals_, runs[best].point))
+        deviations_ = deviations;
+    }
+    with_residuals(0, static_cast<int>(runs.size()), [&](int k, std::vector<SegmentResidual>& residuals) {
+      MinimizeResult& run = runs[static_cast<std::size_t>(k)];
+      if (run.status == FitStatus::failed) return;
+      finish_joins(residuals);
+      const int before = run.iterations;
+      run = minimize(problem_, residuals, std::move(run.point), options_.solver.max_iterations);
+      run.iterations += before;
+    });
   }
 
   /// The first start, from a search of the box.
   std::optional<GlobalSearch> search() {
     if (options_.starts.global.method == GlobalMethod::none || problem_.shared_count() == 0) return {};
-    searched_.emplace(first_point(0));
+    searched_.emplace(first_point(0, residuals_));
     return search_box(problem_, residuals_, options_.starts.global, FitPoint(*searched_), *searched_);
   }
 
@@ -100,30 +113,78 @@ class Descents {
     return largest / options_.segments.stages.back();
   }
 
+  /// Trajectories of all starts but the first, whose residuals count their own.
+  long evaluations() const { return evaluations_; }
+
  private:
+  /// Calls action(start, its residuals) for first <= start < last, in any order.
+  template <class Action>
+  void with_residuals(int first, int last, const Action& action) {
+    parallel_for(std::max(0, last - first), [&](int k) {
+      if (first + k == 0) return action(0, residuals_);
+      std::vector<SegmentResidual> own = make_residuals(family_, problem_);
+      action(first + k, own);
+      evaluations_ += evaluations_of(own);
+    });
+  }
+
+  /// How joins are weighed is the same for all starts, or their costs could not be compared: as at the first that has
+  /// trajectories.
+  void weigh_for_all() {
+    for (int k = 0; problem_.is_joined() && !deviations_ && k < options_.starts.count; ++k) {
+      FitPoint point = first_point(k, residuals_);
+      deviations_ = start_deviations(problem_, residuals_, point);
+      if (k == 0) first_ = std::move(point);
+    }
+  }
+
+  /// From a start to a minimum; where there are joins, stage by stage until they hold.
+  MinimizeResult descend(int start, std::vector<SegmentResidual>& residuals) const {
+    FitPoint point = start == 0 && first_ ? *first_ : first_point(start, residuals);
+    if (!problem_.is_joined()) return in_rounds(std::move(point), residuals);
+    MinimizeResult result{.point = point, .message = "there is no trajectory at this start"};
+    if (!deviations_) return result;
+    int iterations = 0;
+    for (const double stage : options_.segments.stages) {
+      weigh_joins(stage, residuals);
+      result = minimize(problem_, residuals, std::move(point), options_.solver.max_iterations);
+      iterations += result.iterations;
+      point = result.point;
+      if (result.status == FitStatus::failed) break;
+    }
+    result.iterations = iterations;
+    return result;
+  }
+
+  /// Joins as the last stage has them, whatever the first start made of them: for all that is asked of a
+  /// minimum.
+  void finish_joins(std::vector<SegmentResidual>& residuals) const {
+    if (deviations_) weigh_joins(options_.segments.stages.back(), residuals);
+  }
+
   /// Segments of a capture have one camera and one clock from the first stage on, since alone they hardly
   /// determine them.
-  void weigh_joins(double stage) {
+  void weigh_joins(double stage, std::vector<SegmentResidual>& residuals) const {
     Eigen::VectorXd weights = stage * deviations_->cwiseInverse();
     Eigen::Index row = 0;
     for (const JoinRule& rule : problem_.joins) {
       if (is_of_measurement(problem_, rule.own)) weights[row] *= options_.segments.stages.back() / stage;
       row += rule.rows();
     }
-    for (SegmentResidual& residual : residuals_) {
+    for (SegmentResidual& residual : residuals) {
       if (residual.segment().joined) residual.set_join_weights(weights);
     }
   }
 
   /// To a minimum, with start states found anew in each round; the best round.
-  MinimizeResult in_rounds(FitPoint point) {
-    MinimizeResult best = minimize(problem_, residuals_, std::move(point), options_.solver.max_iterations);
+  MinimizeResult in_rounds(FitPoint point, std::vector<SegmentResidual>& residuals) const {
+    MinimizeResult best = minimize(problem_, residuals, std::move(point), options_.solver.max_iterations);
     const models::ParametricModel* equations = family_.equations();
     if (equations == nullptr || !options_.segments.length) return best;
     for (int round = 1; round < options_.starts.rounds && best.status != FitStatus::failed; ++round) {
       FitPoint again = best.point;
-      find_start_states(*equations, problem_, residuals_, again, true);
-      MinimizeResult next = minimize(problem_, residuals_, std::move(again), options_.solver.max_iterations);
+      find_start_states(*equations, problem_, residuals, again, true);
+      MinimizeResult next = minimize(problem_, residuals, std::move(again), options_.solver.max_iterations);
       const int spent = best.iterations + next.iterations;
       const bool is_better =
           next.status != FitStatus::failed && next.cost < best.cost - cost_margin(problem_, best.cost);
@@ -135,12 +196,12 @@ class Descents {
   }
 
   /// Segments begin where the capture shows them.
-  FitPoint first_point(int index) {
-    FitPoint point = start_point(problem_, residuals_, index);
-    if (index == 0 && searched_) point.shared = searched_->shared;
+  FitPoint first_point(int start, std::vector<SegmentResidual>& residuals) const {
+    FitPoint point = start_point(problem_, residuals, start);
+    if (start == 0 && searched_) point.shared = searched_->shared;
     const models::ParametricModel* equations = family_.equations();
     if (equations != nullptr && options_.segments.length) {
-      find_start_states(*equations, problem_, residuals_, point);
+      find_start_states(*equations, problem_, residuals, point);
     }
     return point;
   }
@@ -151,6 +212,8 @@ class Descents {
   const FitOptions& options_;
   std::optional<Eigen::VectorXd> deviations_;
   std::optional<FitPoint> searched_;
+  std::optional<FitPoint> first_;  ///< of the first start, once it is known
+  std::atomic<long> evaluations_ = 0;
 };
 
 /// Index of the lowest cost among the starts that did not fail.
@@ -181,15 +244,6 @@ void record_starts(const FitProblem& problem, const std::vector<MinimizeResult>&
   }
 }
 
-/// Whether the start is to be made.
-bool goes_on(const FitOptions& options, int start) {
-  if (!options.progress) return true;
-  const bool wanted =
-      options.progress({.stage = fmt::format("start {} of {}", start + 1, options.starts.count),
-                        .fraction = static_cast<double>(start) / options.starts.count});
-  return wanted || start == 0;
-}
-
 /// Noise levels and fit in turn, until the levels stand still.
 void estimate_noise(NoiseLevels& levels, int rounds, FitProblem& problem,
                     std::vector<SegmentResidual>& residuals, Descents& descend,
@@ -200,10 +254,7 @@ void estimate_noise(NoiseLevels& levels, int rounds, FitProblem& problem,
     const std::optional<std::size_t> best = best_of(runs);
     if (levels.empty() || !best) return;
     change = levels.update(problem, residuals, runs[*best].point);
-    descend.rescale(runs[*best].point);
-    for (MinimizeResult& run : runs) {
-      if (run.status != FitStatus::failed) run = descend.again(std::move(run));
-    }
+    descend.again(*best, runs);
   }
   if (change > kStill) {
     result.warnings.add(WarningKind::noise,
@@ -240,9 +291,7 @@ FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> c
 
   Descents descend(family, problem, residuals, options);
   const std::optional<GlobalSearch> search = descend.search();
-  std::vector<MinimizeResult> runs;
-  for (int k = 0; k < options.starts.count && goes_on(options, k); ++k) runs.push_back(descend(k));
-  descend.finish_joins();
+  std::vector<MinimizeResult> runs = descend.run();
 
   FitResult result{.model = family.info().model,
                    .source = family.info().source,
@@ -272,7 +321,7 @@ FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> c
     add_whiteness(result);
     add_identifiability(problem, uncertainty, result);
     if (options.uncertainty.profiles) {
-      add_profiles(problem, residuals, point, uncertainty, options.solver.max_iterations, result);
+      add_profiles(family, problem, residuals, point, uncertainty, options.solver.max_iterations, result);
       add_profile_warnings(result);
     }
     add_bootstrap(family, problem, residuals, point, options, result);
@@ -283,7 +332,7 @@ FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> c
         fmt::format("none of {} starts succeeded; the first: {}", runs.size(), runs.front().message);
     add_speed_warnings(family, captures, result);
   }
-  result.evaluations += evaluations_of(residuals);
+  result.evaluations += evaluations_of(residuals) + descend.evaluations();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
 }

@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 #include <utility>
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
+#include "samara/base/parallel.h"
+#include "samara/identification/fit/held_fits.h"
 #include "samara/identification/problem/segment_residual.h"
-#include "samara/identification/solve/minimize.h"
 #include "samara/identification/solve/posterior.h"
 #include "samara/identification/statistics/cluster_errors.h"
 #include "samara/identification/statistics/determined_inverse.h"
@@ -55,58 +57,6 @@ double degrees_of_freedom(const FitProblem& problem, const Uncertainty& uncertai
   if (!c.standard_error) return std::max(1, uncertainty.residual_freedom);
   return error_degrees(c.effective_clusters.value_or(problem.cluster_count), problem.cluster_count);
 }
-
-/// Shared unknowns, then each capture's own, in one vector; and back.
-Eigen::VectorXd packed(const FitPoint& point) {
-  Eigen::Index size = point.shared.size();
-  for (const Eigen::VectorXd& own : point.own) size += own.size();
-  Eigen::VectorXd values(size);
-  values.head(point.shared.size()) = point.shared;
-  Eigen::Index at = point.shared.size();
-  for (const Eigen::VectorXd& own : point.own) {
-    values.segment(at, own.size()) = own;
-    at += own.size();
-  }
-  return values;
-}
-
-FitPoint unpacked(const FitProblem& problem, const Eigen::VectorXd& values) {
-  FitPoint point;
-  const Eigen::Index shared = problem.shared_count();
-  const Eigen::Index own = problem.own_count();
-  point.shared = values.head(shared);
-  for (std::size_t c = 0; c < problem.segments.size(); ++c)
-    point.own.push_back(values.segment(shared + own * static_cast<Eigen::Index>(c), own));
-  return point;
-}
-
-/// Fits with one coefficient held.
-class HeldFits {
- public:
-  HeldFits(const FitProblem& whole, std::vector<SegmentResidual>& residuals, Eigen::Index held,
-           int max_iterations)
-      : problem_(whole), residuals_(residuals), held_(held), max_iterations_(max_iterations) {
-    problem_.shared_chart = whole.shared_chart.holding(static_cast<int>(held));
-  }
-
-  std::optional<ProfileSolution> solve(double value, const Eigen::VectorXd& warm_start) {
-    FitPoint start = unpacked(problem_, warm_start);
-    start.shared[held_] = value;
-    MinimizeResult run = minimize(problem_, residuals_, std::move(start), max_iterations_);
-    // Not converged: the cost is no value of the profile.
-    if (run.status == FitStatus::iteration_limit) {
-      run = minimize(problem_, residuals_, std::move(run.point), 4 * max_iterations_);
-    }
-    if (run.status != FitStatus::converged) return {};
-    return ProfileSolution{run.cost, packed(run.point)};
-  }
-
- private:
-  FitProblem problem_;
-  std::vector<SegmentResidual>& residuals_;
-  Eigen::Index held_;
-  int max_iterations_;
-};
 
 std::span<const double> span_of(const Eigen::VectorXd& values) {
   return {values.data(), static_cast<std::size_t>(values.size())};
@@ -161,27 +111,30 @@ void add_identifiability(const FitProblem& problem, const Uncertainty& uncertain
       identifiability(coefficients, information, overall_dispersion(uncertainty, result));
 }
 
-void add_profiles(const FitProblem& problem, std::vector<SegmentResidual>& residuals, const FitPoint& point,
+void add_profiles(const models::TrajectoryFamily& family, const FitProblem& problem,
+                  const std::vector<SegmentResidual>& residuals, const FitPoint& point,
                   const Uncertainty& uncertainty, int max_iterations, FitResult& result) {
   const Eigen::VectorXd curvatures = profile_curvatures(uncertainty);
-  for (std::size_t k = 0; k < result.coefficients.size(); ++k) {
+  result.profiles.resize(result.coefficients.size());
+  std::vector<long> evaluations(result.coefficients.size());
+  parallel_for(result.coefficients.size(), [&](std::size_t k) {
     const Coefficient& c = result.coefficients[k];
-    const auto at = static_cast<Eigen::Index>(k);
     const ProfileTarget target{.name = c.name,
                                .best = c.value,
                                .best_cost = result.cost,
                                .scale = c.standard_error.value_or(c.naive_standard_error.value_or(0.0)),
                                .lower = c.lower,
                                .upper = c.upper};
-    HeldFits fits(problem, residuals, at, max_iterations);
-    const ProfileSolver solver = [&](double value, const Eigen::VectorXd& warm_start) {
-      return fits.solve(value, warm_start);
-    };
-    const double dispersion = dispersion_of(c, curvatures[at], uncertainty.dispersion);
-    result.profiles.push_back(profile(
-        target, packed(point), solver,
-        {.dispersion = dispersion, .degrees_of_freedom = degrees_of_freedom(problem, uncertainty, c)}));
-  }
+    HeldFits fits(family, problem, residuals, point, static_cast<int>(k), max_iterations);
+    const double dispersion =
+        dispersion_of(c, curvatures[static_cast<Eigen::Index>(k)], uncertainty.dispersion);
+    result.profiles[k] = profile(
+        target, packed(point),
+        [&](double value, const Eigen::VectorXd& neighbour) { return fits.solve(value, neighbour); },
+        {.dispersion = dispersion, .degrees_of_freedom = degrees_of_freedom(problem, uncertainty, c)});
+    evaluations[k] = fits.evaluations();
+  });
+  result.evaluations += std::accumulate(evaluations.begin(), evaluations.end(), 0L);
 }
 
 void add_posterior(const models::TrajectoryFamily& family, const FitProblem& problem,

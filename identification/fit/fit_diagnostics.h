@@ -17,10 +17,11 @@ void add_whiteness(FitResult& result);
 void add_identifiability(const FitProblem& problem, const Uncertainty& uncertainty, FitResult& result);
 
 /// Minimises again with each coefficient held. Needs the coefficients of the result.
-/// @param residuals one per segment, joined as at the optimum; scratch
+/// @param residuals one per segment, joined as at the optimum
 /// @param point the optimum
 /// @throws what a trajectory source throws
-void add_profiles(const FitProblem& problem, std::vector<SegmentResidual>& residuals, const FitPoint& point,
+void add_profiles(const models::TrajectoryFamily& family, const FitProblem& problem,
+                  const std::vector<SegmentResidual>& residuals, const FitPoint& point,
                   const Uncertainty& uncertainty, int max_iterations, FitResult& result);
 
 /// Draws from the posterior, and a warning where they are not to be relied on.
