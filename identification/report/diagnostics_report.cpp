@@ -105,7 +105,22 @@ Json json_of(const Bootstrap& bootstrap) {
           {"standard_errors", list(bootstrap.standard_errors)}};
 }
 
-Json json_of(const Posterior& posterior) {
+/// Draws of the coefficients, a list each: all, or so many evenly from all chains as pictures can show.
+Json thinned_draws(const Posterior& posterior, std::size_t coefficients) {
+  constexpr Eigen::Index kMost = 2000;
+  const Eigen::Index draws = posterior.draws.rows();
+  const Eigen::Index count = std::min(draws, kMost);
+  Json columns = Json::array();
+  for (std::size_t k = 0; k < coefficients; ++k) {
+    Json column = Json::array();
+    for (Eigen::Index i = 0; i < count; ++i)
+      column.push_back(number(posterior.draws(i * draws / count, static_cast<Eigen::Index>(k))));
+    columns.push_back(std::move(column));
+  }
+  return columns;
+}
+
+Json json_of(const Posterior& posterior, std::size_t coefficients) {
   Json unknowns = Json::array();
   for (const PosteriorUnknown& u : posterior.unknowns) {
     unknowns.push_back({{"name", u.name},
@@ -123,7 +138,8 @@ Json json_of(const Posterior& posterior) {
           {"acceptance", number(posterior.acceptance)},
           {"divergences", posterior.divergences},
           {"settled", posterior.is_settled()},
-          {"unknowns", unknowns}};
+          {"unknowns", unknowns},
+          {"coefficient_draws", thinned_draws(posterior, coefficients)}};
 }
 
 void add_posterior_text(const FitResult& result, std::back_insert_iterator<std::string> out) {
@@ -266,7 +282,8 @@ void add_diagnostics(const FitResult& result, Json& object) {
   for (const PredictionScore& p : result.capture_predictions)
     object["capture_predictions"].push_back(json_of(p));
   object["bootstrap"] = result.bootstrap ? json_of(*result.bootstrap) : Json(nullptr);
-  object["posterior"] = result.posterior ? json_of(*result.posterior) : Json(nullptr);
+  object["posterior"] =
+      result.posterior ? json_of(*result.posterior, result.coefficients.size()) : Json(nullptr);
   object["integration_shift"] = number(result.integration_shift);
   object["noise"] = Json::array();
   for (const NoiseLevel& level : result.noise) object["noise"].push_back(json_of(level));

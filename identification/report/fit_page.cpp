@@ -66,8 +66,8 @@ std::string fit_html(const FitResult& result) {
   page += "<main id=\"report\"></main>\n<pre id=\"errors\" hidden></pre>\n";
   page += fmt::format("<!-- The charts are drawn by uPlot:\n{}-->\n", page::kChartLicence);
   page += fmt::format("<script type=\"application/json\" id=\"fit\">{}</script>\n", for_script(data));
-  page += fmt::format("<script>{}</script>\n<script>\n{}</script>\n</body>\n</html>\n", page::kChartScript,
-                      page::kScript);
+  page += fmt::format("<script>{}</script>\n<script>\n{}{}</script>\n</body>\n</html>\n", page::kChartScript,
+                      page::kPosteriorScript, page::kScript);
   return page;
 }
 

@@ -194,6 +194,64 @@ class ReportInBrowser(Case):
         self.assertEqual([e["text"] for e in opened.inside("li", opened.one("ul", **{"class": "claims"}))],
                          ["C_D only relative to thickness (ratio)"])
 
+    def with_posterior(self):
+        """A fit with draws of two coefficients, and its page."""
+        config = write("posterior.toml", 'shared = ["C_D", "v(0)"]\nposterior = { samples = 2400, seed = 1 }\n')
+        return fitted(book("coin", COIN_PLAN), captures("one", ["a"]), "--config", config)
+
+    def changed(self, page, change):
+        """The page with other JSON in it."""
+        text = page.read_text()
+        begin = text.index('id="fit">') + len('id="fit">')
+        end = text.index("</script>", begin)
+        fit = json.loads(text[begin:end])
+        change(fit)
+        return write("changed.html", text[:begin] + json.dumps(fit).replace("<", "\\u003c") + text[end:])
+
+    def test_draws_of_a_posterior_are_shown_one_by_one_and_in_pairs(self):
+        answer, page = self.with_posterior()
+        draws = answer["posterior"]["coefficient_draws"]
+        self.assertEqual([len(column) for column in draws], [2000, 2000])
+        for column, unknown in zip(draws, answer["posterior"]["unknowns"]):
+            outside = sum(not unknown["lower"] <= value <= unknown["upper"] for value in column)
+            # 5 % of the draws are; some hundred effective ones tell it to a third of that.
+            self.assertTrue(0.02 * len(column) < outside < 0.09 * len(column))
+        opened = self.opened(page)
+        self.assertEqual([e["data-name"] for e in opened.all("div", **{"class": "marginal"})], ["C_D", "v(0)"])
+        self.assertEqual(len(opened.all("div", **{"class": "pair"})), 1)
+        self.assertNotIn("only", opened.one("p", id="pairs")["text"])
+        # Capture and model, residuals, two marginals, one pair.
+        self.assertEqual(opened.one("html")["data-painted"], "5")
+        first = opened.inside("tr", opened.one("table", id="posterior"))[1]
+        of_json = answer["posterior"]["unknowns"][0]
+        self.assertEqual(self.numbers(opened, first), [of_json[key] for key in ["median", "lower", "upper", "mean", "deviation",
+                                                                                "rhat", "effective"]])
+
+    def test_a_posterior_without_draws_is_a_table(self):
+        _, page = self.with_posterior()
+        opened = self.opened(self.changed(page, lambda fit: fit["posterior"].pop("coefficient_draws")))
+        opened.one("table", id="posterior")
+        self.assertEqual(opened.one("html")["data-painted"], "2")
+
+    def test_of_many_coefficients_the_page_says_which_pairs_it_shows(self):
+        _, page = self.with_posterior()
+
+        def multiply(fit):
+            posterior = fit["posterior"]
+            # The second draws of four copies are turned around, so that they hang together with the others less.
+            for k in range(2, 8):
+                fit["coefficients"].append({**fit["coefficients"][k % 2], "name": f"c{k}"})
+                draws = posterior["coefficient_draws"][k % 2]
+                posterior["coefficient_draws"].append(draws[::-1] if k > 3 else draws)
+                posterior["unknowns"].insert(k, {**posterior["unknowns"][k % 2], "name": f"c{k}"})
+            # A coefficient that no draw moves has no correlation.
+            posterior["coefficient_draws"][7] = [1.0] * len(posterior["coefficient_draws"][7])
+
+        opened = self.opened(self.changed(page, multiply))
+        self.assertIn("of the 8 coefficients, only the 6", opened.one("p", id="pairs")["text"])
+        self.assertEqual(len(opened.all("div", **{"class": "pair"})), 15)
+        self.assertEqual(opened.one("html")["data-painted"], str(2 + 8 + 15))
+
 
 if __name__ == "__main__":
     if "ReportInBrowser" in sys.argv and BROWSER is None:

@@ -341,7 +341,12 @@
     for (const [name, value] of fixed) row(made, [name, {value}]);
   }
 
-  for (const part of [summary, coefficients, warnings, captures, profiles, predictions, starts, notes, held]) part();
+  function posterior() {
+    drawPosterior(fit, {add, section, table, row, chart, line, points, rules, span, shown, counted, withUnit,
+                        colours: {model: MODEL, measured: MEASURED}});
+  }
+
+  for (const part of [summary, coefficients, warnings, captures, profiles, posterior, predictions, starts, notes, held]) part();
 
   // For the test of this page: how many charts have something painted on them.
   if (location.hash === "#check") {
