@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -159,15 +160,18 @@ void suspect_span(const Channel& channel, const SeenValues& seen, Sentences& fou
   }
 }
 
-/// One for all positions: the length of the acceleration says it, whatever the axes.
-void suspect_acceleration(const Capture& capture, Sentences& found) {
-  constexpr double kMost = 5.0;  // times gravity
+/// Of the positions together: the median length of the acceleration over frames, m/s^2, and of its standard error.
+struct Acceleration {
+  double size = 0.0, error = 0.0;
+};
+
+Acceleration acceleration_of(const Capture& capture, SmoothingOptions options) {
   // The bandwidth is wide: accelerations at some of the frames are enough, and much faster.
   constexpr Index kFrames = 24;
   const Index stride = 1 + capture.times.size() / kFrames;
   const Eigen::VectorXd times = capture.times(Eigen::seq(0, capture.times.size() - 1, stride));
-  const SmoothingOptions options{
-      .degree = 2, .bandwidth = 0.25 * (capture.times[capture.times.size() - 1] - capture.times[0])};
+  options.degree = 2;
+  options.bandwidth = 0.25 * (capture.times[capture.times.size() - 1] - capture.times[0]);
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(times.size());
   Eigen::VectorXd errors = Eigen::VectorXd::Zero(times.size());
   for (const Channel& channel : capture.channels) {
@@ -178,8 +182,20 @@ void suspect_acceleration(const Capture& capture, Sentences& found) {
     squares += s.acceleration.col(0).cwiseAbs2();
     errors += s.acceleration_error.col(0).cwiseAbs2();
   }
-  const double size = std::sqrt(median({squares.begin(), squares.end()}));
-  const double error = std::sqrt(median({errors.begin(), errors.end()}));
+  return {std::sqrt(median({squares.begin(), squares.end()})),
+          std::sqrt(median({errors.begin(), errors.end()}))};
+}
+
+/// One for all positions: the length of the acceleration says it, whatever the axes.
+void suspect_acceleration(const Capture& capture, Sentences& found) {
+  constexpr double kMost = 5.0;  // times gravity
+  // Finding outliers takes ten times as long as the rest, as long as a fit: it is left out where a look without shows
+  // the acceleration of a falling body.
+  constexpr double kLeastUsual = 0.1, kMostUsual = 3.0;  // times gravity
+  const SmoothingOptions plain{.noise = 0.0, .outlier_threshold = std::numeric_limits<double>::infinity()};
+  const double look = acceleration_of(capture, plain).size / kGravity;
+  if (look > kLeastUsual && look < kMostUsual) return;
+  const auto [size, error] = acceleration_of(capture, {});
   if (!(size > 5.0 * error)) return;
   const double power = std::log10(size / kGravity);
   const bool is_power =
