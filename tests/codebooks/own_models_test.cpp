@@ -51,12 +51,12 @@ relative = 1e-5
 Plan plan_of_text() { return parse_plan(std::string(kEquations) + kBox, "hunters.toml"); }
 
 /// The same question in C++.
-struct Asked {
+struct OwnQuestion {
   models::ParametricModel model{
       models::make_model<PredatorPrey>(), {{"gain", 0.05}, {"death", 0.5}}, {"growth", "hunt"}};
   BuildRequest request;
 
-  Asked() {
+  OwnQuestion() {
     request.box = {{.name = "growth", .lower = 0.9, .upper = 1.1}, {.name = "hunt", .lower = 0.09, .upper = 0.11}};
     request.end = 5.0;
     request.relative = 1e-5;
@@ -75,7 +75,7 @@ void write(const std::filesystem::path& path, const std::string& text) { std::of
 
 TEST_CASE("text and C++ end in the same codebook") {
   const BuildResult text = build(plan_of_text(), few());
-  const Asked asked;
+  const OwnQuestion asked;
   const BuildResult compiled = build(asked.model, asked.request, few());
   CAPTURE(text.message, compiled.message);
   REQUIRE(text.met);
@@ -171,7 +171,7 @@ TEST_CASE("equations that are wrong are refused with the line of what is wrong")
 
 TEST_CASE("a request that makes no plan is refused") {
   const auto refused = [](const std::function<void(BuildRequest&)>& change) {
-    Asked asked;
+    OwnQuestion asked;
     change(asked.request);
     return error_text<ArgumentError>([&] { build(asked.model, asked.request); });
   };

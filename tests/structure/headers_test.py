@@ -8,7 +8,7 @@ import sys
 root = pathlib.Path(sys.argv[1])
 # Each file there is one law, and defines the function of its name that the registry declares.
 ALL_OF_ONE_KIND = {"models/laws", "pgd/nonlinear"}
-OF_THE_C_LIBRARY = {"stddef.h"}
+OF_THE_STANDARD_LIBRARIES = {"stddef.h", "experimental/simd"}
 wrong = []
 installed = 0
 for room in ["base", "pgd", "models", "io", "codebooks", "identification"]:
@@ -19,7 +19,7 @@ for room in ["base", "pgd", "models", "io", "codebooks", "identification"]:
         for number, line in enumerate((root / room / name).read_text().splitlines(), 1):
             match = re.match(r"\s*#include <([^>]+)>", line)
             # The standard library's headers have neither slash nor suffix, but for those of C.
-            if match and match.group(1) not in OF_THE_C_LIBRARY and not match.group(1).startswith("Eigen/") and re.search(r"[/.]", match.group(1)):
+            if match and match.group(1) not in OF_THE_STANDARD_LIBRARIES and not match.group(1).startswith("Eigen/") and re.search(r"[/.]", match.group(1)):
                 wrong.append(f"{room}/{name}:{number}: {match.group(1)} in an installed header")
     for file in sorted((root / room).rglob("*.cpp")):
         if str(file.parent.relative_to(root)) not in ALL_OF_ONE_KIND and not file.with_suffix(".h").exists():
