@@ -62,7 +62,9 @@ void add_models(CLI::App& app, Arguments& arguments) {
       app.add_subcommand("models", "models with parameters, units, defaults, sources, validity");
   command->add_option("NAME", values->model,
                       "explain this model only, or the equations of a file (MODEL.toml)");
-  command->add_flag("--json", values->json, "print one JSON object");
+  CLI::Option* json = command->add_flag("--json", values->json, "print one JSON object");
+  command->add_flag("--check", values->check, "check its promises, and name the kinks of its law")
+      ->excludes(json);
   on_call(command, arguments.models, values);
 }
 

@@ -11,6 +11,7 @@ namespace samara::apps {
 struct ModelsArguments {
   std::string model;  ///< empty: all
   bool json = false;
+  bool check = false;  ///< what check_model() says of it
 };
 
 struct SimulateArguments {

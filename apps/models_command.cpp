@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/codebooks/model/model_file.h"
+#include "samara/models/checks/check_model.h"
 #include "samara/models/interface/model.h"
 #include "samara/models/laws/registry.h"
 #include "terminal.h"
@@ -106,6 +107,10 @@ std::string equation_lines(const std::string& equations) {
   return lines;
 }
 
+std::string counted(std::size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 using Row = std::vector<std::string>;
 
 /// Rows as wide as their widest cell; the last column is wrapped.
@@ -157,6 +162,18 @@ std::string explain(const models::ModelInfo& info) {
   return fmt::format("{}\n{}", text, table(terms));
 }
 
+/// @returns whether all promises hold
+bool print_check(const models::Model& model) {
+  const Check check = models::check_model(model);
+  std::string text = fmt::format("{}: {}, {}\n", model.info().name, counted(check.findings.size(), "finding"),
+                                 counted(check.notes.size(), "kink"));
+  for (const std::vector<std::string>* sentences : {&check.findings, &check.notes}) {
+    for (const std::string& sentence : *sentences) text += fmt::format("  {}\n", wrapped(sentence, 4));
+  }
+  print(text);
+  return check.passed();
+}
+
 }  // namespace
 
 int run(const ModelsArguments& arguments) {
@@ -165,6 +182,11 @@ int run(const ModelsArguments& arguments) {
     listed.push_back(codebooks::open_model(arguments.model));
   } else {
     for (const std::string& name : models::model_names()) listed.push_back(models::find_model(name));
+  }
+  if (arguments.check) {
+    bool passed = true;
+    for (const auto& model : listed) passed = print_check(*model) && passed;
+    return passed ? kDone : kToleranceMissed;
   }
   if (arguments.json) {
     Json object = {{"schema", "samara-models/1"}, {"models", Json::array()}};

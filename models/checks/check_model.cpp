@@ -11,6 +11,7 @@
 #include "samara/models/checks/check_parts.h"
 #include "samara/models/checks/check_physics.h"
 #include "samara/models/checks/check_units.h"
+#include "samara/models/checks/kinks.h"
 
 namespace samara::models {
 
@@ -125,6 +126,8 @@ void set_random_attitude(double* q, std::mt19937& random) {
   attitude.normalize();
 }
 
+}  // namespace
+
 Point random_point(const Model& model, std::mt19937& random) {
   const ModelInfo& info = model.info();
   std::uniform_real_distribution<double> symmetric(-2.0, 2.0);
@@ -149,6 +152,8 @@ Point random_point(const Model& model, std::mt19937& random) {
   model.rhs_with_derivatives(point.t, point.x, point.p, point.f, point.df_dx, point.df_dp);
   return point;
 }
+
+namespace {
 
 bool all_finite(const std::vector<double>& values) {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
@@ -314,6 +319,7 @@ Check check_model(const Model& model, const CheckModelOptions& options) {
     check_forces(model, point, options.tolerance, check.findings);
   }
   remove_repetitions(check.findings);
+  for (const Kink& kink : find_kinks(model, {.seed = options.seed})) check.notes.push_back(described(kink));
   return check;
 }
 

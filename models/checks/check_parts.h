@@ -24,6 +24,9 @@ struct Point {
   Eigen::MatrixXd df_dp;
 };
 
+/// States within two scales of zero, parameters within their meaning, some of them left to their defaults.
+Point random_point(const Model& model, std::mt19937& random);
+
 /// A value of a parameter within its meaning, never at its bound, where f need not be smooth.
 double random_value(const ParameterInfo& parameter, std::mt19937& random);
 
