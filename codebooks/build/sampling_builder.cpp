@@ -10,6 +10,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/build/time_mesh.h"
 #include "samara/pgd/fields/field_rounding.h"
+#include "samara/pgd/sampling/leja.h"
 #include "samara/pgd/sampling/sampling.h"
 #include "samara/pgd/tensors/random.h"
 
@@ -135,6 +136,8 @@ pgd::SamplingResult sample_calls(const Plan& plan, CallMemory& calls, const std:
   options.tolerance = (mesh ? kSamplingShare : kSamplingShareWithoutTime) * plan.relative;
   options.absolute = outputs.floors;
   options.max_calls = std::max(1L, max_calls);
+  // The whole grid of two coordinates may be that large; crosses of more would rather need other ranks.
+  if (coordinates.size() <= 2) options.max_nodes = pgd::kMostLejaPoints;
   options.seed = plan.builder.seed;
   options.progress = progress;
   options.challenge = challenge;
@@ -232,7 +235,7 @@ Outcome<Solution> solve(const Plan& plan, CallMemory& calls, long max_calls, con
   const pgd::SamplingResult result = sample_calls(plan, calls, mesh, max_calls - pilots, progress,
                                                   !mesh || mesh->resolved ? challenge : SamplingChallenge());
   record.evaluations = static_cast<double>(pilots + result.calls);
-  record.grid_size = result.grid_size * (mesh ? mesh->axis.size() : 1);
+  record.grid_size = result.grid_size;
   record.rounds = static_cast<int>(result.history.size());
   record.status = status_of(result, !mesh || mesh->resolved);
   record.message = result.message;

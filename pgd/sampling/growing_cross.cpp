@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/QR>
@@ -66,6 +68,7 @@ GrowingCross::GrowingCross(SampleTable& table, std::vector<int> nodes, int max_r
 }
 
 std::vector<int> GrowingCross::ranks() const {
+  if (!grid_ranks_.empty()) return grid_ranks_;
   std::vector<int> ranks;
   for (const Bond& bond : bonds_) ranks.push_back(static_cast<int>(bond.cols.cols()));
   return ranks;
@@ -208,11 +211,38 @@ bool GrowingCross::grow_once(double tolerance) {
   return grown;
 }
 
+/// Below so many nodes nobody knows yet how many ranks there will be.
+bool GrowingCross::has_called_most() const {
+  constexpr double kMost = 0.7;
+  constexpr double kFew = 49.0;
+  if (coordinates() == 1) return true;
+  const double grid = static_cast<double>(nodes_[0]) * nodes_[1];
+  return coordinates() == 2 && grid >= kFew && static_cast<double>(table_.size()) >= kMost * grid;
+}
+
 void GrowingCross::grow(double tolerance, long max_calls) {
-  while (table_.function().calls() <= max_calls && grow_once(tolerance)) continue;
+  tolerance_ = tolerance;
+  const auto takes_whole_grid = [&] { return has_whole_grid_ = has_whole_grid_ || has_called_most(); };
+  while (!takes_whole_grid() && table_.function().calls() <= max_calls && grow_once(tolerance)) continue;
+  if (!has_whole_grid_) return;
+  exhausted_ = false;
+  table_.places(all_nodes());
+}
+
+/// The first coordinate runs fastest.
+IndexBatch GrowingCross::all_nodes() const {
+  IndexBatch points(coordinates(), std::accumulate(nodes_.begin(), nodes_.end(), 1, std::multiplies<>()));
+  int stride = 1;
+  for (int k = 0; k < coordinates(); ++k) {
+    const int n = nodes_[static_cast<std::size_t>(k)];
+    for (int j = 0; j < points.cols(); ++j) points(k, j) = j / stride % n;
+    stride *= n;
+  }
+  return points;
 }
 
 int GrowingCross::add_pivot(const Eigen::VectorXi& point, double tolerance) {
+  if (has_whole_grid_) return 0;
   const int outputs = table_.function().outputs();
   std::vector<Search> open;
   std::vector<Block> crosses;
@@ -247,7 +277,23 @@ int GrowingCross::add_pivot(const Eigen::VectorXi& point, double tolerance) {
   return taken;
 }
 
+TensorTrain GrowingCross::train_of_grid() {
+  // Of the search's tolerance, what the mean square over all values may lose: single ones lose more.
+  constexpr double kShare = 0.05;
+  const std::vector<int> places = table_.places(all_nodes());
+  const Eigen::VectorXd scale = table_.function().scale();
+  Eigen::MatrixXd values(scale.size(), static_cast<Eigen::Index>(places.size()));
+  for (Eigen::Index j = 0; j < values.cols(); ++j)
+    values.col(j) = table_.values(places[static_cast<std::size_t>(j)]).cwiseQuotient(scale);
+  TensorTrain train =
+      to_train(values, nodes_, kShare * tolerance_ * std::sqrt(static_cast<double>(values.size())));
+  grid_ranks_ = train.ranks();
+  train.cores[0].left_unfolding() = scale.asDiagonal() * train.cores[0].left_unfolding();
+  return train;
+}
+
 TensorTrain GrowingCross::train() {
+  if (has_whole_grid_) return train_of_grid();
   // T_k with rows (row of bond k-1, node of mode k), the row running fastest: a left unfolding.
   std::vector<Block> wanted;
   for (int b = 0; b < bonds(); ++b) {

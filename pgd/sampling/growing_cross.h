@@ -16,6 +16,9 @@ namespace samara::pgd {
 /// and b+1 and has as many rows (an output and nodes of coordinates 1 .. b) as columns (nodes of coordinates
 /// b+1 .. d): its pivots. With T_k the values at (rows of bond k-1) x mode k x (columns of bond k) and P_b
 /// those at rows x columns of bond b, the function is interpolated by T_0 P_0^-1 T_1 P_1^-1 .. T_d.
+///
+/// Of one coordinate, and of two where the crosses have called most nodes anyway, all nodes are called: then the
+/// interpolant is exact at them, and no pivots are searched.
 class GrowingCross {
  public:
   /// Starts with one pivot, the largest value of a few random nodes. @param nodes per coordinate, at least 1
@@ -30,8 +33,11 @@ class GrowingCross {
   /// `tolerance`. @returns how many bonds took it. @throws SamplingStopped
   int add_pivot(const Eigen::VectorXi& point, double tolerance);
 
+  bool has_whole_grid() const { return has_whole_grid_; }
+
   void set_nodes(int coordinate, int count) { nodes_[static_cast<std::size_t>(coordinate)] = count; }
   const std::vector<int>& nodes() const { return nodes_; }
+  /// Of the crosses; of the whole grid, those of the last train.
   std::vector<int> ranks() const;
   bool ranks_are_exhausted() const { return exhausted_; }
 
@@ -69,6 +75,9 @@ class GrowingCross {
   std::vector<Search> searches();
   void look_along_rows(std::vector<Search>& searches);
   bool grow_once(double tolerance);
+  bool has_called_most() const;
+  IndexBatch all_nodes() const;
+  TensorTrain train_of_grid();
   void append(Bond& bond, const Eigen::VectorXi& row, const Eigen::VectorXi& col);
 
   SampleTable& table_;
@@ -77,6 +86,9 @@ class GrowingCross {
   Random random_;
   std::vector<Bond> bonds_;
   bool exhausted_ = false;
+  bool has_whole_grid_ = false;
+  double tolerance_ = 0.0;       ///< of the last growth
+  std::vector<int> grid_ranks_;  ///< of the last train of the whole grid
 };
 
 }  // namespace samara::pgd

@@ -91,6 +91,8 @@ class SampleTable {
   /// Places of the points (coordinates x points, Leja numbers) in the table; missing ones are called in one
   /// batch. @throws SamplingStopped
   std::vector<int> places(const IndexBatch& points);
+  /// Nodes that were called.
+  std::size_t size() const { return places_.size(); }
   /// All outputs at one place.
   Eigen::Map<const Eigen::VectorXd> values(int place) const {
     return {values_.data() + static_cast<std::ptrdiff_t>(place) * outputs_, outputs_};

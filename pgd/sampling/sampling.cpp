@@ -28,6 +28,7 @@ constexpr std::size_t kRefutedPivots = 8;  // of a claim that fresh points refut
 constexpr int kGuardPoints = 25;           // fresh ones in every round
 constexpr int kCheckPoints = 100;          // of the first claim, beside its exploration
 constexpr int kLaterCheckPoints = 50;      // of later ones, and as many uniform points
+constexpr int kPartOfGrid = 8;             // by which an axis of a whole grid grows
 constexpr int kMostChallenges = 20;
 constexpr int kMostElsewhere = 3;  // challenges that find wrong what the cross has right
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -274,7 +275,8 @@ class Sampling {
     bool finer = false;
     for (const int k : rough) {
       const auto i = static_cast<std::size_t>(k);
-      const int step = tails_[i] < 10.0 * tolerance_ ? 1 : 2;
+      const int step = std::max(tails_[i] < 10.0 * tolerance_ ? 1 : 2,
+                                cross_->has_whole_grid() ? cross_->nodes()[i] / kPartOfGrid : 0);
       const int count = std::min(cross_->nodes()[i] + step, options_.max_nodes);
       finer = finer || count > cross_->nodes()[i];
       cross_->set_nodes(k, count);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -39,6 +40,16 @@ void orthogonalise_left(TensorTrain& train) {
     core.left_unfolding() = q;
     train.cores[k + 1] = std::move(next);
   }
+}
+
+/// Right singular vectors of a matrix, and its singular values: QR leaves only a square to them.
+ThinSvd right_singular(const Eigen::MatrixXd& matrix) {
+  Eigen::MatrixXd square;
+  if (matrix.rows() >= matrix.cols()) return thin_svd(qr_factor(matrix));
+  const Eigen::MatrixXd rows = thin_qr(matrix.transpose(), square);
+  ThinSvd svd = thin_svd(square.transpose());
+  svd.v = rows * svd.v;
+  return svd;
 }
 
 /// Number of leading singular values to keep so that the others' root sum of squares stays below `tolerance`.
@@ -85,6 +96,33 @@ TensorTrain to_train(const SeparatedTensor& tensor) {
     train.cores.push_back(std::move(core));
     carry = std::move(next);
   }
+  return train;
+}
+
+TensorTrain to_train(const Eigen::MatrixXd& values, const std::vector<int>& sizes, double tolerance) {
+  const double expected = std::accumulate(sizes.begin(), sizes.end(), 1.0, std::multiplies<>());
+  if (sizes.empty() || values.rows() < 1 || static_cast<double>(values.cols()) != expected) {
+    throw ArgumentError(fmt::format("{} x {} values for modes of {} entries", values.rows(), values.cols(),
+                                    fmt::join(sizes, " x ")));
+  }
+  const double per_cut = tolerance / std::sqrt(static_cast<double>(sizes.size()));
+  TensorTrain train;
+  train.cores.resize(sizes.size() + 1);
+  Eigen::MatrixXd carry = values;  // what is left of the first modes, times the rank
+  int right = 1;
+  for (std::size_t k = sizes.size(); k > 0; --k) {
+    const Eigen::Index columns = Eigen::Index{sizes[k - 1]} * right;
+    const Eigen::MatrixXd unfolding = carry.reshaped(carry.size() / columns, columns);
+    const ThinSvd svd = right_singular(unfolding);
+    const int rank = kept_rank(svd.singular, per_cut);
+    TrainCore core(rank, sizes[k - 1], right);
+    core.right_unfolding() = svd.v.leftCols(rank).transpose();
+    train.cores[k] = std::move(core);
+    carry = unfolding * svd.v.leftCols(rank);
+    right = rank;
+  }
+  train.cores[0] = TrainCore(1, static_cast<int>(values.rows()), right);
+  train.cores[0].left_unfolding() = carry;
   return train;
 }
 

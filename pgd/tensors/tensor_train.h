@@ -54,6 +54,13 @@ struct TensorTrain {
 /// O(d n R^3) for R terms.
 TensorTrain to_train(const SeparatedTensor& tensor);
 
+/// All entries of a tensor as a train, by singular values: the result differs by at most `tolerance` (absolute,
+/// Euclidean norm). Reference: Oseledets 2011, algorithm 1, from the last mode on.
+/// @param values rows: the first mode; columns: the other modes, the first of them fastest
+/// @param sizes of these other modes, at least one
+/// @throws ArgumentError if the columns are not as many as the sizes say.
+TensorTrain to_train(const Eigen::MatrixXd& values, const std::vector<int>& sizes, double tolerance);
+
 /// Rounding by singular values: the result differs by at most `tolerance` (absolute, Euclidean norm) and has
 /// the smallest ranks up to a factor sqrt(d - 1) in the tolerance. O(d n r^3).
 TensorTrain rounded(TensorTrain train, double tolerance);

@@ -49,6 +49,27 @@ TEST_CASE("the build does not believe a tolerance that it has not reached") {
   }
 }
 
+TEST_CASE("of two coordinates of high rank all nodes are called, and of low rank few") {
+  // exp(-4 (x - y)^2) has about as many terms as nodes; the other function has two.
+  const Scalar high = [](std::span<const double> x) { return std::exp(-4.0 * std::pow(x[0] - x[1], 2)); };
+  const Scalar low = [](std::span<const double> x) {
+    return std::sin(9.0 * x[0]) * std::cos(8.0 * x[1]) + x[0];
+  };
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const SamplingResult whole = sample(unit_box(2), {{"f"}}, one_output(high),
+                                        {.tolerance = 1e-6, .max_calls = 20'000, .seed = seed});
+    INFO(whole.message);
+    REQUIRE(whole.tolerance_met());
+    CHECK(whole.calls - whole.points_checked >= static_cast<long>(whole.grid_size));
+    CHECK(independent_error(whole, high) < 3e-6);
+    const SamplingResult crosses =
+        sample(unit_box(2), {{"f"}}, one_output(low), {.tolerance = 1e-6, .max_calls = 20'000, .seed = seed});
+    REQUIRE(crosses.tolerance_met());
+    CHECK(static_cast<double>(crosses.calls - crosses.points_checked) < 0.7 * crosses.grid_size);
+    CHECK(independent_error(crosses, low) < 3e-6);
+  }
+}
+
 TEST_CASE("two narrow peaks are found") {
   const Scalar f = [](std::span<const double> x) {
     double a = 0.0, b = 0.0;

@@ -106,3 +106,22 @@ TEST_CASE("a tensor without terms is zero in every form") {
   tensor.append(zero);
   CHECK(tensor.rank() == 1);
 }
+
+TEST_CASE("all entries of a tensor become a train of the least ranks, as wrong as it may be") {
+  const SeparatedTensor tensor = random_tensor(kModes, 3, 5);
+  Eigen::MatrixXd values(2, 7 * 5 * 6);
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < values.cols(); ++j)
+      values(i, j) = tensor.entry(std::vector<int>{i, j % 7, j / 7 % 5, j / 35});
+  const TensorTrain train = to_train(values, {7, 5, 6}, 1e-12 * values.norm());
+  CHECK(train.ranks() == std::vector<int>{2, 3, 3});
+  CHECK(difference(tensor, train) < 1e-11);
+  const double tolerance = 0.1 * values.norm();
+  const TensorTrain rough = to_train(values, {7, 5, 6}, tolerance);
+  double lost = 0.0;
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < values.cols(); ++j)
+      lost += std::pow(values(i, j) - rough.entry(std::vector<int>{i, j % 7, j / 7 % 5, j / 35}), 2);
+  CHECK(std::sqrt(lost) <= tolerance);
+  CHECK_THROWS_WITH(to_train(values, {7, 5}, 0.0), "2 x 210 values for modes of 7 x 5 entries");
+}
