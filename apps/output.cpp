@@ -10,6 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/codebooks/build/effort.h"
 #include "samara/io/atomic_file.h"
 #include "terminal.h"
 
@@ -55,20 +56,23 @@ std::string counted(long count, const char* one, const char* many) {
 
 std::string effort(const codebooks::Codebook& book) {
   const codebooks::BuildRecord& record = book.build();
-  const std::string rounds = record.builder == "pgd" && record.strategy != "newton"
-                                 ? counted(record.rounds, "march", "marches")
-                                 : counted(record.rounds, "round", "rounds");
+  const double sweep = record.grid_size;
   if (record.builder == "sampling") {
-    return fmt::format("{}, {:.6g} {}, grid of {:.3g} nodes", rounds, record.evaluations,
-                       book.is_of_command() ? "calls" : "trajectories", record.grid_size);
+    const char* calls = book.is_of_command() ? "calls" : "trajectories";
+    const std::string grid = sweep > 0.0 ? fmt::format("; its grid has {:.6g} points", sweep) : "";
+    return fmt::format("{}, {:.6g} {} with those of the checks{}", counted(record.rounds, "round", "rounds"),
+                       record.evaluations, calls, grid);
   }
+  std::string text = counted(record.rounds, "march", "marches");
   if (record.strategy == "newton") {
-    return fmt::format("{}, {}, {:.3g} evaluations, grid of {:.3g} nodes", rounds,
-                       counted(record.iterations, "Newton iteration", "Newton iterations"),
-                       record.evaluations, record.grid_size);
+    text = fmt::format("{}, {}", counted(record.rounds, "round", "rounds"),
+                       counted(record.iterations, "Newton iteration", "Newton iterations"));
   }
-  return fmt::format("{}, {:.3g} evaluations, where those at all nodes would be {:.3g}", rounds,
-                     record.evaluations, record.grid_size);
+  text += fmt::format(", {:.3g} evaluations in all", record.evaluations);
+  if (record.builder != "pgd" || !(sweep > 0.0)) return text;
+  text += fmt::format("; a sweep over its grid, {:.6g} trajectories, would take about {:.2g}",
+                      codebooks::sweep_size(book.pieces()), sweep);
+  return sweep < record.evaluations ? text + " and cost less" : text;
 }
 
 std::string miss_of(const codebooks::Codebook& book) {

@@ -54,13 +54,14 @@ struct Provenance {
 
 /// How the builder went; the same on every machine and after every resume.
 struct BuildRecord {
-  std::string builder;   ///< "pgd", "sampling", or "fit": of a series of coefficients
-  std::string strategy;  ///< one of pgd::strategy_names(); of sampling "cross"; of older files also "newton"
+  std::string builder;  ///< "pgd", "sampling", or "fit": of a series of coefficients
+  /// One of pgd::strategy_names(); of sampling "cross"; in older files also "newton".
+  std::string strategy;
   Termination status = Termination::failed;
   std::string message;     ///< in one sentence
   double evaluations = 0;  ///< of the right-hand side and its Jacobian; of sampling: trajectories, or calls
-  /// Nodes of time x parameters of the last round; of slabs and their like: what evaluations at all nodes of
-  /// their grids would have been.
+  /// What a plain sweep over the parameter grid of the codebook would take, in the same measure, see
+  /// codebooks/build/effort.h; of sampling the points of its grid. 0: not known.
   double grid_size = 0;
   int iterations = 0;  ///< most that a strategy took on a slab; of slabs and sampling: none
   int rounds = 0;      ///< of sampling; else marches

@@ -17,6 +17,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/version.h"
 #include "samara/codebooks/build/compaction.h"
+#include "samara/codebooks/build/effort.h"
 #include "samara/codebooks/build/pgd_builder.h"
 #include "samara/codebooks/build/sampling_builder.h"
 #include "samara/codebooks/certify/certify.h"
@@ -189,9 +190,12 @@ struct Build {
   const bool& cancelled;
   ModelDescription model;
   Certifier certifier;
+  double per_trajectory =
+      0.0;  ///< evaluations that a sweep would take, of an engine that takes none; 0: unknown
   Clock::time_point begin = Clock::now();
 
   Codebook book_of(Solution solution) const {
+    if (per_trajectory > 0.0) solution.record.grid_size = per_trajectory * sweep_size(solution.pieces);
     const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
     return Codebook(model, std::move(solution.pieces), std::move(solution.record),
                     provenance_of(plan, seconds), {}, plan.title);
@@ -305,6 +309,7 @@ BuildResult build_of_model(const Plan& plan, const BuildOptions& options, const 
                  return measure(book, model, certify_by, extent);
                }}};
   Solution solved = solve(build, model);
+  if (solved.record.builder == "pgd") build.per_trajectory = evaluations_per_trajectory(plan, model);
   // Fewer numbers must not cost the certificate.
   for (const double share : {0.9, 0.4}) {
     std::optional<Solution> compact = compacted(solved, compaction_of(plan, share));

@@ -10,6 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/build/compaction.h"
+#include "samara/codebooks/build/effort.h"
 #include "samara/codebooks/source/checkpoint.h"
 #include "samara/codebooks/source/model_system.h"
 #include "samara/pgd/nonlinear/march.h"
@@ -71,7 +72,6 @@ BuildRecord record_of(const pgd::SlabResult& result, const std::string& strategy
   record.status = result.status;
   record.message = result.message;
   record.evaluations = static_cast<double>(result.evaluations);
-  record.grid_size = result.grid_evaluations;
   if (strategy != "slabs") {
     for (const pgd::SlabRecord& slab : result.history)
       record.iterations = std::max(record.iterations, static_cast<int>(slab.iterations));
@@ -148,6 +148,7 @@ Solution solve_by_pgd(const Plan& plan, const models::ParametricModel& model, co
   }
   Solution solution;
   solution.record = record_of(result, strategy);
+  solution.record.message += costly_slabs(result, model);
   solution.spent.nonlinearity = result.error;
   for (pgd::TrainField& field : result.pieces) solution.pieces.push_back(Piece{{std::move(field)}});
   if (strategy != "enrichment") return solution;

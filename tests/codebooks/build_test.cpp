@@ -6,6 +6,7 @@
 
 #include "../error_text.h"
 #include "../io/temporary_directory.h"
+#include "samara/codebooks/build/effort.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
@@ -27,6 +28,11 @@ BuildResult built(const std::string& text, BuildOptions options = {.certificate_
   Plan plan = parse_plan(text, "plan.toml");
   plan.builder.kind = "pgd";
   return build(plan, options);
+}
+
+/// The coin, marched.
+std::string in_slabs() {
+  return coin_plan() + "strategy = 'slabs'\n";
 }
 
 /// Vertical fall of a coin-like body to 1e-3.
@@ -202,6 +208,17 @@ TEST_CASE("a coin with C_D and v(0) free meets its tolerance, and the certificat
   CHECK(book.provenance().created.size() == std::string("2026-01-02T03:04:05Z").size());
 }
 
+TEST_CASE("the effort of a build counts all evaluations, against a sweep over the grid of the codebook") {
+  const Plan plan = parse_plan(in_slabs(), "coin.toml");
+  const Codebook book = build(plan, {.certificate_points = 200}).book;
+  if (book.pieces().size() == 1) {
+    const std::vector<samara::pgd::Axis> axes = book.pieces().front().outline().axes;
+    CHECK(sweep_size(book.pieces()) == axes[1].size() * axes[2].size());
+  }
+  CHECK(book.build().grid_size ==
+        sweep_size(book.pieces()) * evaluations_per_trajectory(plan, plan.parametric_model()));
+}
+
 TEST_CASE("density, area, thickness and added mass may be free together") {
   check_certificate(built(fall_plan("C_D = 1.15\n",
                                     "density = [6300, 6400]\narea = ['4.6 cm^2', '4.8 cm^2']\n"
@@ -307,12 +324,12 @@ TEST_CASE(
 
 TEST_CASE("progress is reported in stages, with fractions between 0 and 1") {
   std::vector<std::string> stages;
-  built(coin_plan(), {.certificate_points = 100, .progress = [&](const samara::Progress& report) {
-                        CHECK(report.fraction >= 0.0);
-                        CHECK(report.fraction <= 1.0);
-                        if (stages.empty() || stages.back() != report.stage) stages.push_back(report.stage);
-                        return true;
-                      }});
+  built(in_slabs(), {.certificate_points = 100, .progress = [&](const samara::Progress& report) {
+                       CHECK(report.fraction >= 0.0);
+                       CHECK(report.fraction <= 1.0);
+                       if (stages.empty() || stages.back() != report.stage) stages.push_back(report.stage);
+                       return true;
+                     }});
   REQUIRE(stages.size() > 2);
   CHECK(stages[0] == "survey of the box");
   CHECK(stages[1] == "slab 1");
@@ -324,11 +341,11 @@ TEST_CASE("a build that is cancelled says so, asks no more, and gives what it ha
     bool cancelled = false;
     int reports_after = 0;
     const BuildResult result =
-        built(coin_plan(), {.certificate_points = 100, .progress = [&](const samara::Progress& report) {
-                              if (cancelled) ++reports_after;
-                              cancelled = cancelled || report.stage == stage;
-                              return !cancelled;
-                            }});
+        built(in_slabs(), {.certificate_points = 100, .progress = [&](const samara::Progress& report) {
+                             if (cancelled) ++reports_after;
+                             cancelled = cancelled || report.stage == stage;
+                             return !cancelled;
+                           }});
     INFO(stage);
     CHECK(cancelled);
     CHECK(reports_after == 0);
