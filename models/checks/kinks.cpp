@@ -128,20 +128,18 @@ Components components(const Wrench& wrench) {
   return all;
 }
 
-/// Largest less smallest, of values or of the slopes between them.
-Components change_of(const std::vector<Components>& values, const std::vector<double>& at, bool is_of_value) {
+/// Largest less smallest slope between neighbours: what is smooth has about one.
+Components change_of_slopes(const std::vector<Components>& values, const std::vector<double>& at) {
   Components least = Components::Constant(HUGE_VAL), most = -least;
-  for (std::size_t j = 0; j < values.size(); ++j) {
-    if (!is_of_value && j == 0) continue;
-    const Components here =
-        is_of_value ? values[j] : Components((values[j] - values[j - 1]) / (at[j] - at[j - 1]));
-    least = least.cwiseMin(here);
-    most = most.cwiseMax(here);
+  for (std::size_t j = 1; j < values.size(); ++j) {
+    const Components slope = (values[j] - values[j - 1]) / (at[j] - at[j - 1]);
+    least = least.cwiseMin(slope);
+    most = most.cwiseMax(slope);
   }
   return most - least;
 }
 
-/// Force terms are compared by their change over the largest force, or torque, of all.
+/// Force terms are compared by the change of their slopes over the largest force, or torque, of all.
 std::string term_of(Line& line, double centre, const Abrupt& abrupt) {
   const std::vector<ForceTermInfo>& infos = line.model.info().force_terms;
   if (infos.empty()) return "";
@@ -163,7 +161,7 @@ std::string term_of(Line& line, double centre, const Abrupt& abrupt) {
   std::size_t worst = 0;
   double largest = 0.0;
   for (std::size_t k = 0; k < infos.size(); ++k) {
-    const Components change = change_of(terms[k], at, abrupt.is_of_rate);
+    const Components change = change_of_slopes(terms[k], at);
     const double of_force = force > 0.0 ? change.head<3>().maxCoeff() / force : 0.0;
     const double of_torque = torque > 0.0 ? change.tail<3>().maxCoeff() / torque : 0.0;
     if (std::max(of_force, of_torque) > largest) {

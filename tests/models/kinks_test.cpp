@@ -116,6 +116,14 @@ TEST_CASE("the chord along the velocity of a card dips within its floor, and the
   CHECK(along->term == "rotational lift");
   CHECK(along->floor == "speed_floor");
   CHECK(along->distance < 1e-3);
+  // Beside the axis the other velocity is the floor, and the moment of the added mass is larger, but smooth.
+  x[static_cast<std::size_t>(std::ranges::find(info.states, "uy", &StateInfo::name) - info.states.begin())] =
+      0.003;
+  const std::vector<Kink> beside = kinks_at_zero(*card, {{0.0, x, p}});
+  const auto still = std::ranges::find(beside, "ux", &Kink::state);
+  REQUIRE(still != beside.end());
+  CHECK(still->term == "rotational lift");
+  CHECK(still->floor.empty());
 }
 
 TEST_CASE("the check of a model notes its kinks, which are no findings") {
