@@ -219,6 +219,22 @@ TEST_CASE("the effort of a build counts all evaluations, against a sweep over th
         sweep_size(book.pieces()) * evaluations_per_trajectory(plan, plan.parametric_model()));
 }
 
+TEST_CASE(
+    "a march that works most at a kink of the law says when, of which term, and one over time says nothing") {
+  const std::string card =
+      "model = 'immersed_body'\n[fixed]\na = 0.035\nb = 0.02\nc = 1e-4\ndensity = 1200\nC_D0 = 0.05\nC_w = "
+      "2\n"
+      "C_T = 0.91\nspeed_floor = 1e-4\nvelocity_chord = 1\n'qw(0)' = 0.99619469809\n'qx(0)' = 0\n"
+      "'qy(0)' = 0.08715574274\n[box]\nC_D90 = [0.28, 0.34]\nC_R = [0.56, 0.66]\n[time]\nend = 0.3\n"
+      "[tolerance]\nrelative = 1e-3\nabsolute = { x = 0.1, y = 0.1, z = 0.1, qw = 1, qx = 1, qy = 1, qz = 1, "
+      "ux = 0.1, uy = 0.1, uz = 0.1, wx = 5, wy = 5, wz = 5 }\n[builder]\nkind = 'pgd'\nstrategy = 'slabs'\n";
+  const std::string message =
+      build(parse_plan(card, "card.toml"), {.certificate_points = 20}).book.build().message;
+  CHECK_THAT(message, Contains("of the evaluations of the march went into") &&
+                          Contains("most of it is of the term \"rotational lift\""));
+  CHECK_THAT(coin_build().book.build().message, !Contains("of the evaluations of the march"));
+}
+
 TEST_CASE("density, area, thickness and added mass may be free together") {
   check_certificate(built(fall_plan("C_D = 1.15\n",
                                     "density = [6300, 6400]\narea = ['4.6 cm^2', '4.8 cm^2']\n"
