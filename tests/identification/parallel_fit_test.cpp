@@ -46,10 +46,10 @@ void check_same_bits(const FitResult& one, const FitResult& other) {
 
 /// A motion of its own unknown s and a shared one a: y(0) = x/sqrt(w^2 + x^2) with x = s - a, y(1) = s/2. With zeros
 /// measured, the cost of s has a valley at s = a, about a^2/8 high, and one at s = 0, of nearly 1/2.
-class Basins final : public samara::models::TrajectoryFamily {
+class MovingValley final : public samara::models::TrajectoryFamily {
  public:
-  Basins() {
-    info_.model = "two valleys";
+  MovingValley() {
+    info_.model = "moving valley";
     info_.source = "closed form";
     info_.coordinates = {{"a", "1", false, -1.0, 5.0}, {"s", "1", false, -1.0, 6.0}};
     info_.outputs = {{"y", "1"}};
@@ -136,7 +136,7 @@ TEST_CASE("starts, profiles and replicates of many captures have the same bits o
 }
 
 TEST_CASE("a profile point is looked for in more valleys than its neighbour's") {
-  const Basins family;
+  const MovingValley family;
   const std::vector<double> times = {0.0, 1.0};
   Capture capture;
   capture.id = "zeros";
