@@ -55,7 +55,7 @@ Capture plate(double begin, double scale, double turn, std::uint64_t seed) {
   return capture;
 }
 
-std::unique_ptr<samara::models::TrajectoryFamily> free_plates(
+std::unique_ptr<samara::models::TrajectoryFamily> plate_family(
     std::map<std::string, samara::models::Interval> box = {}) {
   for (const auto& [name, value] : camera_truth()) box[name] = {0.3 * value, 3.0 * value};
   for (const char* name : {"vx(0)", "vy(0)", "w(0)"}) box[name] = {-8.0, 8.0};
@@ -163,7 +163,7 @@ TEST_CASE("residuals seen by a camera have the derivatives of differences") {
     for (double& value : next) value = 0.3 + 0.1 * random.normal();
     check_derivatives(residual, shared, own, next);
   };
-  check(*free_plates(), {plate(20.0, 1.0, 0.0, 1)}, plate_options(true), Eigen::Vector3d(1.3, 3.0, 0.25));
+  check(*plate_family(), {plate(20.0, 1.0, 0.0, 1)}, plate_options(true), Eigen::Vector3d(1.3, 3.0, 0.25));
 
   const auto body = seen_card_family();
   Capture capture;
@@ -191,14 +191,14 @@ TEST_CASE("segments seen by a camera join by the way from where the motion start
     for (double& value : values) value = 0.3 + 0.1 * random.normal();
     return values;
   };
-  const auto plain_family = free_plates();
+  const auto plain_family = plate_family();
   const FitProblem plain = make_problem(plain_family->info(), std::span(&capture, 1), options);
   SegmentResidual expected(*plain_family, plain, plain.segments[0]);
   const Eigen::VectorXd own = somewhere(plain.own_count()), next = somewhere(plain.own_count());
   const Eigen::Vector3d shared(1.3, 3.0, 0.25);
   REQUIRE(expected.evaluate(shared.data(), own.data(), next.data(), false));
 
-  const auto family = free_plates({{"x(0)", {-2.0, 2.0}}});
+  const auto family = plate_family({{"x(0)", {-2.0, 2.0}}});
   for (const bool is_known : {false, true}) {
     FitOptions with_start = options;
     if (is_known) {
@@ -228,7 +228,7 @@ TEST_CASE("a camera of another scale and other axes biases coefficients unless i
   std::vector<Capture> captures;
   for (int c = 0; c < 3; ++c)
     captures.push_back(plate(20.0 + 2.3 * c, kScale, kTurn, static_cast<std::uint64_t>(c + 1)));
-  const auto family = free_plates();
+  const auto family = plate_family();
   const FitResult without = fit(*family, captures, plate_options(false));
   const FitOptions options = plate_options(true);
   const FitResult with = fit(*family, captures, options);
@@ -325,18 +325,18 @@ TEST_CASE("cameras are refused that have no place to look at") {
   const std::vector captures = {plate(20.0, 1.0, 0.0, 1)};
   FitOptions options = plate_options(true);
   options.camera.axes = {"x"};
-  CHECK_THROWS_WITH(fit(*free_plates(), captures, options), Contains("there are 1 (x); 2 or 3 outputs"));
+  CHECK_THROWS_WITH(fit(*plate_family(), captures, options), Contains("there are 1 (x); 2 or 3 outputs"));
   options.camera.axes = {"x", "Y"};
-  CHECK_THROWS_WITH(fit(*free_plates(), captures, options), Contains("\"Y\" is no output"));
+  CHECK_THROWS_WITH(fit(*plate_family(), captures, options), Contains("\"Y\" is no output"));
   options = plate_options(true);
   options.camera.angles = {{"phi"}};
-  CHECK_THROWS_WITH(fit(*free_plates(), captures, options), Contains("\"phi\" is not among the compared"));
+  CHECK_THROWS_WITH(fit(*plate_family(), captures, options), Contains("\"phi\" is not among the compared"));
   options = plate_options(true);
   options.compared.outputs = {"theta"};
-  CHECK_THROWS_WITH(fit(*free_plates(), captures, options), Contains("none of its axes (x, y) is compared"));
+  CHECK_THROWS_WITH(fit(*plate_family(), captures, options), Contains("none of its axes (x, y) is compared"));
   options = plate_options(true);
   options.camera.scale = -0.1;
-  CHECK_THROWS_WITH(fit(*free_plates(), captures, options), Contains("camera.scale is -0.1"));
+  CHECK_THROWS_WITH(fit(*plate_family(), captures, options), Contains("camera.scale is -0.1"));
 }
 
 TEST_CASE("cameras are refused whose axes are no place, whose angles are none, or of which all is known") {
@@ -344,7 +344,7 @@ TEST_CASE("cameras are refused whose axes are no place, whose angles are none, o
   const auto refused = [&](const CameraOptions& camera, const std::string& words) {
     FitOptions options = plate_options(false);
     options.camera = camera;
-    CHECK_THROWS_WITH(fit(*free_plates(), captures, options), Contains(words));
+    CHECK_THROWS_WITH(fit(*plate_family(), captures, options), Contains(words));
   };
   refused({.rotation = 0.1, .axes = {"x", "x"}}, "camera.axes: \"x\" stands there twice");
   refused({.rotation = 0.1, .axes = {"x", "theta"}}, "camera.axes: \"theta\" is in 1; coordinates");

@@ -57,7 +57,7 @@ FitOptions plate_options() {
   return options;
 }
 
-std::unique_ptr<samara::models::TrajectoryFamily> plate_family() {
+std::unique_ptr<samara::models::TrajectoryFamily> tumbling_plates() {
   return step_trajectories(find_model("falling_plate_nd"), plate(1.4), plate_box(), 0.01);
 }
 
@@ -101,7 +101,7 @@ Capture card_capture() {
 TEST_CASE("a tumbling plate gives its coefficients back from a start 30 percent away") {
   FitOptions options = plate_options();
   options.starts.initial = {{"C_T", 0.84}, {"C_R", 4.1}, {"A", 1.82}, {"mu1", 0.14}};
-  const FitResult result = fit(*plate_family(), std::vector{tumbling(kNoise, 7)}, options);
+  const FitResult result = fit(*tumbling_plates(), std::vector{tumbling(kNoise, 7)}, options);
   INFO(result.message);
   CHECK(result.status == FitStatus::converged);
   CHECK(result.captures.at(0).segments == 6);
@@ -117,7 +117,7 @@ TEST_CASE("a tumbling plate gives its coefficients back from a start 30 percent 
 }
 
 TEST_CASE("without noise the coefficients are exact to the error of the steps") {
-  const FitResult result = fit(*plate_family(), std::vector{tumbling(0.0, 1)}, plate_options());
+  const FitResult result = fit(*tumbling_plates(), std::vector{tumbling(0.0, 1)}, plate_options());
   CHECK(result.status == FitStatus::converged);
   // RK4 at h = 0.01 and the penalty of joins.
   for (const Coefficient& c : result.coefficients) CHECK(c.value == Approx(truth().at(c.name)).epsilon(1e-5));
@@ -126,9 +126,9 @@ TEST_CASE("without noise the coefficients are exact to the error of the steps") 
 TEST_CASE("where segments are cut does not matter to the answer") {
   const std::vector captures = {tumbling(kNoise, 3)};
   FitOptions options = plate_options();
-  const FitResult six = fit(*plate_family(), captures, options);
+  const FitResult six = fit(*tumbling_plates(), captures, options);
   options.segments.length = 0.6;
-  const FitResult ten = fit(*plate_family(), captures, options);
+  const FitResult ten = fit(*tumbling_plates(), captures, options);
   REQUIRE(ten.captures.at(0).segments == 10);
   for (std::size_t k = 0; k < six.coefficients.size(); ++k) {
     const double error = six.coefficients[k].naive_standard_error.value();
@@ -166,8 +166,8 @@ TEST_CASE("an angle that was measured on the circle fits as one that was unwrapp
   for (double& theta : wrapped.channels[0].values) theta = std::remainder(theta, 2.0 * M_PI);
   FitOptions options = plate_options();
   options.compared.periods = {{"theta", 2.0 * M_PI}};
-  const FitResult a = fit(*plate_family(), std::vector{unwrapped}, plate_options());
-  const FitResult b = fit(*plate_family(), std::vector{wrapped}, options);
+  const FitResult a = fit(*tumbling_plates(), std::vector{unwrapped}, plate_options());
+  const FitResult b = fit(*tumbling_plates(), std::vector{wrapped}, options);
   for (std::size_t k = 0; k < a.coefficients.size(); ++k) {
     CHECK(b.coefficients[k].value ==
           Approx(a.coefficients[k].value).margin(1e-3 * a.coefficients[k].naive_standard_error.value()));
@@ -177,9 +177,9 @@ TEST_CASE("an angle that was measured on the circle fits as one that was unwrapp
 TEST_CASE("coefficients that move by factors end where those end that move by differences") {
   const std::vector captures = {tumbling(kNoise, 13)};
   FitOptions options = plate_options();
-  const FitResult linear = fit(*plate_family(), captures, options);
+  const FitResult linear = fit(*tumbling_plates(), captures, options);
   options.unknowns.log_scale = {"C_T", "mu1"};
-  const FitResult logarithmic = fit(*plate_family(), captures, options);
+  const FitResult logarithmic = fit(*tumbling_plates(), captures, options);
   for (std::size_t k = 0; k < linear.coefficients.size(); ++k) {
     const double error = linear.coefficients[k].naive_standard_error.value();
     CHECK(logarithmic.coefficients[k].value == Approx(linear.coefficients[k].value).margin(1e-3 * error));
@@ -190,15 +190,15 @@ TEST_CASE("coefficients that move by factors end where those end that move by di
 TEST_CASE("a strong prior decides, a weak one leaves the data alone") {
   const std::vector captures = {tumbling(kNoise, 17)};
   FitOptions options = plate_options();
-  const FitResult alone = fit(*plate_family(), captures, options);
+  const FitResult alone = fit(*tumbling_plates(), captures, options);
   const auto coefficient = [](const FitResult& result, const std::string& name) {
     return *std::ranges::find(result.coefficients, name, &Coefficient::name);
   };
   options.priors.coordinates = {{"C_T", {.mean = 2.0, .deviation = 100.0}}};
-  CHECK(coefficient(fit(*plate_family(), captures, options), "C_T").value ==
+  CHECK(coefficient(fit(*tumbling_plates(), captures, options), "C_T").value ==
         Approx(coefficient(alone, "C_T").value).epsilon(1e-4));
   options.priors.coordinates = {{"C_T", {.mean = 1.5, .deviation = 1e-6, .logarithmic = true}}};
-  const Coefficient held = coefficient(fit(*plate_family(), captures, options), "C_T");
+  const Coefficient held = coefficient(fit(*tumbling_plates(), captures, options), "C_T");
   CHECK(held.value == Approx(1.5).epsilon(1e-4));
   CHECK(held.naive_standard_error.value() < 1e-4);
 }
@@ -219,7 +219,7 @@ TEST_CASE("what is known of a capture is taken from its label") {
   FitOptions options = plate_options();
   options.unknowns.known = {{"inertia_ratio", "inertia"}};
   const FitResult known = fit(*family, captures, options);
-  const FitResult held = fit(*plate_family(), captures, plate_options());
+  const FitResult held = fit(*tumbling_plates(), captures, plate_options());
   REQUIRE(known.coefficients.size() == 4);
   for (std::size_t k = 0; k < 4; ++k)
     CHECK(known.coefficients[k].value == Approx(held.coefficients[k].value).epsilon(1e-6));
@@ -258,7 +258,7 @@ TEST_CASE("a capture that the model cannot follow is said not to join") {
   // Half of the capture is of another body.
   Capture capture = tumbling(kNoise, 1);
   for (Channel& channel : capture.channels) channel.values.tail(30) *= 0.3;
-  const FitResult result = fit(*plate_family(), std::vector{capture}, plate_options());
+  const FitResult result = fit(*tumbling_plates(), std::vector{capture}, plate_options());
   const bool told = result.status != FitStatus::converged ||
                     result.warnings.has(WarningKind::model, "misses") ||
                     result.warnings.has(WarningKind::segments, "do not join");
@@ -271,7 +271,7 @@ TEST_CASE("a search of the box finds the valley from a corner, the same one ever
   options.starts.initial = {{"C_T", 3.5}, {"C_R", 1.0}, {"A", 4.0}, {"mu1", 0.07}};
   for (const GlobalMethod method : {GlobalMethod::controlled_random, GlobalMethod::direct}) {
     options.starts.global = {.method = method, .budget = 120, .seed = 3};
-    const FitResult result = fit(*plate_family(), captures, options);
+    const FitResult result = fit(*tumbling_plates(), captures, options);
     INFO(to_string(method));
     REQUIRE(result.global_search);
     CHECK(result.global_search->method == to_string(method));
@@ -279,7 +279,7 @@ TEST_CASE("a search of the box finds the valley from a corner, the same one ever
     CHECK(result.global_search->evaluations > 20);
     for (const Coefficient& c : result.coefficients)
       CHECK(std::abs(c.value - truth().at(c.name)) < 4.0 * c.naive_standard_error.value());
-    const FitResult again = fit(*plate_family(), captures, options);
+    const FitResult again = fit(*tumbling_plates(), captures, options);
     CHECK(again.global_search->cost == result.global_search->cost);
     CHECK(again.coefficients[0].value == result.coefficients[0].value);
   }
