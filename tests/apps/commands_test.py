@@ -61,7 +61,7 @@ class Commands(Case):
         self.assertEqual(described["certificate"]["points"], 40)
         self.assertIn("the command itself: python3", described["certificate"]["integrator"])
         self.assertEqual(described["build"]["builder"], "sampling")
-        self.assertIn("calls, grid of", run("info", FOLDER / "good.h5").stdout)
+        self.assertIn("calls with those of the checks", run("info", FOLDER / "good.h5").stdout)
 
     def test_it_answers_with_gradients(self):
         answer = json.loads(run("query", FOLDER / "good.h5", "--set", "x=1.3", "--set", "y=0.7", "--gradient", "--json").stdout)

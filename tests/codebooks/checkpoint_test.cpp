@@ -217,7 +217,7 @@ TEST_CASE("a checkpoint whose march is none of the plan is refused, and what to 
     return error_text<InputError>([&] { resumed(path); });
   };
   CHECK_THAT(refusal([](auto& s) { s.resize(s.size() / 2); }),
-             Contains("remove the file or build without --resume"));
+             Contains("--fresh begins anew, and removes it"));
   CHECK_THAT(refusal([](auto& s) { s[1] += 1.0; }), Contains("belongs to another problem or other options"));
   CHECK_THAT(refusal([](auto& s) { s.push_back(0.0); }), Contains("longer than its march"));
 }

@@ -291,7 +291,7 @@ TEST_CASE("a checkpoint that is none, or holds calls of another box, is refused"
   put_content(options.checkpoint, "state");
   CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }), Contains("not an HDF5 file"));
   save_calls(options.checkpoint, "another plan", {{{}, {1.0, 2.0}, {3.0}}}, 2);
-  CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }), EndsWith("without --resume"));
+  CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }), EndsWith("--fresh begins anew, and removes it"));
   save_calls(options.checkpoint, plan, {{{0.0, 0.1}, {1.0, 2.0}, {3.0}}}, 2);
   CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }),
              Contains("other coordinates or outputs than the plan"));
