@@ -126,12 +126,12 @@ void add_body(CLI::App& app, Arguments& arguments) {
   command->add_option("--fluid", values->fluid, "density of the fluid, kg/m^3 or with a unit")->required();
   command->add_option("--viscosity", values->viscosity,
                       "of the fluid, Pa s or with a unit: for the Reynolds number");
-  CLI::Option* panels =
-      command->add_flag("--panels", values->panels, "added mass by panels, as of meshes, also of a shape");
   command
-      ->add_flag("--proxy", values->proxy,
-                 "added mass of the ellipsoid with the same extents, as of shapes, also of a mesh")
-      ->excludes(panels);
+      ->add_option(
+          "--added-mass", values->added_mass,
+          "by panels, of plates, ellipsoids and meshes, or of the ellipsoid with the same extents; default: "
+          "panels of a mesh, else ellipsoid")
+      ->check(CLI::IsMember({"panels", "ellipsoid"}));
   CLI::Option* json = command->add_flag("--json", values->json, "print one JSON object");
   command->add_flag("--toml", values->toml, "print the lines of a plan of kirchhoff_body")->excludes(json);
   on_call(command, arguments.body, values);

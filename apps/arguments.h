@@ -88,8 +88,8 @@ struct BodyArguments {
   std::string density;
   std::string fluid;
   std::string viscosity;  ///< empty: no Reynolds number
-  bool panels = false;
-  bool proxy = false;
+  std::string
+      added_mass;  ///< "panels" or "ellipsoid"; empty: by panels of a mesh, of the ellipsoid of a shape
   bool json = false;
   bool toml = false;
 };

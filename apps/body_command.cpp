@@ -61,21 +61,22 @@ DescribedBody described(const BodyArguments& arguments) {
       result.sizes = sizes_of(arguments, 3, "the semi-axes along x, y, z");
       const Eigen::Vector3d axes(result.sizes.data());
       result.body = models::ellipsoid_body(axes, density);
-      if (arguments.panels) result.mesh = models::ellipsoid_mesh(axes, 16);
+      result.mesh = models::ellipsoid_mesh(axes, 16);
       break;
     }
     case Shape::disc:
       result.sizes = sizes_of(arguments, 2, "radius and thickness");
       result.body = models::disc_body(result.sizes[0], result.sizes[1], density);
-      if (arguments.panels)
+      if (arguments.added_mass == "panels")
         throw ArgumentError(
-            "--panels need a mesh, which Samara has of plates, ellipsoids and files, not of discs");
+            "--added-mass panels needs a mesh, which Samara has of plates, ellipsoids and files, not of "
+            "discs");
       break;
     case Shape::plate: {
       result.sizes = sizes_of(arguments, 3, "the full sides along x, y, z");
       const Eigen::Vector3d sides(result.sizes.data());
       result.body = models::plate_body(sides, density);
-      if (arguments.panels) result.mesh = models::box_mesh(sides, 16, 16);
+      result.mesh = models::box_mesh(sides, 16, 16);
       break;
     }
     case Shape::mesh: {
@@ -184,7 +185,8 @@ int run(const BodyArguments& arguments) {
   const DescribedBody described = apps::described(arguments);
   const models::Body& body = described.body;
   for (const std::string& sentence : models::unit_warnings(body, fluid_density)) warn(sentence);
-  const bool has_panels = arguments.panels || (described.shape == Shape::mesh && !arguments.proxy);
+  const bool is_mesh = described.shape == Shape::mesh;
+  const bool has_panels = arguments.added_mass.empty() ? is_mesh : arguments.added_mass == "panels";
   const Matrix6 added = has_panels
                             ? by_panels(described, fluid_density)
                             : models::ellipsoid_added_mass(body.proxy_semi_axes, fluid_density).matrix();
@@ -207,7 +209,7 @@ int run(const BodyArguments& arguments) {
                    {"body_axes", rows_of(body.principal.axes)},
                    {"proxy_semi_axes", list_of(body.proxy_semi_axes)},
                    {"added_mass", rows_of(added)},
-                   {"added_mass_by", has_panels ? "panels" : "proxy ellipsoid"},
+                   {"added_mass_by", has_panels ? "panels" : "ellipsoid"},
                    {"scaling_numbers", numbers},
                    {"kirchhoff_body", parameters}};
     print(object);

@@ -15,6 +15,5 @@ write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/samaraConfigVersion
   COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/samaraConfig.cmake
   ${CMAKE_CURRENT_BINARY_DIR}/samaraConfigVersion.cmake DESTINATION ${samara_cmake_dir})
-install(FILES ${CMAKE_CURRENT_LIST_DIR}/FindUMFPACK.cmake ${CMAKE_CURRENT_LIST_DIR}/FindCHOLMOD.cmake
-  DESTINATION ${samara_cmake_dir})
+install(FILES ${CMAKE_CURRENT_LIST_DIR}/FindSparseSolvers.cmake DESTINATION ${samara_cmake_dir})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

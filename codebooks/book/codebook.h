@@ -11,7 +11,6 @@
 #include "samara/base/termination.h"
 #include "samara/codebooks/book/certificate.h"
 #include "samara/codebooks/book/field_group.h"
-#include "samara/models/interface/model.h"
 
 /// A codebook is the separated solution of a parametric model over time and a box of parameters and initial
 /// values, or the separated form of what a program answers over a box of its inputs (and time, if it knows
@@ -22,6 +21,10 @@
 ///   Query query(book);
 ///   Eigen::VectorXd values(book.output_count());
 ///   query.values({{0.3, 1.15, 0.0}}, values);        // t, C_D, v(0)
+namespace samara::models {
+class Model;
+}
+
 namespace samara::codebooks {
 
 /// The name of the model of a codebook that was sampled from a program.

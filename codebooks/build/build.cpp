@@ -190,8 +190,8 @@ struct Build {
   const bool& cancelled;
   ModelDescription model;
   Certifier certifier;
-  double per_trajectory =
-      0.0;  ///< evaluations that a sweep would take, of an engine that takes none; 0: unknown
+  /// Evaluations that the reference integrator takes for a trajectory, where the builder takes none; 0: not known.
+  double per_trajectory = 0.0;
   Clock::time_point begin = Clock::now();
 
   Codebook book_of(Solution solution) const {

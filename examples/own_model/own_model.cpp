@@ -13,7 +13,7 @@
 
 using namespace samara;
 
-int main(int, char** argv) {
+int main(int argc, char** argv) {
   const auto model = models::make_model<PredatorPrey>();
   const Check check = models::check_model(*model);
   for (const std::string& finding : check.findings) std::printf("%s\n", finding.c_str());
@@ -26,7 +26,7 @@ int main(int, char** argv) {
   request.end = 10.0;
   const codebooks::BuildResult built = codebooks::build(parametric, request);
   std::printf("%s\n", built.message.c_str());
-  codebooks::save(built.book, argv[1]);
+  codebooks::save(built.book, argc > 1 ? argv[1] : "predator_prey.h5");
 
   // Counts of ten seconds by a known truth, and the growth that a fit finds in them.
   const std::vector<double> truth = {1.05, 0.1};

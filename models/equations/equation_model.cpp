@@ -189,14 +189,16 @@ struct JacobianEntry {
 class EquationModel final : public Model {
  public:
   EquationModel(const Equations& equations, CompiledEquations compiled)
-      : equations_(equations), info_(std::move(compiled.info)), rates_(compiled.graph, compiled.rates) {
+      : equations_(equations),
+        info_(std::move(compiled.info)),
+        rates_(compiled.graph, compiled.rates, symbols()) {
     std::vector<int> roots = compiled.rates;
     const int states = static_cast<int>(info_.states.size());
     add_columns(compiled, 0, states, roots);
     entries_by_state_ = entries_.size();
-    state_jacobian_ = Tape(compiled.graph, roots);
+    state_jacobian_ = Tape(compiled.graph, roots, symbols());
     add_columns(compiled, states, states + parameters(), roots);
-    jacobian_ = Tape(compiled.graph, roots);
+    jacobian_ = Tape(compiled.graph, roots, symbols());
   }
 
   const ModelInfo& info() const override { return info_; }
@@ -205,16 +207,16 @@ class EquationModel final : public Model {
   void rhs(double t, std::span<const double> x, const ParameterValues& p,
            std::span<double> dxdt) const override {
     Scratch& scratch = scratch_for(rates_, 1);
-    gather(t, x, p, scratch.symbols);
-    rates_.evaluate(scratch.symbols.data(), scratch.work, dxdt.data());
+    gather(t, x, p, scratch.work);
+    rates_.evaluate(scratch.work, dxdt.data());
   }
 
   void rhs_with_derivatives(double t, std::span<const double> x, const ParameterValues& p,
                             std::span<double> dxdt, Eigen::Ref<Eigen::MatrixXd> df_dx,
                             Eigen::Ref<Eigen::MatrixXd> df_dp) const override {
     Scratch& scratch = scratch_for(jacobian_, 1);
-    gather(t, x, p, scratch.symbols);
-    jacobian_.evaluate(scratch.symbols.data(), scratch.work, scratch.results.data());
+    gather(t, x, p, scratch.work);
+    jacobian_.evaluate(scratch.work, scratch.results.data());
     const std::size_t states = info_.states.size();
     std::copy_n(scratch.results.begin(), states, dxdt.begin());
     df_dx.setZero();
@@ -233,9 +235,8 @@ class EquationModel final : public Model {
   void rhs_at_points(const Eigen::Ref<const Eigen::VectorXd>& t, const Eigen::Ref<const Eigen::MatrixXd>& x,
                      const Eigen::Ref<const Eigen::MatrixXd>& p,
                      Eigen::Ref<Eigen::MatrixXd> dxdt) const override {
-    in_lanes(rates_, t, x, p, [&](Eigen::Index point, int lane, const std::vector<double>& results) {
-      for (Eigen::Index row = 0; row < dxdt.rows(); ++row)
-        dxdt(row, point) = results[static_cast<std::size_t>(row * Tape::kLanes + lane)];
+    in_lanes(rates_, t, x, p, [&](Eigen::Index first, const double* results) {
+      for (Eigen::Index row = 0; row < dxdt.rows(); ++row) take(results, row, first, dxdt, row);
     });
   }
 
@@ -245,11 +246,10 @@ class EquationModel final : public Model {
                            Eigen::Ref<Eigen::MatrixXd> jacobians) const override {
     const auto states = static_cast<Eigen::Index>(info_.states.size());
     jacobians.setZero();
-    in_lanes(state_jacobian_, t, x, p, [&](Eigen::Index point, int lane, const std::vector<double>& results) {
+    in_lanes(state_jacobian_, t, x, p, [&](Eigen::Index first, const double* results) {
       for (std::size_t k = 0; k < entries_by_state_; ++k) {
         const auto [row, column] = entries_[k];
-        jacobians(row + states * column, point) =
-            results[(static_cast<std::size_t>(states) + k) * Tape::kLanes + static_cast<std::size_t>(lane)];
+        take(results, states + static_cast<Eigen::Index>(k), first, jacobians, row + states * column);
       }
     });
   }
@@ -270,7 +270,7 @@ class EquationModel final : public Model {
  private:
   /// Of one thread, shared by all models: it grows to the largest that was needed.
   struct Scratch {
-    std::vector<double> symbols, work, results;
+    std::vector<double> work, results;
   };
 
   /// Entries of the Jacobian by symbols from `first` to before `end`.
@@ -288,7 +288,8 @@ class EquationModel final : public Model {
   }
 
   int parameters() const { return static_cast<int>(info_.parameters.size()); }
-  std::size_t symbols() const { return info_.states.size() + info_.parameters.size() + 1; }
+  /// States, parameters, and t.
+  int symbols() const { return static_cast<int>(info_.states.size() + info_.parameters.size()) + 1; }
 
   Scratch& scratch_for(const Tape& tape, int lanes) const {
     thread_local Scratch scratch;
@@ -296,7 +297,6 @@ class EquationModel final : public Model {
       if (space.size() < size) space.resize(size);
     };
     const auto width = static_cast<std::size_t>(lanes);
-    grow(scratch.symbols, symbols() * width);
     grow(scratch.work, tape.work_size(lanes));
     grow(scratch.results, static_cast<std::size_t>(tape.root_count()) * width);
     return scratch;
@@ -309,24 +309,37 @@ class EquationModel final : public Model {
     symbols[x.size() + info_.parameters.size()] = t;
   }
 
-  /// Points in groups of kLanes; the last group repeats its last point.
-  template <class Take>
+  /// Row `row` of the results for the points from `first` on, as row `to` of a matrix of all points.
+  static void take(const double* results, Eigen::Index row, Eigen::Index first,
+                   Eigen::Ref<Eigen::MatrixXd>& matrix, Eigen::Index to) {
+    const Eigen::Index count = std::min<Eigen::Index>(Tape::kLanes, matrix.cols() - first);
+    const double* from = results + row * Tape::kLanes;
+    double* at = matrix.data() + first * matrix.outerStride() + to;
+    for (Eigen::Index lane = 0; lane < count; ++lane) at[lane * matrix.outerStride()] = from[lane];
+  }
+
+  /// Row `row` of a matrix of all points, from `first` on, into lanes.
+  static void give(const Eigen::Ref<const Eigen::MatrixXd>& matrix, Eigen::Index row, Eigen::Index first,
+                   double* lanes) {
+    const Eigen::Index count = std::min<Eigen::Index>(Tape::kLanes, matrix.cols() - first);
+    const double* from = matrix.data() + first * matrix.outerStride() + row;
+    for (Eigen::Index lane = 0; lane < count; ++lane) lanes[lane] = from[lane * matrix.outerStride()];
+  }
+
+  /// Points in groups of kLanes; in the last one some lanes hold what nobody asks for.
+  template <class TakeAll>
   void in_lanes(const Tape& tape, const Eigen::Ref<const Eigen::VectorXd>& t,
                 const Eigen::Ref<const Eigen::MatrixXd>& x, const Eigen::Ref<const Eigen::MatrixXd>& p,
-                Take&& take) const {
+                TakeAll&& take_all) const {
     constexpr Eigen::Index kLanes = Tape::kLanes;
     Scratch& scratch = scratch_for(tape, Tape::kLanes);
     for (Eigen::Index first = 0; first < x.cols(); first += kLanes) {
-      const Eigen::Index count = std::min(kLanes, x.cols() - first);
-      for (Eigen::Index lane = 0; lane < kLanes; ++lane) {
-        const Eigen::Index point = first + std::min(lane, count - 1);
-        double* to = scratch.symbols.data() + lane;
-        for (Eigen::Index k = 0; k < x.rows(); ++k, to += kLanes) *to = x(k, point);
-        for (Eigen::Index k = 0; k < p.rows(); ++k, to += kLanes) *to = p(k, point);
-        *to = t[point];
-      }
-      tape.evaluate_lanes(scratch.symbols.data(), scratch.work, scratch.results.data());
-      for (int lane = 0; lane < count; ++lane) take(first + lane, lane, scratch.results);
+      double* to = scratch.work.data();
+      for (Eigen::Index k = 0; k < x.rows(); ++k, to += kLanes) give(x, k, first, to);
+      for (Eigen::Index k = 0; k < p.rows(); ++k, to += kLanes) give(p, k, first, to);
+      std::copy_n(t.data() + first, std::min(kLanes, x.cols() - first), to);
+      tape.evaluate_lanes(scratch.work, scratch.results.data());
+      take_all(first, scratch.results.data());
     }
   }
 

@@ -30,30 +30,40 @@ void each(F&& f) {
 
 }  // namespace
 
-Tape::Tape(const ExpressionGraph& graph, const std::vector<int>& roots) {
+Tape::Tape(const ExpressionGraph& graph, const std::vector<int>& roots, int symbols)
+    : places_(static_cast<std::size_t>(symbols)) {
   const std::vector<char> is_needed = needed(graph, roots);
   const auto size = static_cast<std::size_t>(graph.size());
-  // A place is free again after the last step that reads it; roots keep theirs.
+  const auto is_leaf = [&](int node) {
+    return graph[node].operation == Operation::constant || graph[node].operation == Operation::symbol;
+  };
+  // A place is free again after the last step that reads it; those of symbols and roots are kept.
   std::vector<int> last(size, -1), place(size, -1);
   for (int node = 0; node < graph.size(); ++node) {
-    if (!is_needed[static_cast<std::size_t>(node)]) continue;
-    const ExpressionNode& it = graph[node];
-    if (it.operation == Operation::constant || it.operation == Operation::symbol) continue;
-    last[static_cast<std::size_t>(it.a)] = node;
-    if (it.b >= 0) last[static_cast<std::size_t>(it.b)] = node;
+    if (!is_needed[static_cast<std::size_t>(node)] || is_leaf(node)) continue;
+    last[static_cast<std::size_t>(graph[node].a)] = node;
+    if (graph[node].b >= 0) last[static_cast<std::size_t>(graph[node].b)] = node;
   }
   for (const int root : roots) last[static_cast<std::size_t>(root)] = graph.size();
   std::vector<int> free;
+  const auto release = [&](int argument, int node) {
+    if (last[static_cast<std::size_t>(argument)] == node && graph[argument].operation != Operation::symbol)
+      free.push_back(place[static_cast<std::size_t>(argument)]);
+  };
   for (int node = 0; node < graph.size(); ++node) {
     const auto at = static_cast<std::size_t>(node);
     if (!is_needed[at]) continue;
     const ExpressionNode& it = graph[node];
-    Step step{it.operation, std::max(it.a, 0), 0, 0, it.value};
-    if (it.operation != Operation::constant && it.operation != Operation::symbol) {
+    if (it.operation == Operation::symbol) {
+      place[at] = it.a;
+      continue;
+    }
+    Step step{it.operation, 0, 0, 0, it.value};
+    if (!is_leaf(node)) {
       step.a = place[static_cast<std::size_t>(it.a)];
+      release(it.a, node);
       if (it.b >= 0) step.b = place[static_cast<std::size_t>(it.b)];
-      if (last[static_cast<std::size_t>(it.a)] == node) free.push_back(step.a);
-      if (it.b >= 0 && it.b != it.a && last[static_cast<std::size_t>(it.b)] == node) free.push_back(step.b);
+      if (it.b >= 0 && it.b != it.a) release(it.b, node);
     }
     if (free.empty()) {
       step.to = static_cast<int>(places_++);
@@ -68,17 +78,14 @@ Tape::Tape(const ExpressionGraph& graph, const std::vector<int>& roots) {
 }
 
 template <int lanes>
-void Tape::run(const double* symbols, double* work, double* results) const {
+void Tape::run(double* work, double* results) const {
   for (const Step& step : steps_) {
     double* const to = work + step.to * lanes;
-    const double* const a = (step.operation == Operation::symbol ? symbols : work) + step.a * lanes;
+    const double* const a = work + step.a * lanes;
     const double* const b = work + step.b * lanes;
     switch (step.operation) {
       case Operation::constant:
         std::fill_n(to, lanes, step.value);
-        break;
-      case Operation::symbol:
-        std::copy_n(a, lanes, to);
         break;
       case Operation::add:
         each<lanes>([&](int k) { to[k] = a[k] + b[k]; });
@@ -107,12 +114,12 @@ void Tape::run(const double* symbols, double* work, double* results) const {
     std::copy_n(work + roots_[k] * lanes, lanes, results + k * static_cast<std::size_t>(lanes));
 }
 
-void Tape::evaluate(const double* symbols, std::span<double> work, double* results) const {
-  run<1>(symbols, work.data(), results);
+void Tape::evaluate(std::span<double> work, double* results) const {
+  run<1>(work.data(), results);
 }
 
-void Tape::evaluate_lanes(const double* symbols, std::span<double> work, double* results) const {
-  run<kLanes>(symbols, work.data(), results);
+void Tape::evaluate_lanes(std::span<double> work, double* results) const {
+  run<kLanes>(work.data(), results);
 }
 
 }  // namespace samara::models

@@ -17,26 +17,27 @@ class Tape {
 
   Tape() = default;
   /// @param roots the nodes that are wanted
-  Tape(const ExpressionGraph& graph, const std::vector<int>& roots);
+  /// @param symbols how many there are
+  Tape(const ExpressionGraph& graph, const std::vector<int>& roots, int symbols);
 
   /// Doubles of scratch space that evaluate() needs for so many lanes (1 or kLanes).
   std::size_t work_size(int lanes) const { return places_ * static_cast<std::size_t>(lanes); }
   int root_count() const { return static_cast<int>(roots_.size()); }
 
-  /// @param symbols symbol k at lanes k*lanes, ..  @param results root k likewise
-  /// @param work scratch space of work_size(lanes)
-  void evaluate(const double* symbols, std::span<double> work, double* results) const;
-  void evaluate_lanes(const double* symbols, std::span<double> work, double* results) const;
+  /// @param work scratch space of work_size(lanes); symbol k stands at lanes k*lanes, .. and stays there
+  /// @param results root k likewise
+  void evaluate(std::span<double> work, double* results) const;
+  void evaluate_lanes(std::span<double> work, double* results) const;
 
  private:
   struct Step {
     Operation operation;
-    int a, b, to;  ///< places in the scratch space; of a symbol, a is its number
+    int a, b, to;  ///< places in the scratch space
     double value;
   };
 
   template <int lanes>
-  void run(const double* symbols, double* work, double* results) const;
+  void run(double* work, double* results) const;
 
   std::vector<Step> steps_;
   std::vector<int> roots_;  ///< places

@@ -39,7 +39,7 @@ def body(*arguments):
 
 class Bodies(Case):
     def test_a_sphere_drags_half_of_what_it_displaces(self):
-        for extra in ([], ["--panels"]):
+        for extra in ([], ["--added-mass", "panels"]):
             answer = body("ellipsoid", "--size", "1 cm", "1 cm", "1 cm", "--density", "2700", "--fluid", "998", *extra)
             volume = 4 / 3 * math.pi * 1e-6
             self.assertAlmostEqual(answer["mass"] / (2700 * volume), 1, delta=1e-12)
@@ -64,7 +64,7 @@ class Bodies(Case):
         for part, expected in zip(answer["centre_of_mass"], [0.01] * 3):
             self.assertAlmostEqual(part, expected, delta=1e-12)
         self.assertEqual(answer["added_mass_by"], "panels")
-        self.assertEqual(body(mesh, "--unit", "mm", "--density", "500", "--fluid", "1000", "--proxy")["added_mass_by"], "proxy ellipsoid")
+        self.assertEqual(body(mesh, "--unit", "mm", "--density", "500", "--fluid", "1000", "--added-mass", "ellipsoid")["added_mass_by"], "ellipsoid")
         lines = run("body", mesh, "--unit", "mm", "--density", "500", "--fluid", "1000", "--toml").stdout
         self.assertTrue(lines.startswith('model = "kirchhoff_body"\n'))
         plan = lines + '[box]\n"ux(0)" = [0.1, 0.2]\n[time]\nend = "0.1 s"\n'
@@ -82,12 +82,13 @@ class Bodies(Case):
         self.check_error(run("body", "plate", "--size", "1 kg", "2", "1", *given), 2, "1 kg")
         self.check_error(run("body", "plate", "--size", "1", "2", "1", "--density", "nan", "--fluid", "1"), 2, "nan")
         self.check_error(run("body", "plate", "--size", "1", "2", "1", "--unit", "mm", *given), 2, "--unit")
-        self.check_error(run("body", "disc", "--size", "1 cm", "1 mm", "--panels", *given), 2, "--panels need a mesh")
+        self.check_error(run("body", "disc", "--size", "1 cm", "1 mm", "--added-mass", "panels", *given), 2, "--added-mass panels needs a mesh")
         mesh = write("open.obj", CUBE.replace("f 1 3 2\n", ""))
         self.check_error(run("body", mesh, *given), 2, "--unit")
         self.check_error(run("body", mesh, "--unit", "mm", *given), 3, "open.obj", "not closed")
         self.check_error(run("body", mesh, "--unit", "kg", *given), 2, "kg")
         self.check_error(run("body", mesh, "--unit", "mm", "--size", "1", *given), 2, "--size is of shapes")
+        self.check_error(run("body", mesh, "--unit", "mm", "--added-mass", "guess", *given), 2, "guess")
         self.check_error(run("body", "missing.stl", "--unit", "mm", *given), 3, "missing.stl")
 
 

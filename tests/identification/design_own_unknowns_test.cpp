@@ -1,6 +1,7 @@
 /// What a capture's own unknowns cost a design: start, offset, camera, attitude.
 #include <catch2/catch.hpp>
 
+#include "closed_form_family.h"
 #include "samara/identification/design/design.h"
 #include "samara/identification/fit/fit.h"
 #include "synthetic.h"
@@ -11,48 +12,34 @@ using Catch::Matchers::WithinRel;
 namespace {
 
 /// A body that turns about its z axis: q(t) = q(0) (cos(w t/2), 0, 0, sin(w t/2)).
-class SpinFamily final : public samara::models::TrajectoryFamily {
+class SpinFamily final : public ClosedFormFamily {
  public:
-  SpinFamily() {
-    info_.model = "spin";
-    info_.source = "closed form";
-    info_.coordinates = {{"w", "rad/s", false, 0.1, 20.0}};
-    for (const char* name : {"qw", "qx", "qy", "qz"}) {
-      info_.coordinates.push_back({std::string(name) + "(0)", "1", true, -1.0, 1.0});
-      info_.outputs.push_back({name, "1"});
-      info_.attitude.emplace_back(name);
-    }
-  }
-  const samara::models::FamilyInfo& info() const override { return info_; }
-  std::unique_ptr<samara::models::TrajectorySource> at(const std::vector<double>& times,
-                                                       const std::vector<std::string>&) const override {
-    return std::make_unique<Source>(times);
-  }
+  SpinFamily() : ClosedFormFamily(quaternions(), motion) {}
 
  private:
-  struct Source final : samara::models::TrajectorySource {
-    explicit Source(const std::vector<double>& at_times) : times(at_times) {}
-    samara::models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                                               Eigen::MatrixXd* derivatives) override {
-      const Eigen::Vector4d start(q[1], q[2], q[3], q[4]);
-      for (std::size_t row = 0; row < times.size(); ++row) {
-        const auto at = static_cast<Eigen::Index>(row);
-        const double c = std::cos(0.5 * q[0] * times[row]), s = std::sin(0.5 * q[0] * times[row]);
-        Eigen::Matrix4d turn;  // q(0) -> q(t)
-        turn << c, 0, 0, -s, 0, c, s, 0, 0, -s, c, 0, s, 0, 0, c;
-        Eigen::Matrix4d rate;
-        rate << -s, 0, 0, -c, 0, -s, c, 0, 0, -c, -s, 0, c, 0, 0, -s;
-        values.row(at) = (turn * start).transpose();
-        if (!derivatives) continue;
-        derivatives->row(at).head<4>() = 0.5 * times[row] * (rate * start).transpose();
-        for (Eigen::Index k = 0; k < 4; ++k)
-          derivatives->row(at).segment<4>(4 * (k + 1)) = turn.col(k).transpose();
-      }
-      return {};
+  static samara::models::FamilyInfo quaternions() {
+    samara::models::FamilyInfo info{.model = "spin", .coordinates = {{"w", "rad/s", false, 0.1, 20.0}}};
+    for (const char* name : {"qw", "qx", "qy", "qz"}) {
+      info.coordinates.push_back({std::string(name) + "(0)", "1", true, -1.0, 1.0});
+      info.outputs.push_back({name, "1"});
+      info.attitude.emplace_back(name);
     }
-    std::vector<double> times;
-  };
-  samara::models::FamilyInfo info_;
+    return info;
+  }
+
+  static void motion(std::span<const double> q, double t, Eigen::RowVectorXd& values,
+                     Eigen::RowVectorXd* derivatives) {
+    const Eigen::Vector4d start(q[1], q[2], q[3], q[4]);
+    const double c = std::cos(0.5 * q[0] * t), s = std::sin(0.5 * q[0] * t);
+    Eigen::Matrix4d turn;  // q(0) -> q(t)
+    turn << c, 0, 0, -s, 0, c, s, 0, 0, -s, c, 0, s, 0, 0, c;
+    Eigen::Matrix4d rate;
+    rate << -s, 0, 0, -c, 0, -s, c, 0, 0, -c, -s, 0, c, 0, 0, -s;
+    values = (turn * start).transpose();
+    if (!derivatives) return;
+    derivatives->head<4>() = 0.5 * t * (rate * start).transpose();
+    for (Eigen::Index k = 0; k < 4; ++k) derivatives->segment<4>(4 * (k + 1)) = turn.col(k).transpose();
+  }
 };
 
 }  // namespace

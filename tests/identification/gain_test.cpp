@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "closed_form_family.h"
 #include "files.h"
 #include "fitted_values.h"
 #include "plate_captures.h"
@@ -25,38 +26,18 @@ using samara::models::find_model;
 namespace {
 
 /// theta = theta(0) + 7 t + c t^2.
-class SpunFamily final : public samara::models::TrajectoryFamily {
+class SpunFamily final : public ClosedFormFamily {
  public:
-  SpunFamily() {
-    info_.model = "spun";
-    info_.source = "closed form";
-    info_.coordinates = {{"c", "rad/s^2", false, -9.0, 9.0}, {"theta(0)", "rad", true, -1.0, 1.0}};
-    info_.outputs = {{"theta", "rad"}};
-  }
+  SpunFamily()
+      : ClosedFormFamily(
+            {.model = "spun",
+             .coordinates = {{"c", "rad/s^2", false, -9.0, 9.0}, {"theta(0)", "rad", true, -1.0, 1.0}},
+             .outputs = {{"theta", "rad"}}},
+            [](std::span<const double> q, double t, auto& values, auto* derivatives) {
+              values << angle(q[0], q[1], t);
+              if (derivatives) *derivatives << t * t, 1.0;
+            }) {}
   static double angle(double c, double start, double t) { return start + 7.0 * t + c * t * t; }
-
-  const samara::models::FamilyInfo& info() const override { return info_; }
-  std::unique_ptr<samara::models::TrajectorySource> at(const std::vector<double>& times,
-                                                       const std::vector<std::string>&) const override {
-    return std::make_unique<Source>(times);
-  }
-
- private:
-  struct Source final : samara::models::TrajectorySource {
-    explicit Source(const std::vector<double>& at_times) : times(at_times) {}
-    samara::models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                                               Eigen::MatrixXd* derivatives) override {
-      for (std::size_t row = 0; row < times.size(); ++row) {
-        const double t = times[row];
-        values(static_cast<Eigen::Index>(row), 0) = angle(q[0], q[1], t);
-        if (derivatives) derivatives->row(static_cast<Eigen::Index>(row)) << t * t, 1.0;
-      }
-      return {};
-    }
-    std::vector<double> times;
-  };
-
-  samara::models::FamilyInfo info_;
 };
 
 /// Frames of a sensor that shows angles on one turn.

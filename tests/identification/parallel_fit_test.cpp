@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <tbb/global_control.h>
 
+#include "closed_form_family.h"
 #include "plate_captures.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/fit/held_fits.h"
@@ -46,43 +47,22 @@ void check_same_bits(const FitResult& one, const FitResult& other) {
 
 /// A motion of its own unknown s and a shared one a: y(0) = x/sqrt(w^2 + x^2) with x = s - a, y(1) = s/2. With zeros
 /// measured, the cost of s has a valley at s = a, about a^2/8 high, and one at s = 0, of nearly 1/2.
-class MovingValley final : public samara::models::TrajectoryFamily {
+class MovingValley final : public ClosedFormFamily {
  public:
-  MovingValley() {
-    info_.model = "moving valley";
-    info_.source = "closed form";
-    info_.coordinates = {{"a", "1", false, -1.0, 5.0}, {"s", "1", false, -1.0, 6.0}};
-    info_.outputs = {{"y", "1"}};
-  }
-  const samara::models::FamilyInfo& info() const override { return info_; }
-  std::unique_ptr<samara::models::TrajectorySource> at(const std::vector<double>& times,
-                                                       const std::vector<std::string>&) const override {
-    return std::make_unique<Source>(times);
-  }
-
- private:
-  struct Source final : samara::models::TrajectorySource {
-    explicit Source(const std::vector<double>& at_times) : times(at_times) {}
-    samara::models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                                               Eigen::MatrixXd* derivatives) override {
-      constexpr double kWidth = 0.3;
-      const double x = q[1] - q[0];
-      const double root = std::hypot(kWidth, x);
-      const double slope = kWidth * kWidth / (root * root * root);
-      for (std::size_t k = 0; k < times.size(); ++k) {
-        const auto row = static_cast<Eigen::Index>(k);
-        const bool is_first = times[k] < 0.5;
-        values(row, 0) = is_first ? x / root : 0.5 * q[1];
-        if (!derivatives) continue;
-        (*derivatives)(row, 0) = is_first ? -slope : 0.0;
-        (*derivatives)(row, 1) = is_first ? slope : 0.5;
-      }
-      return {};
-    }
-    std::vector<double> times;
-  };
-
-  samara::models::FamilyInfo info_;
+  MovingValley()
+      : ClosedFormFamily({.model = "moving valley",
+                          .coordinates = {{"a", "1", false, -1.0, 5.0}, {"s", "1", false, -1.0, 6.0}},
+                          .outputs = {{"y", "1"}}},
+                         [](std::span<const double> q, double t, auto& values, auto* derivatives) {
+                           constexpr double kWidth = 0.3;
+                           const double x = q[1] - q[0];
+                           const double root = std::hypot(kWidth, x);
+                           const double slope = kWidth * kWidth / (root * root * root);
+                           const bool is_first = t < 0.5;
+                           values << (is_first ? x / root : 0.5 * q[1]);
+                           if (derivatives)
+                             *derivatives << (is_first ? -slope : 0.0), (is_first ? slope : 0.5);
+                         }) {}
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "closed_form_family.h"
 #include "files.h"
 #include "predicted_motions.h"
 #include "samara/base/errors.h"
@@ -21,37 +22,17 @@ using Catch::Matchers::Contains;
 namespace {
 
 /// theta = theta(0) + rate t.
-class TurningFamily final : public samara::models::TrajectoryFamily {
+class TurningFamily final : public ClosedFormFamily {
  public:
-  TurningFamily() {
-    info_.model = "turning";
-    info_.source = "closed form";
-    info_.coordinates = {{"rate", "rad/s", false, 1.0, 9.0}, {"theta(0)", "rad", true, -9.0, 9.0}};
-    info_.outputs = {{"theta", "rad"}};
-  }
-
-  const samara::models::FamilyInfo& info() const override { return info_; }
-  std::unique_ptr<samara::models::TrajectorySource> at(const std::vector<double>& times,
-                                                       const std::vector<std::string>&) const override {
-    return std::make_unique<Source>(times);
-  }
-
- private:
-  struct Source final : samara::models::TrajectorySource {
-    explicit Source(const std::vector<double>& at_times) : times(at_times) {}
-    samara::models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                                               Eigen::MatrixXd* derivatives) override {
-      for (std::size_t row = 0; row < times.size(); ++row) {
-        const auto at = static_cast<Eigen::Index>(row);
-        values(at, 0) = q[1] + q[0] * times[row];
-        if (derivatives) derivatives->row(at) << times[row], 1.0;
-      }
-      return {};
-    }
-    std::vector<double> times;
-  };
-
-  samara::models::FamilyInfo info_;
+  TurningFamily()
+      : ClosedFormFamily(
+            {.model = "turning",
+             .coordinates = {{"rate", "rad/s", false, 1.0, 9.0}, {"theta(0)", "rad", true, -9.0, 9.0}},
+             .outputs = {{"theta", "rad"}}},
+            [](std::span<const double> q, double t, auto& values, auto* derivatives) {
+              values << q[1] + q[0] * t;
+              if (derivatives) *derivatives << t, 1.0;
+            }) {}
 };
 
 constexpr double kFrameInterval = 0.01;

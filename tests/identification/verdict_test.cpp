@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "closed_form_family.h"
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/report/fit_report.h"
 #include "synthetic.h"
@@ -14,38 +15,15 @@ using Catch::Matchers::WithinAbs;
 namespace {
 
 /// x = p^2 t + a p t^2: much the same path for p and -p where a is small.
-class TwoValleys final : public samara::models::TrajectoryFamily {
+class TwoValleys final : public ClosedFormFamily {
  public:
-  explicit TwoValleys(double bend) : bend_(bend) {
-    info_.model = "two valleys";
-    info_.source = "closed form";
-    info_.coordinates = {{"p", "1", false, -2.0, 2.1}};
-    info_.outputs = {{"x", "m"}};
-  }
-  const samara::models::FamilyInfo& info() const override { return info_; }
-  std::unique_ptr<samara::models::TrajectorySource> at(const std::vector<double>& times,
-                                                       const std::vector<std::string>&) const override {
-    struct Source final : samara::models::TrajectorySource {
-      Source(const std::vector<double>& at_times, double a) : times(at_times), bend(a) {}
-      samara::models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
-                                                 Eigen::MatrixXd* derivatives) override {
-        for (std::size_t row = 0; row < times.size(); ++row) {
-          const double t = times[row];
-          const auto at = static_cast<Eigen::Index>(row);
-          values(at, 0) = q[0] * q[0] * t + bend * q[0] * t * t;
-          if (derivatives) (*derivatives)(at, 0) = 2.0 * q[0] * t + bend * t * t;
-        }
-        return {};
-      }
-      std::vector<double> times;
-      double bend;
-    };
-    return std::make_unique<Source>(times, bend_);
-  }
-
- private:
-  double bend_;
-  samara::models::FamilyInfo info_;
+  explicit TwoValleys(double bend)
+      : ClosedFormFamily(
+            {.model = "two valleys", .coordinates = {{"p", "1", false, -2.0, 2.1}}, .outputs = {{"x", "m"}}},
+            [bend](std::span<const double> q, double t, auto& values, auto* derivatives) {
+              values << q[0] * q[0] * t + bend * q[0] * t * t;
+              if (derivatives) *derivatives << 2.0 * q[0] * t + bend * t * t;
+            }) {}
 };
 
 std::vector<Capture> valley_captures(double bend, double scatter, std::uint64_t seed, int count) {

@@ -21,3 +21,6 @@ for program in "$work"/consumer/objects_*; do
   fi
 done
 "$work/prefix/bin/samara" --version
+# exp(0.5 * 2)
+"$work/prefix/bin/samara" --model-library "$work/consumer/libgrowth.so" simulate growth --set rate=0.5 --until 2 --frames 2 |
+  tail -1 | grep -q "2.71828"
