@@ -124,8 +124,8 @@ void add_body(CLI::App& app, Arguments& arguments) {
   command->add_option("--unit", values->unit, "of a mesh file, which says none: mm, cm, m");
   command->add_option("--density", values->density, "of the body, kg/m^3 or with a unit")->required();
   command->add_option("--fluid", values->fluid, "density of the fluid, kg/m^3 or with a unit")->required();
-  command->add_option("--viscosity", values->viscosity,
-                      "of the fluid, Pa s or with a unit: for the Reynolds number");
+  CLI::Option* viscosity = command->add_option("--viscosity", values->viscosity,
+                                               "of the fluid, Pa s or with a unit: for the Reynolds number");
   command
       ->add_option(
           "--added-mass", values->added_mass,
@@ -133,7 +133,9 @@ void add_body(CLI::App& app, Arguments& arguments) {
           "panels of a mesh, else ellipsoid")
       ->check(CLI::IsMember({"panels", "ellipsoid"}));
   CLI::Option* json = command->add_flag("--json", values->json, "print one JSON object");
-  command->add_flag("--toml", values->toml, "print the lines of a plan of kirchhoff_body")->excludes(json);
+  command->add_flag("--toml", values->toml, "print the lines of a plan of kirchhoff_body")
+      ->excludes(json)
+      ->excludes(viscosity);
   on_call(command, arguments.body, values);
 }
 

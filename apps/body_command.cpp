@@ -1,4 +1,5 @@
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -80,6 +81,9 @@ DescribedBody described(const BodyArguments& arguments) {
       break;
     }
     case Shape::mesh: {
+      if (!std::filesystem::exists(arguments.body) && arguments.body.find('.') == std::string::npos)
+        throw ArgumentError(
+            fmt::format("\"{}\" is no shape (ellipsoid, disc, plate) and no file", arguments.body));
       if (!arguments.sizes.empty())
         throw ArgumentError("--size is of shapes: a mesh has its own, see --unit");
       if (arguments.unit.empty())

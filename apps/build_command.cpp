@@ -66,6 +66,7 @@ int run(const BuildArguments& arguments) {
   catch_interrupts();
   check_target(arguments);
   const codebooks::Plan plan = codebooks::read_plan(arguments.plan);
+  check_output(arguments.output, {plan.model_file});
   const io::FileLock lock(arguments.output + ".lock", fmt::format("builds {}", arguments.output));
   const codebooks::BuildOptions options = build_options(arguments);
   try {

@@ -1,9 +1,14 @@
 #include "model_libraries.h"
 
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <string_view>
+#include <system_error>
 
 #include <dlfcn.h>
+#include <elf.h>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
@@ -20,7 +25,19 @@ Function find_function(void* library, const char* name) {
   return reinterpret_cast<Function>(dlsym(library, name));
 }
 
+/// The loader dies of a file that is shorter than its header says.
+bool is_whole(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  Elf64_Ehdr header = {};
+  file.read(reinterpret_cast<char*>(&header), sizeof header);
+  if (!file || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0) return true;  // the loader says what it is
+  std::error_code ignored;
+  const std::uintmax_t end = header.e_shoff + std::uintmax_t{header.e_shnum} * header.e_shentsize;
+  return std::filesystem::file_size(path, ignored) >= end;
+}
+
 void load(const std::string& path) {
+  if (!is_whole(path)) throw InputError(path, "is cut short: it ends before its table of sections does");
   // An absolute path: the loader would look for a plain name in the folders of the system.
   void* library = dlopen(std::filesystem::absolute(path).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) throw InputError(path, fmt::format("cannot be loaded: {}", dlerror()));

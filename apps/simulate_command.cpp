@@ -155,7 +155,7 @@ models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const
 }  // namespace
 
 int run(const SimulateArguments& arguments) {
-  if (!arguments.output.empty()) check_output(arguments.output, {arguments.coefficients});
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.model, arguments.coefficients});
   const auto model = codebooks::open_model(arguments.model);
   const models::ModelInfo& info = model->info();
   if (arguments.forces && info.force_terms.empty()) {

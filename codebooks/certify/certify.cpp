@@ -12,6 +12,7 @@
 #include <tbb/task_arena.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/names.h"
 #include "samara/base/parallel.h"
 #include "samara/base/require.h"
 #include "samara/codebooks/certify/measure.h"
@@ -260,8 +261,11 @@ models::ParametricModel model_of(const Codebook& book) {
   std::vector<std::string> free;
   for (std::size_t k = 1; k < book.coordinates().size(); ++k) free.push_back(book.coordinates()[k].name);
   auto model = known_model(book.model());
-  // Which says what is known, and what is near.
-  if (!model) model = models::find_model(book.model().name);
+  if (!model)
+    throw ArgumentError(
+        fmt::format("there is no model \"{}\" here, which the codebook is of{}; the library of a model of "
+                    "one's own must be loaded (--model-library)",
+                    book.model().name, suggestion(book.model().name, models::model_names())));
   return models::ParametricModel(std::move(model), book.model().fixed, free);
 }
 

@@ -133,7 +133,7 @@ class MixedSource final : public models::TrajectorySource {
 
  private:
   /// The codebook at q, with derivatives whether they are wanted or not: a descent that asks for values at a point
-  /// mostly asks for its derivatives next, and both together cost little more than values.
+  /// mostly asks for its derivatives next.
   void ask(std::span<const double> q) {
     bool is_known = std::exchange(is_answered_, false);
     for (std::size_t k = 0; k < q_.size(); ++k) {

@@ -89,11 +89,13 @@ void add_number(std::string& toml, const char* key, std::optional<double> value)
   if (value && std::isfinite(*value)) toml += fmt::format("{} = {}\n", key, *value);
 }
 
-/// The table among those of the equations that holds the name, for a message about it.
-std::optional<TomlTable> table_with(const TomlTable& table, const std::string& name) {
-  for (const char* key : {"rates", "let", "states", "parameters"}) {
+/// The table among those of the equations that the error is about: expressions and names stand in different ones.
+std::optional<TomlTable> table_of(const TomlTable& table, const models::EquationError& error) {
+  std::vector<const char*> keys = {"parameters", "states", "let", "rates"};
+  if (error.is_of_expression()) keys = {"rates", "let"};
+  for (const char* key : keys) {
     const std::optional<TomlTable> part = table.optional_table(key);
-    if (part && part->has(name)) return part;
+    if (part && part->has(error.name())) return part;
   }
   return std::nullopt;
 }
@@ -128,7 +130,7 @@ std::shared_ptr<const models::Model> read_equation_model(const TomlTable& table)
   try {
     return models::equation_model(equations);
   } catch (const models::EquationError& error) {
-    if (const auto part = table_with(table, error.name())) throw part->error(error.name(), error.what());
+    if (const auto part = table_of(table, error)) throw part->error(error.name(), error.what());
     throw table.error(table.has("states") ? "states" : "", error.what());
   }
 }
@@ -176,8 +178,16 @@ bool is_model_file(const std::string& name_or_file) {
 
 std::shared_ptr<const models::Model> open_model(const std::string& name_or_file,
                                                 const std::filesystem::path& folder) {
-  if (!is_model_file(name_or_file)) return models::find_model(name_or_file);
-  const TomlTable table = TomlTable::read(folder / name_or_file);
+  if (!is_model_file(name_or_file)) {
+    std::error_code ignored;
+    if (!models::find_model_or_null(name_or_file) && std::filesystem::exists(folder / name_or_file, ignored))
+      throw ArgumentError(fmt::format("\"{}\" is no model; a file of equations ends in .toml", name_or_file));
+    return models::find_model(name_or_file);
+  }
+  const TomlTable file = TomlTable::read(folder / name_or_file);
+  // A plan may hold the equations itself.
+  const TomlTable table = file.optional_table("equations").value_or(file);
+  if (table.has("box")) throw table.error("box", "is that of a plan, and the plan holds no [equations]");
   check_name(table);
   return read_equation_model(table);
 }

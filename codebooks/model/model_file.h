@@ -32,7 +32,7 @@ std::string to_toml(const models::Equations& equations);
 std::string quoted_toml(const std::string& text);
 
 /// A model by what a user calls it: one of the library's or of a loaded library's by its name, or a file
-/// "model.toml". @param folder that such a path is relative to
+/// "model.toml", which may be a plan that holds its equations. @param folder that such a path is relative to
 /// @throws ArgumentError where there is no model of that name; InputError for a file that holds none
 std::shared_ptr<const models::Model> open_model(const std::string& name_or_file,
                                                 const std::filesystem::path& folder = {});

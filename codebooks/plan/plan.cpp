@@ -374,6 +374,9 @@ models::ParametricModel Plan::parametric_model() const {
 Plan parse_plan(const std::string& text, const std::string& name,
                 const std::shared_ptr<const models::Model>& model) {
   const TomlTable root = TomlTable::parse(text, name);
+  if (root.has("rates") && !root.has("box"))
+    throw root.error("rates",
+                     "are those of a model, not of a plan: a plan names the file by `model = \"..\"`");
   root.expect_keys(
       {"model", "equations", "command", "title", "fixed", "box", "time", "tolerance", "builder"});
   Plan plan;
@@ -388,6 +391,8 @@ Plan parse_plan(const std::string& text, const std::string& name,
   const Subject subject =
       plan.command ? subject_of(*plan.command) : subject_of(model ? model : read_model(root));
   plan.definition = subject.model;
+  if (!model && root.has("model") && is_model_file(root.string("model")))
+    plan.model_file = (std::filesystem::path(root.file()).parent_path() / root.string("model")).string();
   if (subject.model) plan.model = subject.model->info().name;
   plan.title = read_title(root);
   read_coordinates(root, subject, plan);

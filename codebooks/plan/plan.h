@@ -83,8 +83,9 @@ struct Plan : BuildRequest {
   std::optional<PlannedCommand> command;            ///< instead of a model
   std::map<std::string, double> fixed;              ///< SI
 
-  std::string source;  ///< file the plan came from, for messages; empty if none
-  std::string text;    ///< the plan as read
+  std::string source;      ///< file the plan came from, for messages; empty if none
+  std::string model_file;  ///< of the model, if it is in a file of its own
+  std::string text;        ///< the plan as read
 
   /// How many points its certificate takes: what the assurance asks for; by default kCertificatePoints, or
   /// fewer of a command, if the plan allows fewer calls, or if a call takes longer than a minute: then as

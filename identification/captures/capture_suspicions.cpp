@@ -189,8 +189,8 @@ Acceleration acceleration_of(const Capture& capture, SmoothingOptions options) {
 /// One for all positions: the length of the acceleration says it, whatever the axes.
 void suspect_acceleration(const Capture& capture, Sentences& found) {
   constexpr double kMost = 5.0;  // times gravity
-  // Finding outliers takes ten times as long as the rest, as long as a fit: it is left out where a look without shows
-  // the acceleration of a falling body.
+  // Finding outliers takes most of the time: it is left out where a look without shows the acceleration of a falling
+  // body.
   constexpr double kLeastUsual = 0.1, kMostUsual = 3.0;  // times gravity
   const SmoothingOptions plain{.noise = 0.0, .outlier_threshold = std::numeric_limits<double>::infinity()};
   const double look = acceleration_of(capture, plain).size / kGravity;

@@ -156,9 +156,11 @@ void validate(const DesignOptions& options) {
   for (const auto& [name, noise] : options.noise)
     require_positive(noise, fmt::format("noise of \"{}\"", name));
   for (const auto& [name, box] : options.box) {
-    require(std::isfinite(box.lower) && std::isfinite(box.upper) && box.lower <= box.upper,
-            fmt::format("the box of \"{}\" begins at", name), box.lower,
-            fmt::format("a finite number, at most its end, {},", box.upper));
+    if (std::isfinite(box.lower) && std::isfinite(box.upper) && box.lower <= box.upper) continue;
+    throw ArgumentError(
+        fmt::format("the release \"{}\" is to lie from {} to {}; finite numbers, the smaller one first, "
+                    "were expected",
+                    name, box.lower, box.upper));
   }
 }
 

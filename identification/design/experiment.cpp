@@ -8,6 +8,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/identification/problem/fit_problem.h"
+#include "samara/identification/smoothing/medians.h"
 
 namespace samara::identification {
 
@@ -151,10 +152,7 @@ Film film_of(const FitResult& fitted) {
     const double duration = capture.times[frames - 1] - capture.times[0];
     if (!(duration > film.duration)) continue;
     film.duration = duration;
-    std::vector<double> intervals;
-    for (Eigen::Index k = 1; k < frames; ++k) intervals.push_back(capture.times[k] - capture.times[k - 1]);
-    std::ranges::nth_element(intervals, intervals.begin() + std::ssize(intervals) / 2);
-    film.interval = intervals[intervals.size() / 2];
+    film.interval = median_interval(capture.times);
   }
   return film;
 }
@@ -280,6 +278,16 @@ void check_fitted(const models::FamilyInfo& family, const FitResult& fitted) {
   if (fitted.model != family.model) {
     throw ArgumentError(fmt::format("the fit is of the model \"{}\"; one of \"{}\" was expected",
                                     fitted.model, family.model));
+  }
+  for (const auto* names : {&fitted.setup.unknowns.shared, &fitted.setup.unknowns.per_capture}) {
+    for (const std::string& name : *names) {
+      const bool is_of_measurement = name == kDelay || name.starts_with(gain_name(""));
+      if (is_of_measurement && !models::position(family.coordinates, name))
+        throw ArgumentError(
+            fmt::format("the fit has \"{}\" among its unknowns, which designs do not know; a fit without "
+                        "delay and gains was expected",
+                        name));
+    }
   }
   FitOptions setup = fitted.setup;
   setup.unknowns.shared = known_so_far(fitted).names;

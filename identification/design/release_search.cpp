@@ -13,6 +13,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/sobol_points.h"
+#include "samara/identification/smoothing/medians.h"
 
 namespace samara::identification {
 
@@ -237,8 +238,7 @@ double random_error(const Candidates& candidates, const Precision& precision, in
       add(candidates.informations[(set * static_cast<std::size_t>(captures) + k) % count], sum);
     errors.push_back(precision.error(sum));
   }
-  std::ranges::nth_element(errors, errors.begin() + kSets / 2);
-  return errors[kSets / 2];
+  return median(std::move(errors));
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/identification/problem/fit_config.h"
+#include "samara/identification/problem/measurement.h"
 #include "samara/identification/report/fit_report.h"
 #include "samara/identification/report/read_fit.h"
 #include "samara/identification/series/series_config.h"
@@ -41,13 +42,9 @@ bool is_model(const std::string& text) {
 void take_over(const FitRequest& request, ConfigNames names, std::map<std::string, models::Interval> box,
                FitSource& source) {
   if (request.coefficients.empty()) return;
-  if (const auto& delay = source.options.measurement.delay) {
-    names.coordinates[kDelay] = "s";
-    box[kDelay] = *delay;
-  }
-  for (const auto& [output, range] : source.options.measurement.gains) {
-    names.coordinates[gain_name(output)] = "1";
-    box[gain_name(output)] = range;
+  for (const models::FamilyCoordinate& unknown : measurement_coordinates(source.options)) {
+    names.coordinates[unknown.name] = unknown.unit;
+    box[unknown.name] = {unknown.lower, unknown.upper};
   }
   source.coefficients = read_fit(request.coefficients);
   const FitResult& fitted = *source.coefficients;

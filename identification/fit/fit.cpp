@@ -69,7 +69,8 @@ class Descents {
         if (wanted) ++last;
       }
       runs.resize(static_cast<std::size_t>(last));
-      with_residuals(first, last, [&](int k, std::vector<SegmentResidual>& residuals) {
+      const auto all = [](int) { return true; };
+      with_residuals(first, last, all, [&](int k, std::vector<SegmentResidual>& residuals) {
         runs[static_cast<std::size_t>(k)] = descend(k, residuals);
       });
     }
@@ -83,15 +84,17 @@ class Descents {
     if (problem_.is_joined()) {
       if (const auto deviations = start_deviations(problem_, residuals_, runs[best].point))
         deviations_ = deviations;
+      finish_joins(residuals_);  // which others read, also where the first start has failed
     }
-    with_residuals(0, static_cast<int>(runs.size()), [&](int k, std::vector<SegmentResidual>& residuals) {
-      MinimizeResult& run = runs[static_cast<std::size_t>(k)];
-      if (run.status == FitStatus::failed) return;
-      finish_joins(residuals);
-      const int before = run.iterations;
-      run = minimize(problem_, residuals, std::move(run.point), options_.solver.max_iterations);
-      run.iterations += before;
-    });
+    const auto wanted = [&](int k) { return runs[static_cast<std::size_t>(k)].status != FitStatus::failed; };
+    with_residuals(
+        0, static_cast<int>(runs.size()), wanted, [&](int k, std::vector<SegmentResidual>& residuals) {
+          MinimizeResult& run = runs[static_cast<std::size_t>(k)];
+          finish_joins(residuals);
+          const int before = run.iterations;
+          run = minimize(problem_, residuals, std::move(run.point), options_.solver.max_iterations);
+          run.iterations += before;
+        });
   }
 
   /// The first start, from a search of the box.
@@ -117,10 +120,11 @@ class Descents {
   long evaluations() const { return evaluations_; }
 
  private:
-  /// Calls action(start, its residuals) for first <= start < last, in any order.
-  template <class Action>
-  void with_residuals(int first, int last, const Action& action) {
+  /// Calls action(start, its residuals) for first <= start < last, if wanted(start), in any order.
+  template <class Wanted, class Action>
+  void with_residuals(int first, int last, const Wanted& wanted, const Action& action) {
     parallel_for(std::max(0, last - first), [&](int k) {
+      if (!wanted(first + k)) return;
       if (first + k == 0) return action(0, residuals_);
       std::vector<SegmentResidual> own = make_residuals(family_, problem_);
       action(first + k, own);

@@ -108,10 +108,11 @@ void warn_about_measurement(const FitProblem& problem, FitResult& result) {
         ids.push_back(fmt::format("\"{}\"", capture.id));
     }
     if (ids.empty()) continue;
-    result.warnings.add(WarningKind::undetermined,
-                        fmt::format("{} of {} captures say little about their {}, with a standard error of "
-                                    "half its range or more: {}",
-                                    ids.size(), result.captures.size(), own.name, join(ids)));
+    result.warnings.add(
+        WarningKind::undetermined,
+        fmt::format("captures that say little about their {}, with a standard error of half its "
+                    "range or more: {} of {}, {}",
+                    own.name, ids.size(), result.captures.size(), join(ids)));
   }
 }
 

@@ -50,11 +50,7 @@ void add_integration_shift(const models::TrajectoryFamily& family, const FitProb
   const std::unique_ptr<models::TrajectoryFamily> finer = family.finer();
   const std::vector<int> free = movable(uncertainty);
   if (!finer || free.empty()) return;
-  std::vector<SegmentResidual> halved;
-  for (const SegmentResidual& residual : residuals) {
-    halved.emplace_back(*finer, problem, residual.segment());
-    halved.back().set_join_weights(residual.join_weights());
-  }
+  std::vector<SegmentResidual> halved = make_residuals(*finer, problem, residuals);
   if (!evaluate_all(halved, point)) {
     result.warnings.add(
         WarningKind::steps,

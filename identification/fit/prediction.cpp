@@ -36,8 +36,7 @@ void check(const FitOptions& options, const PredictionOptions& prediction) {
   if (prediction.stride && options.measurement.delay) {
     throw ArgumentError(
         "stride: a span that is predicted starts where it is cut, not at a release, and has no delay; "
-        "predictions "
-        "from the first frame were expected");
+        "predictions from the first frame were expected");
   }
   for (const std::string& name : prediction.hidden) {
     if (options.unknowns.known.contains(name)) continue;

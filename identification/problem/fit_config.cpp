@@ -6,6 +6,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/identification/problem/measurement.h"
 #include "samara/io/toml_document.h"
 
 namespace samara::identification {
@@ -210,8 +211,8 @@ MeasurementOptions read_measurement(const TomlTable& root, const Units& outputs)
 
 /// Names with those of delay and gains.
 ConfigNames with_measurement(ConfigNames names, const FitOptions& options) {
-  for (const std::string& name : measurement_names(options))
-    names.coordinates[name] = name == kDelay ? "s" : "1";
+  for (const models::FamilyCoordinate& unknown : measurement_coordinates(options))
+    names.coordinates[unknown.name] = unknown.unit;
   return names;
 }
 

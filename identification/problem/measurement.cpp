@@ -12,15 +12,13 @@ namespace samara::identification {
 
 namespace {
 
-void add_unknown(const std::string& name, const std::string& unit, const models::Interval& range,
-                 models::FamilyInfo& family) {
-  const bool is_taken = position(family.coordinates, name) || family.fixed.contains(name);
-  if (is_taken) {
+void add_unknown(const models::FamilyCoordinate& unknown, models::FamilyInfo& family) {
+  if (position(family.coordinates, unknown.name) || family.fixed.contains(unknown.name)) {
     throw ArgumentError(
         fmt::format("\"{}\" is a coordinate of \"{}\" itself; a model without one of that name was expected",
-                    name, family.model));
+                    unknown.name, family.model));
   }
-  family.coordinates.push_back({name, unit, false, range.lower, range.upper});
+  family.coordinates.push_back(unknown);
 }
 
 void add_gain(const std::string& output, std::size_t slot, FitProblem& problem) {
@@ -51,11 +49,19 @@ std::string delay_text(const models::Interval& range) {
 
 }  // namespace
 
+std::vector<models::FamilyCoordinate> measurement_coordinates(const FitOptions& options) {
+  std::vector<models::FamilyCoordinate> all;
+  if (const auto& delay = options.measurement.delay)
+    all.push_back({kDelay, "s", false, delay->lower, delay->upper});
+  for (const auto& [output, range] : options.measurement.gains)
+    all.push_back({gain_name(output), "1", false, range.lower, range.upper});
+  return all;
+}
+
 models::FamilyInfo with_measurement(const models::FamilyInfo& family, const FitOptions& options) {
   models::FamilyInfo extended = family;
-  if (options.measurement.delay) add_unknown(kDelay, "s", *options.measurement.delay, extended);
-  for (const auto& [output, range] : options.measurement.gains)
-    add_unknown(gain_name(output), "1", range, extended);
+  for (const models::FamilyCoordinate& unknown : measurement_coordinates(options))
+    add_unknown(unknown, extended);
   return extended;
 }
 

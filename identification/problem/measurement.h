@@ -11,6 +11,9 @@
 /// with boxes, priors and starts.
 namespace samara::identification {
 
+/// The delay and the gains that the options ask for, with their ranges.
+std::vector<models::FamilyCoordinate> measurement_coordinates(const FitOptions& options);
+
 /// The family with the delay and the gains that the options ask for among its coordinates.
 /// @throws ArgumentError where the model has a coordinate of that name.
 models::FamilyInfo with_measurement(const models::FamilyInfo& family, const FitOptions& options);

@@ -279,10 +279,10 @@ void SegmentResidual::join(const double* own, const double* next, bool with_deri
     const bool is_constant = rule.kind == JoinRule::Kind::constant;
     const bool is_state = rule.kind == JoinRule::Kind::state;
     const double start = rule.start_slot == JoinRule::kNone ? rule.start : q_[rule.start_slot];
-    const bool is_offset = rule.kind == JoinRule::Kind::offset;
-    const std::optional<std::size_t> gain_slot =
-        is_offset ? problem_->outputs[static_cast<std::size_t>(rule.column)].gain : std::nullopt;
-    const double gain = gain_slot ? q_[static_cast<Eigen::Index>(*gain_slot)] : 1.0;
+    const ComparedOutput* output = rule.kind == JoinRule::Kind::offset
+                                       ? &problem_->outputs[static_cast<std::size_t>(rule.column)]
+                                       : nullptr;
+    const double gain = output != nullptr ? gain_at(*output, q_) : 1.0;
     const double moved = is_constant ? own[rule.own]
                          : is_state  ? values_(end, rule.column)
                                      : gain * (values_(end, rule.column) - start) + own[rule.own];
@@ -290,7 +290,8 @@ void SegmentResidual::join(const double* own, const double* next, bool with_deri
     if (with_derivatives) {
       by_next_(row, rule.own) = -weight;
       if (!is_constant) fill_row(row, end, rule.column, weight * gain);
-      if (gain_slot) fill_slot(row, *gain_slot, weight * (values_(end, rule.column) - start));
+      if (output != nullptr && output->gain)
+        fill_slot(row, *output->gain, weight * (values_(end, rule.column) - start));
       if (!is_state) by_own_(row, rule.own) = weight;
       if (rule.start_slot != JoinRule::kNone) {
         const CoordinateSlot& slot = problem_->slots[static_cast<std::size_t>(rule.start_slot)];

@@ -51,11 +51,10 @@ void check_coefficient(const models::ModelInfo& model, const FitOptions& options
 /// @throws ArgumentError for what has no meaning for a series.
 void check_combination(const FitOptions& options, const SeriesOptions& series) {
   if (const std::vector<std::string> measured = measurement_names(options); !measured.empty()) {
-    throw ArgumentError(
-        fmt::format("a series says when coefficients change by the clock of the captures and by what they "
-                    "measured; no {} was "
-                    "expected",
-                    measured.front()));
+    throw ArgumentError(fmt::format(
+        "\"{}\" is unknown, and a series takes clocks and sensors as they are; a config without delay and "
+        "gain was expected",
+        measured.front()));
   }
   if (options.uncertainty.profiles) {
     throw ArgumentError(

@@ -23,7 +23,7 @@ constexpr int kNarrow = 8;
 /// Least change of a rate, and of a slope times the scale, over the largest |rate|.
 constexpr double kLeastOfRate = 0.01;
 constexpr double kLeastOfSlope = 0.1;
-/// By which a parameter is multiplied to see whether the distance follows it, and the octaves that this is.
+/// By which a parameter is divided to see whether the distance follows it, and the octaves that this is.
 constexpr double kStretch = 8.0;
 constexpr int kStretchOctaves = 3;
 
@@ -172,19 +172,22 @@ std::string term_of(Line& line, double centre, const Abrupt& abrupt) {
   return largest > 0.0 ? infos[worst].name : "";
 }
 
-/// The parameter that the distance grows with.
+/// The parameter that the distance grows with. It is divided twice: what only hides the kink behind something smooth
+/// shows it at its true distance after the first time, and there it stays.
 std::string floor_of(const Line& line, double centre, const Abrupt& abrupt) {
-  if (abrupt.octave >= kOctaves) return "";
   const std::vector<ParameterInfo>& parameters = line.model.info().parameters;
+  const auto follows = [&](std::size_t j, int times) {
+    Line other = line;
+    other.p.value[j] *= std::pow(kStretch, -times);
+    const std::optional<Changes> changes = changes_around(other, centre);
+    const int expected = abrupt.octave + times * kStretchOctaves;
+    if (!changes || expected >= kOctaves) return false;
+    const int octave = octave_of(abrupt.is_of_rate ? changes->of_rate : changes->of_slope, abrupt.rate);
+    return std::abs(octave - expected) <= 1;
+  };
   for (std::size_t j = 0; j < line.p.value.size(); ++j) {
     if (parameters[j].unit != line.model.info().states[line.state].unit || line.p.value[j] == 0.0) continue;
-    Line other = line;
-    other.p.value[j] *= kStretch;
-    const std::optional<Changes> changes = changes_around(other, centre);
-    if (!changes) continue;
-    const int octave = octave_of(abrupt.is_of_rate ? changes->of_rate : changes->of_slope, abrupt.rate);
-    const int expected = std::max(abrupt.octave - kStretchOctaves, kWide + 1);
-    if (octave < abrupt.octave && std::abs(octave - expected) <= 1) return parameters[j].name;
+    if (follows(j, 1) && follows(j, 2)) return parameters[j].name;
   }
   return "";
 }

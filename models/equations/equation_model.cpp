@@ -117,7 +117,7 @@ class EquationCompiler {
     try {
       return read_expression(text, names_, compiled_.graph);
     } catch (const ArgumentError& error) {
-      throw EquationError(name, error.what());
+      throw EquationError(name, error.what(), true);
     }
   }
 
@@ -127,14 +127,21 @@ class EquationCompiler {
     if (!(rate.unit == expected) && !compiled_.graph.is_constant(rate.node, 0.0))
       throw EquationError(state.name,
                           fmt::format("the rate of \"{}\" is in {}, expected {}: its unit per {}", state.name,
-                                      to_string(rate.unit), to_string(expected), to_string(time)));
+                                      to_string(rate.unit), to_string(expected), to_string(time)),
+                          true);
     compiled_.rates.push_back(rate.node);
   }
 
   void describe() {
     ModelInfo& info = compiled_.info;
     info.name = equations_.name;
-    info.title = equations_.title;
+    info.title = equations_.title.empty() ? "equations as text" : equations_.title;
+    for (StateInfo& state : info.states) {
+      if (state.description.empty()) state.description = "not described";
+    }
+    for (ParameterInfo& parameter : info.parameters) {
+      if (parameter.description.empty()) parameter.description = "not described";
+    }
     info.frames = equations_.frames.empty() ? "as the names of the states say" : equations_.frames;
     info.source = equations_.source.empty() ? "equations as text" : equations_.source;
     info.validity = equations_.validity.empty() ? "not stated" : equations_.validity;

@@ -17,8 +17,8 @@
 /// shorter; each has as many nodes n as keep the error of a motion sin(w t), at most w^n/n! prod |t - t_j| <=
 /// 4 (w L/4)^n/n! on a piece of length L with its Chebyshev nodes of the second kind t_j, below two millionths at
 /// w = 1 rad from frame to frame: six frames a swing, coarser than a motion is seen that can be followed at all. At
-/// twelve frames a swing the error is a thousandth of that. Some 2.3 times are asked for each frame, whatever the
-/// range of the delay.
+/// twelve frames a swing the error is a thousandth of that. Some 2.3 times are asked for each frame that the
+/// run and the range of the delay cover.
 namespace samara::models {
 
 /// @param range of the delay, s; without a width the delay is held, and trajectories are asked where it says

@@ -89,6 +89,8 @@ class Bodies(Case):
         self.check_error(run("body", mesh, "--unit", "kg", *given), 2, "kg")
         self.check_error(run("body", mesh, "--unit", "mm", "--size", "1", *given), 2, "--size is of shapes")
         self.check_error(run("body", mesh, "--unit", "mm", "--added-mass", "guess", *given), 2, "guess")
+        self.check_error(run("body", "sphere", "--size", "1", *given), 2, "no shape (ellipsoid, disc, plate) and no file")
+        self.check_error(run("body", "disc", "--size", "1 cm", "1 mm", "--toml", "--viscosity", "1e-3", *given), 2, "--viscosity")
         self.check_error(run("body", "missing.stl", "--unit", "mm", *given), 3, "missing.stl")
 
 

@@ -35,6 +35,17 @@ class Designs(Case):
         self.assertEqual(answer["schema"], "samara-design/1")
         return answer
 
+    def test_a_fit_with_a_delay_has_no_design_and_is_told_so(self):
+        config = write("delayed.toml", 'delay = { range = ["0 s", "20 ms"] }\n')
+        path = FOLDER / "delayed.json"
+        fit = run("fit", book("coin", COIN_PLAN), self.fall("a.csv", 0.1), self.fall("b.csv", 0.12), "--config", config, "-o", path)
+        self.assertEqual(fit.returncode, 0, fit.stderr)
+        self.check_error(run("design", book("coin", COIN_PLAN), "--fit", path), 3, '"delay" among its unknowns, which designs do not know')
+
+    def test_a_reversed_release_is_refused_in_plain_words(self):
+        self.check_error(run("design", book("coin", COIN_PLAN), "--fit", self.fitted(), "--set", "v(0)=0.3..0.1"), 2,
+                         'the release "v(0)" is to lie from 0.3 to 0.1')
+
     def changed_fit(self, change):
         fit = json.loads(self.fitted().read_text())
         change(fit)

@@ -225,10 +225,10 @@ TEST_CASE("a delay that another start makes up for is said not to be determined"
     // 1 m/s of the speed is 1/(k v(0)) = 0.6 s of the delay.
     options.priors.coordinates["v(0)"] = {.mean = kSpeed, .deviation = 1.0};
     const FitResult result = fit(BrakedFamily(), captures, options);
-    CHECK(
-        result.warnings.has(WarningKind::undetermined,
-                            "2 of 2 captures say little about their delay, with a standard error of half its "
-                            "range or more: \"a\", \"b\""));
+    CHECK(result.warnings.has(
+        WarningKind::undetermined,
+        "captures that say little about their delay, with a standard error of half its range or "
+        "more: 2 of 2, \"a\", \"b\""));
     CHECK_THAT(own_of(result, 0, "delay").standard_error.value(), WithinAbs(1.0 / (kBrake * kSpeed), 0.05));
   }
   SECTION("of all captures") {

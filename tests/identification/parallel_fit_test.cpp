@@ -65,33 +65,88 @@ class MovingValley final : public ClosedFormFamily {
                          }) {}
 };
 
+/// A tumbling plate in joined segments.
+struct JoinedPlate {
+  std::unique_ptr<samara::models::TrajectoryFamily> family;
+  std::vector<Capture> captures;
+  FitOptions options;
+
+  JoinedPlate() {
+    std::map<std::string, double> values = {{"inertia_ratio", 1.4}, {"beta", 1.0 / 14.0}, {"B", 1.0}};
+    const std::map<std::string, double> held = values;
+    values.insert({{"C_T", 1.2}, {"C_R", 3.14159}, {"A", 1.4}, {"mu1", 0.2}});
+    const std::vector<double> times = plate_times(40, 20.0);
+    captures = {seen_plate(times, plate_states(values, times), 0.02, 5)};
+    family = step_trajectories(samara::models::find_model("falling_plate_nd"), held,
+                               {{"A", {0.9, 2.2}},
+                                {"mu1", {0.1, 0.4}},
+                                {"C_T", {1.1, 1.3}},
+                                {"C_R", {2.9, 3.4}},
+                                {"vx(0)", {-8.0, 8.0}},
+                                {"vy(0)", {-8.0, 8.0}},
+                                {"w(0)", {-8.0, 8.0}},
+                                {"theta(0)", {-60.0, 60.0}}},
+                               0.02);
+    options.loss = {.kind = LossKind::none, .scales = {{"x", 0.02}, {"y", 0.02}, {"theta", 0.02}}};
+    options.unknowns.fixed = {{"C_T", 1.2}, {"C_R", 3.14159}};
+    options.segments.length = 1.0;
+    options.starts.count = 3;
+  }
+};
+
+/// Another family, without trajectories at one value of its first coordinate.
+class FailingAt final : public samara::models::TrajectoryFamily {
+ public:
+  FailingAt(const samara::models::TrajectoryFamily& whole, double value) : whole_(whole), value_(value) {}
+  const samara::models::FamilyInfo& info() const override { return whole_.info(); }
+  const samara::models::ParametricModel* equations() const override { return whole_.equations(); }
+  std::unique_ptr<samara::models::TrajectorySource> at(
+      const std::vector<double>& times, const std::vector<std::string>& outputs) const override {
+    return std::make_unique<Source>(whole_.at(times, outputs), value_);
+  }
+
+ private:
+  struct Source final : samara::models::TrajectorySource {
+    Source(std::unique_ptr<samara::models::TrajectorySource> all, double at_value)
+        : whole(std::move(all)), value(at_value) {}
+    samara::models::TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
+                                               Eigen::MatrixXd* derivatives) override {
+      if (std::abs(q[0] - value) < 1e-9)
+        return {.status = samara::models::TrajectoryStatus::not_integrated, .message = "none here"};
+      return whole->evaluate(q, values, derivatives);
+    }
+    std::unique_ptr<samara::models::TrajectorySource> whole;
+    double value;
+  };
+
+  const samara::models::TrajectoryFamily& whole_;
+  double value_;
+};
+
 }  // namespace
 
 TEST_CASE("starts and profiles of joined segments have the same bits on any number of threads") {
-  std::map<std::string, double> values = {{"inertia_ratio", 1.4}, {"beta", 1.0 / 14.0}, {"B", 1.0}};
-  const std::map<std::string, double> held = values;
-  values.insert({{"C_T", 1.2}, {"C_R", 3.14159}, {"A", 1.4}, {"mu1", 0.2}});
-  const std::vector<double> times = plate_times(40, 20.0);
-  const std::vector captures = {seen_plate(times, plate_states(values, times), 0.02, 5)};
-  const auto family = step_trajectories(samara::models::find_model("falling_plate_nd"), held,
-                                        {{"A", {0.9, 2.2}},
-                                         {"mu1", {0.1, 0.4}},
-                                         {"C_T", {1.1, 1.3}},
-                                         {"C_R", {2.9, 3.4}},
-                                         {"vx(0)", {-8.0, 8.0}},
-                                         {"vy(0)", {-8.0, 8.0}},
-                                         {"w(0)", {-8.0, 8.0}},
-                                         {"theta(0)", {-60.0, 60.0}}},
-                                        0.02);
-  FitOptions options;
-  options.loss = {.kind = LossKind::none, .scales = {{"x", 0.02}, {"y", 0.02}, {"theta", 0.02}}};
-  options.unknowns.fixed = {{"C_T", 1.2}, {"C_R", 3.14159}};
-  options.segments.length = 1.0;
-  options.starts.count = 3;
-  options.uncertainty.profiles = true;
-  const auto results = with_threads(*family, captures, options);
+  JoinedPlate plate;
+  plate.options.uncertainty.profiles = true;
+  const auto results = with_threads(*plate.family, plate.captures, plate.options);
   CHECK(results[0].status == FitStatus::converged);
   check_same_bits(results[0], results[1]);
+}
+
+TEST_CASE("joins are weighed by the noise that was found, also where the first start has no trajectory") {
+  JoinedPlate plate;
+  REQUIRE(plate.family->info().coordinates.front().name == "A");
+  plate.options.starts.initial = {{"A", 1.4321}};
+  plate.options.loss.scales = {{"x", 0.2}, {"y", 0.2}, {"theta", 0.2}};  // ten times the noise
+  plate.options.noise.estimated = true;
+  const FitResult whole = fit(*plate.family, plate.captures, plate.options);
+  const FitResult without_first = fit(FailingAt(*plate.family, 1.4321), plate.captures, plate.options);
+  REQUIRE(without_first.starts.front().status == FitStatus::failed);
+  REQUIRE(without_first.status == FitStatus::converged);
+  CHECK_THAT(without_first.join_defect.value(), Catch::Matchers::WithinRel(whole.join_defect.value(), 0.1));
+  for (std::size_t k = 0; k < whole.coefficients.size(); ++k)
+    CHECK_THAT(without_first.coefficients[k].naive_standard_error.value(),
+               Catch::Matchers::WithinRel(whole.coefficients[k].naive_standard_error.value(), 0.02));
 }
 
 TEST_CASE("starts, profiles and replicates of many captures have the same bits on any number of threads") {

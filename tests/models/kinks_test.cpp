@@ -69,6 +69,17 @@ TEST_CASE("a jump of the rate itself is told from one of its slope") {
   CHECK(kinks[0].jump == Approx(0.5 / 1.5).epsilon(1e-6));
 }
 
+TEST_CASE("a weight that hides a kink behind something smooth is not its floor") {
+  // x' = p x^2 + sqrt(x^2 + c^2)
+  for (const auto& [weight, c] : {std::pair(10.0, 4e-4), std::pair(10.0, 1.5e-3), std::pair(1.0, 3e-3)}) {
+    const ScalarModel model([c](double, double x, double p) { return p * x * x + std::hypot(x, c); },
+                            [c](double, double x, double p) { return 2.0 * p * x + x / std::hypot(x, c); },
+                            [](double, double x, double) { return x * x; });
+    CAPTURE(weight, c);
+    for (const Kink& kink : kinks_at_zero(model, {{0.0, {0.5}, {{weight}, {1}}}})) CHECK(kink.floor.empty());
+  }
+}
+
 TEST_CASE("the distance of a kink is that of its floor, which is named, and a wide floor is none") {
   for (const double floor : {1e-6, 1e-5, 1e-4, 1e-3}) {
     const std::vector<Kink> kinks = of_floor(floor);
