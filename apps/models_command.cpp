@@ -45,6 +45,7 @@ Json to_json(const models::ModelInfo& info) {
                  {"states", Json::array()},
                  {"groups", Json::array()},
                  {"parameters", Json::array()},
+                 {"outputs", Json::array()},
                  {"affine_in", info.affine_in},
                  {"force_terms", Json::array()},
                  {"force_units", {{"force", units.force}, {"torque", units.torque}, {"power", units.power}}}};
@@ -53,6 +54,10 @@ Json to_json(const models::ModelInfo& info) {
                                 {"unit", s.unit},
                                 {"default_initial", s.default_initial},
                                 {"description", s.description}});
+  }
+  for (const auto& output : info.outputs) {
+    object["outputs"].push_back(
+        {{"name", output.name}, {"unit", output.unit}, {"description", output.description}});
   }
   for (const auto& g : info.groups) {
     object["groups"].push_back({{"kind", kind_text(g.kind)}, {"first", g.first}});
@@ -156,6 +161,11 @@ std::string explain(const models::ModelInfo& info) {
     states.push_back({s.name + "(0)", s.unit, fmt::format("{}", s.default_initial), s.description});
   }
   text += fmt::format("\n{}\n{}", table(parameters), table(states));
+  if (!info.outputs.empty()) {
+    std::vector<Row> outputs = {{"output", "unit", "meaning"}};
+    for (const auto& output : info.outputs) outputs.push_back({output.name, output.unit, output.description});
+    text += fmt::format("\n{}", table(outputs));
+  }
   if (info.force_terms.empty()) return text;
   std::vector<Row> terms = {{"force term", "meaning"}};
   for (const auto& term : info.force_terms) terms.push_back({term.name, term.description});

@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <numeric>
+#include <optional>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -6,10 +9,12 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
+#include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/io/csv.h"
+#include "samara/models/trajectories/derived_outputs.h"
 #include "terminal.h"
 
 namespace samara::apps {
@@ -71,22 +76,63 @@ Points points_of(const Codebook& book, const QueryArguments& arguments) {
   return points;
 }
 
+/// What the model derives from the states, where the codebook holds all of them.
+class Derived {
+ public:
+  explicit Derived(const Codebook& book) : coordinates_(static_cast<std::size_t>(book.coordinate_count())) {
+    labels_ = codebooks::derived_outputs(book);
+    if (labels_.empty()) return;
+    model_.emplace(codebooks::model_of(book));
+    for (const models::StateInfo& state : model_->model().info().states)
+      states_.push_back(book.output_index(state.name));
+    evaluator_.emplace(*model_);
+    std::iota(coordinates_.begin(), coordinates_.end(), -1);  // time first
+  }
+
+  const Labels& labels() const { return labels_; }
+
+  /// Appends to what the codebook answers. @param slopes of no column where they are not wanted
+  void add(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values, Eigen::Ref<Eigen::MatrixXd> slopes) {
+    if (!evaluator_) return;
+    const Eigen::VectorXd states = values(states_);
+    const std::span<const double> in(states.data(), states_.size());
+    const Eigen::Index count = std::ssize(labels_);
+    const std::span<double> y(values.data() + values.size() - count, labels_.size());
+    if (slopes.cols() == 0) {
+      evaluator_->evaluate(x[0], in, x.subspan(1), y);
+    } else {
+      const Eigen::MatrixXd by_all = slopes(states_, Eigen::all);
+      evaluator_->evaluate(x[0], in, x.subspan(1), by_all, coordinates_, y, slopes.bottomRows(count));
+    }
+  }
+
+ private:
+  std::vector<Eigen::Index> states_;  ///< where they stand among the outputs
+  std::vector<int> coordinates_;
+  std::optional<models::ParametricModel> model_;
+  std::optional<models::DerivedOutputs> evaluator_;
+  Labels labels_;
+};
+
 /// Values, then gradients (output by output, coordinate by coordinate).
-Eigen::MatrixXd answer(const Codebook& book, const Points& points, bool gradient) {
+Eigen::MatrixXd answer(const Codebook& book, Derived& derived, const Points& points, bool gradient) {
   codebooks::Query query(book);
-  const int outputs = book.output_count();
+  const int own = book.output_count();
+  const int outputs = own + static_cast<int>(derived.labels().size());
   const int coordinates = book.coordinate_count();
   Eigen::MatrixXd table(points.x.rows(), outputs + (gradient ? outputs * coordinates : 0));
   Eigen::VectorXd values(outputs);
-  Eigen::MatrixXd slopes(outputs, coordinates);
+  Eigen::MatrixXd slopes(outputs, gradient ? coordinates : 0);
   std::vector<double> x(static_cast<std::size_t>(coordinates));
   for (Eigen::Index i = 0; i < points.x.rows(); ++i) {
     for (int k = 0; k < coordinates; ++k) x[static_cast<std::size_t>(k)] = points.x(i, k);
     if (gradient) {
-      query.values(x, values, slopes);
+      query.values(x, values.head(own), slopes.topRows(own));
+      derived.add(x, values, slopes);
       table.row(i).tail(outputs * coordinates) = slopes.reshaped<Eigen::RowMajor>().transpose();
     } else {
-      query.values(x, values);
+      query.values(x, values.head(own));
+      derived.add(x, values, slopes);
     }
     table.row(i).head(outputs) = values.transpose();
   }
@@ -183,8 +229,11 @@ int run(const QueryArguments& arguments) {
   const Points points = points_of(book, arguments);
   for (const std::string& name : points.clamped)
     warn(fmt::format("{} was moved to the border of the box", name));
-  const Eigen::MatrixXd table = answer(book, points, arguments.gradient);
-  write(arguments, book, book.outputs(), points, table);
+  Derived derived(book);
+  const Eigen::MatrixXd table = answer(book, derived, points, arguments.gradient);
+  Labels outputs = book.outputs();
+  outputs.insert(outputs.end(), derived.labels().begin(), derived.labels().end());
+  write(arguments, book, outputs, points, table);
   return kDone;
 }
 

@@ -81,12 +81,14 @@ Table force_table(const models::ParametricModel& parametric, const Eigen::Vector
   return table;
 }
 
-Table state_table(const models::ModelInfo& info, const Eigen::VectorXd& times,
-                  const Eigen::MatrixXd& states) {
+/// States, then what the model derives from them.
+Table output_table(const models::ModelInfo& info, const std::vector<models::FamilyOutput>& outputs,
+                   const Eigen::VectorXd& times, const Eigen::MatrixXd& values) {
   Table table = {{fmt::format("t[{}]", models::time_unit(info))}, {}};
-  for (const auto& state : info.states) table.header.push_back(fmt::format("{}[{}]", state.name, state.unit));
-  table.rows.resize(times.size(), 1 + states.cols());
-  table.rows << times, states;
+  for (const models::FamilyOutput& output : outputs)
+    table.header.push_back(fmt::format("{}[{}]", output.name, output.unit));
+  table.rows.resize(times.size(), 1 + values.cols());
+  table.rows << times, values;
   return table;
 }
 
@@ -124,7 +126,7 @@ void check_frames(const SimulateArguments& arguments, const models::ModelInfo& i
   constexpr double kBytesPerValue = 3.0 * sizeof(double) + 24.0;
   constexpr double kMostBytes = 2e9;
   const auto columns =
-      static_cast<double>(1 + info.states.size() + (arguments.forces ? 7 * info.force_terms.size() + 1 : 0));
+      static_cast<double>(1 + info.states.size() + info.outputs.size() + (arguments.forces ? 7 * info.force_terms.size() + 1 : 0));
   const double most = std::floor(kMostBytes / (kBytesPerValue * columns));
   if (arguments.frames > most) {
     throw ArgumentError(
@@ -180,7 +182,7 @@ int run(const SimulateArguments& arguments) {
   const models::FamilyTrajectory trajectory =
       models::trajectory(*family, {}, {times.begin(), times.end()}, models::output_names(family->info()));
 
-  Table table = state_table(info, times, trajectory.values);
+  Table table = output_table(info, family->info().outputs, times, trajectory.values);
   if (arguments.forces) table = beside(table, force_table(parametric, times, trajectory.values));
   write_answer(arguments.output, io::format_csv(table.header, table.rows));
   if (trajectory.outcome) return kDone;

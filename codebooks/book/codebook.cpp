@@ -224,4 +224,16 @@ Codebook Codebook::with_certificate(Certificate certificate) const {
   return copy;
 }
 
+std::vector<pgd::OutputLabel> derived_outputs(const Codebook& book) {
+  const auto model = known_model(book.model());
+  std::vector<pgd::OutputLabel> labels;
+  if (!model) return labels;
+  for (const models::StateInfo& state : model->info().states) {
+    if (std::ranges::find(book.outputs(), state.name, &pgd::OutputLabel::name) == book.outputs().end())
+      return labels;
+  }
+  for (const models::OutputInfo& output : model->info().outputs) labels.push_back({output.name, output.unit});
+  return labels;
+}
+
 }  // namespace samara::codebooks

@@ -168,4 +168,8 @@ class Codebook {
   std::vector<pgd::OutputLabel> outputs_;
 };
 
+/// What the model derives from its states (models::ModelInfo::outputs), where it is known and the codebook holds all of
+/// them; else none.
+std::vector<pgd::OutputLabel> derived_outputs(const Codebook& book);
+
 }  // namespace samara::codebooks

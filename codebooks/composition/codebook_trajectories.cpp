@@ -14,6 +14,7 @@
 #include "samara/codebooks/composition/shared_queries.h"
 #include "samara/models/integrators/trajectory_tools.h"
 #include "samara/models/interface/parametric_model.h"
+#include "samara/models/trajectories/derived_outputs.h"
 #include "samara/models/trajectories/interval.h"
 #include "samara/models/trajectories/model_symmetry.h"
 #include "samara/models/trajectories/reference_trajectories.h"
@@ -207,11 +208,11 @@ class FlowMapTrajectories final : public models::TrajectoryFamily {
 }  // namespace
 
 std::unique_ptr<models::TrajectoryFamily> codebook_trajectories(const Codebook& book) {
-  return std::make_unique<CodebookTrajectories>(book);
+  return models::with_derived_outputs(std::make_unique<CodebookTrajectories>(book));
 }
 
 std::unique_ptr<models::TrajectoryFamily> flow_map_trajectories(const Codebook& book) {
-  return std::make_unique<FlowMapTrajectories>(book);
+  return models::with_derived_outputs(std::make_unique<FlowMapTrajectories>(book));
 }
 
 std::unique_ptr<models::TrajectoryFamily> reference_trajectories(const Codebook& book,

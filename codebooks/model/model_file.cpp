@@ -40,6 +40,24 @@ std::vector<models::StateInfo> read_states(const TomlTable& table) {
   return states;
 }
 
+/// "expression", or a table with its unit.
+std::vector<std::pair<models::OutputInfo, std::string>> read_outputs(const TomlTable& table) {
+  std::vector<std::pair<models::OutputInfo, std::string>> outputs;
+  for (const std::string& name : table.keys()) {
+    models::OutputInfo info{.name = name, .unit = "1"};
+    if (table.is_string(name)) {
+      outputs.emplace_back(std::move(info), table.string(name));
+      continue;
+    }
+    const TomlTable output = table.table(name);
+    output.expect_keys({"value", "unit", "description"});
+    info.unit = unit_of(output);
+    info.description = text_of(output, "description");
+    outputs.emplace_back(std::move(info), output.string("value"));
+  }
+  return outputs;
+}
+
 std::vector<models::ParameterInfo> read_parameters(const TomlTable& table) {
   std::vector<models::ParameterInfo> parameters;
   for (const std::string& name : table.keys()) {
@@ -91,8 +109,8 @@ void add_number(std::string& toml, const char* key, std::optional<double> value)
 
 /// The table among those of the equations that the error is about: expressions and names stand in different ones.
 std::optional<TomlTable> table_of(const TomlTable& table, const models::EquationError& error) {
-  std::vector<const char*> keys = {"parameters", "states", "let", "rates"};
-  if (error.is_of_expression()) keys = {"rates", "let"};
+  std::vector<const char*> keys = {"parameters", "states", "let", "outputs", "rates"};
+  if (error.is_of_expression()) keys = {"rates", "let", "outputs"};
   for (const char* key : keys) {
     const std::optional<TomlTable> part = table.optional_table(key);
     if (part && part->has(error.name())) return part;
@@ -104,7 +122,7 @@ std::optional<TomlTable> table_of(const TomlTable& table, const models::Equation
 
 models::Equations read_equations(const TomlTable& table) {
   table.expect_keys(
-      {"name", "title", "frames", "source", "validity", "states", "parameters", "let", "rates"});
+      {"name", "title", "frames", "source", "validity", "states", "parameters", "let", "rates", "outputs"});
   models::Equations equations;
   if (const auto name = table.optional_string("name")) equations.name = *name;
   equations.title = text_of(table, "title");
@@ -117,6 +135,7 @@ models::Equations read_equations(const TomlTable& table) {
   if (const auto let = table.optional_table("let")) {
     for (const std::string& name : let->keys()) equations.abbreviations.emplace_back(name, let->string(name));
   }
+  if (const auto outputs = table.optional_table("outputs")) equations.outputs = read_outputs(*outputs);
   const TomlTable rates = table.table("rates");
   std::vector<std::string> known;
   for (const models::StateInfo& state : equations.states) known.push_back(state.name);
@@ -162,6 +181,12 @@ std::string to_toml(const models::Equations& equations) {
   toml += "[rates]\n";
   for (std::size_t i = 0; i < equations.states.size(); ++i)
     add_text(toml, equations.states[i].name.c_str(), equations.rates[i]);
+  for (const auto& [output, text] : equations.outputs) {
+    toml += fmt::format("[outputs.{}]\n", output.name);
+    add_text(toml, "value", text);
+    add_text(toml, "unit", output.unit);
+    add_text(toml, "description", output.description);
+  }
   return toml;
 }
 

@@ -358,6 +358,7 @@ ConfigNames config_names(const models::ModelInfo& model) {
     names.coordinates[fmt::format("{}(0)", state.name)] = state.unit;
     names.outputs[state.name] = state.unit;
   }
+  for (const models::OutputInfo& output : model.outputs) names.outputs[output.name] = output.unit;
   return names;
 }
 
@@ -368,6 +369,7 @@ ConfigNames config_names(const codebooks::Codebook& book) {
     if (c.role != pgd::AxisRole::time) names.coordinates[c.name] = c.unit;
   }
   for (const pgd::OutputLabel& output : book.outputs()) names.outputs[output.name] = output.unit;
+  for (const pgd::OutputLabel& output : codebooks::derived_outputs(book)) names.outputs[output.name] = output.unit;
   return names;
 }
 

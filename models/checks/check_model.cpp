@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
+#include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "samara/base/number_text.h"
 #include "samara/base/require.h"
@@ -223,41 +227,48 @@ void check_points(const Model& model, const Point& point, Findings& findings) {
   }
 }
 
-/// Compares one column of derivatives with central differences in `variable`, which lies in `point`.
-void check_column(const Model& model, const Point& point, double& variable, double size,
-                  const std::string& name, const Eigen::VectorXd& derivative, double tolerance,
-                  Findings& findings) {
+/// What is compared with differences: rates, or outputs.
+struct Differentiated {
+  std::vector<std::string> names;                        ///< "the rate of "x"", "the output "y""
+  std::function<void(std::span<double>)> evaluate = {};  ///< at the point as it is
+};
+
+/// Compares one column of derivatives with central differences in `variable`, on which they depend.
+void check_column(const Differentiated& of, double& variable, double size, const std::string& name,
+                  const Eigen::VectorXd& derivative, double tolerance, Findings& findings) {
   // The step that balances truncation, h^2, against round-off, eps/h.
   const double step = std::cbrt(std::numeric_limits<double>::epsilon()) * size;
   const double middle = variable;
-  std::vector<double> above(point.f.size());
-  std::vector<double> below(point.f.size());
+  std::vector<double> above(of.names.size());
+  std::vector<double> below(of.names.size());
   const double up = variable = middle + step;
-  model.rhs(point.t, point.x, point.p, above);
+  of.evaluate(above);
   const double down = variable = middle - step;
-  model.rhs(point.t, point.x, point.p, below);
+  of.evaluate(below);
   variable = middle;
-  for (std::size_t i = 0; i < point.f.size(); ++i) {
+  for (std::size_t i = 0; i < of.names.size(); ++i) {
     const double exact = derivative[static_cast<Eigen::Index>(i)];
     const double difference = (above[i] - below[i]) / (up - down);
     const double scale = std::abs(exact) + std::max(std::abs(above[i]), std::abs(below[i])) / size;
     if (std::abs(difference - exact) <= tolerance * scale) continue;
-    findings.push_back("the derivative of the rate of " + quoted(model.info().states[i].name) + " by " +
-                       quoted(name) + " is " + number_text(exact) + "; differences give " +
-                       number_text(difference, 8));
+    findings.push_back("the derivative of " + of.names[i] + " by " + quoted(name) + " is " +
+                       number_text(exact) + "; differences give " + number_text(difference, 8));
   }
 }
 
-void check_derivatives(const Model& model, Point& point, double tolerance, Findings& findings) {
+/// By all states and all parameters that are given.
+void check_columns(const Model& model, Point& point, const Differentiated& of,
+                   const Eigen::Ref<const Eigen::MatrixXd>& by_x,
+                   const Eigen::Ref<const Eigen::MatrixXd>& by_p, double tolerance, Findings& findings) {
   const ModelInfo& info = model.info();
   const Scales scales = model.scales(point.p);
   for (std::size_t i = 0; i < info.states.size(); ++i) {
     const double size = std::max(std::abs(point.x[i]), state_scale(info.states[i], scales));
-    check_column(model, point, point.x[i], size, info.states[i].name,
-                 point.df_dx.col(static_cast<Eigen::Index>(i)), tolerance, findings);
+    check_column(of, point.x[i], size, info.states[i].name, by_x.col(static_cast<Eigen::Index>(i)), tolerance,
+                 findings);
   }
   for (std::size_t j = 0; j < info.parameters.size(); ++j) {
-    const Eigen::VectorXd column = point.df_dp.col(static_cast<Eigen::Index>(j));
+    const Eigen::VectorXd column = by_p.col(static_cast<Eigen::Index>(j));
     if (!point.p.given[j]) {
       if (!column.isZero(0.0)) {
         findings.push_back("the derivative by " + quoted(info.parameters[j].name) +
@@ -266,8 +277,32 @@ void check_derivatives(const Model& model, Point& point, double tolerance, Findi
       continue;
     }
     const double size = point.p.value[j] == 0.0 ? 1.0 : std::abs(point.p.value[j]);
-    check_column(model, point, point.p.value[j], size, info.parameters[j].name, column, tolerance, findings);
+    check_column(of, point.p.value[j], size, info.parameters[j].name, column, tolerance, findings);
   }
+}
+
+void check_derivatives(const Model& model, Point& point, double tolerance, Findings& findings) {
+  Differentiated rates;
+  for (const StateInfo& state : model.info().states) rates.names.push_back("the rate of " + quoted(state.name));
+  rates.evaluate = [&](std::span<double> f) { model.rhs(point.t, point.x, point.p, f); };
+  check_columns(model, point, rates, point.df_dx, point.df_dp, tolerance, findings);
+}
+
+void check_outputs(const Model& model, Point& point, double tolerance, Findings& findings) {
+  const ModelInfo& info = model.info();
+  Differentiated outputs;
+  for (const OutputInfo& output : info.outputs) outputs.names.push_back("the output " + quoted(output.name));
+  if (outputs.names.empty()) return;
+  outputs.evaluate = [&](std::span<double> y) { model.outputs(point.t, point.x, point.p, y); };
+  const Eigen::Index count = std::ssize(info.outputs);
+  std::vector<double> y(info.outputs.size()), alone(info.outputs.size());
+  Eigen::VectorXd by_t(count);
+  Eigen::MatrixXd by_x(count, std::ssize(info.states)), by_p(count, std::ssize(info.parameters));
+  model.outputs_with_derivatives(point.t, point.x, point.p, y, by_t, by_x, by_p);
+  outputs.evaluate(alone);
+  if (y != alone) findings.push_back("the outputs with derivatives are others than without");
+  check_column(outputs, point.t, std::max(point.t, model.scales(point.p).time), "t", by_t, tolerance, findings);
+  check_columns(model, point, outputs, by_x, by_p, tolerance, findings);
 }
 
 /// "translation of x" means that f does not depend on x.
@@ -312,6 +347,7 @@ Check check_model(const Model& model, const CheckModelOptions& options) {
     check_values(model, point, check.findings);
     check_points(model, point, check.findings);
     check_derivatives(model, point, options.tolerance, check.findings);
+    check_outputs(model, point, options.tolerance, check.findings);
     check_symmetries(model, point, check.findings);
     check_rotation(model, point, random, check.findings);
     if (options.units) check_dimensions(model, point, random, check.findings);

@@ -13,7 +13,7 @@
 ///
 /// It looks at what a model says of itself (names, units, defaults, texts, groups of states), and at random
 /// points within the meaning of the parameters, quaternions of norm one,
-///  - compares its derivatives with central differences of its right-hand side;
+///  - compares its derivatives with central differences of its right-hand side, and of its outputs;
 ///  - compares what it gives at many points at once with what it gives at each;
 ///  - changes the units of length, mass and time: rates, derived defaults, forces and energy must follow as
 ///    their units say, which finds a dimensionally wrong law and a constant that hides a unit;

@@ -24,7 +24,7 @@ constexpr int kMostNodes = 1'000'000;
 struct CompiledEquations {
   ModelInfo info;
   ExpressionGraph graph;
-  std::vector<int> rates;
+  std::vector<int> rates, outputs;
 };
 
 void require_unit(const std::string& name, const std::string& unit) {
@@ -78,6 +78,7 @@ class EquationCompiler {
       names_[name] = term;
     }
     for (std::size_t i = 0; i < equations_.states.size(); ++i) add_rate(equations_.states[i], i, time);
+    for (const auto& [output, text] : equations_.outputs) add_output(output, text);
     describe();
     return std::move(compiled_);
   }
@@ -132,6 +133,22 @@ class EquationCompiler {
     compiled_.rates.push_back(rate.node);
   }
 
+  void add_output(const OutputInfo& output, const std::string& text) {
+    require_name(output.name);
+    require_unit(output.name, output.unit);
+    const Term value = read(output.name, text);
+    require_new(output.name);
+    names_[output.name] = value;
+    const UnitPowers expected(parse_unit(output.unit).dimension);
+    if (!(value.unit == expected) && !compiled_.graph.is_constant(value.node, 0.0))
+      throw EquationError(output.name,
+                          fmt::format("\"{}\" is in {}, expected {}", output.name, to_string(value.unit),
+                                      to_string(expected)),
+                          true);
+    compiled_.info.outputs.push_back(output);
+    compiled_.outputs.push_back(value.node);
+  }
+
   void describe() {
     ModelInfo& info = compiled_.info;
     info.name = equations_.name;
@@ -142,6 +159,9 @@ class EquationCompiler {
     for (ParameterInfo& parameter : info.parameters) {
       if (parameter.description.empty()) parameter.description = "not described";
     }
+    for (OutputInfo& output : info.outputs) {
+      if (output.description.empty()) output.description = "not described";
+    }
     info.frames = equations_.frames.empty() ? "as the names of the states say" : equations_.frames;
     info.source = equations_.source.empty() ? "equations as text" : equations_.source;
     info.validity = equations_.validity.empty() ? "not stated" : equations_.validity;
@@ -150,6 +170,8 @@ class EquationCompiler {
           fmt::format("{}{}' = {}", i == 0 ? "" : ",  ", info.states[i].name, equations_.rates[i]);
     for (const auto& [name, text] : equations_.abbreviations)
       info.equations += fmt::format(",  {} = {}", name, text);
+    for (const auto& [output, text] : equations_.outputs)
+      info.equations += fmt::format(",  {} = {}", output.name, text);
     find_translations();
     find_affine();
   }
@@ -188,6 +210,11 @@ class EquationCompiler {
   std::map<std::string, Term> names_;
 };
 
+void require_short(const ExpressionGraph& graph) {
+  if (graph.size() > kMostNodes)
+    throw EquationError("", "the derivatives of the equations are too long to be stored");
+}
+
 /// An entry of a Jacobian that is not always zero.
 struct JacobianEntry {
   int row = 0, column = 0;
@@ -206,6 +233,15 @@ class EquationModel final : public Model {
     state_jacobian_ = Tape(compiled.graph, roots, symbols());
     add_columns(compiled, states, states + parameters(), roots);
     jacobian_ = Tape(compiled.graph, roots, symbols());
+    // Outputs, then their derivatives by all symbols, output by output.
+    roots = compiled.outputs;
+    for (const int output : compiled.outputs) {
+      for (int symbol = 0; symbol < symbols(); ++symbol)
+        roots.push_back(compiled.graph.derivative(output, symbol));
+      require_short(compiled.graph);
+    }
+    outputs_ = Tape(compiled.graph, compiled.outputs, symbols());
+    output_slopes_ = Tape(compiled.graph, roots, symbols());
   }
 
   const ModelInfo& info() const override { return info_; }
@@ -236,6 +272,30 @@ class EquationModel final : public Model {
       } else if (p.given[static_cast<std::size_t>(parameter)]) {
         df_dp(row, parameter) = scratch.results[states + k];
       }
+    }
+  }
+
+  void outputs(double t, std::span<const double> x, const ParameterValues& p,
+               std::span<double> y) const override {
+    Scratch& scratch = scratch_for(outputs_, 1);
+    gather(t, x, p, scratch.work);
+    outputs_.evaluate(scratch.work, y.data());
+  }
+
+  void outputs_with_derivatives(double t, std::span<const double> x, const ParameterValues& p,
+                                std::span<double> y, Eigen::Ref<Eigen::VectorXd> dy_dt,
+                                Eigen::Ref<Eigen::MatrixXd> dy_dx,
+                                Eigen::Ref<Eigen::MatrixXd> dy_dp) const override {
+    Scratch& scratch = scratch_for(output_slopes_, 1);
+    gather(t, x, p, scratch.work);
+    output_slopes_.evaluate(scratch.work, scratch.results.data());
+    std::copy_n(scratch.results.begin(), y.size(), y.begin());
+    const double* slope = scratch.results.data() + y.size();
+    for (Eigen::Index o = 0; o < dy_dt.size(); ++o) {
+      for (Eigen::Index i = 0; i < dy_dx.cols(); ++i) dy_dx(o, i) = *slope++;
+      for (Eigen::Index j = 0; j < dy_dp.cols(); ++j, ++slope)
+        dy_dp(o, j) = p.given[static_cast<std::size_t>(j)] ? *slope : 0.0;
+      dy_dt[o] = *slope++;
     }
   }
 
@@ -285,8 +345,7 @@ class EquationModel final : public Model {
     for (int column = first; column < end; ++column) {
       for (int row = 0; row < static_cast<int>(compiled.rates.size()); ++row) {
         const int node = compiled.graph.derivative(compiled.rates[static_cast<std::size_t>(row)], column);
-        if (compiled.graph.size() > kMostNodes)
-          throw EquationError("", "the derivatives of the equations are too long to be stored");
+        require_short(compiled.graph);
         if (compiled.graph.is_constant(node, 0.0)) continue;
         entries_.push_back({row, column});
         roots.push_back(node);
@@ -355,6 +414,7 @@ class EquationModel final : public Model {
   Tape rates_;
   Tape state_jacobian_;  ///< rates, then the entries by states
   Tape jacobian_;        ///< rates, then all entries
+  Tape outputs_, output_slopes_;
   std::vector<JacobianEntry> entries_;
   std::size_t entries_by_state_ = 0;
 };

@@ -20,7 +20,7 @@
 /// states, the parameters, the abbreviations, t, pi, and the functions sqrt exp log sin cos tan asin acos atan atan2
 /// sinh cosh tanh abs min max sign step. log is the natural one; step is 1 from 0 on, else 0. Units are checked:
 /// sums, min and max take equal ones, exponents and most functions none; 0 goes with any. A rate is in the unit of
-/// its state per second, or per 1 where states and parameters all are dimensionless.
+/// its state per second, or per 1 where states and parameters all are dimensionless; an output is in its own.
 namespace samara::models {
 
 struct Equations {
@@ -34,6 +34,8 @@ struct Equations {
   /// Name and expression of what the rates may use by name; each may use those before it.
   std::vector<std::pair<std::string, std::string>> abbreviations = {};
   std::vector<std::string> rates = {};  ///< one per state
+  /// What follows from the states, beside them, and its expression, which may use the abbreviations too.
+  std::vector<std::pair<OutputInfo, std::string>> outputs = {};
 };
 
 /// What is wrong with a set of equations, and where.
@@ -41,7 +43,7 @@ class EquationError : public ArgumentError {
  public:
   EquationError(std::string name, const std::string& sentence, bool is_of_expression = false)
       : ArgumentError(sentence), name_(std::move(name)), is_of_expression_(is_of_expression) {}
-  /// The state, parameter or abbreviation that it is about; empty: all of them.
+  /// The state, parameter, abbreviation or output that it is about; empty: all of them.
   const std::string& name() const { return name_; }
   /// About the expression of its rate or abbreviation; else about its name, unit or numbers.
   bool is_of_expression() const { return is_of_expression_; }

@@ -1,6 +1,7 @@
 #include "samara/models/equations/tape.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -8,19 +9,21 @@ namespace samara::models {
 
 namespace {
 
-/// The nodes that the roots need, arguments first.
-std::vector<char> needed(const ExpressionGraph& graph, const std::vector<int>& roots) {
-  std::vector<char> is_needed(static_cast<std::size_t>(graph.size()));
-  for (const int root : roots) is_needed[static_cast<std::size_t>(root)] = 1;
+bool is_leaf(const ExpressionNode& node) {
+  return node.operation == Operation::constant || node.operation == Operation::symbol;
+}
+
+/// How often each node is needed, by roots or as an argument of what they need.
+std::vector<int> count_uses(const ExpressionGraph& graph, const std::vector<int>& roots) {
+  std::vector<int> uses(static_cast<std::size_t>(graph.size()));
+  for (const int root : roots) ++uses[static_cast<std::size_t>(root)];
   for (int node = graph.size() - 1; node >= 0; --node) {
     const ExpressionNode& it = graph[node];
-    if (!is_needed[static_cast<std::size_t>(node)] || it.operation == Operation::constant ||
-        it.operation == Operation::symbol)
-      continue;
-    is_needed[static_cast<std::size_t>(it.a)] = 1;
-    if (it.b >= 0) is_needed[static_cast<std::size_t>(it.b)] = 1;
+    if (uses[static_cast<std::size_t>(node)] == 0 || is_leaf(it)) continue;
+    ++uses[static_cast<std::size_t>(it.a)];
+    if (it.b >= 0) ++uses[static_cast<std::size_t>(it.b)];
   }
-  return is_needed;
+  return uses;
 }
 
 template <int lanes, class F>
@@ -30,40 +33,70 @@ void each(F&& f) {
 
 }  // namespace
 
+std::vector<Tape::Work> Tape::work_of(const ExpressionGraph& graph, const std::vector<int>& roots) {
+  const std::vector<int> uses = count_uses(graph, roots);
+  std::vector<char> is_root(uses.size());
+  for (const int root : roots) is_root[static_cast<std::size_t>(root)] = 1;
+  const auto may_go_along = [&](int node) {
+    const auto at = static_cast<std::size_t>(node);
+    return graph[node].operation == Operation::multiply && uses[at] == 1 && !is_root[at];
+  };
+  std::vector<Work> work(uses.size());
+  std::vector<char> went_along(uses.size());
+  for (int node = graph.size() - 1; node >= 0; --node) {
+    const ExpressionNode& it = graph[node];
+    const auto at = static_cast<std::size_t>(node);
+    if (uses[at] == 0 || is_leaf(it) || went_along[at]) continue;
+    work[at] = {Fused::no, it.a, it.b, -1};
+    const bool is_sum = it.operation == Operation::add;
+    if (!is_sum && it.operation != Operation::subtract) continue;
+    const bool is_second = may_go_along(it.b);
+    if (!is_second && !may_go_along(it.a)) continue;
+    const int product = is_second ? it.b : it.a;
+    work[at] = {is_sum      ? Fused::product_plus
+                : is_second ? Fused::minus_product
+                            : Fused::product_minus,
+                graph[product].a, graph[product].b, is_second ? it.a : it.b};
+    went_along[static_cast<std::size_t>(product)] = 1;
+  }
+  return work;
+}
+
 Tape::Tape(const ExpressionGraph& graph, const std::vector<int>& roots, int symbols)
     : places_(static_cast<std::size_t>(symbols)) {
-  const std::vector<char> is_needed = needed(graph, roots);
+  const std::vector<Work> work = work_of(graph, roots);
+  const std::vector<int> uses = count_uses(graph, roots);
   const auto size = static_cast<std::size_t>(graph.size());
-  const auto is_leaf = [&](int node) {
-    return graph[node].operation == Operation::constant || graph[node].operation == Operation::symbol;
-  };
   // A place is free again after the last step that reads it; those of symbols and roots are kept.
   std::vector<int> last(size, -1), place(size, -1);
   for (int node = 0; node < graph.size(); ++node) {
-    if (!is_needed[static_cast<std::size_t>(node)] || is_leaf(node)) continue;
-    last[static_cast<std::size_t>(graph[node].a)] = node;
-    if (graph[node].b >= 0) last[static_cast<std::size_t>(graph[node].b)] = node;
+    const Work& own = work[static_cast<std::size_t>(node)];
+    for (const int argument : {own.a, own.b, own.c})
+      if (argument >= 0) last[static_cast<std::size_t>(argument)] = node;
   }
   for (const int root : roots) last[static_cast<std::size_t>(root)] = graph.size();
   std::vector<int> free;
-  const auto release = [&](int argument, int node) {
-    if (last[static_cast<std::size_t>(argument)] == node && graph[argument].operation != Operation::symbol)
-      free.push_back(place[static_cast<std::size_t>(argument)]);
-  };
   for (int node = 0; node < graph.size(); ++node) {
     const auto at = static_cast<std::size_t>(node);
-    if (!is_needed[at]) continue;
     const ExpressionNode& it = graph[node];
     if (it.operation == Operation::symbol) {
       place[at] = it.a;
       continue;
     }
-    Step step{it.operation, 0, 0, 0, it.value};
-    if (!is_leaf(node)) {
-      step.a = place[static_cast<std::size_t>(it.a)];
-      release(it.a, node);
-      if (it.b >= 0) step.b = place[static_cast<std::size_t>(it.b)];
-      if (it.b >= 0 && it.b != it.a) release(it.b, node);
+    const Work& own = work[at];
+    const bool is_needed_constant = it.operation == Operation::constant && uses[at] > 0;
+    if (own.a < 0 && !is_needed_constant) continue;
+    Step step{it.operation, own.fused, 0, 0, 0, 0, it.value};
+    const std::array<int, 3> arguments = {own.a, own.b, own.c};
+    const std::array<int*, 3> places = {&step.a, &step.b, &step.c};
+    for (std::size_t k = 0; k < arguments.size(); ++k) {
+      const int argument = arguments[k];
+      if (argument < 0) continue;
+      *places[k] = place[static_cast<std::size_t>(argument)];
+      const bool is_first = std::find(arguments.begin(), arguments.begin() + k, argument) == arguments.begin() + k;
+      if (is_first && last[static_cast<std::size_t>(argument)] == node &&
+          graph[argument].operation != Operation::symbol)
+        free.push_back(place[static_cast<std::size_t>(argument)]);
     }
     if (free.empty()) {
       step.to = static_cast<int>(places_++);
@@ -83,6 +116,20 @@ void Tape::run(double* work, double* results) const {
     double* const to = work + step.to * lanes;
     const double* const a = work + step.a * lanes;
     const double* const b = work + step.b * lanes;
+    const double* const c = work + step.c * lanes;
+    switch (step.fused) {
+      case Fused::no:
+        break;
+      case Fused::product_plus:
+        each<lanes>([&](int k) { to[k] = a[k] * b[k] + c[k]; });
+        continue;
+      case Fused::product_minus:
+        each<lanes>([&](int k) { to[k] = a[k] * b[k] - c[k]; });
+        continue;
+      case Fused::minus_product:
+        each<lanes>([&](int k) { to[k] = c[k] - a[k] * b[k]; });
+        continue;
+    }
     switch (step.operation) {
       case Operation::constant:
         std::fill_n(to, lanes, step.value);

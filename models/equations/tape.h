@@ -30,11 +30,23 @@ class Tape {
   void evaluate_lanes(std::span<double> work, double* results) const;
 
  private:
+  /// Of a product that only one sum or difference needs, both together.
+  enum class Fused { no, product_plus, product_minus, minus_product };
+
   struct Step {
     Operation operation;
-    int a, b, to;  ///< places in the scratch space
+    Fused fused;
+    int a, b, c, to;  ///< places in the scratch space; of fused steps a and b are those of the product
     double value;
   };
+
+  /// The arguments of a node, with those of a product that goes along with it. None of a leaf, of what nobody needs, and
+  /// of a product that went along.
+  struct Work {
+    Fused fused = Fused::no;
+    int a = -1, b = -1, c = -1;  ///< nodes
+  };
+  static std::vector<Work> work_of(const ExpressionGraph& graph, const std::vector<int>& roots);
 
   template <int lanes>
   void run(double* work, double* results) const;

@@ -18,6 +18,7 @@ class FollowingModel final : public Model {
   FollowingModel(std::shared_ptr<const Model> model, std::shared_ptr<const ParameterCourse> course)
       : base_(std::move(model)), course_(std::move(course)), info_(base_->info()) {
     find_followed();
+    info_.outputs.clear();  // their derivatives by time would be those of the course as well
     info_.parameters.clear();
     for (const int index : kept_) {
       info_.parameters.push_back(base_->info().parameters[static_cast<std::size_t>(index)]);

@@ -19,6 +19,12 @@ void Model::rhs_with_tangents(double, std::span<const double>, std::span<const d
 
 void Model::forces(double, std::span<const double>, const ParameterValues&, std::span<Wrench>) const {}
 
+void Model::outputs(double, std::span<const double>, const ParameterValues&, std::span<double>) const {}
+
+void Model::outputs_with_derivatives(double, std::span<const double>, const ParameterValues&, std::span<double>,
+                                     Eigen::Ref<Eigen::VectorXd>, Eigen::Ref<Eigen::MatrixXd>,
+                                     Eigen::Ref<Eigen::MatrixXd>) const {}
+
 std::optional<double> Model::kinetic_energy(double, std::span<const double>, const ParameterValues&) const {
   return std::nullopt;
 }

@@ -45,6 +45,13 @@ struct StateInfo {
   std::optional<double> scale = {};  ///< characteristic size, if it does not follow from Scales by the unit
 };
 
+/// What follows from the states at an instant and is given beside them: the place of a tip, an energy, a current.
+struct OutputInfo {
+  std::string name;
+  std::string unit;
+  std::string description = {};
+};
+
 /// One term of the forces on a body: "drag", "gravity and buoyancy".
 struct ForceTermInfo {
   std::string name;
@@ -85,6 +92,7 @@ struct ModelInfo {
   std::vector<std::string> symmetries = {};
   std::vector<StateInfo> states;
   std::vector<ParameterInfo> parameters;
+  std::vector<OutputInfo> outputs = {};  ///< that follow from the states, see Model::outputs
   /// Names of parameters in which f is affine, in all of them together: f = f_0 + sum_j p_j f_j.
   std::vector<std::string> affine_in = {};
   std::vector<ForceTermInfo> force_terms = {};  ///< empty: the model does not list its force by terms
@@ -153,6 +161,17 @@ class Model {
   /// model has none.
   virtual std::optional<double> kinetic_energy(double t, std::span<const double> x,
                                                const ParameterValues& p) const;
+
+  /// The outputs of ModelInfo::outputs, y = g(t, x, p), in their order.
+  virtual void outputs(double t, std::span<const double> x, const ParameterValues& p,
+                       std::span<double> y) const;
+
+  /// The same with their derivatives: dy_dt at fixed x (outputs), dy_dx (outputs x states), dy_dp (outputs x all
+  /// parameters, zero columns for those that are not given).
+  virtual void outputs_with_derivatives(double t, std::span<const double> x, const ParameterValues& p,
+                                        std::span<double> y, Eigen::Ref<Eigen::VectorXd> dy_dt,
+                                        Eigen::Ref<Eigen::MatrixXd> dy_dx,
+                                        Eigen::Ref<Eigen::MatrixXd> dy_dp) const;
 
   /// f at many points, one per column: t (points), x (states x points), p (all parameters x points, complete), into
   /// dxdt (states x points). Does not check. By default one point after another.

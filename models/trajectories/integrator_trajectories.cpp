@@ -5,6 +5,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/models/integrators/trajectory_tools.h"
+#include "samara/models/trajectories/derived_outputs.h"
 #include "samara/models/trajectories/model_family.h"
 
 namespace samara::models {
@@ -125,12 +126,10 @@ class ValuesTrajectories final : public ModelFamily {
   Options options_;
 };
 
-}  // namespace
-
-std::unique_ptr<TrajectoryFamily> integrator_trajectories(std::shared_ptr<const Model> model,
-                                                          const std::map<std::string, double>& fixed,
-                                                          const std::map<std::string, Interval>& box,
-                                                          const IntegratorChoice& integrator) {
+std::unique_ptr<TrajectoryFamily> of_states(std::shared_ptr<const Model> model,
+                                            const std::map<std::string, double>& fixed,
+                                            const std::map<std::string, Interval>& box,
+                                            const IntegratorChoice& integrator) {
   if (const auto* adaptive = std::get_if<AdaptiveOptions>(&integrator)) {
     return std::make_unique<ValuesTrajectories<AdaptiveIntegrator, AdaptiveOptions>>(
         std::move(model), fixed, box, "adaptive integrator", *adaptive);
@@ -145,6 +144,15 @@ std::unique_ptr<TrajectoryFamily> integrator_trajectories(std::shared_ptr<const 
   }
   return std::make_unique<ReferenceTrajectories>(std::move(model), fixed, box,
                                                  std::get<IntegrateOptions>(integrator));
+}
+
+}  // namespace
+
+std::unique_ptr<TrajectoryFamily> integrator_trajectories(std::shared_ptr<const Model> model,
+                                                          const std::map<std::string, double>& fixed,
+                                                          const std::map<std::string, Interval>& box,
+                                                          const IntegratorChoice& integrator) {
+  return with_derived_outputs(of_states(std::move(model), fixed, box, integrator));
 }
 
 }  // namespace samara::models

@@ -5,6 +5,7 @@
 #include "samara/models/batch/batch.h"
 #include "samara/models/batch/rk4_frames.h"
 #include "samara/models/integrators/trajectory_tools.h"
+#include "samara/models/trajectories/derived_outputs.h"
 #include "samara/models/trajectories/model_family.h"
 
 namespace samara::models {
@@ -184,7 +185,7 @@ std::unique_ptr<TrajectoryFamily> step_trajectories(std::shared_ptr<const Model>
                                                     const std::map<std::string, double>& fixed,
                                                     const std::map<std::string, Interval>& box, double step) {
   require_free_coordinates(box);
-  return std::make_unique<StepTrajectories>(model, fixed, box, step);
+  return with_derived_outputs(std::make_unique<StepTrajectories>(model, fixed, box, step));
 }
 
 }  // namespace samara::models

@@ -4,7 +4,9 @@ Models that are text, and libraries of them: what the command makes of good and 
 """
 
 import json
+import math
 import pathlib
+import re
 
 from samara_case import FOLDER, SAMARA, Case, main, run, write
 
@@ -31,6 +33,58 @@ class OwnModels(Case):
         self.assertEqual(checked.returncode, 0, checked.stdout)
         row = run("simulate", path, "--until", "2", "--frames", "2").stdout.splitlines()[-1]
         self.assertAlmostEqual(float(row.split(",")[1]), 0.36787944, delta=1e-7)
+
+    def test_outputs_are_integrated_queried_and_fitted(self):
+        path = write("pendulum.toml", """name = "pendulum"
+[states]
+angle = { unit = "rad", initial = 0.5 }
+spin = { unit = "rad/s" }
+[parameters]
+length = { unit = "m", above = 0 }
+[rates]
+angle = "spin"
+spin = "-9.81 [m/s^2]/length*sin(angle)"
+[outputs]
+tip = { value = "length*sin(angle)", unit = "m", description = "how far the tip is aside" }
+share = "cos(angle)"
+""")
+        self.assertIn("how far the tip is aside", run("models", path).stdout)
+        rows = run("simulate", path, "--set", "length=1.1", "--until", "2", "--frames", "41").stdout.splitlines()
+        self.assertEqual(rows[0], "t[s],angle[rad],spin[rad/s],tip[m],share[1]")
+        for row in rows[1:]:
+            _, angle, _, tip, share = map(float, row.split(","))
+            self.assertAlmostEqual(tip, 1.1 * math.sin(angle), delta=1e-12)
+            self.assertAlmostEqual(share, math.cos(angle), delta=1e-12)
+        book = FOLDER / "pendulum.h5"
+        plan = write("pendulum_plan.toml", 'model = "pendulum.toml"\n[box]\nlength = [0.8, 1.4]\n[time]\nend = 2\n'
+                                           "[tolerance]\nrelative = 1e-6\n")
+        self.assertEqual(run("build", plan, "-o", book).returncode, 0)
+
+        def query(length, time):
+            answer = json.loads(run("query", book, "--set", f"length={length}", "--at", time, "--gradient", "--json").stdout)
+            return {o["name"]: (o["values"][0], {k: g[0] for k, g in o["gradient"].items()}) for o in answer["outputs"]}
+
+        value, slopes = query(1.1, 1.3)["tip"]
+        for name, step, ends in [("length", 1e-4, (query(1.1001, 1.3), query(1.0999, 1.3))), ("t", 1e-4, (query(1.1, 1.3001), query(1.1, 1.2999)))]:
+            self.assertAlmostEqual(slopes[name], (ends[0]["tip"][0] - ends[1]["tip"][0]) / (2 * step), delta=1e-5)
+        self.assertAlmostEqual(value, float(rows[27].split(",")[3]), delta=1e-5)
+        # A camera sees the tip alone; the length is found by it.
+        seen = ["t[s],tip[m]"] + [",".join([row.split(",")[0], row.split(",")[3]]) for row in rows[1:]]
+        capture = write("tip.csv", "\n".join(seen) + "\n")
+        for source, box in ((book, ""), (path, "[box]\nlength = [0.8, 1.4]\n")):
+            config = write("tip_fit.toml", 'outputs = ["tip"]\n' + box)
+            fitted = run("fit", source, capture, "--config", config, "-o", FOLDER / "tip.json")
+            self.assertEqual(fitted.returncode, 0, fitted.stderr)
+            found = json.loads((FOLDER / "tip.json").read_text())["coefficients"][0]
+            self.assertAlmostEqual(found["value"], 1.1, delta=1e-4)
+        for wrong, line in [('value = "length*sin(angl)"', 11), ('value = "length"', None), ('unit = "s"', None)]:
+            key = wrong.split(" = ")[0]
+            text = re.sub(key + ' = "[^"]*"', wrong, path.read_text().split("[outputs]")[1], count=1)
+            result = run("models", write("wrong_outputs.toml", path.read_text().split("[outputs]")[0] + "[outputs]" + text))
+            if wrong == 'value = "length"':
+                self.assertEqual(result.returncode, 0)
+            else:
+                self.check_error(result, 3, "[outputs] tip")
 
     def test_a_plan_that_holds_its_equations_is_shown_too(self):
         text = "[equations]\n" + MODEL.replace("[states]", "[equations.states]").replace("[parameters]", "[equations.parameters]")

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -11,6 +12,9 @@
 #include "samara/models/checks/check_model.h"
 #include "samara/models/equations/equation_model.h"
 #include "samara/models/laws/law_model.h"
+#include "samara/models/trajectories/check_family.h"
+#include "samara/models/trajectories/reference_trajectories.h"
+#include "samara/models/trajectories/step_trajectories.h"
 
 using namespace samara::models;
 using Catch::Matchers::Contains;
@@ -239,11 +243,64 @@ TEST_CASE("names, numbers and counts that make no model are refused") {
   CHECK_THAT(changed([](Equations& e) { e.abbreviations[0].first = "x"; }), Contains("\"x\" is given twice"));
 }
 
+namespace {
+
+/// A pendulum that hangs from a rail which moves, and where its tip is.
+Equations pendulum() {
+  return {.name = "pendulum_of_a_test",
+          .states = {{.name = "angle", .unit = "rad", .default_initial = 0.5},
+                     {.name = "spin", .unit = "rad/s", .default_initial = 0.0}},
+          .parameters = {positive_number("length", "m"), positive_number("gravity", "m/s^2"),
+                         positive_number("rail", "m/s")},
+          .abbreviations = {{"aside", "length*sin(angle)"}},
+          .rates = {"spin", "-gravity/length*sin(angle)"},
+          .outputs = {{{.name = "tip", .unit = "m"}, "aside + rail*t"},
+                      {{.name = "energy", .unit = "m^2/s^2"},
+                       "length^2*spin^2/2 - gravity*length*cos(angle)"}}};
+}
+
+}  // namespace
+
+TEST_CASE("outputs that equations derive from their states come with trajectories, and with their derivatives") {
+  const auto model = equation_model(pendulum());
+  for (const std::string& finding : check_model(*model).findings) FAIL_CHECK(finding);
+  const std::map<std::string, double> fixed = {{"gravity", 9.81}, {"rail", 0.3}};
+  const std::map<std::string, Interval> box = {{"length", {0.5, 1.5}}, {"angle(0)", {0.2, 1.2}}};
+  const auto integrated = reference_trajectories(model, fixed, box);
+  const auto stepped = step_trajectories(model, fixed, box, 1e-3);
+  for (const TrajectoryFamily* family : {integrated.get(), stepped.get()}) {
+    CheckFamilyOptions options;
+    options.times = {0.0, 0.4, 1.1};
+    const samara::Check check = check_family(*family, options);
+    for (const std::string& finding : check.findings) FAIL_CHECK(finding);
+    const std::vector<double> q = {0.7, 0.8};  // angle(0), length
+    const FamilyTrajectory one = trajectory(*family, q, {0.0, 0.9}, {"tip", "energy", "angle"});
+    CHECK(one.values(0, 0) == Approx(0.8 * std::sin(0.7)));
+    CHECK(one.values(1, 0) == Approx(0.8 * std::sin(one.values(1, 2)) + 0.3 * 0.9));
+    CHECK(one.values(1, 1) == Approx(-9.81 * 0.8 * std::cos(0.7)).epsilon(1e-8));  // what it began with
+  }
+}
+
+TEST_CASE("outputs that make no sense are refused") {
+  const auto refused = [](const std::string& name, const std::string& unit, const std::string& text) {
+    Equations equations = pendulum();
+    equations.outputs = {{{.name = name, .unit = unit}, text}};
+    return error_text<EquationError>([&] { equation_model(equations); });
+  };
+  CHECK_THAT(refused("tip", "m/s", "aside"), Contains("\"tip\" is in m, expected m s^-1"));
+  CHECK_THAT(refused("angle", "1", "angle"), Contains("given twice"));
+  CHECK_THAT(refused("tip", "cm", "aside"), Contains("without a factor"));
+  CHECK_THAT(refused("tip", "m", "asid"), Contains("did you mean \"aside\""));
+  CHECK_THAT(refused("t", "s", "t"), Contains("is the time"));
+}
+
 TEST_CASE("a damaged expression is refused, or still keeps its units") {
   std::mt19937 random(13);
   const std::string letters = "xvpt0123456789.+-*/^()[], amswidthfrequencystiffness";
   int refused = 0, taken = 0;
-  for (int k = 0; k < 3000; ++k) {
+  const char* many = std::getenv("SAMARA_DAMAGED_EXPRESSIONS");
+  const int damaged = many == nullptr ? 3000 : std::atoi(many);
+  for (int k = 0; k < damaged; ++k) {
     Equations equations = spring();
     std::string& text = equations.rates[1];
     for (int change = 0; change < 1 + k % 2; ++change) {
@@ -278,6 +335,6 @@ TEST_CASE("a damaged expression is refused, or still keeps its units") {
     CAPTURE(text);
     CHECK_THAT(scaled_f[1], WithinRel(expected, 1e-9) || Catch::Matchers::WithinAbs(expected, 1e-9));
   }
-  CHECK(refused > 500);
-  CHECK(taken > 60);
+  CHECK(refused > damaged / 6);
+  CHECK(taken > damaged / 50);
 }
