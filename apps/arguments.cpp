@@ -68,6 +68,21 @@ void add_models(CLI::App& app, Arguments& arguments) {
   on_call(command, arguments.models, values);
 }
 
+constexpr const char* kBody = "ellipsoid, disc or plate, with --size; or a mesh: OBJ, STL, PLY";
+
+void add_body_words(CLI::App& command, BodyWords& words, bool required) {
+  command.add_option("--size", words.sizes,
+                     "semi-axes of an ellipsoid; radius and thickness of a disc; full sides of a plate");
+  command.add_option("--unit", words.unit, "of a mesh file, which says none: mm, cm, m");
+  command.add_option("--density", words.density, "of the body, kg/m^3 or with a unit")->required(required);
+  command.add_option("--fluid", words.fluid, "density of the fluid, kg/m^3 or with a unit")->required(required);
+  command
+      .add_option("--added-mass", words.added_mass,
+                  "by panels, of plates, ellipsoids and meshes, or of the ellipsoid with the same extents; default: "
+                  "panels of a mesh, else ellipsoid")
+      ->check(CLI::IsMember({"panels", "ellipsoid"}));
+}
+
 void add_simulate(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<SimulateArguments>();
   CLI::App* command = app.add_subcommand("simulate", "one trajectory, as CSV");
@@ -76,6 +91,9 @@ void add_simulate(CLI::App& app, Arguments& arguments) {
                    "name of a model (samara models), or file with equations (MODEL.toml)")
       ->required();
   command->add_option("--set", values->set, kAssignments)->allow_extra_args(false);
+  command->add_option("--body", values->body.body,
+                      std::string("of kirchhoff_body: its parameters from ") + kBody);
+  add_body_words(*command, values->body, false);
   command->add_option("--until", values->until, "end of the trajectory, s or with a unit")
       ->capture_default_str();
   command->add_option("--frames", values->frames, "rows, equally spaced in time")
@@ -117,21 +135,10 @@ void add_body(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<BodyArguments>();
   CLI::App* command =
       app.add_subcommand("body", "mass, inertia, added mass and scaling numbers of a body in a fluid");
-  command->add_option("BODY", values->body, "ellipsoid, disc or plate, with --size; or a mesh: OBJ, STL, PLY")
-      ->required();
-  command->add_option("--size", values->sizes,
-                      "semi-axes of an ellipsoid; radius and thickness of a disc; full sides of a plate");
-  command->add_option("--unit", values->unit, "of a mesh file, which says none: mm, cm, m");
-  command->add_option("--density", values->density, "of the body, kg/m^3 or with a unit")->required();
-  command->add_option("--fluid", values->fluid, "density of the fluid, kg/m^3 or with a unit")->required();
+  command->add_option("BODY", values->words.body, kBody)->required();
+  add_body_words(*command, values->words, true);
   CLI::Option* viscosity = command->add_option("--viscosity", values->viscosity,
                                                "of the fluid, Pa s or with a unit: for the Reynolds number");
-  command
-      ->add_option(
-          "--added-mass", values->added_mass,
-          "by panels, of plates, ellipsoids and meshes, or of the ellipsoid with the same extents; default: "
-          "panels of a mesh, else ellipsoid")
-      ->check(CLI::IsMember({"panels", "ellipsoid"}));
   CLI::Option* json = command->add_flag("--json", values->json, "print one JSON object");
   command->add_flag("--toml", values->toml, "print the lines of a plan of kirchhoff_body")
       ->excludes(json)

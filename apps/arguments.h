@@ -14,8 +14,19 @@ struct ModelsArguments {
   bool check = false;  ///< what check_model() says of it
 };
 
+/// A body in a fluid, as given on the command line.
+struct BodyWords {
+  std::string body;  ///< ellipsoid, disc, plate, or a mesh file; empty: none
+  std::vector<std::string> sizes;
+  std::string unit;  ///< of the file
+  std::string density;
+  std::string fluid;
+  std::string added_mass;  ///< "panels" or "ellipsoid"; empty: by panels of a mesh, of the ellipsoid of a shape
+};
+
 struct SimulateArguments {
   std::string model;
+  BodyWords body;
   std::vector<std::string> set;
   std::string until = "1";
   int frames = 101;
@@ -82,14 +93,8 @@ struct FitArguments {
 };
 
 struct BodyArguments {
-  std::string body;  ///< ellipsoid, disc, plate, or a mesh file
-  std::vector<std::string> sizes;
-  std::string unit;  ///< of the file
-  std::string density;
-  std::string fluid;
+  BodyWords words;
   std::string viscosity;  ///< empty: no Reynolds number
-  std::string
-      added_mass;  ///< "panels" or "ellipsoid"; empty: by panels of a mesh, of the ellipsoid of a shape
   bool json = false;
   bool toml = false;
 };

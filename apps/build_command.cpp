@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "bodies.h"
 #include "commands.h"
 #include "interrupts.h"
 #include "output.h"
@@ -65,7 +66,7 @@ int end_interrupted(const std::filesystem::path& checkpoint) {
 int run(const BuildArguments& arguments) {
   catch_interrupts();
   check_target(arguments);
-  const codebooks::Plan plan = codebooks::read_plan(arguments.plan);
+  const codebooks::Plan plan = codebooks::read_plan(arguments.plan, parameters_of);
   check_output(arguments.output, {plan.model_file});
   const io::FileLock lock(arguments.output + ".lock", fmt::format("builds {}", arguments.output));
   const codebooks::BuildOptions options = build_options(arguments);

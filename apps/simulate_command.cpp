@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "assignments.h"
+#include "bodies.h"
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
@@ -154,6 +155,20 @@ models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const
   return models::RkmkOptions{.step = step};
 }
 
+/// Parameters that follow from the body, if one is given.
+std::map<std::string, double> values_of_body(const SimulateArguments& arguments, const models::ModelInfo& info) {
+  const BodyWords& words = arguments.body;
+  if (words.body.empty()) {
+    if (words.sizes.empty() && words.unit.empty() && words.density.empty() && words.fluid.empty() &&
+        words.added_mass.empty())
+      return {};
+    throw ArgumentError("--size, --unit, --density, --fluid and --added-mass are of a body: --body was expected");
+  }
+  if (info.name != "kirchhoff_body")
+    throw ArgumentError(fmt::format("--body is for the model \"kirchhoff_body\", not for \"{}\"", info.name));
+  return parameters_of(description_of(words));
+}
+
 }  // namespace
 
 int run(const SimulateArguments& arguments) {
@@ -166,7 +181,9 @@ int run(const SimulateArguments& arguments) {
   std::map<std::string, std::string> units;
   for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;
   for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
-  SteeredModel steered{.book = nullptr, .model = model, .values = parse_assignments(arguments.set, units)};
+  std::map<std::string, double> values = parse_assignments(arguments.set, units);
+  values.merge(values_of_body(arguments, info));  // what is set by itself stays
+  SteeredModel steered{.book = nullptr, .model = model, .values = std::move(values)};
   if (!arguments.coefficients.empty()) {
     steered = steered_model(arguments.coefficients, model, steered.values);
     warn_of_missed_tolerance(*steered.book, arguments.coefficients);

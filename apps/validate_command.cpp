@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "bodies.h"
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
@@ -25,7 +26,7 @@ auto blaming(const std::string& file, const Make& make) {
 /// The program of a codebook of a command comes from the user's plan, never from the codebook.
 codebooks::Certificate certify_by_plan(const codebooks::Codebook& book, const ValidateArguments& arguments,
                                        codebooks::CertifyOptions options) {
-  const codebooks::Plan plan = codebooks::read_plan(arguments.plan);
+  const codebooks::Plan plan = codebooks::read_plan(arguments.plan, parameters_of);
   if (plan.command && !arguments.points) options.points = plan.certificate_points();
   return blaming(arguments.plan, [&] { return codebooks::certify(book, plan, options); });
 }

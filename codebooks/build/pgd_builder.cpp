@@ -138,6 +138,9 @@ Solution solve_by_pgd(const Plan& plan, const models::ParametricModel& model, co
   slabs.tolerance = plan.relative;
   slabs.max_evaluations = max_evaluations;
   slabs.max_cells = plan.builder.max_cells;
+  slabs.max_nodes = plan.builder.max_nodes.value_or(slabs.max_nodes);
+  slabs.max_rank = plan.builder.max_rank.value_or(slabs.max_rank);
+  slabs.guards = plan.builder.guards.value_or(slabs.guards);
   slabs.seed = plan.builder.seed;
   slabs.progress = progress;
   slabs.checkpoint = checkpoint_writer(plan, options);

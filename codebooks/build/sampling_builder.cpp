@@ -138,6 +138,9 @@ pgd::SamplingResult sample_calls(const Plan& plan, CallMemory& calls, const std:
   options.max_calls = std::max(1L, max_calls);
   // The whole grid of two coordinates may be that large; crosses of more would rather need other ranks.
   if (coordinates.size() <= 2) options.max_nodes = pgd::kMostLejaPoints;
+  if (plan.builder.max_nodes) options.max_nodes = std::min(*plan.builder.max_nodes, pgd::kMostLejaPoints);
+  options.max_rank = plan.builder.max_rank.value_or(options.max_rank);
+  options.exploration_points = plan.builder.guards.value_or(options.exploration_points);
   options.seed = plan.builder.seed;
   options.progress = progress;
   options.challenge = challenge;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/limits.h"
 #include "samara/base/names.h"
+#include "samara/base/units.h"
 #include "samara/codebooks/book/certificate.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/codebooks/plan/plan_command.h"
@@ -17,6 +19,7 @@
 #include "samara/io/toml_document.h"
 #include "samara/models/equations/equation_model.h"
 #include "samara/pgd/nonlinear/march.h"
+#include "samara/pgd/sampling/leja.h"
 #include "samara/pgd/tensors/random.h"
 
 namespace samara::codebooks {
@@ -219,10 +222,16 @@ std::int64_t integer_in(const TomlTable& table, const std::string& key, std::int
   throw table.error(key, fmt::format("is {}, expected {} to {}", value, lower, upper));
 }
 
+std::optional<int> optional_integer_in(const TomlTable& table, const std::string& key, std::int64_t lower,
+                                       std::int64_t upper) {
+  if (!table.has(key)) return std::nullopt;
+  return static_cast<int>(integer_in(table, key, lower, lower, upper));
+}
+
 void read_builder(const TomlTable& root, Plan& plan) {
   const auto table = root.optional_table("builder");
   if (!table) return;
-  table->expect_keys({"kind", "strategy", "max_calls", "max_cells", "threads", "seed"});
+  table->expect_keys({"kind", "strategy", "max_calls", "max_cells", "max_nodes", "max_rank", "guards", "threads", "seed"});
   plan.builder.kind = one_of(*table, "kind", {"auto", "pgd", "sampling"});
   std::vector<std::string> strategies = {"auto", "newton"};
   const std::vector<std::string>& named = pgd::strategy_names();
@@ -230,6 +239,9 @@ void read_builder(const TomlTable& root, Plan& plan) {
   plan.builder.strategy = one_of(*table, "strategy", strategies);
   plan.builder.max_calls = integer_in(*table, "max_calls", 0, 0, 1'000'000'000'000);
   plan.builder.max_cells = static_cast<int>(integer_in(*table, "max_cells", 1, 1, 100'000));
+  plan.builder.max_nodes = optional_integer_in(*table, "max_nodes", 7, 1000);
+  plan.builder.max_rank = optional_integer_in(*table, "max_rank", 1, 10'000);
+  plan.builder.guards = optional_integer_in(*table, "guards", 1, 100'000);
   plan.builder.threads = static_cast<int>(integer_in(*table, "threads", 0, 0, 1024));
   plan.builder.seed = static_cast<std::uint64_t>(integer_in(*table, "seed", 1, 0, INT64_MAX));
 }
@@ -250,6 +262,11 @@ void check_builder_fits(const TomlTable& root, const Plan& plan) {
     throw root.table("builder").error(
         "max_cells", fmt::format("is {}, but the builder of kind \"sampling\" never splits the box",
                                  plan.builder.max_cells));
+  }
+  if (plan.builder.max_nodes && *plan.builder.max_nodes > pgd::kMostLejaPoints) {
+    throw root.table("builder").error(
+        "max_nodes", fmt::format("is {}, expected at most {} of the builder \"sampling\"",
+                                 *plan.builder.max_nodes, pgd::kMostLejaPoints));
   }
   for (const BoxEntry& entry : plan.box) {
     if (!entry.prescribes_axis()) continue;
@@ -292,6 +309,55 @@ void read_coordinates(const TomlTable& root, const Subject& subject, Plan& plan)
   }
   if (plan.box.empty())
     throw root.error("box", fmt::format("is empty, expected at least one free {}", subject.what_settable));
+}
+
+models::BodyDescription read_description(const TomlTable& table) {
+  table.expect_keys({"shape", "mesh", "size", "unit", "density", "fluid_density", "added_mass"});
+  models::BodyDescription description;
+  if (table.has("shape") == table.has("mesh"))
+    throw table.error(table.has("mesh") ? "mesh" : "", "expected a key shape or a key mesh, one of the two");
+  if (table.has("mesh")) {
+    description.shape =
+        (std::filesystem::path(table.file()).parent_path() / table.string("mesh")).string();
+    try {
+      description.unit = quantity_to_si("1 " + table.string("unit"), "m");
+    } catch (const ArgumentError& error) {
+      throw table.error("unit", error.what());
+    }
+  } else {
+    description.shape = one_of(table, "shape", {"ellipsoid", "disc", "plate"});
+    description.sizes = table.quantities("size", "m");
+  }
+  for (const char* other : {"size", "unit"}) {
+    if (table.has(other) && table.has("mesh") == (std::string(other) == "size"))
+      throw table.error(other, "is of a shape its sizes, of a mesh the length that one unit of its file means");
+  }
+  description.density = table.quantity("density", "kg/m^3");
+  description.fluid_density = table.quantity("fluid_density", "kg/m^3");
+  if (table.has("added_mass")) description.added_mass = one_of(table, "added_mass", {"panels", "ellipsoid"});
+  return description;
+}
+
+/// What a body is, of which [fixed] and [box] say nothing.
+void read_body(const TomlTable& root, const Subject& subject, const BodyReader& body_reader, Plan& plan) {
+  const auto table = root.optional_table("body");
+  if (!table) return;
+  if (!subject.model || subject.model->info().name != "kirchhoff_body")
+    throw root.error("body", fmt::format("is of a body for the model \"kirchhoff_body\", the plan is one of {}",
+                                         subject.name));
+  if (!body_reader) throw root.error("body", "cannot be read: this program knows no bodies");
+  const models::BodyDescription description = read_description(*table);
+  std::map<std::string, double> parameters;
+  try {
+    parameters = body_reader(description);
+  } catch (const ArgumentError& error) {
+    throw root.error("body", error.what());
+  }
+  for (const auto& [name, value] : parameters) {
+    const bool is_free = std::ranges::any_of(plan.box, [&](const BoxEntry& entry) { return entry.name == name; });
+    if (is_free || !plan.fixed.emplace(name, value).second) continue;
+    plan.of_body[name] = value;
+  }
 }
 
 /// A command may do without time.
@@ -357,7 +423,9 @@ std::uint64_t Plan::certificate_seed() const {
 
 std::string Plan::whole_text() const {
   const models::Equations* equations = definition ? models::equations_of(*definition) : nullptr;
-  return equations == nullptr ? text : text + "\n# the model\n" + to_toml(*equations);
+  std::string whole = equations == nullptr ? text : text + "\n# the model\n" + to_toml(*equations);
+  for (const auto& [name, value] : of_body) whole += fmt::format("\n# {} = {}", name, value);
+  return whole;
 }
 
 bool BuildRequest::prescribes_axes() const {
@@ -372,13 +440,13 @@ models::ParametricModel Plan::parametric_model() const {
 }
 
 Plan parse_plan(const std::string& text, const std::string& name,
-                const std::shared_ptr<const models::Model>& model) {
+                const std::shared_ptr<const models::Model>& model, const BodyReader& body_reader) {
   const TomlTable root = TomlTable::parse(text, name);
   if (root.has("rates") && !root.has("box"))
     throw root.error("rates",
                      "are those of a model, not of a plan: a plan names the file by `model = \"..\"`");
   root.expect_keys(
-      {"model", "equations", "command", "title", "fixed", "box", "time", "tolerance", "builder"});
+      {"model", "equations", "command", "title", "body", "fixed", "box", "time", "tolerance", "builder"});
   Plan plan;
   plan.source = name;
   plan.text = text;
@@ -396,6 +464,7 @@ Plan parse_plan(const std::string& text, const std::string& name,
   if (subject.model) plan.model = subject.model->info().name;
   plan.title = read_title(root);
   read_coordinates(root, subject, plan);
+  read_body(root, subject, body_reader, plan);
   read_time(root, subject, plan);
   read_tolerance(root, subject, plan);
   read_builder(root, plan);
@@ -405,8 +474,8 @@ Plan parse_plan(const std::string& text, const std::string& name,
   return plan;
 }
 
-Plan read_plan(const std::filesystem::path& path) {
-  return parse_plan(io::read_text_file(path), path.string());
+Plan read_plan(const std::filesystem::path& path, const BodyReader& body_reader) {
+  return parse_plan(io::read_text_file(path), path.string(), {}, body_reader);
 }
 
 }  // namespace samara::codebooks

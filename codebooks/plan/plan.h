@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "samara/models/bodies/body_description.h"
 #include "samara/models/interface/parametric_model.h"
 #include "samara/pgd/axes/axis.h"
 
@@ -68,6 +70,11 @@ struct BuildRequest {
     /// Evaluations of f and its Jacobian beyond which no slab begins; of sampling, trajectories, or
     /// points given to the command, and never more; 0: no limit of the plan's. A trial of "auto" has its own.
     long max_calls = 0;
+    /// Most nodes of a parameter's axis (of a cell), and most of a rank; the builder's own limits where left out.
+    std::optional<int> max_nodes = {}, max_rank = {};
+    /// Random points at which the builder checks itself before the certificate does: of "pgd" those of a cell that are
+    /// marched along, of "sampling" those called off the grid.
+    std::optional<int> guards = {};
     int threads = 0;  ///< 0: all cores
     std::uint64_t seed = 1;
   } builder;
@@ -82,6 +89,7 @@ struct Plan : BuildRequest {
   std::shared_ptr<const models::Model> definition;  ///< of the model; null where there is a command
   std::optional<PlannedCommand> command;            ///< instead of a model
   std::map<std::string, double> fixed;              ///< SI
+  std::map<std::string, double> of_body;            ///< those of `fixed` that come from the table [body]
 
   std::string source;      ///< file the plan came from, for messages; empty if none
   std::string model_file;  ///< of the model, if it is in a file of its own
@@ -95,21 +103,27 @@ struct Plan : BuildRequest {
   /// nothing.
   std::uint64_t certificate_seed() const;
 
-  /// The text, and that of a model in another file: plans that differ in neither have the same checkpoints.
+  /// The text, that of a model in another file, and what a mesh gave: plans that differ in none of them have the same
+  /// checkpoints.
   std::string whole_text() const;
   /// The model with the plan's fixed and free coordinates.
   /// @throws ArgumentError as ParametricModel does, and for a plan of a command.
   models::ParametricModel parametric_model() const;
 };
 
+/// Parameters of the model `kirchhoff_body` for a body in a fluid. A program that links samara::mesh_files makes it of
+/// body_in_fluid() and kirchhoff_parameters() (models/added_mass/body_in_fluid.h); plans do not need that library else.
+using BodyReader = std::function<std::map<std::string, double>(const models::BodyDescription&)>;
+
 /// Reads a plan. Quantities are SI numbers or strings with a unit.
+/// @param body_reader for plans with a table [body], whose mesh lies relative to the plan; its errors get the plan's line
 /// @throws InputError, with file and line, for unknown keys, parameters or units, an interval that is empty
-/// or reversed, values that are not finite, and whatever else cannot be a plan.
-Plan read_plan(const std::filesystem::path& path);
+/// or reversed, values that are not finite, a body without a reader, and whatever else cannot be a plan.
+Plan read_plan(const std::filesystem::path& path, const BodyReader& body_reader = {});
 
 /// The same from text; `name` stands for the file in messages.
 /// @param model that the plan is of, whatever it says; null: the one that it says
 Plan parse_plan(const std::string& text, const std::string& name,
-                const std::shared_ptr<const models::Model>& model = {});
+                const std::shared_ptr<const models::Model>& model = {}, const BodyReader& body_reader = {});
 
 }  // namespace samara::codebooks

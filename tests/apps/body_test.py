@@ -70,6 +70,38 @@ class Bodies(Case):
         plan = lines + '[box]\n"ux(0)" = [0.1, 0.2]\n[time]\nend = "0.1 s"\n'
         self.assertEqual(run("build", write("cube.toml", plan), "-o", FOLDER / "cube.h5").returncode, 0)
 
+    def test_a_plan_and_a_simulation_take_the_body_itself(self):
+        mesh = write("block.obj", CUBE)
+        given = ["--unit", "mm", "--density", "500", "--fluid", "1000"]
+        lines = run("body", mesh, *given, "--toml").stdout
+        rest = '[box]\n"ux(0)" = [0.1, 0.2]\n[time]\nend = "0.1 s"\n'
+        table = '[body]\nmesh = "block.obj"\nunit = "mm"\ndensity = 500\nfluid_density = "1 g/cm^3"\n'
+        answers = []
+        for name, plan in (("by_lines", lines + rest), ("by_body", 'model = "kirchhoff_body"\n' + table + rest)):
+            book = FOLDER / f"{name}.h5"
+            result = run("build", write(f"{name}.toml", plan), "-o", book)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            answers.append(run("query", book, "--set", "ux(0)=0.15").stdout)
+        self.assertEqual(*answers)
+        settings = [part for line in lines.splitlines() if " = " in line and "model" not in line
+                    for part in ("--set", line.replace(" = ", "="))]
+        by_numbers = run("simulate", "kirchhoff_body", *settings, "--set", "ux(0)=0.1").stdout
+        self.assertEqual(run("simulate", "kirchhoff_body", "--body", mesh, *given, "--set", "ux(0)=0.1").stdout, by_numbers)
+        self.assertNotEqual(run("simulate", "kirchhoff_body", "--body", mesh, *given, "--set", "ux(0)=0.1", "--set", "mass=1").stdout,
+                            by_numbers)
+        self.check_error(run("simulate", "vertical_fall", "--body", mesh, *given), 2, 'for the model "kirchhoff_body"')
+        self.check_error(run("simulate", "kirchhoff_body", "--body", mesh, "--unit", "mm", "--fluid", "1"), 2, "--density")
+        self.check_error(run("simulate", "kirchhoff_body", "--density", "500"), 2, "--body was expected")
+        for wrong, code, sentence in [(table.replace("block.obj", "none.obj"), 3, "none.obj"),
+                                      (table + "size = [1, 2, 3]\n", 3, "size: is of a shape"),
+                                      (table + 'shape = "disc"\n', 3, "one of the two"),
+                                      (table.replace("= 500", "= -500"), 3, "-500"),
+                                      (table.replace('"mm"', '"kg"'), 3, "kg")]:
+            plan = write("wrong.toml", 'model = "kirchhoff_body"\n' + wrong + rest)
+            self.check_error(run("build", plan, "-o", FOLDER / "wrong.h5"), code, "wrong.toml" if "none" not in wrong else "none.obj", sentence)
+        plan = write("wrong.toml", 'model = "vertical_fall"\n' + table + '[box]\nC_D = [1, 2]\n[time]\nend = 1\n')
+        self.check_error(run("build", plan, "-o", FOLDER / "wrong.h5"), 3, '"kirchhoff_body"')
+
     def test_words_without_an_option(self):
         words = run("body", "plate", "--size", "20 cm", "10 cm", "1 cm", "--density", "1200", "--fluid", "1000").stdout
         self.assertIn("mass            0.24 kg", words)
@@ -81,13 +113,13 @@ class Bodies(Case):
         self.check_error(run("body", "plate", "--size", "1", "2", "0", *given), 2, "0")
         self.check_error(run("body", "plate", "--size", "1 kg", "2", "1", *given), 2, "1 kg")
         self.check_error(run("body", "plate", "--size", "1", "2", "1", "--density", "nan", "--fluid", "1"), 2, "nan")
-        self.check_error(run("body", "plate", "--size", "1", "2", "1", "--unit", "mm", *given), 2, "--unit")
-        self.check_error(run("body", "disc", "--size", "1 cm", "1 mm", "--added-mass", "panels", *given), 2, "--added-mass panels needs a mesh")
+        self.check_error(run("body", "plate", "--size", "1", "2", "1", "--unit", "mm", *given), 2, "a plate has a unit")
+        self.check_error(run("body", "disc", "--size", "1 cm", "1 mm", "--added-mass", "panels", *given), 2, "added mass by panels needs a mesh")
         mesh = write("open.obj", CUBE.replace("f 1 3 2\n", ""))
-        self.check_error(run("body", mesh, *given), 2, "--unit")
+        self.check_error(run("body", mesh, *given), 2, "needs a unit")
         self.check_error(run("body", mesh, "--unit", "mm", *given), 3, "open.obj", "not closed")
         self.check_error(run("body", mesh, "--unit", "kg", *given), 2, "kg")
-        self.check_error(run("body", mesh, "--unit", "mm", "--size", "1", *given), 2, "--size is of shapes")
+        self.check_error(run("body", mesh, "--unit", "mm", "--size", "1", *given), 2, "a mesh has a size of its own")
         self.check_error(run("body", mesh, "--unit", "mm", "--added-mass", "guess", *given), 2, "guess")
         self.check_error(run("body", "sphere", "--size", "1", *given), 2, "no shape (ellipsoid, disc, plate) and no file")
         self.check_error(run("body", "disc", "--size", "1 cm", "1 mm", "--toml", "--viscosity", "1e-3", *given), 2, "--viscosity")
