@@ -158,8 +158,26 @@ void add_info(CLI::App& app, Arguments& arguments) {
 void add_stats(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<StatsArguments>();
   CLI::App* command = app.add_subcommand(
-      "stats", "mean, deviation and Sobol' indices of the outputs over the box, over time, as CSV or JSON");
+      "stats",
+      "mean, deviation, Sobol' indices and quantiles of the outputs, over time, of inputs that are uniform over the "
+      "box or distributed otherwise, as CSV or JSON");
   command->add_option("BOOK", values->book, "codebook file")->required();
+  command
+      ->add_option("--set", values->set,
+                   "NAME=VALUE holds an input; NAME=FROM..TO, \"NAME=normal(MEAN, DEVIATION)\" and "
+                   "\"NAME=lognormal(MEDIAN, DEVIATION OF THE LOGARITHM)\" say how it is distributed")
+      ->allow_extra_args(false);
+  command->add_option("--fit", values->fit,
+                      "fit (samara fit -o FIT.json) whose coefficients are inputs, with its covariance");
+  command->add_option("--quantiles", values->quantiles, "shares between 0 and 1: 0.05 0.5 0.95");
+  command->add_option("--group", values->groups, "inputs to give indices of together: C_T,C_R")
+      ->allow_extra_args(false);
+  command->add_option("--draws", values->draws, "of quantiles, and of correlated inputs")
+      ->capture_default_str()
+      ->check(whole_number());
+  command->add_option("--seed", values->seed, "of the draws, from 0")
+      ->capture_default_str()
+      ->check(whole_number<std::uint64_t>());
   command->add_flag("--json", values->json, "print one JSON object");
   on_call(command, arguments.stats, values);
 }

@@ -52,6 +52,11 @@ struct InfoArguments {
 
 struct StatsArguments {
   std::string book;
+  std::vector<std::string> set, groups;
+  std::string fit;
+  std::vector<double> quantiles;
+  int draws = 4096;
+  std::uint64_t seed = 1;
   bool json = false;
 };
 

@@ -8,6 +8,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/limits.h"
 #include "samara/base/names.h"
+#include "samara/base/text.h"
 #include "samara/base/units.h"
 
 namespace samara::apps {
@@ -38,22 +39,35 @@ double number_or_quantity(const std::string& what, const std::string& text, cons
   throw ArgumentError(fmt::format("{} is {}, expected at most {} in size", what, text, kLargestInput));
 }
 
+Setting setting_of(const std::string& option, const std::string& text) {
+  const std::size_t sign = text.find('=');
+  if (sign == std::string::npos)
+    throw ArgumentError(fmt::format("{} \"{}\" has no \"=\", expected NAME=VALUE", option, text));
+  return {text.substr(0, sign), text.substr(sign + 1)};
+}
+
+models::Interval interval_of(const std::string& name, const std::string& text, const std::string& unit) {
+  const std::size_t dots = text.find("..");
+  if (dots == std::string::npos) {
+    const double value = number_or_quantity(name, text, unit);
+    return {value, value};
+  }
+  return {number_or_quantity(name, std::string(trimmed(text.substr(0, dots))), unit),
+          number_or_quantity(name, std::string(trimmed(text.substr(dots + 2))), unit)};
+}
+
 std::map<std::string, double> parse_assignments(const std::vector<std::string>& texts,
                                                 const std::map<std::string, std::string>& units) {
   std::vector<std::string> known;
   for (const auto& [name, unit] : units) known.push_back(name);
   std::map<std::string, double> values;
   for (const std::string& text : texts) {
-    const std::size_t sign = text.find('=');
-    if (sign == std::string::npos) {
-      throw ArgumentError(fmt::format("--set \"{}\" has no \"=\", expected NAME=VALUE", text));
-    }
-    const std::string name = text.substr(0, sign);
+    const auto [name, given] = setting_of("--set", text);
     const auto unit = units.find(name);
     if (unit == units.end()) {
       throw ArgumentError(fmt::format("--set: unknown name \"{}\"{}", name, suggestion(name, known)));
     }
-    const double value = number_or_quantity(name, text.substr(sign + 1), unit->second);
+    const double value = number_or_quantity(name, given, unit->second);
     if (!values.emplace(name, value).second)
       throw ArgumentError(fmt::format("--set: \"{}\" is set twice", name));
   }

@@ -4,11 +4,25 @@
 #include <string>
 #include <vector>
 
+#include "samara/models/trajectories/interval.h"
+
 namespace samara::apps {
+
+/// "NAME=TEXT" in two; the name may hold signs of its own, but no "=".
+struct Setting {
+  std::string name, text;
+};
+
+/// @param option that the text was given to, for the message
+/// @throws ArgumentError for a text without "="
+Setting setting_of(const std::string& option, const std::string& text);
 
 /// A number in SI, or a number with a unit of the dimension of `unit`.
 /// @throws ArgumentError naming `what` and the text.
 double number_or_quantity(const std::string& what, const std::string& text, const std::string& unit);
+
+/// "0.2", or from and to: "20 deg..60 deg". @throws ArgumentError as number_or_quantity()
+models::Interval interval_of(const std::string& name, const std::string& text, const std::string& unit);
 
 /// Values of "NAME=VALUE" texts in SI.
 /// @param units of every name that may be set

@@ -20,34 +20,6 @@ namespace {
 
 namespace id = samara::identification;
 
-/// "NAME=TEXT" in two; the name may hold signs of its own, but no "=".
-struct Setting {
-  std::string name, text;
-};
-
-Setting setting_of(const std::string& option, const std::string& text) {
-  const std::size_t sign = text.find('=');
-  if (sign == std::string::npos)
-    throw ArgumentError(fmt::format("{} \"{}\" has no \"=\", expected NAME=VALUE", option, text));
-  return {text.substr(0, sign), text.substr(sign + 1)};
-}
-
-/// "0.2", or from and to: "20 deg..60 deg".
-models::Interval interval_of(const std::string& name, const std::string& text, const std::string& unit) {
-  const std::size_t dots = text.find("..");
-  if (dots == std::string::npos) {
-    const double value = number_or_quantity(name, text, unit);
-    return {value, value};
-  }
-  const auto trimmed = [](std::string part) {
-    part.erase(0, part.find_first_not_of(' '));
-    part.erase(part.find_last_not_of(' ') + 1);
-    return part;
-  };
-  return {number_or_quantity(name, trimmed(text.substr(0, dots)), unit),
-          number_or_quantity(name, trimmed(text.substr(dots + 2)), unit)};
-}
-
 std::map<std::string, models::Interval> boxes_of(const DesignArguments& arguments,
                                                  const models::FamilyInfo& family) {
   std::map<std::string, models::Interval> boxes;

@@ -1,6 +1,7 @@
 #include "samara/pgd/fields/statistics.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -56,6 +57,42 @@ Request read(const std::vector<Axis>& axes, const StatisticsOptions& options) {
   return request;
 }
 
+void require_distribution(const Axis& axis, const QuadratureRule& rule) {
+  const auto refuse = [&](const std::string& what) {
+    throw ArgumentError(fmt::format("the distribution of \"{}\" has {}", axis.name(), what));
+  };
+  if (rule.nodes.size() != rule.weights.size())
+    refuse(fmt::format("{} nodes and {} weights, expected one weight a node", rule.nodes.size(),
+                       rule.weights.size()));
+  for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
+    if (!(rule.weights[i] >= 0.0)) refuse(fmt::format("the weight {}, expected none below 0", rule.weights[i]));
+    if (!axis.contains(rule.nodes[i]))
+      refuse(fmt::format("the node {}, expected one from {} to {} {}", rule.nodes[i], axis.lower(),
+                         axis.upper(), axis.unit()));
+  }
+  constexpr double kRoundOff = 1e-9;
+  if (!(std::abs(rule.weights.sum() - 1.0) <= kRoundOff))
+    refuse(fmt::format("weights that sum to {}, expected 1", rule.weights.sum()));
+}
+
+std::vector<InputMeasure> measures(const std::vector<Axis>& axes, const StatisticsOptions& options,
+                                   const Request& request) {
+  for (const auto& [name, rule] : options.distributions) {
+    const int axis = axis_index(axes, name);
+    if (axis == request.free_axis)
+      throw ArgumentError(fmt::format("\"{}\" is the free axis, which has no distribution", name));
+    require_distribution(axes[static_cast<std::size_t>(axis)], rule);
+  }
+  std::vector<InputMeasure> inputs;
+  for (const int k : request.inputs) {
+    const Axis& axis = axes[static_cast<std::size_t>(k)];
+    const auto given = options.distributions.find(axis.name());
+    inputs.push_back(given == options.distributions.end() ? InputMeasure(axis)
+                                                          : InputMeasure(axis, given->second));
+  }
+  return inputs;
+}
+
 /// The result with names, and matrices of the right size.
 Statistics prepare(const std::vector<Axis>& axes, const StatisticsOptions& options, const Request& request,
                    int outputs) {
@@ -98,8 +135,7 @@ void enter(const Moments& moments, Eigen::Index m, Eigen::Index i, Statistics& s
   }
 }
 
-/// Cores of the inputs, nodal values times the root of the density's mass matrix, for one output at one free
-/// node.
+/// Cores of the inputs, nodal values, for one output at one free node.
 std::vector<TrainCore> row_train(const TensorTrain& values, const Request& request, Eigen::Index output,
                                  Eigen::Index node) {
   TensorTrain row = values;
@@ -113,12 +149,9 @@ Statistics statistics(const SeparatedField& field, const StatisticsOptions& opti
   const std::vector<Axis>& axes = field.axes();
   const Request request = read(axes, options);
   Statistics s = prepare(axes, options, request, field.output_count());
-  std::vector<Axis> inputs;
+  const std::vector<InputMeasure> inputs = measures(axes, options, request);
   std::vector<Eigen::MatrixXd> factors;
-  for (const int k : request.inputs) {
-    inputs.push_back(axes[static_cast<std::size_t>(k)]);
-    factors.push_back(field.factors()[static_cast<std::size_t>(k)]);
-  }
+  for (const int k : request.inputs) factors.push_back(field.factors()[static_cast<std::size_t>(k)]);
   // One row of weights for every output and free node.
   Eigen::MatrixXd rows(s.mean.size(), field.rank());
   for (Eigen::Index i = 0; i < s.mean.cols(); ++i) {
@@ -142,8 +175,7 @@ Statistics statistics(const TrainField& field, const StatisticsOptions& options)
   const TensorTrain& values = field.train();
   const Request request = read(axes, options);
   Statistics s = prepare(axes, options, request, field.output_count());
-  std::vector<Axis> inputs;
-  for (const int k : request.inputs) inputs.push_back(axes[static_cast<std::size_t>(k)]);
+  const std::vector<InputMeasure> inputs = measures(axes, options, request);
   for (Eigen::Index i = 0; i < s.mean.cols(); ++i) {
     for (Eigen::Index m = 0; m < s.mean.rows(); ++m) {
       enter(train_moments(inputs, row_train(values, request, m, i), request.subsets), m, i, s);

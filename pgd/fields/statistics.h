@@ -1,15 +1,17 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "samara/pgd/axes/axis.h"
+#include "samara/pgd/axes/quadrature.h"
 #include "samara/pgd/fields/field.h"
 
-/// Mean, variance and Sobol' indices of separated functions whose coordinates are independent and uniform
-/// over the box.
+/// Mean, variance and Sobol' indices of separated functions whose coordinates are independent: uniform over the box,
+/// or distributed as a quadrature rule says.
 ///
 /// With the analysis of variance f = sum over subsets A of f_A(x_A) and D_A = Var(f_A) (Sobol' 1993; Saltelli
 /// et al. 2008), the variance is D = sum_A D_A and, for a subset A of the coordinates,
@@ -19,7 +21,7 @@
 ///   interaction(A) = D_A / D,
 ///
 /// first order being closed({k}). All integrals are exact for the represented function: of products of two
-/// factors by the mass matrix of the axis. Factors are split into mean and remainder before anything is
+/// factors by the mass matrix of the axis, or by the rule. Factors are split into mean and remainder before anything is
 /// squared, and variances are sums of squares of remainders, so that a large mean costs no digits of a small
 /// variance beyond those that the nodal values have lost already. Sums of products whose terms cancel are
 /// brought to train form first, where they do not.
@@ -32,6 +34,9 @@ namespace samara::pgd {
 struct StatisticsOptions {
   /// This axis is no random input: statistics are given at each of its nodes. Empty: all axes are inputs.
   std::string free_axis = "";
+  /// How inputs are distributed that are not uniform, by name: nodes inside the axis, in its unit, and weights from 0 on
+  /// that sum to one. Means are sums over the nodes.
+  std::map<std::string, QuadratureRule> distributions = {};
   /// Further subsets of inputs to give indices of.
   std::vector<std::vector<std::string>> subsets = {};
 };
@@ -58,8 +63,8 @@ struct Statistics {
 
 /// Of every output of a field. Rank R, d axes of n nodes, M outputs, T nodes of the free axis (1 without), Q
 /// indices: O(R^2 (d n + d Q + M T Q)), no loop over the grid; d R^2 numbers of storage.
-/// @throws ArgumentError if an axis is unknown (the nearest is named), no input is left, or a subset is
-/// empty, names an axis twice, or holds the free axis.
+/// @throws ArgumentError if an axis is unknown (the nearest is named), no input is left, a subset is
+/// empty, names an axis twice, or holds the free axis, or a rule is none of a distribution on its axis.
 Statistics statistics(const SeparatedField& field, const StatisticsOptions& options = {});
 
 /// The same of a train. O(M T Q d n r^3) for ranks r.

@@ -16,28 +16,11 @@ namespace {
 
 constexpr double kRoundOff = 1e-14;
 
-/// L^T of M / measure = L L^T: squares of Euclidean lengths after it are means of squares.
-class RootDensity {
- public:
-  explicit RootDensity(const Axis& axis) : cholesky_(axis.mass()), scale_(1.0 / std::sqrt(axis.measure())) {}
-  Eigen::MatrixXd apply(const Eigen::MatrixXd& values) const {
-    return scale_ * (cholesky_.matrixU() * values);
-  }
-
- private:
-  Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> cholesky_;
-  double scale_;
-};
-
-Eigen::VectorXd density(const Axis& axis) {
-  return axis.weights() / axis.weights().sum();
-}
-
 /// Maps of one coordinate of a sum of products, on terms x terms forms.
 class TermMaps {
  public:
-  TermMaps(const Axis& axis, const Eigen::MatrixXd& factor) : mean_(factor.transpose() * density(axis)) {
-    const Eigen::MatrixXd centred = RootDensity(axis).apply(factor.rowwise() - mean_.transpose());
+  TermMaps(const InputMeasure& input, const Eigen::MatrixXd& factor) : mean_(factor.transpose() * input.mean) {
+    const Eigen::MatrixXd centred = input.root * (factor.rowwise() - mean_.transpose());
     covariance_ = centred.transpose() * centred;
     means_ = mean_ * mean_.transpose();
   }
@@ -56,16 +39,16 @@ class TermMaps {
 /// because a large mean would cost it all digits of a small variance.
 class CoreMaps {
  public:
-  CoreMaps(const Axis& axis, const TrainCore& core) : mean_(Eigen::MatrixXd::Zero(core.left, core.right)) {
-    const Eigen::VectorXd weights = density(axis);
-    for (int i = 0; i < core.size; ++i) mean_ += weights[i] * core.slice(i);
+  CoreMaps(const InputMeasure& input, const TrainCore& core)
+      : mean_(Eigen::MatrixXd::Zero(core.left, core.right)) {
+    for (int i = 0; i < core.size; ++i) mean_ += input.mean[i] * core.slice(i);
     Eigen::MatrixXd values(core.size, Eigen::Index{core.left} * core.right);
     for (int i = 0; i < core.size; ++i) {
       const Eigen::MatrixXd slice = core.slice(i) - mean_;
       values.row(i) = Eigen::Map<const Eigen::RowVectorXd>(slice.data(), slice.size());
     }
-    const Eigen::MatrixXd centred = RootDensity(axis).apply(values);
-    for (int i = 0; i < core.size; ++i) {
+    const Eigen::MatrixXd centred = input.root * values;
+    for (Eigen::Index i = 0; i < centred.rows(); ++i) {
       const Eigen::VectorXd row = centred.row(i).transpose();
       centred_.emplace_back(Eigen::Map<const Eigen::MatrixXd>(row.data(), core.left, core.right));
     }
@@ -93,7 +76,7 @@ class CoreMaps {
   }
 
   Eigen::MatrixXd mean_;
-  std::vector<Eigen::MatrixXd> centred_;  ///< left x right, per root of the density
+  std::vector<Eigen::MatrixXd> centred_;  ///< left x right, per row of the root
 };
 
 enum class Others { averaged, kept };
@@ -141,17 +124,41 @@ void all_forms(const std::vector<Maps>& maps, const std::vector<InputSubset>& su
 }
 
 /// Root mean square of every term, without weights.
-Eigen::VectorXd term_sizes(const std::vector<Axis>& inputs, const std::vector<Eigen::MatrixXd>& factors) {
+Eigen::VectorXd term_sizes(const std::vector<InputMeasure>& inputs, const std::vector<Eigen::MatrixXd>& factors) {
   Eigen::VectorXd sizes = Eigen::VectorXd::Ones(factors.front().cols());
   for (std::size_t k = 0; k < inputs.size(); ++k) {
-    sizes.array() *= RootDensity(inputs[k]).apply(factors[k]).colwise().norm().transpose().array();
+    sizes.array() *= (inputs[k].root * factors[k]).colwise().norm().transpose().array();
   }
   return sizes;
 }
 
+/// The smallest matrix with the same lengths |root v|.
+SparseMatrix shortest(const Eigen::MatrixXd& root) {
+  return (root.rows() > root.cols() ? qr_factor(root) : root).sparseView();
+}
+
 }  // namespace
 
-std::vector<Moments> sum_moments(const std::vector<Axis>& inputs, const std::vector<Eigen::MatrixXd>& factors,
+InputMeasure::InputMeasure(const Axis& axis) : mean(axis.weights() / axis.weights().sum()) {
+  // M = L L^T
+  const Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> cholesky(axis.mass());
+  root = SparseMatrix(cholesky.matrixU()) * (1.0 / std::sqrt(axis.measure()));
+}
+
+InputMeasure::InputMeasure(const Axis& axis, const QuadratureRule& rule)
+    : mean(Eigen::VectorXd::Zero(axis.size())) {
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(rule.nodes.size(), axis.size());
+  InterpolationStencil stencil = axis.make_stencil();
+  for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
+    axis.interpolate(rule.nodes[i], stencil, false);
+    const Eigen::Index nodes = stencil.value.size();
+    mean.segment(stencil.first, nodes) += rule.weights[i] * stencil.value;
+    rows.row(i).segment(stencil.first, nodes) = std::sqrt(rule.weights[i]) * stencil.value.transpose();
+  }
+  root = shortest(rows);
+}
+
+std::vector<Moments> sum_moments(const std::vector<InputMeasure>& inputs, const std::vector<Eigen::MatrixXd>& factors,
                                  const Eigen::MatrixXd& rows, const std::vector<InputSubset>& subsets) {
   const Eigen::Index rank = rows.cols();
   std::vector<Moments> result(static_cast<std::size_t>(rows.rows()));
@@ -183,7 +190,7 @@ std::vector<Moments> sum_moments(const std::vector<Axis>& inputs, const std::vec
   return result;
 }
 
-Moments train_moments(const std::vector<Axis>& inputs, const std::vector<TrainCore>& cores,
+Moments train_moments(const std::vector<InputMeasure>& inputs, const std::vector<TrainCore>& cores,
                       const std::vector<InputSubset>& subsets) {
   std::vector<CoreMaps> maps;
   Eigen::MatrixXd mean = Eigen::MatrixXd::Ones(1, 1);

@@ -202,6 +202,23 @@ class Answers(Case):
             if t > 1e-6:
                 self.assertAlmostEqual(total, 1.0, delta=1e-9)
 
+    def test_stats_take_distributions_of_inputs(self):
+        # u = (10/k - 1) t: falling in k, so that its quantiles are those of k, from the other end.
+        plan = book("line", LINE_PLAN)
+        stats = json.loads(run("stats", plan, "--json", "--set", "k=lognormal(3, 0.1)", "--quantiles", "0.1", "0.5").stdout)
+        output = stats["outputs"][0]
+        for t, tenth, half, mean in zip(stats["times"], *output["quantiles"], output["mean"]):
+            self.assertAlmostEqual(half, t * (10 / 3 - 1), delta=0.01 * t + 1e-9)
+            self.assertAlmostEqual(tenth, t * (10 / (3 * math.exp(0.1 * 1.2815515655)) - 1), delta=0.01 * t + 1e-9)
+            self.assertAlmostEqual(mean, t * (10 / 3 * math.exp(0.005) - 1), delta=1e-5)
+        part = json.loads(run("stats", plan, "--json", "--set", "k=2..4").stdout)["outputs"][0]["mean"]
+        for t, mean in zip(stats["times"], part):
+            self.assertAlmostEqual(mean, t * (5 * math.log(2) - 1), delta=1e-6)
+        for wrong, sentence in [("k=5", "no free parameter"), ("k=normal(3)", "normal(1.1, 0.05)"), ("k=gauss(3, 1)", "gauss"),
+                                ("k=normal(30, 1)", "outside the codebook's box"), ("q=3", "unknown name"),
+                                ("k=4..2", "below the largest")]:
+            self.check_error(run("stats", plan, "--set", wrong), 2, sentence)
+
     def test_indices_are_left_out_where_an_output_varies_less_than_its_error(self):
         # x(0) is fixed, so that x varies with t^2; what a coarse codebook says of early times is its own error.
         coarse, fine = book("coin", COIN_PLAN), book("coin6", COIN_PLAN.replace("relative = 1e-3", "relative = 1e-6"))

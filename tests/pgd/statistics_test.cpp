@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "../error_text.h"
 #include "random_tensor.h"
 #include "samara/base/errors.h"
 #include "samara/pgd/cross/cross_interpolation.h"
@@ -294,4 +295,50 @@ TEST_CASE("requests for statistics that make no sense are refused") {
   CHECK_THROWS_WITH(statistics(field, {.free_axis = "x0", .subsets = {{"x0"}}}), Contains("free axis"));
   CHECK_THROWS_WITH(statistics(random_field(1, 1, 2, 41), {.free_axis = "x0"}), Contains("only axis"));
   CHECK_THROWS_WITH(statistics(as_train(field), {.free_axis = "X1"}), Contains("did you mean"));
+}
+
+TEST_CASE("a rule for the uniform distribution gives what no rule gives, and rules without meaning are refused", "[pgd]") {
+  const SeparatedField field = random_field(3, 2, 4, 5);
+  StatisticsOptions options;
+  for (const Axis& axis : field.axes()) {
+    // Two points in each of so many equal parts that borders of elements are among their ends.
+    const QuadratureRule panel = gauss_legendre(6);
+    QuadratureRule rule{Eigen::VectorXd(24), Eigen::VectorXd(24)};
+    for (int k = 0; k < 4; ++k) {
+      const double from = axis.lower() + 0.25 * k * axis.length();
+      rule.nodes.segment(6 * k, 6) = from + 0.125 * axis.length() * (1.0 + panel.nodes.array());
+      rule.weights.segment(6 * k, 6) = panel.weights / 8.0;
+    }
+    options.distributions[axis.name()] = rule;
+  }
+  CHECK(difference(statistics(field), statistics(field, options)) < 1e-11);
+  CHECK(difference(statistics(as_train(field)), statistics(as_train(field), options)) < 1e-11);
+
+  const auto refusal = [&](const QuadratureRule& rule) {
+    return error_text<samara::Error>([&] { statistics(field, {.distributions = {{"x0", rule}}}); });
+  };
+  CHECK_THAT(refusal({Eigen::Vector2d(0.1, 0.2), Eigen::Vector2d(0.5, 0.6)}), Contains("sum to 1.1"));
+  CHECK_THAT(refusal({Eigen::Vector2d(0.1, 1.2), Eigen::Vector2d(0.5, 0.5)}), Contains("node 1.2"));
+  CHECK_THAT(refusal({Eigen::Vector2d(0.1, 0.2), Eigen::Vector2d(-0.5, 1.5)}), Contains("-0.5"));
+  CHECK_THAT(refusal({Eigen::Vector2d(0.1, 0.2), Eigen::Vector3d(0.5, 0.3, 0.2)}), Contains("one weight a node"));
+  CHECK_THAT(error_text<samara::Error>([&] { statistics(field, {.free_axis = "x0", .distributions = {{"x0", {}}}}); }),
+             Contains("free axis"));
+}
+
+TEST_CASE("moments of a discrete distribution are sums over its values", "[pgd]") {
+  const SeparatedField field = random_field(2, 1, 3, 8);
+  const QuadratureRule rule{Eigen::Vector3d(0.1, 0.45, 0.9), Eigen::Vector3d(0.2, 0.5, 0.3)};
+  const Statistics s = statistics(field, {.free_axis = "x1", .distributions = {{"x0", rule}}});
+  auto workspace = field.make_workspace();
+  Eigen::VectorXd value(1);
+  for (Eigen::Index i = 0; i < s.free_nodes.size(); ++i) {
+    double mean = 0.0, square = 0.0;
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      field.evaluate(std::vector<double>{rule.nodes[k], s.free_nodes[i]}, value, workspace);
+      mean += rule.weights[k] * value[0];
+      square += rule.weights[k] * value[0] * value[0];
+    }
+    CHECK(s.mean(0, i) == Approx(mean).margin(1e-12));
+    CHECK(s.variance(0, i) == Approx(square - mean * mean).margin(1e-11));
+  }
 }

@@ -1,0 +1,137 @@
+#include "samara/codebooks/statistics/distribution.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <boost/math/special_functions/erf.hpp>
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+
+namespace samara::codebooks {
+
+namespace {
+
+/// Beyond so many deviations nothing is left that counts in doubles.
+constexpr double kReach = 9.0;
+
+/// As a standard normal variable. x > 0 of log-normal ones.
+double standardised(const Distribution& distribution, double x) {
+  if (distribution.kind == DistributionKind::normal)
+    return (x - distribution.first) / distribution.second;
+  return std::log(x / distribution.first) / distribution.second;
+}
+
+double from_standard(const Distribution& distribution, double z) {
+  if (distribution.kind == DistributionKind::normal) return distribution.first + distribution.second * z;
+  return distribution.first * std::exp(distribution.second * z);
+}
+
+/// Up to a factor.
+double density(const Distribution& distribution, double x) {
+  if (distribution.kind == DistributionKind::uniform) return 1.0;
+  if (distribution.kind == DistributionKind::log_normal && !(x > 0.0)) return 0.0;
+  const double z = standardised(distribution, x);
+  const double bell = std::exp(-0.5 * z * z);
+  return distribution.kind == DistributionKind::normal ? bell : bell / x;
+}
+
+/// Where the rule begins anew: borders of elements, and whole numbers of deviations.
+std::vector<double> panel_borders(const Distribution& distribution, const pgd::Axis& axis) {
+  double lower = axis.lower(), upper = axis.upper();
+  std::vector<double> borders;
+  if (distribution.kind == DistributionKind::uniform) {
+    lower = std::max(lower, distribution.first);
+    upper = std::min(upper, distribution.second);
+  } else {
+    for (double z = -kReach; z <= kReach; z += 1.0) borders.push_back(from_standard(distribution, z));
+    lower = std::max(lower, borders.front());
+    upper = std::min(upper, borders.back());
+  }
+  if (!(lower < upper)) return {};
+  borders.insert(borders.end(), axis.borders().begin(), axis.borders().end());
+  // Under a transform, and of functions of a period, products are no polynomials: many short panels.
+  if (!axis.has_elements() || axis.transform() != pgd::Transform::none) {
+    const int panels = std::max(16, axis.size());
+    for (int k = 1; k < panels; ++k) borders.push_back(lower + (upper - lower) * k / panels);
+  }
+  std::erase_if(borders, [&](double x) { return !(x > lower && x < upper); });
+  borders.push_back(lower);
+  borders.push_back(upper);
+  std::sort(borders.begin(), borders.end());
+  borders.erase(std::unique(borders.begin(), borders.end()), borders.end());
+  return borders;
+}
+
+}  // namespace
+
+std::string to_string(const Distribution& distribution) {
+  const char* const name = distribution.kind == DistributionKind::uniform  ? "uniform"
+                           : distribution.kind == DistributionKind::normal ? "normal"
+                                                                           : "lognormal";
+  return fmt::format("{}({}, {})", name, distribution.first, distribution.second);
+}
+
+void require_distribution(const std::string& what, const Distribution& distribution) {
+  const auto [kind, first, second] = distribution;
+  const auto refuse = [&](const char* expected) {
+    throw ArgumentError(
+        fmt::format("the distribution of {} is {}, expected {}", what, to_string(distribution), expected));
+  };
+  if (!std::isfinite(first) || !std::isfinite(second)) refuse("finite numbers");
+  if (kind == DistributionKind::uniform) {
+    if (!(first < second)) refuse("a least value below the largest");
+    return;
+  }
+  if (!(second > 0.0)) refuse("a deviation above 0");
+  if (kind == DistributionKind::log_normal && !(first > 0.0)) refuse("a median above 0");
+}
+
+double probability_below(const Distribution& distribution, double x) {
+  if (distribution.kind == DistributionKind::uniform)
+    return std::clamp((x - distribution.first) / (distribution.second - distribution.first), 0.0, 1.0);
+  if (distribution.kind == DistributionKind::log_normal && !(x > 0.0)) return 0.0;
+  return 0.5 * std::erfc(-standardised(distribution, x) / std::numbers::sqrt2);
+}
+
+double quantile_of(const Distribution& distribution, double share) {
+  if (distribution.kind == DistributionKind::uniform)
+    return distribution.first + share * (distribution.second - distribution.first);
+  return from_standard(distribution, -std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * share));
+}
+
+pgd::QuadratureRule rule_of(const Distribution& distribution, const pgd::Axis& axis) {
+  require_distribution("\"" + axis.name() + "\"", distribution);
+  if (axis.is_list())
+    throw ArgumentError(
+        fmt::format("\"{}\" is a list of values, which has no distribution; it can be set to one of them",
+                    axis.name()));
+  const std::vector<double> borders = panel_borders(distribution, axis);
+  // Products of two functions of an element, and a bell over one deviation.
+  constexpr int kOfTheBell = 14;
+  const pgd::QuadratureRule panel =
+      pgd::gauss_legendre(kOfTheBell + (axis.has_elements() ? axis.degree() : 2));
+  const Eigen::Index points = panel.nodes.size();
+  const auto panels = static_cast<Eigen::Index>(std::max<std::size_t>(borders.size(), 1)) - 1;
+  pgd::QuadratureRule rule{Eigen::VectorXd(panels * points), Eigen::VectorXd(panels * points)};
+  for (Eigen::Index k = 0; k < panels; ++k) {
+    const double from = borders[static_cast<std::size_t>(k)], to = borders[static_cast<std::size_t>(k) + 1];
+    const Eigen::ArrayXd x = from + 0.5 * (to - from) * (1.0 + panel.nodes.array());
+    rule.nodes.segment(k * points, points) = x;
+    rule.weights.segment(k * points, points) =
+        0.5 * (to - from) * panel.weights.array() *
+        x.unaryExpr([&](double value) { return density(distribution, value); });
+  }
+  const double sum = rule.weights.sum();
+  if (!(sum > 0.0)) {
+    throw ArgumentError(fmt::format("none of the distribution {} lies within \"{}\", which goes from {} to {} {}",
+                                    to_string(distribution), axis.name(), axis.lower(), axis.upper(),
+                                    axis.unit()));
+  }
+  rule.weights /= sum;
+  return rule;
+}
+
+}  // namespace samara::codebooks

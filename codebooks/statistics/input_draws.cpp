@@ -1,0 +1,160 @@
+#include "samara/codebooks/statistics/input_draws.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/codebooks/book/box.h"
+#include "samara/codebooks/book/sobol_points.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/codebooks/query/trajectory_query.h"
+
+namespace samara::codebooks {
+
+namespace {
+
+/// Most numbers of the answers that are kept at a time.
+constexpr Eigen::Index kMostNumbers = 16'000'000;
+
+/// F with F F^T = covariance. @throws ArgumentError if it is none
+Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
+  const Eigen::VectorXd& values = solver.eigenvalues();
+  constexpr double kRoundOff = 1e-10;
+  if (solver.info() != Eigen::Success || !covariance.allFinite() ||
+      values.minCoeff() < -kRoundOff * std::max(values.maxCoeff(), 0.0))
+    throw ArgumentError("the covariance of the inputs has a negative variance, expected a covariance");
+  return solver.eigenvectors() * values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+/// The value below which lies `share` of what is inside the box.
+double value_inside(const Distribution& distribution, const Coordinate& box, double share) {
+  const double below = probability_below(distribution, box.lower),
+               inside = probability_below(distribution, box.upper) - below;
+  // Of points next to a side, whose share is 0 or 1 to rounding, the side itself.
+  const double total = below + share * inside;
+  if (!(total > 0.0)) return box.lower;
+  if (!(total < 1.0)) return box.upper;
+  return std::clamp(quantile_of(distribution, total), box.lower, box.upper);
+}
+
+/// Of sorted values, by linear interpolation between them.
+double quantile_of_sorted(const Eigen::VectorXd& sorted, double share) {
+  const double place = share * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<Eigen::Index>(place);
+  if (below + 1 >= sorted.size()) return sorted[sorted.size() - 1];
+  const double part = place - static_cast<double>(below);
+  return (1.0 - part) * sorted[below] + part * sorted[below + 1];
+}
+
+/// Answers at some of the times: (times * outputs) x draws, times running fastest.
+Eigen::MatrixXd answers_at(const Codebook& book, std::span<const double> times,
+                           const Eigen::MatrixXd& points) {
+  if (!book.has_time()) {
+    Eigen::MatrixXd values(book.output_count(), points.cols());
+    Query(book).batch(points, values, 0);
+    return values;
+  }
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(times.size()) * book.output_count(), points.cols());
+  TrajectoryQuery(book, {times.begin(), times.end()}).batch(points, values, 0);
+  return values;
+}
+
+}  // namespace
+
+InputDraws draw_inputs(const Codebook& book, const StatisticsRequest& request) {
+  const std::span<const Coordinate> coordinates = book.parameters();
+  const auto dimensions = static_cast<Eigen::Index>(coordinates.size());
+  InputDraws draws;
+  draws.points = sobol_points(static_cast<int>(dimensions), request.draws, request.seed);
+  const auto find = [&](const std::string& name) {
+    return std::ranges::find(coordinates, name, &Coordinate::name) - coordinates.begin();
+  };
+  if (request.joint) {
+    const JointNormal& joint = *request.joint;
+    const Eigen::MatrixXd root = root_of(joint.covariance);
+    Eigen::MatrixXd normal(root.cols(), request.draws);
+    for (Eigen::Index k = 0; k < normal.rows(); ++k) {
+      normal.row(k) = draws.points.row(find(joint.inputs[static_cast<std::size_t>(k)]))
+                          .unaryExpr([](double share) {
+                            const double inside = std::clamp(share, 1e-15, 1.0 - 1e-15);
+                            return quantile_of({DistributionKind::normal, 0.0, 1.0}, inside);
+                          });
+    }
+    const Eigen::MatrixXd values = (root * normal).colwise() + joint.mean;
+    for (Eigen::Index k = 0; k < values.rows(); ++k)
+      draws.points.row(find(joint.inputs[static_cast<std::size_t>(k)])) = values.row(k);
+  }
+  for (Eigen::Index k = 0; k < dimensions; ++k) {
+    const Coordinate& box = coordinates[static_cast<std::size_t>(k)];
+    if (request.joint && std::ranges::find(request.joint->inputs, box.name) != request.joint->inputs.end())
+      continue;
+    auto row = draws.points.row(k);
+    if (const auto fixed = request.fixed.find(box.name); fixed != request.fixed.end()) {
+      row.setConstant(fixed->second);
+      continue;
+    }
+    const auto given = request.inputs.find(box.name);
+    const Distribution distribution =
+        given != request.inputs.end() ? given->second
+                                      : Distribution{DistributionKind::uniform, box.lower, box.upper};
+    row = row.unaryExpr([&](double share) { return value_inside(distribution, box, share); });
+  }
+  if (!request.joint) return draws;
+  Eigen::Index kept = 0;
+  for (Eigen::Index j = 0; j < draws.points.cols(); ++j) {
+    bool is_inside = true;
+    for (Eigen::Index k = 0; k < dimensions; ++k) {
+      const Coordinate& box = coordinates[static_cast<std::size_t>(k)];
+      is_inside = is_inside && draws.points(k, j) >= box.lower && draws.points(k, j) <= box.upper;
+    }
+    if (is_inside) draws.points.col(kept++) = draws.points.col(j).eval();
+  }
+  draws.share_inside = static_cast<double>(kept) / static_cast<double>(draws.points.cols());
+  draws.points.conservativeResize(Eigen::NoChange, kept);
+  return draws;
+}
+
+void add_from_draws(const Codebook& book, const StatisticsRequest& request, const InputDraws& draws,
+                    BookStatistics& statistics) {
+  const Eigen::Index rows = std::max<Eigen::Index>(statistics.times.size(), 1),
+                     count = draws.points.cols(),
+                     quantiles = static_cast<Eigen::Index>(request.quantiles.size());
+  for (OutputStatistics& output : statistics.outputs) {
+    output.quantiles.resize(rows, quantiles);
+    if (request.joint) {
+      output.mean.resize(rows);
+      output.deviation.resize(rows);
+    }
+  }
+  const Eigen::Index at_a_time = std::max<Eigen::Index>(1, kMostNumbers / (count * book.output_count()));
+  Eigen::VectorXd sorted(count);
+  for (Eigen::Index first = 0; first < rows; first += at_a_time) {
+    const Eigen::Index block = std::min(at_a_time, rows - first);
+    const std::span<const double> times =
+        book.has_time() ? std::span(statistics.times.data() + first, static_cast<std::size_t>(block))
+                        : std::span<const double>();
+    const Eigen::MatrixXd answers = answers_at(book, times, draws.points);
+    for (std::size_t o = 0; o < statistics.outputs.size(); ++o) {
+      OutputStatistics& output = statistics.outputs[o];
+      for (Eigen::Index i = 0; i < block; ++i) {
+        sorted = answers.row(static_cast<Eigen::Index>(o) * block + i).transpose();
+        if (request.joint) {
+          output.mean[first + i] = sorted.mean();
+          output.deviation[first + i] =
+              std::sqrt((sorted.array() - sorted.mean()).square().sum() / static_cast<double>(count - 1));
+        }
+        std::sort(sorted.begin(), sorted.end());
+        for (Eigen::Index q = 0; q < quantiles; ++q)
+          output.quantiles(first + i, q) =
+              quantile_of_sorted(sorted, request.quantiles[static_cast<std::size_t>(q)]);
+      }
+    }
+  }
+}
+
+}  // namespace samara::codebooks

@@ -1,0 +1,196 @@
+#include "samara/codebooks/statistics/book_statistics.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+#include "../error_text.h"
+#include "sample_books.h"
+#include "samara/base/errors.h"
+#include "samara/codebooks/query/query.h"
+
+using namespace samara;
+using namespace samara::codebooks;
+using Catch::Contains;
+
+namespace {
+
+constexpr auto kNormal = DistributionKind::normal;
+constexpr auto kLogNormal = DistributionKind::log_normal;
+constexpr auto kUniform = DistributionKind::uniform;
+
+/// Of the standard normal distribution, below which lie 5 and 95 %.
+constexpr double kFivePercent = -1.6448536269514722;
+
+Eigen::Index row_of(const Codebook& book, const std::string& output) {
+  return book.output_index(output);
+}
+
+const OutputStatistics& of(const BookStatistics& s, const Codebook& book, const std::string& output) {
+  return s.outputs[static_cast<std::size_t>(row_of(book, output))];
+}
+
+std::string refusal(const Codebook& book, const StatisticsRequest& request) {
+  return error_text<Error>([&] { take_statistics(book, request); });
+}
+
+}  // namespace
+
+TEST_CASE("the distribution function and its inverse undo each other, and the rule integrates what lies on the axis",
+          "[codebooks]") {
+  const auto axis = pgd::Axis::chebyshev({"x"}, 0.5, 2.5, 9);
+  for (const Distribution& d : {Distribution{kUniform, 0.75, 2.0}, Distribution{kNormal, 1.4, 0.1},
+                                Distribution{kNormal, 2.4, 0.02}, Distribution{kLogNormal, 1.2, 0.3}}) {
+    INFO(to_string(d));
+    for (const double share : {0.001, 0.2, 0.5, 0.9, 0.9999})
+      CHECK(probability_below(d, quantile_of(d, share)) == Approx(share).epsilon(1e-12));
+    const pgd::QuadratureRule rule = rule_of(d, axis);
+    CHECK(rule.weights.sum() == Approx(1.0).epsilon(1e-14));
+    CHECK(rule.nodes.minCoeff() >= axis.lower());
+    CHECK(rule.nodes.maxCoeff() <= axis.upper());
+    // E[x 1(x < c)] needs a border of its own; E[x], E[x^2] by the distribution function: E[g] = g(b) - int g' F.
+    const double below = probability_below(d, axis.lower()),
+                 inside = probability_below(d, axis.upper()) - below;
+    double mean = axis.upper(), square = axis.upper() * axis.upper();
+    constexpr int kSteps = 2'000'000;
+    const double step = axis.length() / kSteps;
+    for (int k = 0; k < kSteps; ++k) {
+      const double x = axis.lower() + (k + 0.5) * step, f = (probability_below(d, x) - below) / inside;
+      mean -= f * step;
+      square -= 2.0 * x * f * step;
+    }
+    CHECK(rule.weights.dot(rule.nodes) == Approx(mean).epsilon(1e-9));
+    CHECK(rule.weights.dot(rule.nodes.cwiseAbs2()) == Approx(square).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("means, deviations, indices and quantiles of normal and uniform inputs are those in closed form", "[codebooks]") {
+  // v = v(0) + C_D t and x = v(0) t + C_D t^2/2; what of the bell lies outside [-1, 2] does not count in doubles.
+  const Codebook book = golden_book();
+  const double mean = 0.5, deviation = 0.15;
+  const BookStatistics s = take_statistics(book, {.inputs = {{"C_D", {kNormal, mean, deviation}}},
+                                                  .groups = {{"C_D", "v(0)"}, {"v(0)"}},
+                                                  .quantiles = {0.5}});
+  CHECK(s.inputs == std::vector<std::string>{"C_D", "v(0)"});
+  for (const std::string& note : s.notes) CHECK_THAT(note, !Contains("outside"));
+  const OutputStatistics &v = of(s, book, "v"), &x = of(s, book, "x");
+  for (Eigen::Index i = 0; i < s.times.size(); ++i) {
+    const double t = s.times[i], by_C_D = std::pow(deviation * t, 2), by_start = 1.0 / 12.0;
+    CHECK(v.mean[i] == Approx(0.5 + mean * t).margin(1e-12));
+    CHECK(v.deviation[i] == Approx(std::sqrt(by_C_D + by_start)).margin(1e-12));
+    CHECK(v.first_order(i, 0) == Approx(by_C_D / (by_C_D + by_start)).margin(1e-11));
+    CHECK(v.total(i, 1) == Approx(by_start / (by_C_D + by_start)).margin(1e-11));
+    CHECK(v.group_closed(i, 0) == Approx(1.0).margin(1e-11));
+    CHECK(v.group_total(i, 1) == Approx(v.total(i, 1)).margin(1e-12));
+    // Both inputs are symmetric, so is their sum: its median is its mean.
+    CHECK(v.quantiles(i, 0) == Approx(v.mean[i]).margin(0.01));
+    CHECK(x.mean[i] == Approx(0.5 * t + 0.5 * mean * t * t).margin(1e-12));
+  }
+  const BookStatistics held =
+      take_statistics(book, {.inputs = {{"C_D", {kNormal, mean, deviation}}}, .fixed = {{"v(0)", 0.25}},
+                             .quantiles = {0.05, 0.95}});
+  CHECK(held.inputs == std::vector<std::string>{"C_D"});
+  for (Eigen::Index i = 0; i < held.times.size(); ++i) {
+    const double t = held.times[i], reach = -kFivePercent * deviation * t;
+    CHECK(of(held, book, "v").quantiles(i, 0) == Approx(0.25 + mean * t - reach).margin(2e-3 * deviation * t));
+    CHECK(of(held, book, "v").quantiles(i, 1) == Approx(0.25 + mean * t + reach).margin(2e-3 * deviation * t));
+  }
+}
+
+TEST_CASE("trains and sums of products have the same statistics", "[codebooks]") {
+  const StatisticsRequest request{.inputs = {{"C_D", {kNormal, 0.3, 0.4}}, {"v(0)", {kUniform, 0.2, 0.7}}},
+                                  .quantiles = {0.1}};
+  const BookStatistics a = take_statistics(golden_book(), request), b = take_statistics(golden_trains(), request);
+  REQUIRE(a.outputs.size() == b.outputs.size());
+  for (std::size_t o = 0; o < a.outputs.size(); ++o) {
+    CHECK((a.outputs[o].mean - b.outputs[o].mean).cwiseAbs().maxCoeff() < 1e-12);
+    CHECK((a.outputs[o].deviation - b.outputs[o].deviation).cwiseAbs().maxCoeff() < 1e-12);
+    CHECK((a.outputs[o].quantiles - b.outputs[o].quantiles).cwiseAbs().maxCoeff() < 1e-12);
+  }
+}
+
+TEST_CASE("of a box in cells, integrals by parts agree with averages of random points", "[codebooks]") {
+  const Codebook book = four_pieces();
+  const Coordinate start = book.coordinates()[2];
+  const StatisticsRequest request{.inputs = {{"C_D", {kNormal, 1.05, 0.2}}}};
+  const BookStatistics s = take_statistics(book, request);
+  CHECK(s.inputs.empty());
+  REQUIRE_FALSE(s.notes.empty());
+  std::mt19937 random(73);
+  std::normal_distribution<double> C_D(1.05, 0.2);
+  std::uniform_real_distribution<double> v(start.lower, start.upper);
+  Query query(book);
+  Eigen::VectorXd values(book.output_count());
+  for (const Eigen::Index i : {s.times.size() / 3, s.times.size() - 1}) {
+    constexpr int kDraws = 40'000;
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(book.output_count()), squares = sum;
+    for (int k = 0; k < kDraws;) {
+      const double drag = C_D(random);
+      if (drag < book.coordinates()[1].lower || drag > book.coordinates()[1].upper) continue;
+      query.values(std::vector<double>{s.times[i], drag, v(random)}, values);
+      sum += values;
+      squares += values.cwiseAbs2();
+      ++k;
+    }
+    for (Eigen::Index o = 0; o < sum.size(); ++o) {
+      const double mean = sum[o] / kDraws, deviation = std::sqrt(squares[o] / kDraws - mean * mean);
+      const OutputStatistics& output = s.outputs[static_cast<std::size_t>(o)];
+      CHECK(output.mean[i] == Approx(mean).margin(5.0 * deviation / std::sqrt(kDraws)));
+      CHECK(output.deviation[i] == Approx(deviation).epsilon(0.03));
+    }
+  }
+}
+
+TEST_CASE("inputs that are normal together have the deviation that their covariance gives a sum", "[codebooks]") {
+  const Codebook book = golden_book();
+  Eigen::Matrix2d covariance;
+  covariance << 0.01, -0.008, -0.008, 0.01;
+  const BookStatistics s = take_statistics(
+      book, {.quantiles = {0.05}, .joint = JointNormal{{"C_D", "v(0)"}, Eigen::Vector2d(0.5, 0.5), covariance}});
+  CHECK(s.inputs.empty());
+  CHECK_THAT(s.notes.front(), Contains("correlated"));
+  const OutputStatistics& v = of(s, book, "v");
+  for (Eigen::Index i = 0; i < s.times.size(); ++i) {
+    const double t = s.times[i];
+    const double deviation = std::sqrt(0.01 * t * t - 2.0 * 0.008 * t + 0.01);
+    CHECK(v.mean[i] == Approx(0.5 + 0.5 * t).margin(0.002));
+    CHECK(v.deviation[i] == Approx(deviation).epsilon(0.01));
+    CHECK(v.quantiles(i, 0) == Approx(0.5 + 0.5 * t + kFivePercent * deviation).margin(0.02 * deviation));
+  }
+}
+
+TEST_CASE("a list is held at one of its values, and nothing without meaning is taken", "[codebooks]") {
+  const Codebook kinds = all_kinds(), book = golden_book();
+  const BookStatistics two = take_statistics(kinds, {.fixed = {{"plies", 2.0}, {"k", 0.5}}});
+  CHECK(std::ranges::find(two.inputs, "plies") == two.inputs.end());
+  CHECK_THAT(refusal(kinds, {.inputs = {{"plies", {kNormal, 2.0, 1.0}}}}), Contains("list of values"));
+  CHECK_THAT(refusal(book, {.inputs = {{"C_d", {}}}}), Contains("did you mean \"C_D\""));
+  CHECK_THAT(refusal(book, {.inputs = {{"t", {}}}}), Contains("is the time"));
+  CHECK_THAT(refusal(book, {.inputs = {{"C_D", {kNormal, 5.0, 0.1}}}}), Contains("outside the codebook's box"));
+  CHECK_THAT(refusal(book, {.inputs = {{"C_D", {kNormal, 0.5, 0.0}}}}), Contains("deviation above 0"));
+  CHECK_THAT(refusal(book, {.inputs = {{"C_D", {kUniform, 0.5, 0.5}}}}), Contains("below the largest"));
+  CHECK_THAT(refusal(book, {.inputs = {{"C_D", {kNormal, std::nan(""), 1.0}}}}), Contains("finite"));
+  CHECK_THAT(refusal(book, {.fixed = {{"C_D", 3.0}}}), Contains("outside the codebook's box"));
+  CHECK_THAT(refusal(book, {.fixed = {{"C_D", 1.0}, {"v(0)", 0.5}}}), Contains("no free parameter"));
+  CHECK_THAT(refusal(book, {.inputs = {{"C_D", {}}}, .fixed = {{"C_D", 0.5}}}), Contains("is held"));
+  CHECK_THAT(refusal(book, {.quantiles = {1.0}}), Contains("between 0 and 1"));
+  CHECK_THAT(refusal(book, {.groups = {{"C_D", "C_D"}}}), Contains("twice"));
+  CHECK_THAT(refusal(book, {.draws = 5}), Contains("draws"));
+  Eigen::Matrix2d wrong;
+  wrong << 1.0, 2.0, 2.0, 1.0;
+  CHECK_THAT(refusal(book, {.joint = JointNormal{{"C_D", "v(0)"}, Eigen::Vector2d(0.5, 0.5), wrong}}),
+             Contains("negative variance"));
+}
+
+TEST_CASE("what lies outside the box is left out, and said", "[codebooks]") {
+  const Codebook book = golden_book();
+  const BookStatistics s = take_statistics(book, {.inputs = {{"C_D", {kNormal, 1.5, 0.5}}}});
+  REQUIRE_FALSE(s.notes.empty());
+  CHECK_THAT(s.notes.front(), Contains("15.9 %"));
+  // Of a normal distribution cut at one deviation above its mean, the mean is phi(1)/Phi(1) deviations lower.
+  const double phi = std::exp(-0.5) / std::sqrt(2.0 * 3.14159265358979323846), below = 0.841344746068543;
+  const Eigen::Index last = s.times.size() - 1;
+  CHECK(of(s, book, "v").mean[last] == Approx(0.5 + s.times[last] * (1.5 - 0.5 * phi / below)).epsilon(1e-6));
+}
