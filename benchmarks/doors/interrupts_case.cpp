@@ -10,12 +10,11 @@
 #include <thread>
 #include <vector>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "cases.h"
+#include "child.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/pgd/tensors/random.h"
@@ -33,26 +32,8 @@ constexpr const char* kPlan =
     "[box]\nC_T = [0.8, 1.4]\nC_R = [2, 4]\nA = [1, 1.8]\n[time]\nend = 3\n"
     "[builder]\nkind = 'pgd'\nstrategy = 'slabs'\n";
 
-fs::path command() {
-  return fs::read_symlink("/proc/self/exe").parent_path().parent_path() / "apps" / "samara";
-}
-
-/// Starts `samara build`, its words sent nowhere.
 pid_t start(const fs::path& plan, const fs::path& book) {
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("fork failed");
-  if (child > 0) return child;
-  const int nowhere = open("/dev/null", O_WRONLY);
-  dup2(nowhere, STDOUT_FILENO);
-  dup2(nowhere, STDERR_FILENO);
-  execl(command().c_str(), "samara", "build", plan.c_str(), "-o", book.c_str(), nullptr);
-  _exit(127);
-}
-
-int wait_for(pid_t child) {
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return start_samara({"build", plan.string(), "-o", book.string()});
 }
 
 /// All that a codebook file holds but where and when it was made.
@@ -77,7 +58,7 @@ void interrupts_case(const Options& options) {
   std::ofstream(plan) << kPlan;
   const Clock::time_point begin = Clock::now();
   if (wait_for(start(plan, folder / "whole.h5")) != 0)
-    throw std::runtime_error(fmt::format("{} build failed", command().string()));
+    throw std::runtime_error("samara build failed");
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   const std::string whole = content(folder / "whole.h5");
   pgd::Random random(10);

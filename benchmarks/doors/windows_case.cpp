@@ -1,0 +1,77 @@
+/// Windows of a fluttering plate, composed to forty characteristic times.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "cases.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/composition/flow_map.h"
+#include "samara/codebooks/plan/plan.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/pgd/tensors/random.h"
+
+namespace samara::benchmarks::doors {
+
+namespace {
+
+constexpr double kEnd = 40.0;
+
+/// Coefficients within 10 % of those of a flutter, and all states that it passes. Where it lies is free by symmetry.
+constexpr const char* kPlan = R"toml(model = "falling_plate_nd"
+[fixed]
+inertia_ratio = 1.1
+[box]
+C_T = [0.99, 1.21]
+C_R = [2.7, 3.3]
+A = [1.26, 1.54]
+"vx(0)" = [-3.5, 3.5]
+"vy(0)" = [-0.9, 0.3]
+"w(0)" = [-1.1, 1.1]
+"theta(0)" = [-3.14159265358979324, 3.14159265358979324]
+[time]
+end = 0.1
+[tolerance]
+relative = 2e-5
+[builder]
+kind = "pgd"
+)toml";
+
+}  // namespace
+
+void windows_case(const Options& options) {
+  constexpr const char* kName = "windows_plate";
+  if (!options.wants(kName)) return;
+  const codebooks::Plan plan = codebooks::parse_plan(kPlan, "windows_plate.toml");
+  const codebooks::BuildResult built = codebooks::build(plan);
+  print({kBench, kName, "certificate_max", built.book.certificate()->max_error});
+  print({kBench, kName, "build_time", built.book.provenance().build_seconds, "s"});
+  codebooks::FlowMap map(built.book);
+  std::vector<double> times;
+  for (int k = 1; k <= 80; ++k) times.push_back(kEnd * k / 80.0);
+  const models::ParametricModel model(plan.parametric_model().shared_model(), {{"inertia_ratio", 1.1}, {"theta(0)", 0.785}},
+                                      {"C_T", "C_R", "A"});
+  pgd::Random random(29);
+  const auto states = static_cast<Eigen::Index>(map.states().size());
+  Eigen::VectorXd lowest = Eigen::VectorXd::Constant(states, HUGE_VAL), highest = -lowest;
+  Eigen::VectorXd error = Eigen::VectorXd::Zero(states);
+  const int falls = options.quick ? 20 : 200;
+  int within = 0;
+  std::vector<double> start(static_cast<std::size_t>(states));
+  for (int fall = 0; fall < falls; ++fall) {
+    std::vector<double> q;
+    for (std::size_t k = 0; k < 3; ++k)
+      q.push_back(plan.box[k].lower + (plan.box[k].upper - plan.box[k].lower) * random.uniform());
+    model.initial(q, start);
+    const codebooks::FlowMapResult composed = map.run(start, q, times);
+    const Eigen::MatrixXd exact = models::integrate(model, q, times).states;
+    if (composed.status != codebooks::FlowMapStatus::done) continue;
+    ++within;
+    lowest = lowest.cwiseMin(exact.colwise().minCoeff().transpose());
+    highest = highest.cwiseMax(exact.colwise().maxCoeff().transpose());
+    error = error.cwiseMax((composed.states - exact).cwiseAbs().colwise().maxCoeff().transpose());
+  }
+  print({kBench, kName, "error", within > 0 ? error.cwiseQuotient(highest - lowest).maxCoeff() : NAN});
+  print({kBench, kName, "within_box", static_cast<double>(within) / falls});
+}
+
+}  // namespace samara::benchmarks::doors
