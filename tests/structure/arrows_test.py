@@ -18,7 +18,7 @@ SUB_ROOMS = {
     "base": [""],
     "io": [""],
     "pgd": ["axes", "tensors", "fields", "cross", "linear", "sampling", "evolution", "nonlinear", "checks"],
-    "models": ["interface", "checks", "bodies", "added_mass", "integrators", "batch", "trajectories", "equations", "laws"],
+    "models": ["interface", "checks", "bodies", "added_mass", "integrators", "batch", "trajectories", "equations", "fields", "laws"],
     "codebooks": [
         "model", "book", "file", "plan", "source", "query/kernels", "query", "certify", "build", "composition", "capi",
     ],
