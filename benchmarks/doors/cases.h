@@ -8,6 +8,7 @@ namespace samara::benchmarks::doors {
 inline constexpr const char* kBench = "doors";
 
 void own_model_cases(const Options& options);
+void field_case(const Options& options);
 void interrupts_case(const Options& options);
 
 }  // namespace samara::benchmarks::doors

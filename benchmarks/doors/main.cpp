@@ -1,4 +1,4 @@
-/// Models of one's own, and builds that are cut short.
+/// Models of one's own, fields of space, and builds that are cut short.
 #include <exception>
 #include <iostream>
 
@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
   try {
     const Options chosen = options(argc, argv);
     doors::own_model_cases(chosen);
+    doors::field_case(chosen);
     doors::interrupts_case(chosen);
   } catch (const std::exception& error) {
     std::cerr << "doors: " << error.what() << '\n';
