@@ -38,7 +38,9 @@ void check_shape(const std::vector<std::string>& directions, const Eigen::Matrix
         fmt::format("the cells of a mesh are {} x {}, expected {} corners x cells in {} directions",
                     cells.rows(), cells.cols(), d + 1, d));
   }
-  if (!points.allFinite()) throw ArgumentError("a point of a mesh is not finite");
+  const Eigen::VectorXd extent = points.rowwise().maxCoeff() - points.rowwise().minCoeff();
+  if (!points.allFinite() || !extent.allFinite())
+    throw ArgumentError("a point of a mesh is not finite, or too far from another");
 }
 
 void check_cells(const Eigen::MatrixXd& points, const Eigen::MatrixXi& cells) {

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+import pathlib
 import xml.etree.ElementTree
 
 from samara_case import FOLDER, Case, book, main, run, write
@@ -137,6 +138,54 @@ class Fields(Case):
             self.assertIn(word, text)
         kinds = {model["name"]: model["kind"] for model in json.loads(run("models", "--json").stdout)["models"]}
         self.assertEqual((kinds["heat_rod"], kinds["vertical_fall"]), ("field", "trajectories"))
+
+
+class MeshFields(Case):
+    """u = k + x + 2 y on the unit square of two triangles, k in [0, 1]: the golden file."""
+
+    BOOK = pathlib.Path(__file__).parent.parent / "codebooks" / "golden" / "codebook_0.6.h5"
+
+    def test_a_point_of_the_mesh_has_its_value_and_derivatives(self):
+        result = run("query", self.BOOK, "--set", "x=0.8", "--set", "y=70 cm", "--set", "k=0.3", "--gradient")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        row = next(csv.DictReader(io.StringIO(result.stdout)))
+        self.assertEqual(list(row)[:4], ["x[m]", "y[m]", "k[K]", "u[K]"])
+        for name, expected in {"u[K]": 2.5, "du/dx[K/(m)]": 1, "du/dy[K/(m)]": 2, "du/dk[K/(K)]": 1}.items():
+            self.assertAlmostEqual(float(row[name]), expected, places=12)
+
+    def test_a_node_is_asked_for_by_its_number(self):
+        result = json.loads(run("query", self.BOOK, "--set", "node=3", "--set", "k=0.3", "--json").stdout)
+        self.assertEqual(result["coordinates"], {"node": 3.0, "k": 0.3})
+        self.assertAlmostEqual(result["outputs"][0]["values"][0], 3.3, places=12)
+
+    def test_a_mesh_is_exported_with_its_triangles(self):
+        out = FOLDER / "mesh.vtu"
+        self.assertEqual(run("export", self.BOOK, "--to", "paraview", "--set", "k=0.5", "-o", out).returncode, 0)
+        found = arrays(out)
+        self.assertEqual(found["counts"], (4, 2))
+        self.assertEqual(found["types"], [5, 5])
+        self.assertEqual(found["connectivity"], [0, 1, 2, 3, 2, 1])
+        points = [found["points"][3 * i : 3 * i + 3] for i in range(4)]
+        for (x, y, z), u in zip(points, found["u[K]"]):
+            self.assertEqual(z, 0)
+            self.assertAlmostEqual(u, 0.5 + x + 2 * y, places=12)
+
+    def test_statistics_weigh_nodes_by_their_areas(self):
+        # Nodes 1 and 2 have two triangles each, the others one; the means of k and x + 2 y are 1/2 and 3/2.
+        output = json.loads(run("stats", self.BOOK, "--json").stdout)["outputs"][0]
+        self.assertAlmostEqual(output["mean"][0], 2.0, places=12)
+
+    def test_info_tells_of_the_mesh(self):
+        self.assertIn("mesh: 4 nodes in x, y m, 2 cells", run("info", self.BOOK).stdout)
+        self.assertEqual(json.loads(run("info", self.BOOK, "--json").stdout)["mesh"]["nodes"], 4)
+
+    def test_what_a_mesh_does_not_answer_is_said(self):
+        k = ["--set", "k=0.3"]
+        self.check_error(run("query", self.BOOK, "--set", "node=1.5", *k), 5, "values of a discrete axis")
+        self.check_error(run("query", self.BOOK, "--set", "x=0.8", *k), 2, "y is not set")
+        self.check_error(run("query", self.BOOK, "--set", "x=1.8", "--set", "y=0", *k), 5, "x = 1.8 m is outside")
+        self.check_error(run("export", self.BOOK, "--to", "paraview", *k, "-o", FOLDER / "m.pvd"), 2, "has none")
+        self.check_error(run("validate", self.BOOK), 3, "no exact solution is known of here")
 
 
 class BadFields(Case):
