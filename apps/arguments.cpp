@@ -201,6 +201,24 @@ void add_query(CLI::App& app, Arguments& arguments) {
   on_call(command, arguments.query, values);
 }
 
+void add_export(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<ExportArguments>();
+  CLI::App* command =
+      app.add_subcommand("export", "a field of space at chosen parameters, for other programs");
+  command->add_option("BOOK", values->book, "codebook file with a coordinate of space")->required();
+  command->add_option("--to", values->to, "for whom: paraview (VTK files)")
+      ->required()
+      ->check(CLI::IsMember({"paraview"}));
+  command->add_option("--set", values->set, kAssignments)->allow_extra_args(false);
+  command->add_option("--at", values->at, "times, s or with a unit; default: 11 from begin to end");
+  command
+      ->add_option("-o,--output", values->output,
+                   "file to write: NAME.vtu for one time, NAME.pvd for several, with NAME_0000.vtu and so on "
+                   "beside it")
+      ->required();
+  on_call(command, arguments.exported, values);
+}
+
 void add_validate(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<ValidateArguments>();
   CLI::App* command = app.add_subcommand("validate", "certifies a codebook again, on fresh points");
@@ -376,6 +394,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_info(app, arguments);
   add_stats(app, arguments);
   add_query(app, arguments);
+  add_export(app, arguments);
   add_validate(app, arguments);
   add_fit(app, arguments);
   add_body(app, arguments);

@@ -71,6 +71,14 @@ struct QueryArguments {
   bool json = false;
 };
 
+struct ExportArguments {
+  std::string book;
+  std::string to;  ///< "paraview"
+  std::vector<std::string> set;
+  std::vector<std::string> at;
+  std::string output;
+};
+
 struct ValidateArguments {
   std::string book;
   std::string plan;  ///< whose command is called; empty: the codebook is one of a model
@@ -134,6 +142,7 @@ struct Arguments {
   std::optional<InfoArguments> info;
   std::optional<QueryArguments> query;
   std::optional<StatsArguments> stats;
+  std::optional<ExportArguments> exported;
   std::optional<ValidateArguments> validate;
   std::optional<FitArguments> fit;
   std::optional<BodyArguments> body;

@@ -102,6 +102,13 @@ Json to_json(const Codebook& book, const std::string& path) {
     }
     object["pieces"].push_back({{"axes", axes}, {"groups", groups}});
   }
+  object["mesh"] = nullptr;
+  if (const codebooks::SpaceMesh* mesh = book.mesh()) {
+    object["mesh"] = {{"directions", mesh->directions()},
+                      {"unit", mesh->unit()},
+                      {"nodes", mesh->node_count()},
+                      {"cells", mesh->cells().cols()}};
+  }
   const codebooks::ModelDescription& model = book.model();
   object["model"] = {{"name", model.name},     {"title", model.title},   {"equations", model.equations},
                      {"frames", model.frames}, {"source", model.source}, {"fixed", model.fixed}};
@@ -178,7 +185,12 @@ std::string describe(const Codebook& book, const std::string& path) {
     text += fmt::format("  {} = {}{}\n", name, value,
                         unit == book.model().fixed_units.end() ? "" : unit_suffix(unit->second));
   }
-  text += axis_table(book, outlines) + piece_table(book, outlines);
+  text += axis_table(book, outlines);
+  if (const codebooks::SpaceMesh* mesh = book.mesh()) {
+    text += fmt::format("mesh: {} nodes in {}{}, {} cells\n", mesh->node_count(),
+                        fmt::join(mesh->directions(), ", "), unit_suffix(mesh->unit()), mesh->cells().cols());
+  }
+  text += piece_table(book, outlines);
   const auto bytes = static_cast<double>(std::filesystem::file_size(path));
   const double table_bytes = numbers.table * static_cast<double>(sizeof(double));
   text += fmt::format(

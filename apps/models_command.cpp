@@ -5,8 +5,10 @@
 
 #include "commands.h"
 #include "output.h"
+#include "samara/base/errors.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/models/checks/check_model.h"
+#include "samara/models/fields/field_model.h"
 #include "samara/models/interface/model.h"
 #include "samara/models/laws/registry.h"
 #include "terminal.h"
@@ -32,10 +34,19 @@ const char* kind_text(models::StateGroupKind kind) {
   return "";
 }
 
-Json to_json(const models::ModelInfo& info) {
+/// A model of trajectories, or of a field.
+struct Listed {
+  std::shared_ptr<const models::Model> model;  ///< null of a field
+  const models::FieldModel* field = nullptr;   ///< null of others
+  const models::ModelInfo& info() const { return model ? model->info() : field->info; }
+};
+
+Json to_json(const Listed& listed) {
+  const models::ModelInfo& info = listed.info();
   const models::ForceUnits units = models::force_units(info);
   Json object = {{"name", info.name},
                  {"title", info.title},
+                 {"kind", listed.model ? "trajectories" : "field"},
                  {"equations", info.equations},
                  {"frames", info.frames},
                  {"source", info.source},
@@ -145,7 +156,18 @@ std::string joined(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string explain(const models::ModelInfo& info) {
+/// What a field gives, and over what.
+std::string field_table(const models::FieldModel& field) {
+  std::vector<Row> rows = {{"coordinate", "unit", "meaning"},
+                           {"t", models::time_unit(field.info), "time, from 0"},
+                           {field.place, "m", fmt::format("place, from 0 to {}", field.extent)}};
+  std::vector<Row> outputs = {{"output", "unit", "meaning"}};
+  for (const auto& s : field.info.states) outputs.push_back({s.name, s.unit, s.description});
+  return fmt::format("{}\n{}", table(rows), table(outputs));
+}
+
+std::string explain(const Listed& listed) {
+  const models::ModelInfo& info = listed.info();
   std::string text = fmt::format("{}: {}\n\n{}\n", info.name, info.title, equation_lines(info.equations));
   std::vector<Row> facts = {{"frames:", info.frames}, {"source:", info.source}, {"valid:", info.validity}};
   if (!info.symmetries.empty()) facts.push_back({"symmetries:", joined(info.symmetries)});
@@ -156,6 +178,8 @@ std::string explain(const models::ModelInfo& info) {
   for (const auto& p : info.parameters) {
     parameters.push_back(parameter_row(p));
   }
+  if (listed.field != nullptr)
+    return fmt::format("{}\n{}\n{}", text, table(parameters), field_table(*listed.field));
   std::vector<Row> states = {{"initial value", "unit", "default", "state"}};
   for (const auto& s : info.states) {
     states.push_back({s.name + "(0)", s.unit, fmt::format("{}", s.default_initial), s.description});
@@ -187,28 +211,38 @@ bool print_check(const models::Model& model) {
 }  // namespace
 
 int run(const ModelsArguments& arguments) {
-  std::vector<std::shared_ptr<const models::Model>> listed;
-  if (!arguments.model.empty()) {
-    listed.push_back(codebooks::open_model(arguments.model));
+  std::vector<Listed> listed;
+  const models::FieldModel* field = models::find_field_model(arguments.model);
+  if (field != nullptr) {
+    listed.push_back({nullptr, field});
+  } else if (!arguments.model.empty()) {
+    listed.push_back({codebooks::open_model(arguments.model)});
   } else {
-    for (const std::string& name : models::model_names()) listed.push_back(models::find_model(name));
+    for (const std::string& name : models::model_names()) listed.push_back({models::find_model(name)});
+    for (const std::string& name : models::field_model_names())
+      listed.push_back({nullptr, models::find_field_model(name)});
   }
+  std::ranges::sort(listed, {}, [](const Listed& one) { return one.info().name; });
   if (arguments.check) {
+    if (field != nullptr) {
+      throw ArgumentError(
+          fmt::format("--check is of models of trajectories, and \"{}\" is a field", arguments.model));
+    }
     bool passed = true;
-    for (const auto& model : listed) passed = print_check(*model) && passed;
+    for (const Listed& one : listed) passed = (!one.model || print_check(*one.model)) && passed;
     return passed ? kDone : kToleranceMissed;
   }
   if (arguments.json) {
     Json object = {{"schema", "samara-models/1"}, {"models", Json::array()}};
-    for (const auto& model : listed) object["models"].push_back(to_json(model->info()));
+    for (const Listed& one : listed) object["models"].push_back(to_json(one));
     print(object);
   } else if (!arguments.model.empty()) {
-    print(explain(listed.front()->info()));
+    print(explain(listed.front()));
   } else {
     std::size_t longest = 0;
-    for (const auto& model : listed) longest = std::max(longest, model->info().name.size());
-    for (const auto& model : listed)
-      print(fmt::format("{:<{}}  {}\n", model->info().name, longest, model->info().title));
+    for (const Listed& one : listed) longest = std::max(longest, one.info().name.size());
+    for (const Listed& one : listed)
+      print(fmt::format("{:<{}}  {}\n", one.info().name, longest, one.info().title));
   }
   return kDone;
 }

@@ -63,6 +63,7 @@ std::string effort(const codebooks::Codebook& book) {
     return fmt::format("{}, {:.6g} {} with those of the checks{}", counted(record.rounds, "round", "rounds"),
                        record.evaluations, calls, grid);
   }
+  if (book.space()) return counted(record.rounds, "attempt", "attempts");
   std::string text = counted(record.rounds, "march", "marches");
   if (record.strategy == "newton") {
     text = fmt::format("{}, {}", counted(record.rounds, "round", "rounds"),
@@ -107,6 +108,7 @@ Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {
                  {"max_error", c.max_error},
                  {"points", c.points},
                  {"times", c.times},
+                 {"places", c.places},
                  {"failed_points", c.failed_points},
                  {"wrong_points", nullptr},
                  {"share_above", nullptr},
@@ -145,6 +147,19 @@ Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {
 
 namespace {
 
+/// What stands beside the points of a certificate: at each of them, all of these.
+std::string spread_of(const codebooks::Certificate& c, const codebooks::Codebook& book) {
+  std::string text = book.has_time() ? fmt::format(" x {} times", c.times) : std::string();
+  if (c.places > 0) text += fmt::format(" x {} places", c.places);
+  return text;
+}
+
+/// How tight what a certificate compares with is, where that has a tolerance.
+std::string tolerance_of(const codebooks::Certificate& c, const codebooks::Codebook& book) {
+  const bool has_none = book.is_of_command() || (c.places > 0 && c.integrator_tolerance == 0.0);
+  return has_none ? std::string() : fmt::format(", relative tolerance {:.0e}", c.integrator_tolerance);
+}
+
 /// A number, or "-" where there is none.
 std::string shown(double value, const char* format, const std::string& suffix = "") {
   return std::isnan(value) ? std::string("-") : fmt::format(fmt::runtime(format), value) + suffix;
@@ -153,10 +168,9 @@ std::string shown(double value, const char* format, const std::string& suffix = 
 }  // namespace
 
 std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook& book) {
-  std::string text =
-      fmt::format("certificate: {}, largest error {} (asked for {:.3g}) at {} points{}\n",
-                  c.met ? codebooks::verdict(c) : "MISSED", shown(c.max_error, "{:.3g}"), c.tolerance,
-                  c.points, book.has_time() ? fmt::format(" x {} times", c.times) : std::string());
+  std::string text = fmt::format("certificate: {}, largest error {} (asked for {:.3g}) at {} points{}\n",
+                                 c.met ? codebooks::verdict(c) : "MISSED", shown(c.max_error, "{:.3g}"),
+                                 c.tolerance, c.points, spread_of(c, book));
   if (c.failed_points > 0) {
     text += fmt::format("  {} points {}{}{}\n", c.failed_points,
                         book.is_of_command() ? "have no answer" : "could not be integrated",
@@ -171,9 +185,7 @@ std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook&
   if (c.climbed_points > 0)
     text += fmt::format("  {} climbs went from the worst points to what is largest around them\n",
                         c.climbed_points);
-  text += book.is_of_command() ? fmt::format("  against {}; seed {}\n", c.integrator, c.seed)
-                               : fmt::format("  against {}, relative tolerance {:.0e}; seed {}\n",
-                                             c.integrator, c.integrator_tolerance, c.seed);
+  text += fmt::format("  against {}{}; seed {}\n", c.integrator, tolerance_of(c, book), c.seed);
   text += fmt::format("  {:<10} {:>10} {:>10} {:>10} {:>10} {:>14}  {}\n", "output", "max", "95 %", "mean",
                       "rms", "max in SI", "worst at");
   for (const codebooks::OutputError& o : c.outputs) {
@@ -191,8 +203,10 @@ std::string to_table(const codebooks::Certificate& c, const codebooks::Codebook&
     text += fmt::format("  norm of the quaternion, as stored: off by {} at most, {} rms\n",
                         shown(c.norm_defect->max, "{:.2e}"), shown(c.norm_defect->rms, "{:.2e}"));
   }
-  text += fmt::format("  spent: discretisation {:.1e}, compression {:.1e}, nonlinearity {:.1e}\n",
-                      c.spent.discretisation, c.spent.compression, c.spent.nonlinearity);
+  // A field is made as a whole: nothing says which part of it errs.
+  if (c.spent.total() > 0.0)
+    text += fmt::format("  spent: discretisation {:.1e}, compression {:.1e}, nonlinearity {:.1e}\n",
+                        c.spent.discretisation, c.spent.compression, c.spent.nonlinearity);
   return printable(text, "\n");
 }
 

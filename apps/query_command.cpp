@@ -12,6 +12,7 @@
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/file/load.h"
+#include "samara/codebooks/query/place_query.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/io/csv.h"
 #include "samara/models/trajectories/derived_outputs.h"
@@ -23,6 +24,16 @@ namespace {
 
 using codebooks::Codebook;
 using Labels = std::vector<pgd::OutputLabel>;
+
+using Coordinates = std::vector<codebooks::Coordinate>;
+
+/// Whether a point of a mesh is asked for, instead of one of its nodes.
+bool asks_for_place(const Codebook& book, const QueryArguments& arguments) {
+  if (book.mesh() == nullptr) return false;
+  return std::ranges::any_of(arguments.set, [&](const std::string& text) {
+    return std::ranges::count(book.mesh()->directions(), text.substr(0, text.find('='))) > 0;
+  });
+}
 
 /// Points to ask for, one row each, and what was moved to get them into the box.
 struct Points {
@@ -46,19 +57,23 @@ std::vector<double> times_of(const Codebook& book, const QueryArguments& argumen
   return times;
 }
 
-Points points_of(const Codebook& book, const QueryArguments& arguments) {
+Points points_of(const Codebook& book, const Coordinates& coordinates, const QueryArguments& arguments) {
+  const auto count = std::ssize(coordinates);
   std::map<std::string, std::string> units;
-  for (const codebooks::Coordinate& c : book.parameters()) units[c.name] = c.unit;
+  for (auto k = book.has_time() ? 1 : 0; k < count; ++k) {
+    const codebooks::Coordinate& c = coordinates[static_cast<std::size_t>(k)];
+    units[c.name] = c.unit;
+  }
   const std::map<std::string, double> values = parse_assignments(arguments.set, units);
   Points points;
-  points.x.resize(1, book.coordinate_count());
+  points.x.resize(1, count);
   if (book.has_time() || !arguments.at.empty() || !arguments.until.empty()) {
     const std::vector<double> times = times_of(book, arguments);
-    points.x.resize(static_cast<Eigen::Index>(times.size()), book.coordinate_count());
+    points.x.resize(static_cast<Eigen::Index>(times.size()), count);
     points.x.col(0) = Eigen::Map<const Eigen::VectorXd>(times.data(), points.x.rows());
   }
-  for (int k = book.has_time() ? 1 : 0; k < book.coordinate_count(); ++k) {
-    const codebooks::Coordinate& c = book.coordinates()[static_cast<std::size_t>(k)];
+  for (auto k = book.has_time() ? 1 : 0; k < count; ++k) {
+    const codebooks::Coordinate& c = coordinates[static_cast<std::size_t>(k)];
     const auto value = values.find(c.name);
     if (value == values.end()) {
       throw ArgumentError(fmt::format("{} is not set, expected --set \"{}=VALUE\" with a value in [{}, {}]{}",
@@ -67,8 +82,8 @@ Points points_of(const Codebook& book, const QueryArguments& arguments) {
     points.x.col(k).setConstant(value->second);
   }
   if (!arguments.clamp) return points;
-  for (int k = 0; k < book.coordinate_count(); ++k) {
-    const codebooks::Coordinate& c = book.coordinates()[static_cast<std::size_t>(k)];
+  for (auto k = 0; k < count; ++k) {
+    const codebooks::Coordinate& c = coordinates[static_cast<std::size_t>(k)];
     const Eigen::VectorXd inside = points.x.col(k).cwiseMax(c.lower).cwiseMin(c.upper);
     if (inside != points.x.col(k)) points.clamped.push_back(c.name);
     points.x.col(k) = inside;
@@ -115,17 +130,16 @@ class Derived {
 };
 
 /// Values, then gradients (output by output, coordinate by coordinate).
-Eigen::MatrixXd answer(const Codebook& book, Derived& derived, const Points& points, bool gradient) {
-  codebooks::Query query(book);
-  const int own = book.output_count();
+template <class AnyQuery>
+Eigen::MatrixXd answer(AnyQuery query, int own, Derived& derived, const Points& points, bool gradient) {
   const int outputs = own + static_cast<int>(derived.labels().size());
-  const int coordinates = book.coordinate_count();
+  const auto coordinates = points.x.cols();
   Eigen::MatrixXd table(points.x.rows(), outputs + (gradient ? outputs * coordinates : 0));
   Eigen::VectorXd values(outputs);
   Eigen::MatrixXd slopes(outputs, gradient ? coordinates : 0);
   std::vector<double> x(static_cast<std::size_t>(coordinates));
   for (Eigen::Index i = 0; i < points.x.rows(); ++i) {
-    for (int k = 0; k < coordinates; ++k) x[static_cast<std::size_t>(k)] = points.x(i, k);
+    for (Eigen::Index k = 0; k < coordinates; ++k) x[static_cast<std::size_t>(k)] = points.x(i, k);
     if (gradient) {
       query.values(x, values.head(own), slopes.topRows(own));
       derived.add(x, values, slopes);
@@ -143,39 +157,38 @@ std::string slope_unit(const std::string& output, const std::string& coordinate)
   return coordinate == "1" ? output : fmt::format("{}/({})", output, coordinate);
 }
 
-std::string to_csv(const Codebook& book, const Labels& outputs, const Points& points,
+std::string to_csv(const Coordinates& coordinates, const Labels& outputs, const Points& points,
                    const Eigen::MatrixXd& table, bool gradient) {
   Eigen::MatrixXd all(points.x.rows(), points.x.cols() + table.cols());
   all << points.x, table;
   std::vector<std::string> header;
-  for (const codebooks::Coordinate& c : book.coordinates())
-    header.push_back(fmt::format("{}[{}]", c.name, c.unit));
+  for (const codebooks::Coordinate& c : coordinates) header.push_back(fmt::format("{}[{}]", c.name, c.unit));
   for (const pgd::OutputLabel& o : outputs) header.push_back(fmt::format("{}[{}]", o.name, o.unit));
   for (const pgd::OutputLabel& o : outputs) {
-    for (const codebooks::Coordinate& c : book.coordinates()) {
+    for (const codebooks::Coordinate& c : coordinates) {
       if (gradient) header.push_back(fmt::format("d{}/d{}[{}]", o.name, c.name, slope_unit(o.unit, c.unit)));
     }
   }
   return io::format_csv(header, all);
 }
 
-Json to_json(const Codebook& book, const Labels& outputs, const Points& points, const Eigen::MatrixXd& table,
-             bool gradient, bool composed) {
+Json to_json(const Codebook& book, const Coordinates& coordinates, const Labels& outputs,
+             const Points& points, const Eigen::MatrixXd& table, bool gradient, bool composed) {
   const auto list = [](const auto& column) { return std::vector<double>(column.begin(), column.end()); };
   Json object = {{"schema", "samara-query/1"},
                  {"coordinates", Json::object()},
                  {"outputs", Json::array()},
                  {"clamped", points.clamped}};
-  if (book.has_time()) object["coordinates"][book.coordinates()[0].name] = list(points.x.col(0));
-  for (int k = book.has_time() ? 1 : 0; k < book.coordinate_count(); ++k) {
-    object["coordinates"][book.coordinates()[static_cast<std::size_t>(k)].name] = points.x(0, k);
+  if (book.has_time()) object["coordinates"][coordinates[0].name] = list(points.x.col(0));
+  for (auto k = book.has_time() ? 1 : 0; k < std::ssize(coordinates); ++k) {
+    object["coordinates"][coordinates[static_cast<std::size_t>(k)].name] = points.x(0, k);
   }
   Eigen::Index column = std::ssize(outputs);
   for (std::size_t o = 0; o < outputs.size(); ++o) {
     const auto values = list(table.col(static_cast<Eigen::Index>(o)));
     Json output = {{"name", outputs[o].name}, {"unit", outputs[o].unit}, {"values", values}};
     if (gradient) {
-      for (const codebooks::Coordinate& c : book.coordinates())
+      for (const codebooks::Coordinate& c : coordinates)
         output["gradient"][c.name] = list(table.col(column++));
     }
     object["outputs"].push_back(output);
@@ -185,20 +198,21 @@ Json to_json(const Codebook& book, const Labels& outputs, const Points& points, 
   return object;
 }
 
-void write(const QueryArguments& arguments, const Codebook& book, const Labels& outputs, const Points& points,
-           const Eigen::MatrixXd& table) {
+void write(const QueryArguments& arguments, const Codebook& book, const Coordinates& coordinates,
+           const Labels& outputs, const Points& points, const Eigen::MatrixXd& table) {
   if (arguments.json) {
+    const bool composed = !arguments.until.empty();
     write_answer(
         arguments.output,
-        to_json(book, outputs, points, table, arguments.gradient, !arguments.until.empty()).dump() + "\n");
+        to_json(book, coordinates, outputs, points, table, arguments.gradient, composed).dump() + "\n");
   } else {
-    write_answer(arguments.output, to_csv(book, outputs, points, table, arguments.gradient));
+    write_answer(arguments.output, to_csv(coordinates, outputs, points, table, arguments.gradient));
   }
 }
 
 /// The states at times of any length, by the flow map of the codebook.
 int run_composed(const QueryArguments& arguments, const Codebook& book) {
-  const Points points = points_of(book, arguments);
+  const Points points = points_of(book, book.coordinates(), arguments);
   const auto family = codebooks::flow_map_trajectories(book);
   const Eigen::VectorXd q = points.x.row(0).tail(points.x.cols() - 1).transpose();
   const Eigen::VectorXd times = points.x.col(0);
@@ -209,7 +223,7 @@ int run_composed(const QueryArguments& arguments, const Codebook& book) {
   Labels outputs;
   for (const models::FamilyOutput& output : family->info().outputs)
     outputs.push_back({output.name, output.unit});
-  write(arguments, book, outputs, points, result.values);
+  write(arguments, book, book.coordinates(), outputs, points, result.values);
   if (result.outcome) return kDone;
   warn(fmt::format("{}; values after t = {:.6g} are empty", result.outcome.message, result.outcome.reached));
   return kOutsideBox;
@@ -226,14 +240,19 @@ int run(const QueryArguments& arguments) {
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
   if (!arguments.until.empty()) return run_composed(arguments, book);
-  const Points points = points_of(book, arguments);
+  const bool in_mesh = asks_for_place(book, arguments);
+  const Coordinates coordinates = in_mesh ? codebooks::PlaceQuery(book).coordinates() : book.coordinates();
+  const Points points = points_of(book, coordinates, arguments);
   for (const std::string& name : points.clamped)
     warn(fmt::format("{} was moved to the border of the box", name));
+  const int own = book.output_count();
   Derived derived(book);
-  const Eigen::MatrixXd table = answer(book, derived, points, arguments.gradient);
   Labels outputs = book.outputs();
   outputs.insert(outputs.end(), derived.labels().begin(), derived.labels().end());
-  write(arguments, book, outputs, points, table);
+  const Eigen::MatrixXd table =
+      in_mesh ? answer(codebooks::PlaceQuery(book), own, derived, points, arguments.gradient)
+              : answer(codebooks::Query(book), own, derived, points, arguments.gradient);
+  write(arguments, book, coordinates, outputs, points, table);
   return kDone;
 }
 

@@ -6,6 +6,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/certify/certify_plan.h"
+#include "samara/codebooks/fields/ready_field.h"
 #include "samara/codebooks/file/load.h"
 #include "terminal.h"
 
@@ -33,6 +34,10 @@ codebooks::Certificate certify_by_plan(const codebooks::Codebook& book, const Va
 
 codebooks::Certificate certify_by_model(const codebooks::Codebook& book, const ValidateArguments& arguments,
                                         const codebooks::CertifyOptions& options) {
+  if (book.space()) {
+    const auto reference = blaming(arguments.book, [&] { return codebooks::exact_reference(book); });
+    return codebooks::certify(book, reference, options);
+  }
   const models::ParametricModel model = blaming(arguments.book, [&] { return codebooks::model_of(book); });
   return codebooks::certify(book, model, options);
 }

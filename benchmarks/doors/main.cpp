@@ -1,4 +1,4 @@
-/// Models of one's own, bodies from meshes, windows that are composed, and builds that are cut short.
+/// Models of one's own, bodies from meshes, windows that are composed, fields of space, and builds that are cut short.
 #include <exception>
 #include <iostream>
 
@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
     doors::own_model_cases(chosen);
     doors::body_case(chosen);
     doors::windows_case(chosen);
+    doors::field_case(chosen);
     doors::interrupts_case(chosen);
   } catch (const std::exception& error) {
     std::cerr << "doors: " << error.what() << '\n';

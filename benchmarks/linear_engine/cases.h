@@ -16,6 +16,7 @@ void run_costs(const Options& options);
 /// What the process of --memory does: solves, and prints its peak memory in kilobytes.
 void solve_for_memory(int nodes);
 void run_solvers(const Options& options);
+void run_solver_sizes(const Options& options);
 void run_sobol(const Options& options);
 
 }  // namespace samara::benchmarks

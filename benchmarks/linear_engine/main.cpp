@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
     run_mesh(chosen);
     run_costs(chosen);
     run_solvers(chosen);
+    run_solver_sizes(chosen);
     run_sobol(chosen);
   } catch (const std::exception& error) {
     std::cerr << "linear_engine: " << error.what() << '\n';

@@ -42,7 +42,8 @@ struct ErrorBudget {
 /// 95 % confidence at most 0.15 % of the box are.
 inline constexpr int kCertificatePoints = 2000;
 
-/// Error of a codebook against CVODES at tight tolerance, or against the command it was sampled from, on
+/// Error of a codebook against CVODES at tight tolerance, against the command it was sampled from, or, of a field
+/// of space, against what `integrator` names, on
 /// scrambled Sobol' points that no builder saw, at all times of a grid finer than the builder's. Where a few
 /// errors stand far above the others, climbs lead from the worst points to the largest errors around them
 /// (pgd/sampling/error_climb.h).
@@ -54,6 +55,7 @@ struct Certificate {
   double max_error = 0.0;  ///< largest OutputError::max; NaN where no integration succeeded
   int points = 0;
   int times = 0;
+  int places = 0;         ///< of space, at all of which a field was compared at every point and time; 0: none
   int failed_points = 0;  ///< where the integrator gave no trajectory, or was not asked
   /// Points where some output errs by more than the tolerance, failed ones included; nothing where errors are
   /// not compared with a tolerance, and in files of earlier programs.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "samara/base/errors.h"
 #include "samara/codebooks/book/sobol_points.h"
 #include "samara/pgd/axes/axis_transform.h"
 
@@ -20,27 +21,52 @@ std::vector<double> listed_values(const Codebook& book, std::size_t coordinate) 
   return {values.begin(), values.end()};
 }
 
+/// Equally spaced in every element (under its transform), twice as many as it has nodes, and the end.
+void append_points_of_elements(const pgd::Axis& axis, std::vector<double>& points) {
+  const int per_element = 2 * axis.degree() + 1;
+  for (int e = 0; e < axis.elements(); ++e) {
+    for (int i = 0; i < per_element; ++i) {
+      const double fraction = static_cast<double>(i) / per_element;
+      const double left = axis.borders()[e];
+      const double width = transformed_distance(axis.transform(), left, axis.borders()[e + 1]);
+      points.push_back(transformed_advance(axis.transform(), left, fraction * width));
+    }
+  }
+  points.push_back(axis.upper());
+}
+
+void sort_out(std::vector<double>& points) {
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+}
+
 }  // namespace
 
 std::vector<double> certificate_times(const Codebook& book) {
   std::vector<double> times;
   if (!book.has_time()) return times;
-  for (const Piece& piece : book.pieces()) {
-    const pgd::Axis& time = piece.groups().front().axes().front();
-    const int per_element = 2 * time.degree() + 1;
-    for (int e = 0; e < time.elements(); ++e) {
-      for (int i = 0; i < per_element; ++i) {
-        const double fraction = static_cast<double>(i) / per_element;
-        const double left = time.borders()[e];
-        const double width = transformed_distance(time.transform(), left, time.borders()[e + 1]);
-        times.push_back(transformed_advance(time.transform(), left, fraction * width));
-      }
-    }
-    times.push_back(time.upper());
-  }
-  std::sort(times.begin(), times.end());
-  times.erase(std::unique(times.begin(), times.end()), times.end());
+  for (const Piece& piece : book.pieces())
+    append_points_of_elements(piece.groups().front().axes().front(), times);
+  sort_out(times);
   return times;
+}
+
+Eigen::VectorXd certificate_places(const Codebook& book) {
+  const std::optional<int> space = book.space();
+  if (!space) throw ArgumentError("the codebook has no coordinate of space, or several; one was expected");
+  const auto coordinate = static_cast<std::size_t>(*space);
+  std::vector<double> places = listed_values(book, coordinate);
+  for (const Piece& piece : book.pieces()) {
+    const pgd::Axis& axis = piece.groups().front().axes()[coordinate];
+    if (axis.has_elements()) {
+      append_points_of_elements(axis, places);
+    } else if (!axis.is_list()) {
+      const Eigen::VectorXd all = Eigen::VectorXd::LinSpaced(2 * axis.size() + 1, axis.lower(), axis.upper());
+      places.insert(places.end(), all.begin(), all.end());
+    }
+  }
+  sort_out(places);
+  return Eigen::Map<const Eigen::VectorXd>(places.data(), static_cast<Eigen::Index>(places.size()));
 }
 
 Eigen::MatrixXd certificate_points(const Codebook& book, int count, std::uint64_t seed) {

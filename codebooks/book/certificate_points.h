@@ -15,6 +15,10 @@ namespace samara::codebooks {
 /// none where the codebook has no time.
 std::vector<double> certificate_times(const Codebook& book);
 
+/// Places of the coordinate of space: all nodes of a list, else between and at the builder's nodes, twice as many.
+/// @throws ArgumentError unless the codebook has one coordinate of space
+Eigen::VectorXd certificate_places(const Codebook& book);
+
 /// Scrambled Sobol' points of the box: parameters x count. Of lists, each value as often as the others.
 Eigen::MatrixXd certificate_points(const Codebook& book, int count, std::uint64_t seed);
 

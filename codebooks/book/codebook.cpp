@@ -43,7 +43,8 @@ std::vector<Coordinate> coordinates_of(const PieceOutline& piece, bool needs_tim
     coordinates.push_back({axis.name(), axis.unit(), axis.role(), axis.lower(), axis.upper()});
   }
   const bool has_time = coordinates.front().role == pgd::AxisRole::time;
-  if (needs_time && !has_time) {
+  const bool has_space = std::ranges::count(coordinates, pgd::AxisRole::space, &Coordinate::role) > 0;
+  if (needs_time && !has_time && !has_space) {
     throw ArgumentError(fmt::format("the first axis of a codebook is \"{}\" with role {}, expected time",
                                     coordinates.front().name, to_string(coordinates.front().role)));
   }
@@ -216,6 +217,32 @@ int Codebook::output_index(const std::string& name) const {
 const Coordinate& Codebook::time(const char* what) const {
   if (has_time()) return coordinates_.front();
   throw ArgumentError(fmt::format("{} needs time, which this codebook does not have", what));
+}
+
+std::optional<int> Codebook::space() const {
+  const auto is_space = [](const Coordinate& c) { return c.role == pgd::AxisRole::space; };
+  if (std::ranges::count_if(coordinates_, is_space) != 1) return {};
+  return static_cast<int>(std::ranges::find_if(coordinates_, is_space) - coordinates_.begin());
+}
+
+Codebook Codebook::with_mesh(SpaceMesh mesh) const {
+  const std::optional<int> place = space();
+  if (!place)
+    throw ArgumentError("a mesh was given for a codebook that has no coordinate of space, or several");
+  const pgd::Axis axis = pieces_.front().outline().axes[static_cast<std::size_t>(*place)];
+  if (!axis.is_list() || axis.size() != mesh.node_count()) {
+    throw ArgumentError(fmt::format("a mesh of {} nodes was given for the axis \"{}\", which {} {} nodes",
+                                    mesh.node_count(), axis.name(),
+                                    axis.is_list() ? "lists" : "interpolates between", axis.size()));
+  }
+  for (const Coordinate& c : coordinates_) {
+    if (std::ranges::count(mesh.directions(), c.name) == 0) continue;
+    throw ArgumentError(
+        fmt::format("a direction of the mesh and a coordinate of the codebook have the name \"{}\"", c.name));
+  }
+  Codebook copy = *this;
+  copy.mesh_ = std::make_shared<const SpaceMesh>(std::move(mesh));
+  return copy;
 }
 
 Codebook Codebook::with_certificate(Certificate certificate) const {

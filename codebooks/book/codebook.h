@@ -11,10 +11,11 @@
 #include "samara/base/termination.h"
 #include "samara/codebooks/book/certificate.h"
 #include "samara/codebooks/book/field_group.h"
+#include "samara/codebooks/book/space_mesh.h"
 
 /// A codebook is the separated solution of a parametric model over time and a box of parameters and initial
 /// values, or the separated form of what a program answers over a box of its inputs (and time, if it knows
-/// one), with a certificate of its error. Coordinates and outputs are in SI units.
+/// one), or a field of space (and time, if it changes) over a box of parameters, with a certificate of its error. Coordinates and outputs are in SI units.
 ///
 /// Usage:
 ///   const Codebook book = load("coin.h5");
@@ -120,7 +121,7 @@ class Codebook {
   /// Keeps the pieces in the order of their lower corners.
   /// @throws ArgumentError if there is no piece, pieces differ in their coordinates or outputs, groups of a
   /// piece in their axes, two outputs have one name, or time is not first or not made of elements, or missing
-  /// where the codebook is one of a model. Of pieces that are not read yet the first is looked at in outline,
+  /// where the codebook is one of a model and has no coordinate of space either. Of pieces that are not read yet the first is looked at in outline,
   /// others are not: see check_piece().
   Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecord build = {},
            Provenance provenance = {}, std::optional<Certificate> certificate = {}, std::string title = {});
@@ -137,6 +138,10 @@ class Codebook {
   std::span<const Coordinate> parameters() const {
     return std::span(coordinates_).subspan(has_time() ? 1 : 0);
   }
+  /// The place of the coordinate of space among coordinates(); empty if there is none, or more than one.
+  std::optional<int> space() const;
+  /// The nodes of that coordinate in space, where it numbers the nodes of a mesh and the mesh is known; else null.
+  const SpaceMesh* mesh() const { return mesh_.get(); }
   /// Whether a program was sampled, not a model solved.
   bool is_of_command() const { return model_.name == kCommandModel; }
   const std::vector<Piece>& pieces() const { return pieces_; }
@@ -156,6 +161,9 @@ class Codebook {
 
   /// The same codebook with another certificate.
   Codebook with_certificate(Certificate certificate) const;
+  /// The same codebook with the mesh whose nodes its coordinate of space numbers.
+  /// @throws ArgumentError if there is no such coordinate, or it has another number of nodes
+  Codebook with_mesh(SpaceMesh mesh) const;
 
  private:
   ModelDescription model_;
@@ -166,6 +174,7 @@ class Codebook {
   std::string title_;
   std::vector<Coordinate> coordinates_;
   std::vector<pgd::OutputLabel> outputs_;
+  std::shared_ptr<const SpaceMesh> mesh_;
 };
 
 /// What the model derives from its states (models::ModelInfo::outputs), where it is known and the codebook holds all of

@@ -1,27 +1,25 @@
 #include "samara/codebooks/build/build.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <ctime>
 #include <functional>
 #include <optional>
 #include <system_error>
 #include <utility>
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include "samara/base/errors.h"
-#include "samara/base/version.h"
+#include "samara/codebooks/book/made.h"
 #include "samara/codebooks/build/compaction.h"
 #include "samara/codebooks/build/effort.h"
+#include "samara/codebooks/build/field_builder.h"
 #include "samara/codebooks/build/pgd_builder.h"
 #include "samara/codebooks/build/sampling_builder.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/certify/measure.h"
+#include "samara/codebooks/fields/ready_field.h"
 #include "samara/codebooks/plan/make_plan.h"
 #include "samara/codebooks/source/call_memory.h"
 #include "samara/codebooks/source/checkpoint.h"
@@ -69,13 +67,6 @@ ModelDescription describe(const Plan& plan) {
     if (plan.fixed.contains(input.name)) description.fixed_units[input.name] = input.unit;
   }
   return description;
-}
-
-Provenance provenance_of(const Plan& plan, double seconds) {
-  std::array<char, 256> host{};
-  gethostname(host.data(), host.size() - 1);
-  return {fmt::format("samara {}", version()), plan.text,
-          fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))), host.data(), seconds};
 }
 
 std::string sentence(const BuildRecord& record, const Certificate& certificate, bool of_command,
@@ -198,7 +189,7 @@ struct Build {
     if (per_trajectory > 0.0) solution.record.grid_size = per_trajectory * sweep_size(solution.pieces);
     const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
     return Codebook(model, std::move(solution.pieces), std::move(solution.record),
-                    provenance_of(plan, seconds), {}, plan.title);
+                    made_now(plan.text, seconds), {}, plan.title);
   }
 
   Outcome<Solution> solve_by_sampling(CallMemory& calls, long max_calls) {
@@ -352,6 +343,29 @@ BuildResult build_of_command(const Plan& plan, const pgd::PointsFunction& functi
   return result;
 }
 
+/// A field is made finer until its certificate holds.
+BuildResult build_of_field(const Plan& plan, const BuildOptions& options, const ProgressCallback& progress,
+                           const bool& cancelled) {
+  if (options.resume && is_checkpoint(options.checkpoint))
+    throw bad_checkpoint(options.checkpoint, "it is of another plan: builds of fields keep none");
+  std::vector<std::string> free;
+  for (const BoxEntry& entry : plan.box) free.push_back(entry.name);
+  const FieldReference reference = exact_reference(*plan.field, plan.fixed, free);
+  Build build{plan,
+              options,
+              progress,
+              cancelled,
+              describe_field(plan),
+              {certify_options(plan, options, progress),
+               [&](const Codebook& book, const CertifyOptions& certify_by, Extent extent) {
+                 return measure(book, reference, certify_by, extent);
+               }}};
+  for (int attempt = 1;; ++attempt) {
+    BuildResult result = build.certified(solve_field(plan, attempt, progress));
+    if (result.met || cancelled || attempt == kFieldAttempts) return result;
+  }
+}
+
 /// @param function instead of the command of the plan; empty: none
 BuildResult built(const Plan& plan, const pgd::PointsFunction& function, const BuildOptions& options) {
   // Once cancelled, always cancelled: neither solver nor certificate ask again.
@@ -361,7 +375,8 @@ BuildResult built(const Plan& plan, const pgd::PointsFunction& function, const B
     progress = [&](const Progress& report) { return !(cancelled = cancelled || !options.progress(report)); };
   }
   BuildResult result = plan.command ? build_of_command(plan, function, options, progress, cancelled)
-                                    : build_of_model(plan, options, progress, cancelled);
+                       : plan.field != nullptr ? build_of_field(plan, options, progress, cancelled)
+                                               : build_of_model(plan, options, progress, cancelled);
   if (!options.checkpoint.empty() && !options.keep_checkpoint && !result.resumable) {
     std::error_code ignored;
     std::filesystem::remove(options.checkpoint, ignored);

@@ -15,6 +15,7 @@
 #include "samara/base/names.h"
 #include "samara/base/parallel.h"
 #include "samara/base/require.h"
+#include "samara/codebooks/certify/field_answers.h"
 #include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/certify/point_errors.h"
 #include "samara/models/integrators/integrate.h"
@@ -181,6 +182,12 @@ void check_fits(const Codebook& book, const models::ParametricModel& model) {
   }
 }
 
+/// More threads than cores would only make TBB print a warning.
+int arena_size(const CertifyOptions& options) {
+  const int cores = tbb::info::default_concurrency();
+  return options.threads > 0 ? std::min(options.threads, cores) : cores;
+}
+
 void check_points(const CertifyOptions& options) {
   require(options.points >= 1, "points", options.points, "at least 1", "certify");
 }
@@ -193,9 +200,7 @@ Measured measure(const Codebook& book, const models::ParametricModel& model, con
   check_fits(book, model);
   const std::vector<int> states = states_of_outputs(book, model);
   const std::vector<double> times = certificate_times(book);
-  // More threads than cores would only make TBB print a warning.
-  const int cores = tbb::info::default_concurrency();
-  tbb::task_arena arena(options.threads > 0 ? std::min(options.threads, cores) : cores);
+  tbb::task_arena arena(arena_size(options));
   tbb::enumerable_thread_specific<Worker> workers([&] { return Worker(book, model, times, options); });
   const Comparison comparison = [&](const Eigen::MatrixXd& q) {
     std::vector<PointErrors> errors(static_cast<std::size_t>(q.cols()));
@@ -241,6 +246,37 @@ Measured measure(const Codebook& book, CallMemory& calls, const CertifyOptions& 
   return result;
 }
 
+Measured measure(const Codebook& book, const FieldReference& reference, const CertifyOptions& options,
+                 Extent extent) {
+  check_points(options);
+  if (book.output_count() != 1)
+    throw ArgumentError(fmt::format("a field has {} outputs, expected one to certify", book.output_count()));
+  if (!reference.values) throw ArgumentError("a field is certified against an empty reference");
+  const std::vector<double> times = certificate_times(book);
+  const Eigen::VectorXd places = certificate_places(book);
+  tbb::task_arena arena(arena_size(options));
+  tbb::enumerable_thread_specific<FieldAnswers> answers([&] { return FieldAnswers(book, times, places); });
+  const Comparison comparison = [&](const Eigen::MatrixXd& q) {
+    std::vector<PointErrors> errors(static_cast<std::size_t>(q.cols()));
+    arena.execute([&] {
+      parallel_for(q.cols(), [&](Eigen::Index i) {
+        errors[static_cast<std::size_t>(i)] =
+            answers.local().compare({q.col(i).data(), static_cast<std::size_t>(q.rows())}, reference);
+      });
+    });
+    return errors;
+  };
+  Measured result = measured(book, options, times, comparison, std::max(1, options.points / 50), extent);
+  result.certificate.places = static_cast<int>(places.size());
+  result.certificate.integrator = reference.name;
+  result.certificate.integrator_tolerance = reference.tolerance;
+  return result;
+}
+
+Certificate certify(const Codebook& book, const FieldReference& reference, const CertifyOptions& options) {
+  return measure(book, reference, options, Extent::all_points).certificate;
+}
+
 Certificate certify(const Codebook& book, const models::ParametricModel& model,
                     const CertifyOptions& options) {
   return measure(book, model, options, Extent::all_points).certificate;
@@ -256,6 +292,11 @@ models::ParametricModel model_of(const Codebook& book) {
     throw ArgumentError(fmt::format(
         "the codebook holds a series, the {}: it has no equations that could be integrated, and cannot "
         "be certified again",
+        book.model().name));
+  }
+  if (book.space()) {
+    throw ArgumentError(fmt::format(
+        "the codebook holds a field of space, the {}: it has no trajectories of a few states to integrate",
         book.model().name));
   }
   std::vector<std::string> free;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/certify/certify_field.h"
 #include "samara/codebooks/source/call_memory.h"
 
 /// Certificates, and where they found a codebook wrong.
@@ -28,5 +29,9 @@ Measured measure(const Codebook& book, const models::ParametricModel& model, con
 /// Against the command it was sampled from, which is called at the certificate's points. The first point
 /// without an answer ends it; later points count as failed, too.
 Measured measure(const Codebook& book, CallMemory& calls, const CertifyOptions& options, Extent extent);
+
+/// Of a field of space, against its reference.
+Measured measure(const Codebook& book, const FieldReference& reference, const CertifyOptions& options,
+                 Extent extent);
 
 }  // namespace samara::codebooks

@@ -14,8 +14,9 @@ namespace samara::codebooks {
 namespace {
 
 /// Takes the largest error of one output among points, and where it is.
+/// @param space the codebook's coordinate of space
 void take_largest(const ComparedPoints& points, int output, const std::vector<double>& times,
-                  OutputError& result) {
+                  std::optional<int> space, OutputError& result) {
   for (std::size_t i = 0; i < points.errors.size(); ++i) {
     const PointErrors& errors = points.errors[i];
     if (!errors.usable) continue;
@@ -26,12 +27,14 @@ void take_largest(const ComparedPoints& points, int output, const std::vector<do
     if (!times.empty()) result.worst.push_back(times[static_cast<std::size_t>(worst_time)]);
     const auto q = points.q.col(static_cast<Eigen::Index>(i));
     result.worst.insert(result.worst.end(), q.begin(), q.end());
+    if (errors.worst_place) result.worst[static_cast<std::size_t>(*space)] = *errors.worst_place;
   }
 }
 
 /// Puts the points' errors of one output together. @param range of it, 0 where it is constant
 OutputError summarise(const ComparedPoints& points, const ComparedPoints& climbs, int output,
-                      const pgd::OutputLabel& label, double range, const std::vector<double>& times) {
+                      const pgd::OutputLabel& label, double range, const std::vector<double>& times,
+                      std::optional<int> space) {
   OutputError result;
   result.name = label.name;
   result.unit = label.unit;
@@ -49,8 +52,8 @@ OutputError summarise(const ComparedPoints& points, const ComparedPoints& climbs
         std::numeric_limits<double>::quiet_NaN();
     return result;
   }
-  take_largest(points, output, times, result);
-  take_largest(climbs, output, times, result);
+  take_largest(points, output, times, space, result);
+  take_largest(climbs, output, times, space, result);
   result.range = range;
   const double scale = range > 0.0 ? range : 1.0;
   result.max = result.max_si / scale;
@@ -68,28 +71,6 @@ OutputError summarise(const ComparedPoints& points, const ComparedPoints& climbs
 double distance(double a, double b) {
   const double distance = std::abs(a - b);
   return std::isnan(distance) ? std::numeric_limits<double>::infinity() : distance;
-}
-
-/// @param reference as values, in the same order
-void compare_outputs(const Eigen::MatrixXd& values, const Eigen::MatrixXd& reference, PointErrors& errors) {
-  const Eigen::Index outputs = values.cols();
-  errors.usable = true;
-  errors.max_error.resize(outputs);
-  errors.worst_time.resize(static_cast<std::size_t>(outputs));
-  errors.sum_error2.resize(outputs);
-  errors.sum_value2.resize(outputs);
-  errors.smallest.resize(outputs);
-  errors.largest.resize(outputs);
-  for (Eigen::Index o = 0; o < outputs; ++o) {
-    const Eigen::VectorXd difference = values.col(o).binaryExpr(reference.col(o), &distance);
-    Eigen::Index worst = 0;
-    errors.max_error[o] = difference.maxCoeff(&worst);
-    errors.worst_time[static_cast<std::size_t>(o)] = static_cast<int>(worst);
-    errors.sum_error2[o] = difference.squaredNorm();
-    errors.sum_value2[o] = reference.col(o).squaredNorm();
-    errors.smallest[o] = reference.col(o).minCoeff();
-    errors.largest[o] = reference.col(o).maxCoeff();
-  }
 }
 
 std::vector<int> all_outputs(const Codebook& book) {
@@ -115,6 +96,29 @@ NormDefect norm_defect(const std::vector<PointErrors>& all, std::size_t times) {
 }
 
 }  // namespace
+
+PointErrors compared_rows(const Eigen::MatrixXd& values, const Eigen::MatrixXd& reference) {
+  PointErrors errors;
+  const Eigen::Index outputs = values.cols();
+  errors.usable = true;
+  errors.max_error.resize(outputs);
+  errors.worst_time.resize(static_cast<std::size_t>(outputs));
+  errors.sum_error2.resize(outputs);
+  errors.sum_value2.resize(outputs);
+  errors.smallest.resize(outputs);
+  errors.largest.resize(outputs);
+  for (Eigen::Index o = 0; o < outputs; ++o) {
+    const Eigen::VectorXd difference = values.col(o).binaryExpr(reference.col(o), &distance);
+    Eigen::Index worst = 0;
+    errors.max_error[o] = difference.maxCoeff(&worst);
+    errors.worst_time[static_cast<std::size_t>(o)] = static_cast<int>(worst);
+    errors.sum_error2[o] = difference.squaredNorm();
+    errors.sum_value2[o] = reference.col(o).squaredNorm();
+    errors.smallest[o] = reference.col(o).minCoeff();
+    errors.largest[o] = reference.col(o).maxCoeff();
+  }
+  return errors;
+}
 
 double largest_over_scales(const PointErrors& point, const Eigen::VectorXd& scales) {
   return point.max_error.cwiseQuotient((scales.array() > 0.0).select(scales, 1.0)).maxCoeff();
@@ -150,12 +154,14 @@ void CertifiedAnswers::measure_norms(const Eigen::MatrixXd& reference, PointErro
 }
 
 PointErrors CertifiedAnswers::compare(std::span<const double> q, const Eigen::MatrixXd& reference) {
-  PointErrors errors;
   ask(q);
-  if (quaternion_) measure_norms(reference, errors);
+  PointErrors norms;
+  if (quaternion_) measure_norms(reference, norms);
   double* const columns = values_.data();
   if (attitude_) attitude_->restore(&columns, 0, 0, static_cast<int>(values_.rows()));
-  compare_outputs(values_, reference, errors);
+  PointErrors errors = compared_rows(values_, reference);
+  errors.max_norm_defect = norms.max_norm_defect;
+  errors.sum_norm_defect2 = norms.sum_norm_defect2;
   return errors;
 }
 
@@ -198,8 +204,8 @@ Certificate certificate_of(const ComparedPoints& points, const ComparedPoints& c
   const Eigen::VectorXd scales = error_scales(errors, book, options);
   for (int o = 0; o < book.output_count(); ++o) {
     const double range = scales.size() == 0 ? 0.0 : scales[o];
-    certificate.outputs.push_back(
-        summarise(points, climbs, o, book.outputs()[static_cast<std::size_t>(o)], range, times));
+    certificate.outputs.push_back(summarise(points, climbs, o, book.outputs()[static_cast<std::size_t>(o)],
+                                            range, times, book.space()));
     const double error = certificate.outputs.back().max;
     if (error > certificate.max_error) certificate.max_error = error;
     certificate.met = certificate.met && error <= options.tolerance;

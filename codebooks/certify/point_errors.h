@@ -30,7 +30,12 @@ struct PointErrors {
   Eigen::VectorXd max_error, sum_error2, sum_value2, smallest, largest;
   std::vector<int> worst_time;
   double max_norm_defect = 0.0, sum_norm_defect2 = 0.0;  ///< where there is a quaternion
+  /// Of a field, which is compared everywhere in space at once: the place of the largest error.
+  std::optional<double> worst_place = {};
 };
+
+/// Compares answers (rows x outputs) with a reference; worst_time counts rows.
+PointErrors compared_rows(const Eigen::MatrixXd& values, const Eigen::MatrixXd& reference);
 
 /// A codebook at a point and all times of its certificate. One per thread; the codebook must outlive it.
 class CertifiedAnswers {

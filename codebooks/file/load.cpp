@@ -16,6 +16,7 @@
 
 #include "samara/base/termination.h"
 #include "samara/codebooks/file/format_version.h"
+#include "samara/codebooks/file/mesh_format.h"
 #include "samara/codebooks/file/piece_format.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/io/hdf5_reader.h"
@@ -91,6 +92,7 @@ Certificate read_certificate(const Hdf5Reader& file) {
   c.met = read_met(file, path);
   c.points = count_attribute(file, path, "points");
   c.times = count_attribute(file, path, "times");
+  if (file.has_attribute(path, "places")) c.places = count_attribute(file, path, "places");
   c.failed_points = count_attribute(file, path, "failed_points");
   if (file.has_attribute(path, "wrong_points")) {
     c.wrong_points = count_attribute(file, path, "wrong_points");
@@ -328,6 +330,7 @@ Codebook load(const std::filesystem::path& path) {
     Codebook book(model, read_pieces(shared, model, at_once), read_build(file), read_provenance(file), {},
                   file.text_attribute("/", "title"));
     check_units(file, book);
+    if (file.has("/mesh")) book = book.with_mesh(read_mesh(file));
     if (!file.has("/certificate")) return book;
     Certificate certificate = read_certificate(file);
     order_outputs(certificate, book);

@@ -1,6 +1,7 @@
 #include "samara/codebooks/file/piece_format.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,11 +22,27 @@ std::span<const double> as_span(const Eigen::VectorXd& v) {
   return {v.data(), static_cast<std::size_t>(v.size())};
 }
 
-void write_axis(Hdf5Writer& file, const std::string& path, int index, const pgd::Axis& axis) {
-  if (!pgd::basis_traits(axis.basis()).storable) {
-    throw ArgumentError(fmt::format("axis \"{}\" is {}, which a codebook file cannot hold", axis.name(),
-                                    to_string(axis.basis())));
+/// The lower triangle of a symmetric matrix, entry by entry.
+void write_mass(Hdf5Writer& file, const std::string& path, const pgd::SparseMatrix& mass) {
+  std::vector<double> rows, columns, values;
+  for (int column = 0; column < mass.outerSize(); ++column) {
+    for (pgd::SparseMatrix::InnerIterator entry(mass, column); entry; ++entry) {
+      if (entry.row() < entry.col()) continue;
+      rows.push_back(static_cast<double>(entry.row()));
+      columns.push_back(static_cast<double>(entry.col()));
+      values.push_back(entry.value());
+    }
   }
+  const auto write = [&](const char* name, const std::vector<double>& numbers) {
+    file.write_vector(path + name, Eigen::Map<const Eigen::VectorXd>(
+                                       numbers.data(), static_cast<Eigen::Index>(numbers.size())));
+  };
+  write("/rows", rows);
+  write("/columns", columns);
+  write("/values", values);
+}
+
+void write_axis(Hdf5Writer& file, const std::string& path, int index, const pgd::Axis& axis) {
   file.write_vector(path, axis.nodes());
   file.make_scale(path, axis.name());
   file.write_integer_attribute(path, "index", index);
@@ -92,6 +109,8 @@ void write_piece(Hdf5Writer& file, const std::string& path, const Piece& piece) 
   const std::vector<pgd::Axis>& axes = piece.groups().front().axes();
   for (std::size_t k = 0; k < axes.size(); ++k) {
     write_axis(file, path + "/axes/" + axes[k].name(), static_cast<int>(k), axes[k]);
+    if (!pgd::basis_traits(axes[k].basis()).storable)
+      write_mass(file, path + "/mass/" + axes[k].name(), axes[k].mass());
     lower.push_back(axes[k].lower());
     upper.push_back(axes[k].upper());
   }
@@ -153,8 +172,43 @@ pgd::Axis read_axis_of_elements(const Hdf5Reader& file, const std::string& path,
   return pgd::Axis::of_elements(std::move(label), basis, borders, static_cast<int>(degree));
 }
 
-pgd::Axis read_axis_of_basis(const Hdf5Reader& file, const std::string& path, pgd::Axis::Label label,
-                             const pgd::BasisTraits& basis, const Eigen::VectorXd& nodes) {
+/// Numbers of nodes, stored as doubles.
+std::vector<int> read_places(const Hdf5Reader& file, const std::string& path, Eigen::Index entries,
+                             Eigen::Index nodes) {
+  std::vector<int> places;
+  for (const double number : file.vector(path, {.rows = entries})) {
+    if (number != std::floor(number) || number < 0.0 || !(number < static_cast<double>(nodes)))
+      throw file.error(path, fmt::format("holds {}, expected whole numbers from 0 to {}", number, nodes - 1));
+    places.push_back(static_cast<int>(number));
+  }
+  return places;
+}
+
+pgd::SparseMatrix read_mass(const Hdf5Reader& file, const std::string& path, Eigen::Index nodes) {
+  const Eigen::VectorXd values = file.vector(path + "/values");
+  const std::vector<int> rows = read_places(file, path + "/rows", values.size(), nodes);
+  const std::vector<int> columns = read_places(file, path + "/columns", values.size(), nodes);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double value = values[static_cast<Eigen::Index>(i)];
+    const bool follows = i == 0 || std::pair(columns[i - 1], rows[i - 1]) < std::pair(columns[i], rows[i]);
+    if (rows[i] < columns[i] || !follows)
+      throw file.error(path,
+                       fmt::format("entry {} at ({}, {}) is not the next one of a lower triangle, column by "
+                                   "column",
+                                   i, rows[i], columns[i]));
+    entries.emplace_back(rows[i], columns[i], value);
+    if (rows[i] != columns[i]) entries.emplace_back(columns[i], rows[i], value);
+  }
+  pgd::SparseMatrix mass(nodes, nodes);
+  mass.setFromTriplets(entries.begin(), entries.end());
+  return mass;
+}
+
+/// @param mass where that of the axis is, if it has one of its own
+pgd::Axis read_axis_of_basis(const Hdf5Reader& file, const std::string& path, const std::string& mass,
+                             pgd::Axis::Label label, const pgd::BasisTraits& basis,
+                             const Eigen::VectorXd& nodes) {
   switch (basis.family) {
     case pgd::AxisFamily::elements:
       return read_axis_of_elements(file, path, std::move(label), basis.basis, nodes);
@@ -163,11 +217,13 @@ pgd::Axis read_axis_of_basis(const Hdf5Reader& file, const std::string& path, pg
     case pgd::AxisFamily::list:
       break;
   }
+  if (!basis.storable) return pgd::Axis::imported(std::move(label), read_mass(file, mass, nodes.size()));
   return pgd::Axis::discrete(std::move(label), nodes);
 }
 
 /// Axes are rebuilt from their attributes; the nodes in the file must be the ones that follow.
-pgd::Axis read_axis(const Hdf5Reader& file, const std::string& path, const std::string& name) {
+pgd::Axis read_axis(const Hdf5Reader& file, const std::string& piece, const std::string& name) {
+  const std::string path = piece + "/axes/" + name;
   const Eigen::VectorXd nodes = file.vector(path);
   try {
     pgd::Axis::Label label{name, file.text_attribute(path, "units"),
@@ -175,9 +231,8 @@ pgd::Axis read_axis(const Hdf5Reader& file, const std::string& path, const std::
                            pgd::transform_from_string(file.text_attribute(path, "transform"))};
     const pgd::BasisTraits& basis =
         pgd::basis_traits(pgd::basis_from_string(file.text_attribute(path, "basis")));
-    if (!basis.storable)
-      throw file.error(path, fmt::format("basis is \"{}\", which a codebook file cannot hold", basis.name));
-    const pgd::Axis axis = read_axis_of_basis(file, path, std::move(label), basis, nodes);
+    const pgd::Axis axis =
+        read_axis_of_basis(file, path, piece + "/mass/" + name, std::move(label), basis, nodes);
     const bool fits =
         axis.size() == nodes.size() && (axis.nodes() - nodes).cwiseAbs().maxCoeff() <=
                                            1e-12 * std::max(axis.length(), nodes.cwiseAbs().maxCoeff());
@@ -202,7 +257,7 @@ std::vector<pgd::Axis> read_axes(const Hdf5Reader& file, const std::string& piec
     ordered[index] = name;
   }
   std::vector<pgd::Axis> axes;
-  for (const std::string& name : ordered) axes.push_back(read_axis(file, group + "/" + name, name));
+  for (const std::string& name : ordered) axes.push_back(read_axis(file, piece, name));
   if (axes.empty()) throw file.error(group, "is empty, expected at least one axis");
   return axes;
 }

@@ -7,6 +7,7 @@
 
 #include "samara/base/version.h"
 #include "samara/codebooks/file/format_version.h"
+#include "samara/codebooks/file/mesh_format.h"
 #include "samara/codebooks/file/piece_format.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/io/hdf5_writer.h"
@@ -30,6 +31,7 @@ void write_certificate(Hdf5Writer& file, const Certificate& c) {
   file.write_number_attribute(path, "max_error", c.max_error);
   file.write_integer_attribute(path, "points", c.points);
   file.write_integer_attribute(path, "times", c.times);
+  if (c.places > 0) file.write_integer_attribute(path, "places", c.places);
   file.write_integer_attribute(path, "failed_points", c.failed_points);
   if (c.wrong_points) {
     file.write_integer_attribute(path, "wrong_points", *c.wrong_points);
@@ -117,6 +119,7 @@ void save(const Codebook& book, const std::filesystem::path& path) {
   file.write_text_attribute("/", "title", book.title());
   for (std::size_t k = 0; k < book.pieces().size(); ++k)
     write_piece(file, fmt::format("/pieces/{}", k), book.pieces()[k]);
+  if (book.mesh() != nullptr) write_mesh(file, *book.mesh());
   if (book.certificate()) write_certificate(file, *book.certificate());
   write_model(file, book.model());
   write_build(file, book.build());

@@ -9,6 +9,7 @@
 
 #include "samara/base/names.h"
 #include "samara/io/text_file.h"
+#include "samara/models/fields/field_model.h"
 #include "samara/models/laws/registry.h"
 
 namespace samara::codebooks {
@@ -192,7 +193,7 @@ std::string to_toml(const models::Equations& equations) {
 
 void check_name(const TomlTable& table) {
   const auto name = table.optional_string("name");
-  if (name && models::find_model_or_null(*name))
+  if (name && (models::find_model_or_null(*name) || models::find_field_model(*name) != nullptr))
     throw table.error("name",
                       fmt::format("is \"{}\", which is another model, expected a name of its own", *name));
 }
@@ -207,6 +208,12 @@ std::shared_ptr<const models::Model> open_model(const std::string& name_or_file,
     std::error_code ignored;
     if (!models::find_model_or_null(name_or_file) && std::filesystem::exists(folder / name_or_file, ignored))
       throw ArgumentError(fmt::format("\"{}\" is no model; a file of equations ends in .toml", name_or_file));
+    if (models::find_field_model(name_or_file) != nullptr) {
+      throw ArgumentError(fmt::format(
+          "\"{}\" is a field of space, which has no trajectory of a few states: samara build makes its "
+          "codebook, and samara query asks it",
+          name_or_file));
+    }
     return models::find_model(name_or_file);
   }
   const TomlTable file = TomlTable::read(folder / name_or_file);

@@ -28,7 +28,7 @@ namespace {
 
 using io::TomlTable;
 
-/// What a plan is about, a model or a command: the names it may use, with their units.
+/// What a plan is about, a model, a field or a command: the names it may use, with their units.
 struct Subject {
   std::string name;  ///< for messages
   std::shared_ptr<const models::Model> model;
@@ -36,6 +36,12 @@ struct Subject {
   std::map<std::string, std::string> settable;  ///< what may be fixed or free
   std::map<std::string, std::string> outputs;
   std::string time_unit = "s";
+  const models::FieldModel* field = nullptr;
+
+  /// That of the model or the field; null of a command.
+  const models::ModelInfo* info() const {
+    return field != nullptr ? &field->info : model ? &model->info() : nullptr;
+  }
 };
 
 /// Parameters, and initial values "s(0)".
@@ -53,6 +59,20 @@ Subject subject_of(std::shared_ptr<const models::Model> model) {
     subject.settable[state.name + "(0)"] = state.unit;
     subject.outputs[state.name] = state.unit;
   }
+  return subject;
+}
+
+Subject subject_of(const models::FieldModel& field) {
+  Subject subject{fmt::format("the field \"{}\"", field.info.name),
+                  nullptr,
+                  "parameter",
+                  "output",
+                  {},
+                  {},
+                  models::time_unit(field.info),
+                  &field};
+  for (const auto& parameter : field.info.parameters) subject.settable[parameter.name] = parameter.unit;
+  for (const auto& state : field.info.states) subject.outputs[state.name] = state.unit;
   return subject;
 }
 
@@ -77,8 +97,8 @@ const std::string& unit_of(const TomlTable& table, const std::string& key,
 
 /// Whether the value respects the bound of the parameter's meaning; initial values have none.
 void check_meaning(const TomlTable& table, const std::string& key, const Subject& subject, double value) {
-  if (!subject.model) return;
-  for (const models::ParameterInfo& parameter : subject.model->info().parameters) {
+  if (subject.info() == nullptr) return;
+  for (const models::ParameterInfo& parameter : subject.info()->parameters) {
     if (parameter.name != key || models::in_meaning(parameter, value)) continue;
     if (value > parameter.upper) {
       throw table.error(key, fmt::format("is {}, expected at most {}", value, parameter.upper));
@@ -102,6 +122,14 @@ std::shared_ptr<const models::Model> read_model(const TomlTable& root) {
   } catch (const ArgumentError& error) {
     throw root.error("model", error.what());
   }
+}
+
+Subject read_subject(const TomlTable& root) {
+  if (root.has("model") && !root.has("equations")) {
+    if (const models::FieldModel* field = models::find_field_model(root.string("model")))
+      return subject_of(*field);
+  }
+  return subject_of(read_model(root));
 }
 
 /// A title is shown on terminals and stored in files, one line.
@@ -246,8 +274,29 @@ void read_builder(const TomlTable& root, Plan& plan) {
   plan.builder.seed = static_cast<std::uint64_t>(integer_in(*table, "seed", 1, 0, INT64_MAX));
 }
 
+/// Fields are solved by enrichment, which counts no evaluations and does not split the box.
+void check_builder_fits_field(const TomlTable& root, const Plan& plan) {
+  const BuildRequest::Builder& builder = plan.builder;
+  const auto refuse = [&](const char* key, const std::string& is, const char* why) {
+    throw root.table("builder").error(key, fmt::format("is {}, but {}", is, why));
+  };
+  if (builder.kind == "sampling")
+    refuse("kind", "\"sampling\"", "a field has no trajectories to sample: expected \"pgd\" or \"auto\"");
+  if (builder.strategy != "auto" && builder.strategy != "enrichment") {
+    refuse("strategy", fmt::format("\"{}\"", builder.strategy),
+           "a field is solved by enrichment: expected \"enrichment\" or \"auto\"");
+  }
+  if (builder.max_cells != 1)
+    refuse("max_cells", std::to_string(builder.max_cells), "the box of a field is never split");
+  if (builder.max_calls != 0) {
+    refuse("max_calls", std::to_string(builder.max_calls),
+           "a field is solved without evaluations that could be counted");
+  }
+}
+
 /// Sampling finds nodes by itself, on Chebyshev axes. Commands can only be sampled.
 void check_builder_fits(const TomlTable& root, const Plan& plan) {
+  if (plan.field != nullptr) return check_builder_fits_field(root, plan);
   if (plan.command && plan.builder.kind == "pgd") {
     throw root.table("builder").error(
         "kind", "is \"pgd\", which solves the equations of a model: a command can only be sampled");
@@ -302,6 +351,10 @@ void read_coordinates(const TomlTable& root, const Subject& subject, Plan& plan)
   const TomlTable box = root.table("box");
   for (const std::string& key : box.keys()) {
     const std::string& unit = unit_of(box, key, subject.settable, subject, subject.what_settable);
+    if (subject.field != nullptr && key == subject.field->extent) {
+      throw box.error(
+          key, fmt::format("is free, expected it in [fixed]: it is how far {} goes", subject.field->place));
+    }
     if (plan.fixed.count(key) > 0)
       throw box.error(key, "is fixed in [fixed] and free in [box], expected one of them");
     plan.box.push_back(read_entry(box, key, unit));
@@ -373,13 +426,23 @@ void read_time(const TomlTable& root, const Subject& subject, Plan& plan) {
     throw time.error("end", fmt::format("is {}, expected at least {}", plan.end, kShortest));
 }
 
+bool is_given(const Plan& plan, const std::string& name) {
+  return plan.fixed.contains(name) || std::ranges::count(plan.box, name, &BoxEntry::name) > 0;
+}
+
 /// Nothing that the model or the command asks for may be missing.
 void check_complete(const TomlTable& root, const Plan& plan) {
+  if (plan.field != nullptr) {
+    for (const models::ParameterInfo& parameter : plan.field->info.parameters) {
+      if (parameter.default_value || is_given(plan, parameter.name)) continue;
+      throw root.error("model", fmt::format("needs \"{}\" ({}), expected in [box] or [fixed]", parameter.name,
+                                            parameter.unit));
+    }
+    return;
+  }
   if (plan.command) {
     for (const CommandQuantity& input : plan.command->inputs) {
-      const bool is_free = std::any_of(plan.box.begin(), plan.box.end(),
-                                       [&](const BoxEntry& entry) { return entry.name == input.name; });
-      if (is_free || plan.fixed.contains(input.name)) continue;
+      if (is_given(plan, input.name)) continue;
       throw root.table("command").table("inputs").error(
           input.name, "is given no values, expected an interval in [box] or a number in [fixed]");
     }
@@ -434,6 +497,8 @@ bool BuildRequest::prescribes_axes() const {
 
 models::ParametricModel Plan::parametric_model() const {
   if (command) throw ArgumentError(fmt::format("the plan {} is one of a command and has no model", source));
+  if (field != nullptr)
+    throw ArgumentError(fmt::format("the plan {} is one of a field, which has no trajectories", source));
   std::vector<std::string> free;
   for (const BoxEntry& entry : box) free.push_back(entry.name);
   return models::ParametricModel(definition, fixed, free);
@@ -456,12 +521,14 @@ Plan parse_plan(const std::string& text, const std::string& name,
     }
     plan.command = read_command(*command);
   }
-  const Subject subject =
-      plan.command ? subject_of(*plan.command) : subject_of(model ? model : read_model(root));
+  const Subject subject = plan.command ? subject_of(*plan.command)
+                          : model      ? subject_of(model)
+                                       : read_subject(root);
   plan.definition = subject.model;
+  plan.field = subject.field;
   if (!model && root.has("model") && is_model_file(root.string("model")))
     plan.model_file = (std::filesystem::path(root.file()).parent_path() / root.string("model")).string();
-  if (subject.model) plan.model = subject.model->info().name;
+  if (subject.info() != nullptr) plan.model = subject.info()->name;
   plan.title = read_title(root);
   read_coordinates(root, subject, plan);
   read_body(root, subject, body_reader, plan);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "samara/models/bodies/body_description.h"
+#include "samara/models/fields/field_model.h"
 #include "samara/models/interface/parametric_model.h"
 #include "samara/pgd/axes/axis.h"
 
@@ -83,13 +84,16 @@ struct BuildRequest {
   bool prescribes_axes() const;
 };
 
-/// A plan of a build (PLAN.toml): a model or a command, what is fixed, and what is asked.
+/// A plan of a build (PLAN.toml): a model (of trajectories or of a field) or a command, what is fixed, and what is
+/// asked.
 struct Plan : BuildRequest {
-  std::string model;                                ///< its name; empty where there is a command
-  std::shared_ptr<const models::Model> definition;  ///< of the model; null where there is a command
-  std::optional<PlannedCommand> command;            ///< instead of a model
-  std::map<std::string, double> fixed;              ///< SI
-  std::map<std::string, double> of_body;            ///< those of `fixed` that come from the table [body]
+  std::string model;  ///< its name; empty where there is a command
+  std::shared_ptr<const models::Model>
+      definition;                             ///< of the model; null where there is a command, or a field
+  const models::FieldModel* field = nullptr;  ///< of the model, where it is one of a field of space
+  std::optional<PlannedCommand> command;      ///< instead of a model
+  std::map<std::string, double> fixed;        ///< SI
+  std::map<std::string, double> of_body;      ///< those of `fixed` that come from the table [body]
 
   std::string source;      ///< file the plan came from, for messages; empty if none
   std::string model_file;  ///< of the model, if it is in a file of its own
@@ -107,7 +111,7 @@ struct Plan : BuildRequest {
   /// checkpoints.
   std::string whole_text() const;
   /// The model with the plan's fixed and free coordinates.
-  /// @throws ArgumentError as ParametricModel does, and for a plan of a command.
+  /// @throws ArgumentError as ParametricModel does, and for a plan of a command or a field.
   models::ParametricModel parametric_model() const;
 };
 

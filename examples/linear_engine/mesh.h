@@ -13,6 +13,7 @@ struct Mesh {
   Eigen::SparseMatrix<double> stiffness_disc;   ///< of the triangles in the disc
   Eigen::SparseMatrix<double> stiffness_plate;  ///< of the others
   std::vector<int> border;                      ///< nodes on the border of the square
+  std::vector<std::array<int, 3>> triangles;    ///< their corners
 
   explicit Mesh(int cells) : cells_(cells) {
     std::vector<Eigen::Triplet<double>> m, disc, plate;
@@ -41,7 +42,8 @@ struct Mesh {
   using Triplets = std::vector<Eigen::Triplet<double>>;
 
   /// A right angle at the first corner; both legs are 1 / cells long.
-  void add_triangle(const std::array<int, 3>& corners, Triplets& m, Triplets& disc, Triplets& plate) const {
+  void add_triangle(const std::array<int, 3>& corners, Triplets& m, Triplets& disc, Triplets& plate) {
+    triangles.push_back(corners);
     const Eigen::Vector2d middle = (place(corners[0]) + place(corners[1]) + place(corners[2])) / 3.0;
     Triplets& stiffness = (middle - Eigen::Vector2d(0.5, 0.5)).norm() < 0.25 ? disc : plate;
     const double area = 0.5 / (cells_ * cells_);

@@ -5,6 +5,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/models/fields/field_model.h"
 
 // The models that ship with Samara, one line each: laws/<name>.cpp defines the function <name>().
 #define SAMARA_LAWS(LAW)         \
@@ -93,7 +94,7 @@ std::shared_ptr<const Model> find_model(const std::string& name) {
 
 void add_model(const std::shared_ptr<const Model>& model) {
   if (!model) throw ArgumentError("a null pointer was given, a model was expected");
-  if (!registry().add(model))
+  if (find_field_model(model->info().name) != nullptr || !registry().add(model))
     throw ArgumentError("there is another model \"" + model->info().name + "\" already");
 }
 

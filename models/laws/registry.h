@@ -18,7 +18,7 @@ std::shared_ptr<const Model> find_model(const std::string& name);
 std::shared_ptr<const Model> find_model_or_null(const std::string& name);
 
 /// Makes a model known by its name, in this process and from now on. May be called by several threads.
-/// @throws ArgumentError for a null pointer, and if there is another model of this name
+/// @throws ArgumentError for a null pointer, and if there is another model, or a field, of this name
 void add_model(const std::shared_ptr<const Model>& model);
 
 }  // namespace samara::models

@@ -78,6 +78,16 @@ void check_part(const Axis& axis, const Eigen::VectorXd& part, const char* what)
   check_finite(axis, part.allFinite(), what);
 }
 
+/// The numbers of a part that multiplies nodal values one by one.
+Eigen::VectorXd diagonal_of(const Axis& axis, const ModeOperator& part) {
+  if (part.structure() != ModeOperator::Structure::diagonal)
+    throw ArgumentError(fmt::format(
+        "a term on axis \"{}\" is no diagonal: it has no value at one point of the axis", axis.name()));
+  Eigen::VectorXd values = Eigen::VectorXd::Zero(axis.size());
+  part.add_to_diagonal(values, 1.0);
+  return values;
+}
+
 void check_scale(double scale, const char* what) {
   if (!std::isfinite(scale))
     throw ArgumentError(fmt::format("the scale of a {} is {}, expected a finite number", what, scale));
@@ -175,6 +185,71 @@ std::vector<int> ParametricProblem::unknown_nodes(std::size_t k) const {
     throw ArgumentError(
         fmt::format("all nodes of axis \"{}\" are known: nothing is left to solve for", axes_[k].name()));
   return nodes;
+}
+
+ParametricProblem ParametricProblem::at(const std::map<std::string, double>& point) const {
+  std::vector<Eigen::VectorXd> weights(axes_.size());  // of interpolation; empty: the axis is left
+  for (const auto& [name, x] : point) weights[position(name)] = interpolation_weights(position(name), x);
+  std::vector<Axis> rest;
+  for (std::size_t k = 0; k < axes_.size(); ++k)
+    if (weights[k].size() == 0) rest.push_back(axes_[k]);
+  if (rest.empty()) throw ArgumentError("a parametric problem at a point of all its axes: one must be left");
+  ParametricProblem result(std::move(rest));
+  for (const std::vector<ModeOperator>& term : op_.terms) {
+    double scale = 1.0;
+    std::map<std::string, ModeOperator> parts;
+    for (std::size_t k = 0; k < axes_.size(); ++k) {
+      if (weights[k].size() == 0) {
+        parts.emplace(axes_[k].name(), term[k]);
+      } else {
+        scale *= weights[k].dot(diagonal_of(axes_[k], term[k]));
+      }
+    }
+    result.add_term(parts, scale);
+  }
+  for (const bool is_lift : {false, true}) {
+    const SeparatedTensor& whole = is_lift ? lift_ : rhs_;
+    for (int r = 0; r < whole.rank(); ++r) {
+      double scale = whole.weights[r];
+      std::map<std::string, Eigen::VectorXd> parts;
+      for (std::size_t k = 0; k < axes_.size(); ++k) {
+        if (weights[k].size() == 0) {
+          parts.emplace(axes_[k].name(), whole.factors[k].col(r));
+        } else {
+          scale *= weights[k].dot(whole.factors[k].col(r));
+        }
+      }
+      if (is_lift) {
+        result.add_to_lift(parts, scale);
+      } else {
+        result.add_source(parts, scale);
+      }
+    }
+  }
+  for (std::size_t k = 0; k < axes_.size(); ++k) {
+    if (weights[k].size() > 0) continue;
+    result.known_[result.position(axes_[k].name())] = known_[k];
+    result.norms_[result.position(axes_[k].name())] = norms_[k];
+  }
+  return result;
+}
+
+Eigen::VectorXd ParametricProblem::interpolation_weights(std::size_t k, double x) const {
+  const Axis& axis = axes_[k];
+  if (is_weak(k) || !known_[k].empty()) {
+    throw ArgumentError(
+        fmt::format("a parametric problem at a point of axis \"{}\", which {}; one without was expected",
+                    axis.name(), is_weak(k) ? "is weak" : "has known nodes"));
+  }
+  if (!axis.contains(x)) {
+    throw ArgumentError(fmt::format("{} is {}, expected a point of its axis, from {} to {}", axis.name(), x,
+                                    axis.lower(), axis.upper()));
+  }
+  InterpolationStencil stencil = axis.make_stencil();
+  axis.interpolate(x, stencil, false);
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(axis.size());
+  weights.segment(stencil.first, stencil.value.size()) = stencil.value;
+  return weights;
 }
 
 LinearProblem ParametricProblem::assemble() const {

@@ -35,6 +35,10 @@ class ParametricProblem {
   explicit ParametricProblem(std::vector<Axis> axes);
 
   const std::vector<Axis>& axes() const { return axes_; }
+  // What was added: parts on all axes, and nodal values of sources and lift, known nodes included.
+  const SeparatedOperator& terms() const { return op_; }
+  const SeparatedTensor& source() const { return rhs_; }
+  const SeparatedTensor& lift() const { return lift_; }
 
   /// Adds scale * the product of the given parts to the operator.
   /// @throws ArgumentError for an unknown axis, a part of another size, or an entry that is not finite. The
@@ -51,6 +55,15 @@ class ParametricProblem {
   /// Adds scale * a product of nodal values to the lift; axes that are not named: ones.
   void add_to_lift(const std::map<std::string, Eigen::VectorXd>& values, double scale = 1.0);
 
+  /// The problem at one point of some nodal axes, over the others: what stands on those axes counts by its
+  /// interpolated value there.
+  /// @param point a coordinate by the name of its axis, inside
+  /// @throws ArgumentError for an unknown or a weak axis, one with known nodes, a coordinate outside, or an
+  /// operator on such an axis that is no diagonal; and if no axis is left.
+  ParametricProblem at(const std::map<std::string, double>& point) const;
+  /// Nodes of an axis that are not known, ascending. @throws ArgumentError for an unknown axis, or if all are known
+  std::vector<int> unknown_nodes(const std::string& axis) const { return unknown_nodes(position(axis)); }
+
   /// The equations of what is left of the solution, without the known nodes: D (U - lift) = G - D lift.
   /// @throws ArgumentError if there is no term, or all nodes of an axis are known.
   LinearProblem assemble() const;
@@ -62,6 +75,8 @@ class ParametricProblem {
   bool is_weak(std::size_t k) const { return axes_[k].role() == AxisRole::space; }
   /// Nodes of the axis that are not known, ascending.
   std::vector<int> unknown_nodes(std::size_t k) const;
+  /// Of all nodes of a nodal axis.
+  Eigen::VectorXd interpolation_weights(std::size_t k, double x) const;
 
   std::vector<Axis> axes_;
   SeparatedOperator op_;

@@ -1,6 +1,6 @@
 // Writes sample codebooks.
 //
-//   codebook_samples reference DIRECTORY   codebooks, DIRECTORY/{pieces,trains,kinds,coin,command}.h5, each
+//   codebook_samples reference DIRECTORY   codebooks, DIRECTORY/{pieces,trains,kinds,coin,command,mesh}.h5, each
 //   with a table of
 //                                          reference values beside it (.csv): coordinates, then outputs
 //   codebook_samples golden FILE           the golden file of the present format version (golden_test.cpp);
@@ -56,7 +56,7 @@ void write_reference(const Codebook& book, const std::filesystem::path& stem) {
 int main(int count, char** arguments) {
   const std::string verb = count == 3 ? arguments[1] : "";
   if (verb == "golden") {
-    save(golden_climbs(), arguments[2]);
+    save(golden_mesh(), arguments[2]);
     return 0;
   }
   if (verb == "reference") {
@@ -66,6 +66,7 @@ int main(int count, char** arguments) {
     write_reference(all_kinds(), directory / "kinds");
     write_reference(coin_build().book, directory / "coin");
     write_reference(golden_command(), directory / "command");
+    write_reference(golden_mesh(), directory / "mesh");
     return 0;
   }
   std::fputs("usage: codebook_samples reference DIRECTORY | golden FILE\n", stderr);

@@ -20,6 +20,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
+#include "samara/codebooks/query/place_query.h"
 #include "samara/codebooks/query/query.h"
 
 // The library's own checksums.
@@ -171,6 +172,11 @@ void ask(const Codebook& book) {
       for (const Coordinate& c : book.coordinates()) x.push_back(c.lower + place * (c.upper - c.lower));
       query.values(x, values, gradient);
     }
+    if (book.mesh() == nullptr) return;
+    PlaceQuery in_mesh(book);
+    std::vector<double> x;
+    for (const Coordinate& c : in_mesh.coordinates()) x.push_back(0.5 * (c.lower + c.upper));
+    in_mesh.values(x, values);
   } catch (const samara::Error&) {
   }
 }

@@ -40,12 +40,13 @@ samara::codebooks::Codebook large() {
 int main(int argc, char** argv) {
   const int count = argc > 1 ? std::atoi(argv[1]) : 500;
   const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
-  const samara::codebooks::Codebook books[] = {certified(), golden_trains(), golden_command(), large()};
+  const samara::codebooks::Codebook books[] = {certified(), golden_trains(), golden_command(), golden_mesh(),
+                                               large()};
   const int large_count = count / 20;
   int failures = 0;
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < 5; ++k) {
     const int small_count = count - large_count;
-    const int share = k == 3 ? large_count : small_count / 3 + (k < small_count % 3 ? 1 : 0);
+    const int share = k == 4 ? large_count : small_count / 4 + (k < small_count % 4 ? 1 : 0);
     const file_fuzz::Report report = file_fuzz::fuzz(books[k], share, seed + static_cast<std::uint64_t>(k));
     std::printf(
         "%d mutated, %d with checksums repaired: %d refused, %d the same, %d other codebooks, %d "

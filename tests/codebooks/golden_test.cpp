@@ -4,6 +4,7 @@
 
 #include "../io/temporary_directory.h"
 #include "samara/codebooks/file/load.h"
+#include "samara/codebooks/query/place_query.h"
 #include "samara/codebooks/query/query.h"
 #include "same_codebook.h"
 #include "sample_books.h"
@@ -115,4 +116,23 @@ TEST_CASE("the golden file of format 0.5 holds what its certificate tells of cli
   check_same_codebook(book, golden_climbs());
   CHECK(book.certificate()->climbed_points == 17);
   CHECK(book.certificate()->refuted_before == 2);
+}
+
+TEST_CASE(
+    "the golden file of format 0.6, over the nodes of a mesh, evaluates to k + x + 2 y at nodes and "
+    "between") {
+  const Codebook book = load(std::filesystem::path(GOLDEN_DIRECTORY) / "codebook_0.6.h5");
+  check_same_codebook(book, golden_mesh());
+  CHECK(book.certificate()->places == 4);
+  REQUIRE(book.mesh() != nullptr);
+  Query at_nodes(book);
+  Eigen::VectorXd value(1);
+  for (int node = 0; node < 4; ++node) {
+    const Eigen::Vector2d place = book.mesh()->points().col(node);
+    at_nodes.values(std::vector<double>{static_cast<double>(node), 0.3}, value);
+    CHECK_THAT(value[0], WithinAbs(0.3 + place[0] + 2.0 * place[1], 1e-14));
+  }
+  PlaceQuery between(book);
+  between.values(std::vector{0.8, 0.7, 0.3}, value);
+  CHECK_THAT(value[0], WithinAbs(0.3 + 0.8 + 1.4, 1e-14));
 }

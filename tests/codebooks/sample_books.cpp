@@ -197,6 +197,33 @@ Codebook golden_climbs() {
   return book.with_certificate(certificate);
 }
 
+Codebook golden_mesh() {
+  // The square of unit sides, cut by the diagonal between nodes 1 and 2.
+  Eigen::MatrixXd points(2, 4);
+  points << 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0;
+  Eigen::MatrixXi cells(3, 2);
+  cells << 0, 3, 1, 2, 2, 1;
+  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(4, 4);
+  for (const auto& cell : cells.colwise()) {
+    for (const int a : cell) {
+      for (const int b : cell) mass(a, b) += a == b ? 1.0 / 12.0 : 1.0 / 24.0;
+    }
+  }
+  const Axis node = Axis::imported({"node", "1", AxisRole::space}, mass.sparseView());
+  const Axis k = Axis::chebyshev({"k", "K"}, 0.0, 1.0, 2);
+  Eigen::MatrixXd over_nodes(4, 2), over_k(2, 2);
+  over_nodes << Eigen::VectorXd::Ones(4), (points.row(0) + 2.0 * points.row(1)).transpose();
+  over_k << k.nodes(), Eigen::VectorXd::Ones(2);
+  const SeparatedField field({node, k}, {{"u", "K"}}, {over_nodes, over_k}, Eigen::RowVector2d::Ones());
+  ModelDescription model;
+  model.name = "golden_mesh";
+  model.equations = "u = k + x + 2 y";
+  const Codebook bare(model, {Piece{{field}}}, sample_build(), sample_provenance(), {}, "the golden mesh");
+  Certificate certificate = sample_certificate(bare);
+  certificate.places = 4;
+  return bare.with_mesh(SpaceMesh({"x", "y"}, "m", points, cells)).with_certificate(certificate);
+}
+
 ModelDescription sample_model() {
   ModelDescription model;
   model.name = "vertical_fall";
@@ -296,9 +323,8 @@ Eigen::MatrixXd random_points(const Codebook& book, int count, unsigned seed) {
       const Coordinate& c = book.coordinates()[static_cast<std::size_t>(k)];
       const Axis& axis = book.pieces().front().groups().front().axes()[static_cast<std::size_t>(k)];
       const double u = uniform(random);
-      points(k, j) = axis.basis() == samara::pgd::Basis::discrete
-                         ? axis.nodes()[static_cast<Eigen::Index>(u * axis.size())]
-                         : c.lower + u * (c.upper - c.lower);
+      points(k, j) = axis.is_list() ? axis.nodes()[static_cast<Eigen::Index>(u * axis.size())]
+                                    : c.lower + u * (c.upper - c.lower);
     }
   }
   return points;

@@ -56,6 +56,10 @@ samara::codebooks::Codebook golden_command();
 /// The same, certified by climbs, after certificates that found earlier fields wrong.
 samara::codebooks::Codebook golden_climbs();
 
+/// The codebook of the golden file of format 0.6: a field over the nodes of a mesh of two triangles, u = k + x + 2 y,
+/// exact to round-off, for k in [0, 1], certified at all places.
+samara::codebooks::Codebook golden_mesh();
+
 /// The codebook of the golden file of format 0.3: golden_book() with the first piece as one train of both
 /// outputs.
 samara::codebooks::Codebook golden_trains();

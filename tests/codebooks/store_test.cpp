@@ -45,16 +45,18 @@ TEST_CASE("axes of every kind, with their transforms, survive a file to the last
   check_same_codebook(stored(all_kinds()), all_kinds());
 }
 
-TEST_CASE("a codebook over an imported axis is refused by the file, in words") {
-  const Axis time = Axis::radau({"t", "s", AxisRole::time}, 0.0, 1.0, 3, 2);
-  const Axis mesh = Axis::imported({"mesh"}, Axis::p1({"x"}, 0.0, 1.0, 4).mass());
-  const Codebook book = one_piece(SeparatedField(
-      {time, mesh}, {{"x", "m"}}, {Eigen::MatrixXd::Random(7, 2), Eigen::MatrixXd::Random(4, 2)},
-      Eigen::MatrixXd::Random(1, 2)));
-  const TemporaryDirectory directory;
-  CHECK_THROWS_WITH(save(book, directory / "book.h5"),
-                    Catch::Contains("axis \"mesh\" is imported, which a codebook file cannot hold"));
-  CHECK(directory.file_count() == 0);
+TEST_CASE("a codebook over the nodes of a mesh survives a file, with mass matrix and cells") {
+  const Codebook book = golden_mesh();
+  const Codebook back = stored(book);
+  check_same_codebook(back, book);
+  const Axis &was = book.pieces()[0].groups()[0].axes()[0], &is = back.pieces()[0].groups()[0].axes()[0];
+  CHECK(is.basis() == samara::pgd::Basis::imported);
+  CHECK(same_bits(Eigen::MatrixXd(is.mass()), Eigen::MatrixXd(was.mass())));
+  REQUIRE(back.mesh() != nullptr);
+  CHECK(back.mesh()->directions() == book.mesh()->directions());
+  CHECK(back.mesh()->unit() == "m");
+  CHECK(same_bits(back.mesh()->points(), book.mesh()->points()));
+  CHECK(back.mesh()->cells() == book.mesh()->cells());
 }
 
 TEST_CASE("a codebook survives any number of files") {

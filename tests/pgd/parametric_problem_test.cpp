@@ -183,3 +183,33 @@ TEST_CASE("a separated function is within its tolerance at nodes it never saw, o
   CHECK_THROWS_WITH(separate([](std::span<const double> x) { return std::sqrt(x[0] - 2.0); }, axes),
                     Contains("f is") && Contains("nan at a ="));
 }
+
+TEST_CASE("a problem at a point of its parameters has the solution there of the whole one") {
+  // -k u'' = s on (0,1), u(0) = g, u(1) = 0: u = g (1 - x) + s x (1 - x)/(2 k).
+  const Axis x = Axis::legendre({"x", "1", kSpace}, 0.0, 1.0, 5);
+  const Axis k = Axis::chebyshev({"k"}, 0.5, 2.0, 5);
+  const Axis s = Axis::chebyshev({"s"}, 1.0, 2.0, 3);
+  const Axis g = Axis::chebyshev({"g", "1", AxisRole::boundary}, -1.0, 1.0, 3);
+  ParametricProblem problem({x, k, s, g});
+  problem.add_term({{"x", ModeOperator::sparse(x.stiffness())}, {"k", ModeOperator::diagonal(k.nodes())}},
+                   2.0);
+  problem.add_source({{"s", s.nodes()}}, 2.0);
+  problem.know("x", {0, x.size() - 1});
+  problem.add_to_lift({{"x", 1.0 - x.nodes().array()}, {"g", g.nodes()}});
+  // Between the nodes of all of them.
+  const SeparatedField u = solved(problem.at({{"k", 0.83}, {"s", 1.21}, {"g", -0.37}}));
+  REQUIRE(u.axis_count() == 1);
+  for (const double place : {0.0, 0.2, 0.7, 1.0}) {
+    const double exact = -0.37 * (1.0 - place) + 1.21 * place * (1.0 - place) / (2.0 * 0.83);
+    CHECK(std::abs(u(std::vector{place})[0] - exact) < 1e-9);
+  }
+  // Some of them may be left.
+  const SeparatedField over_s = solved(problem.at({{"k", 1.0}, {"g", 1.0}}));
+  CHECK(std::abs(over_s(std::vector{0.5, 1.7})[0] - (0.5 + 1.7 / 8.0)) < 1e-9);
+  CHECK_THROWS_WITH(problem.at({{"x", 0.5}}), Contains("axis \"x\", which is weak"));
+  CHECK_THROWS_WITH(problem.at({{"kk", 0.5}}), Contains("no axis \"kk\""));
+  CHECK_THROWS_WITH(problem.at({{"k", 3.0}}), Contains("k is 3"));
+  ParametricProblem coupled({x, k});
+  coupled.add_term({{"k", ModeOperator::sparse(k.derivative())}});
+  CHECK_THROWS_WITH(coupled.at({{"k", 1.0}}), Contains("axis \"k\" is no diagonal"));
+}

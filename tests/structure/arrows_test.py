@@ -18,9 +18,9 @@ SUB_ROOMS = {
     "base": [""],
     "io": [""],
     "pgd": ["axes", "tensors", "fields", "cross", "linear", "sampling", "evolution", "nonlinear", "checks"],
-    "models": ["interface", "checks", "bodies", "added_mass", "integrators", "batch", "trajectories", "equations", "laws"],
+    "models": ["interface", "checks", "bodies", "added_mass", "integrators", "batch", "trajectories", "equations", "fields", "laws"],
     "codebooks": [
-        "model", "book", "file", "plan", "source", "query/kernels", "query", "statistics", "certify", "build", "composition", "capi",
+        "model", "book", "file", "plan", "source", "query/kernels", "query", "statistics", "certify", "fields", "build", "composition", "capi",
     ],
     "identification": [
         "smoothing", "captures/exports", "captures", "statistics", "problem", "report",

@@ -6,8 +6,8 @@ import re
 import sys
 
 root = pathlib.Path(sys.argv[1])
-# Each file there is one law, and defines the function of its name that the registry declares.
-ALL_OF_ONE_KIND = {"models/laws", "pgd/nonlinear"}
+# Each file there is one law or field, and defines the function of its name that the registry declares.
+ALL_OF_ONE_KIND = {"models/fields", "models/laws", "pgd/nonlinear"}
 OF_THE_STANDARD_LIBRARIES = {"stddef.h", "experimental/simd"}
 wrong = []
 installed = 0

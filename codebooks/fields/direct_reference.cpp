@@ -1,0 +1,242 @@
+#include "samara/codebooks/fields/direct_reference.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <Eigen/SparseLU>
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/require.h"
+#include "samara/models/integrators/linear_system.h"
+
+namespace samara::codebooks {
+
+namespace {
+
+using pgd::Axis;
+using pgd::AxisRole;
+using pgd::ModeOperator;
+using pgd::ParametricProblem;
+using pgd::SparseMatrix;
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+SparseMatrix sparse_of(Eigen::Index rows, Eigen::Index columns, const Entries& entries) {
+  SparseMatrix matrix(rows, columns);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+SparseMatrix matrix_of(const ModeOperator& part, double scale) {
+  Entries entries;
+  part.add_to_triplets(entries, 0, 0, scale);
+  return sparse_of(part.rows(), part.cols(), entries);
+}
+
+/// From nodal values to values at points of an axis: points x nodes.
+SparseMatrix interpolation(const Axis& axis, std::span<const double> points) {
+  Entries entries;
+  pgd::InterpolationStencil stencil = axis.make_stencil();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    axis.interpolate(points[i], stencil, false);
+    for (Eigen::Index j = 0; j < stencil.value.size(); ++j)
+      entries.emplace_back(static_cast<int>(i), stencil.first + static_cast<int>(j), stencil.value[j]);
+  }
+  return sparse_of(static_cast<Eigen::Index>(points.size()), axis.size(), entries);
+}
+
+/// Rows and columns `nodes` of a square matrix.
+SparseMatrix between(const SparseMatrix& matrix, const std::vector<int>& nodes) {
+  std::vector<int> place(static_cast<std::size_t>(matrix.cols()), -1);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    place[static_cast<std::size_t>(nodes[i])] = static_cast<int>(i);
+  Entries inner;
+  for (const int node : nodes) {
+    for (SparseMatrix::InnerIterator entry(matrix, node); entry; ++entry) {
+      const int row = place[static_cast<std::size_t>(entry.row())];
+      if (row >= 0) inner.emplace_back(row, place[static_cast<std::size_t>(node)], entry.value());
+    }
+  }
+  const auto size = static_cast<Eigen::Index>(nodes.size());
+  return sparse_of(size, size, inner);
+}
+
+/// What a term does in time: a multiple of the derivative, or of the identity.
+struct TimePart {
+  bool is_derivative = false;
+  double factor = 1.0;
+};
+
+std::optional<TimePart> time_part(const Axis& time, const ModeOperator& part) {
+  const double rounding = 1e-12 * part.largest();
+  if (part.structure() == ModeOperator::Structure::diagonal) {
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(time.size());
+    part.add_to_diagonal(values, 1.0);
+    if (values.maxCoeff() - values.minCoeff() > rounding) return {};
+    return TimePart{false, values[0]};
+  }
+  Eigen::MatrixXd values = Eigen::MatrixXd::Zero(time.size(), time.size());
+  part.add_to_dense(values, 1.0);
+  const Eigen::MatrixXd derivative = time.derivative();
+  const double factor = values.cwiseProduct(derivative).sum() / derivative.squaredNorm();
+  if ((values - factor * derivative).cwiseAbs().maxCoeff() > rounding) return {};
+  return TimePart{true, factor};
+}
+
+std::size_t place_of(const ParametricProblem& problem, AxisRole role) {
+  const auto place = std::ranges::find(problem.axes(), role, &Axis::role);
+  return static_cast<std::size_t>(place - problem.axes().begin());
+}
+
+/// The terms of a tensor that has one mode.
+Eigen::VectorXd sum_of(const pgd::SeparatedTensor& tensor) {
+  return tensor.factors[0] * tensor.weights;
+}
+
+/// A u = b, without time: nodes x 1.
+Eigen::MatrixXd steady_solution(const ParametricProblem& problem) {
+  const Axis& space = problem.axes().front();
+  SparseMatrix matrix(space.size(), space.size());
+  for (const auto& term : problem.terms().terms) matrix += matrix_of(term.front(), 1.0);
+  const Eigen::VectorXd lift = sum_of(problem.lift());
+  const Eigen::VectorXd load = sum_of(problem.source()) - matrix * lift;
+  const std::vector<int> unknown = problem.unknown_nodes(space.name());
+  const Eigen::SparseLU<SparseMatrix> solver(between(matrix, unknown));
+  if (solver.info() != Eigen::Success)
+    throw NoResultError("the matrix of the problem is singular at this point");
+  Eigen::VectorXd whole = lift;
+  whole(unknown) += solver.solve(Eigen::VectorXd(load(unknown)));
+  return whole;
+}
+
+/// Nodal values of a tensor of two modes: those of `rows` x those of `columns`.
+Eigen::MatrixXd table_of(const pgd::SeparatedTensor& tensor, std::size_t rows,
+                         const Eigen::MatrixXd& columns) {
+  return tensor.factors[rows] * tensor.weights.asDiagonal() * columns.transpose();
+}
+
+/// M v' + K v = g - M l' - K l for what the lift l leaves of the solution: nodes x times.
+Eigen::MatrixXd transient_solution(const ParametricProblem& problem, const std::vector<double>& times,
+                                   const models::LinearIntegrationOptions& options) {
+  const std::size_t t = place_of(problem, AxisRole::time), s = place_of(problem, AxisRole::space);
+  const Axis &time = problem.axes()[t], &space = problem.axes()[s];
+  SparseMatrix mass(space.size(), space.size()), stiffness = mass;
+  for (const auto& term : problem.terms().terms) {
+    const TimePart part = time_part(time, term[t]).value();
+    (part.is_derivative ? mass : stiffness) += matrix_of(term[s], part.factor);
+  }
+  const pgd::SeparatedTensor &source = problem.source(), &lift = problem.lift();
+  const Eigen::MatrixXd lift_rate = time.derivative() * lift.factors[t];
+  const Eigen::MatrixXd loads = table_of(source, s, source.factors[t]) -
+                                stiffness * table_of(lift, s, lift.factors[t]) -
+                                mass * table_of(lift, s, lift_rate);
+  const std::vector<int> unknown = problem.unknown_nodes(space.name());
+  const Eigen::MatrixXd inner_loads = loads(unknown, Eigen::all);
+
+  models::LinearSystem system{between(mass, unknown), between(stiffness, unknown), {}};
+  pgd::InterpolationStencil stencil = time.make_stencil();
+  system.load = [&](double now, Eigen::Ref<Eigen::VectorXd> load) {
+    time.interpolate(now, stencil, false);
+    load = inner_loads.middleCols(stencil.first, stencil.value.size()) * stencil.value;
+  };
+  const Eigen::VectorXd start = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknown.size()));
+  Eigen::MatrixXd whole = table_of(lift, s, interpolation(time, times) * lift.factors[t]);
+  whole(unknown, Eigen::all) += models::integrate_linear(system, start, times, options);
+  return whole;
+}
+
+void check_time(const ParametricProblem& problem) {
+  const std::size_t t = place_of(problem, AxisRole::time);
+  const Axis& time = problem.axes()[t];
+  const std::vector<int> unknown = problem.unknown_nodes(time.name());
+  if (static_cast<int>(unknown.size()) != time.size() - 1 || unknown.front() != 1) {
+    throw ArgumentError(fmt::format(
+        "on axis \"{}\" other nodes are known than the first, which alone was expected", time.name()));
+  }
+  bool has_derivative = false;
+  for (const auto& term : problem.terms().terms) {
+    const std::optional<TimePart> part = time_part(time, term[t]);
+    if (!part) {
+      throw ArgumentError(
+          fmt::format("a term on axis \"{}\" is neither its derivative nor constant: a reference of the "
+                      "problem's own was expected",
+                      time.name()));
+    }
+    has_derivative = has_derivative || part->is_derivative;
+  }
+  if (!has_derivative)
+    throw ArgumentError(fmt::format("no term has the derivative of axis \"{}\"", time.name()));
+}
+
+/// The problem, and what is known of it before the first point.
+class DirectSolver {
+ public:
+  DirectSolver(ParametricProblem problem, double scale, double tolerance)
+      : problem_(std::move(problem)),
+        options_{.relative_tolerance = tolerance, .absolute_tolerance = 0.01 * tolerance * scale} {
+    const auto count = [&](AxisRole role) { return std::ranges::count(problem_.axes(), role, &Axis::role); };
+    if (count(AxisRole::space) != 1 || count(AxisRole::time) > 1) {
+      throw ArgumentError(
+          fmt::format("a problem with {} axes of space and {} of time is not solved point by point, expected "
+                      "one of space and at "
+                      "most one of time, or a reference of the problem's own",
+                      count(AxisRole::space), count(AxisRole::time)));
+    }
+    has_time_ = count(AxisRole::time) == 1;
+    std::vector<double> corner;
+    for (const Axis& axis : problem_.axes()) {
+      if (axis.role() == AxisRole::space || axis.role() == AxisRole::time) continue;
+      parameters_.push_back(axis.name());
+      corner.push_back(axis.lower());
+    }
+    // What is of another kind is found now, and not at the first point.
+    const ParametricProblem at_corner = at(corner);
+    if (has_time_) check_time(at_corner);
+  }
+
+  bool has_time() const { return has_time_; }
+
+  Eigen::MatrixXd operator()(std::span<const double> q, const std::vector<double>& times,
+                             const Eigen::VectorXd& places) const {
+    const ParametricProblem problem = at(q);
+    const Axis& space = problem.axes()[place_of(problem, AxisRole::space)];
+    const Eigen::MatrixXd nodal =
+        has_time_ ? transient_solution(problem, times, options_) : steady_solution(problem);
+    return (interpolation(space, {places.data(), static_cast<std::size_t>(places.size())}) * nodal)
+        .transpose();
+  }
+
+ private:
+  ParametricProblem at(std::span<const double> q) const {
+    std::map<std::string, double> point;
+    for (std::size_t k = 0; k < parameters_.size(); ++k) point[parameters_[k]] = q[k];
+    return problem_.at(point);
+  }
+
+  ParametricProblem problem_;
+  models::LinearIntegrationOptions options_;
+  std::vector<std::string> parameters_;
+  bool has_time_ = false;
+};
+
+}  // namespace
+
+FieldReference direct_reference(const pgd::ParametricProblem& problem, double scale, double tolerance) {
+  require_positive(scale, "scale", "direct_reference");
+  require_positive(tolerance, "tolerance", "direct_reference");
+  const auto solver = std::make_shared<const DirectSolver>(problem, scale, tolerance);
+  FieldReference reference;
+  reference.values = [solver](std::span<const double> q, const std::vector<double>& times,
+                              const Eigen::VectorXd& places) { return (*solver)(q, times, places); };
+  reference.name =
+      solver->has_time()
+          ? "CVODE (backward differentiation) on the nodes of space, whose own error it does not see"
+          : "the direct solution on the nodes of space, whose own error it does not see";
+  reference.tolerance = solver->has_time() ? tolerance : 0.0;
+  return reference;
+}
+
+}  // namespace samara::codebooks

@@ -1,0 +1,203 @@
+// The ready field "heat_rod", from a plan to a file, against CVODE.
+#include <algorithm>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "../io/temporary_directory.h"
+#include "rod_reference.h"
+#include "samara/base/errors.h"
+#include "samara/codebooks/book/certificate_points.h"
+#include "samara/codebooks/build/build.h"
+#include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/fields/ready_field.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
+#include "samara/codebooks/query/query.h"
+#include "samara/pgd/tensors/random.h"
+
+using namespace samara::codebooks;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// A rod of steel.
+constexpr const char* kRodPlan = R"(model = "heat_rod"
+title = "a rod of steel"
+[fixed]
+capacity = 3.6e6
+length = "20 cm"
+[box]
+conductivity = [15.0, 60.0]
+left = [0.0, 100.0]
+right = [0.0, 100.0]
+amplitude = [-50.0, 50.0]
+[time]
+end = "10 min"
+[tolerance]
+relative = 1e-4
+)";
+
+const BuildResult& rod_build() {
+  static const BuildResult result = build(parse_plan(kRodPlan, "rod.toml"));
+  return result;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
+std::string refusal_of_rod(const std::string& text) {
+  try {
+    parse_plan(text, "rod.toml");
+  } catch (const samara::InputError& error) {
+    return error.what();
+  }
+  return "no exception";
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a plan of heat_rod becomes a codebook that agrees with CVODE at 100 points after a file, corners "
+    "included") {
+  const BuildResult& built = rod_build();
+  CAPTURE(built.message, built.book.build().message);
+  REQUIRE(built.met);
+  const TemporaryDirectory directory;
+  save(built.book, directory / "rod.h5");
+  const Codebook book = load(directory / "rod.h5");
+  REQUIRE(book.coordinate_count() == 6);
+  CHECK(book.coordinates()[1].name == "x");
+  CHECK(book.coordinates()[1].unit == "m");
+  CHECK(book.coordinates()[1].upper == 0.2);
+  CHECK(book.space() == 1);
+
+  Query query(book);
+  Eigen::VectorXd value(1);
+  samara::pgd::Random random(2026);
+  const Eigen::VectorXd places = Eigen::VectorXd::LinSpaced(23, 0.0, 0.2);
+  const std::vector<double> times = {0.0, 0.01, 0.3, 2.0, 7.0, 30.0, 111.0, 333.0, 600.0};
+  double worst = 0.0, lowest = 1e300, highest = -1e300;
+  for (int p = 0; p < 100; ++p) {
+    std::vector<double> q;
+    for (int k = 0; k < 4; ++k) {
+      const Coordinate& c = book.coordinates()[static_cast<std::size_t>(2 + k)];
+      const double share = p < 16 ? (p >> k) % 2 : random.uniform();
+      q.push_back(c.lower + share * (c.upper - c.lower));
+    }
+    const Eigen::MatrixXd exact = rod_by_cvode({q[0], 3.6e6, 0.2, q[1], q[2], q[3]}, times, places);
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      for (Eigen::Index j = 0; j < places.size(); ++j) {
+        query.values(std::vector{times[i], places[j], q[0], q[1], q[2], q[3]}, value);
+        worst = std::max(worst, std::abs(value[0] - exact(j, static_cast<Eigen::Index>(i))));
+      }
+    }
+    lowest = std::min(lowest, exact.minCoeff());
+    highest = std::max(highest, exact.maxCoeff());
+  }
+  CAPTURE(worst / (highest - lowest), book.certificate()->max_error);
+  CHECK(worst / (highest - lowest) < 1e-4);
+}
+
+TEST_CASE(
+    "the certificate of heat_rod is against the exact solution, at all places and times of every point") {
+  const Certificate& certificate = *rod_build().book.certificate();
+  CHECK(certificate.points == 2000);
+  CHECK(certificate.places > 50);
+  CHECK(certificate.times > 50);
+  CHECK(certificate.max_error <= 1e-4);
+  CHECK_THAT(certificate.integrator, Contains("exact solution"));
+  REQUIRE(certificate.outputs.front().worst.size() == 6);
+  // Measured again at other points, it is of the same size.
+  CertifyOptions options;
+  options.points = 300;
+  options.seed = 99;
+  options.tolerance = 1e-4;
+  options.absolute = {{"u", certificate.outputs.front().range}};
+  const Certificate again = certify(rod_build().book, exact_reference(rod_build().book), options);
+  CHECK(again.met);
+  CHECK(again.max_error > 0.05 * certificate.max_error);
+  CHECK(again.max_error < 1.5 * certificate.max_error);
+}
+
+TEST_CASE("a certificate finds a field that is wrong at one place") {
+  const Codebook& book = rod_build().book;
+  const FieldReference exact = exact_reference(book);
+  FieldReference dented = exact;
+  dented.values = [&](std::span<const double> q, const std::vector<double>& times,
+                      const Eigen::VectorXd& places) {
+    Eigen::MatrixXd values = exact.values(q, times, places);
+    values(3, 7) += 30.0;
+    return values;
+  };
+  CertifyOptions options;
+  options.points = 20;
+  options.tolerance = 1e-4;
+  const Certificate certificate = certify(book, dented, options);
+  CHECK_FALSE(certificate.met);
+  CHECK(certificate.wrong_points == 20);
+  const std::vector<double>& worst = certificate.outputs.front().worst;
+  CHECK(worst[0] == certificate_times(book)[3]);
+  CHECK(worst[1] == certificate_places(book)[7]);
+}
+
+TEST_CASE("derivatives of the rod by place and parameters are those of its answers") {
+  const Codebook& book = rod_build().book;
+  Query query(book);
+  Eigen::VectorXd value(1), above(1), below(1);
+  Eigen::MatrixXd gradient(1, 6);
+  const std::vector<double> point = {100.0, 0.07, 31.0, 20.0, 65.0, 33.0};
+  query.values(point, value, gradient);
+  for (std::size_t k = 0; k < 6; ++k) {
+    const Coordinate& c = book.coordinates()[k];
+    const double step = 1e-5 * (c.upper - c.lower);
+    std::vector<double> moved = point;
+    moved[k] += step;
+    query.values(moved, above);
+    moved[k] -= 2.0 * step;
+    query.values(moved, below);
+    // Steps of 1e-5 of the range: cut off by 1e-10 of third derivatives, rounded by 1e-16/1e-5.
+    const double slope = (above[0] - below[0]) / (2.0 * step);
+    CHECK(std::abs(gradient(0, static_cast<Eigen::Index>(k)) - slope) < 1e-5 * 100.0 / (c.upper - c.lower));
+  }
+}
+
+TEST_CASE("capacity may be free, and what is left out has its default") {
+  std::string text = replaced(kRodPlan, "capacity = 3.6e6\n", "");
+  text = replaced(text, "left = [0.0, 100.0]\nright = [0.0, 100.0]\n",
+                  "capacity = { range = [2e6, 4e6], nodes = 14 }\n");
+  text = replaced(text, "amplitude = [-50.0, 50.0]\n", "amplitude = [10.0, 50.0]\n");
+  text = replaced(text, "relative = 1e-4", "relative = 1e-3");
+  const BuildResult built = build(parse_plan(text, "rod.toml"));
+  CAPTURE(built.message);
+  CHECK(built.met);
+  CHECK(built.book.pieces().front().groups().front().axes()[3].size() == 14);
+  Query query(built.book);
+  Eigen::VectorXd value(1);
+  query.values(std::vector{200.0, 0.1, 40.0, 3e6, 50.0}, value);
+  const Eigen::MatrixXd exact =
+      rod_by_cvode({40.0, 3e6, 0.2, 0.0, 0.0, 50.0}, {0.0, 200.0}, Eigen::VectorXd::Constant(1, 0.1));
+  CHECK(std::abs(value[0] - exact(0, 1)) < 1e-3 * 50.0);
+}
+
+TEST_CASE("plans of heat_rod that cannot be are refused with line and word") {
+  CHECK_THAT(refusal_of_rod(replaced(kRodPlan, "length = \"20 cm\"\n", "")),
+             Contains("needs \"length\" (m)"));
+  CHECK_THAT(refusal_of_rod(replaced(kRodPlan, "left = [0.0", "length = [0.1")),
+             Contains("rod.toml:8") && Contains("it is how far x goes"));
+  CHECK_THAT(refusal_of_rod(replaced(kRodPlan, "conductivity = [15.0", "conductivity = [-1.0")),
+             Contains("expected more than 0"));
+  CHECK_THAT(refusal_of_rod(replaced(kRodPlan, "left =", "lft =")), Contains("did you mean \"left\"?"));
+  for (const auto& [key, word] :
+       std::vector<std::pair<std::string, std::string>>{{"kind = 'sampling'", "no trajectories to sample"},
+                                                        {"strategy = 'slabs'", "solved by enrichment"},
+                                                        {"max_cells = 3", "never split"},
+                                                        {"max_calls = 3", "without evaluations"}})
+    CHECK_THAT(refusal_of_rod(std::string(kRodPlan) + "[builder]\n" + key), Contains(word));
+  CHECK_THROWS_WITH(parse_plan(kRodPlan, "rod.toml").parametric_model(), Contains("no trajectories"));
+}
+
+TEST_CASE("what needs trajectories says that the rod has none") {
+  CHECK_THROWS_WITH(model_of(rod_build().book), Contains("a field of space, the heat_rod"));
+}
