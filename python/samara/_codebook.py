@@ -250,11 +250,12 @@ class Codebook:
             frames = None
         else:
             frames = self._times(times)
-            answer = self._trajectories(q, np.atleast_1d(frames), gradient, outputs, out, threads, precision)
+            room = out[..., None, :] if out is not None and frames.ndim == 0 else out
+            pair = self._trajectories(q, np.atleast_1d(frames), gradient, outputs, room, threads, precision)
             if frames.ndim == 0:
-                answer = tuple(a[..., 0, :, :] if k else a[..., 0, :] for k, a in enumerate(answer))
-            if not gradient:
-                answer = answer[0]
+                pair = (pair[0][..., 0, :], *(slopes[..., 0, :, :] for slopes in pair[1:]))
+            values = pair[0] if out is None else out
+            answer = (values, *pair[1:]) if gradient else values
         if labels is None:
             return answer
         values, slopes = answer if gradient else (answer, None)

@@ -97,10 +97,11 @@ py::object at(const Book& book, const Array& points, const Names& outputs, const
 }
 
 /// Parameters (.., parameters) to values (.., outputs, times), and with a gradient (.., parameters, outputs, times).
-py::object trajectories(const Book& book, const Array& parameters, const std::vector<double>& times,
-                        const Names& outputs, const Held& held, const std::string& precision, bool gradient,
-                        const py::object& out, const std::optional<int>& threads) {
-  auto query = book.query(Book::Frames{times, Choice{outputs, held, precision_of(precision)}});
+py::object trajectories(const Book& book, const Array& parameters, const Array& times, const Names& outputs,
+                        const Held& held, const std::string& precision, bool gradient, const py::object& out,
+                        const std::optional<int>& threads) {
+  auto query = book.query(Book::Frames{{times.data(), times.data() + times.size()},
+                                       Choice{outputs, held, precision_of(precision)}});
   const py::ssize_t d = query->parameter_count(), m = query->output_count(), t = query->time_count();
   const Shape leading = leading_shape(parameters, d, "parameters");
   const py::ssize_t count = product(leading);

@@ -95,6 +95,10 @@ def test_answers_go_into_arrays_of_the_caller(coin):
     for room in (np.empty((1000, 7, 2)), np.empty_like(expected)):
         assert coin.query(q, TIMES, out=room) is room
         assert np.array_equal(room, expected)
+    room = np.empty((1000, 2))
+    assert coin.query(q, 0.3, out=room) is room and np.array_equal(room, coin.query(q, 0.3))
+    with pytest.raises(ValueError, match="out has the shape"):
+        coin.query(q, TIMES, out=np.empty((1000, 2, 7)))
     before = np.full_like(expected, np.nan)
     address = before.ctypes.data
     assert coin.query(q, TIMES, out=before).ctypes.data == address  # no other memory

@@ -6,6 +6,7 @@ import pathlib
 import re
 import subprocess
 import sys
+import tomllib
 
 import pytest
 
@@ -45,6 +46,11 @@ def test_the_stub_names_what_the_module_has():
                 continue
             names = [a for a in arguments_of(getattr(getattr(_core, name), method)) if a != "self"]
             assert [a for a in declared(of) if a != "self"] == names, (name, method)
+
+
+def test_the_version_is_that_of_the_project():
+    project = tomllib.loads((pathlib.Path(__file__).resolve().parents[2] / "pyproject.toml").read_text())["project"]
+    assert samara.__version__ == project["version"]
 
 
 def test_everything_public_is_documented():
