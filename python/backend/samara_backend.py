@@ -1,6 +1,7 @@
 """Builds wheels by CMake (PEP 517), with nothing but the standard library.
 
-    pip install .                                                  # everything from nothing
+    pip install .                                                  # everything from nothing, for this machine
+    pip wheel . --config-settings=cmake=-DSAMARA_MACHINE_FLAGS=    # the same for others
     pip install . --config-settings=build-dir=build/release        # what was built there, with its shared libraries
     pip install -e . --config-settings=build-dir=build/release     # a link to the package in that build
 """
@@ -23,7 +24,7 @@ NAME = f"{PROJECT['name']}-{PROJECT['version']}"
 PYTHON = f"cp{sys.version_info[0]}{sys.version_info[1]}"
 TAG = f"{PYTHON}-{PYTHON}-{re.sub('[-.]', '_', sysconfig.get_platform())}"
 OPTIONS = ["SAMARA_PYTHON=ON", "SAMARA_UNITY_BUILD=ON", "SAMARA_APPS=OFF", "SAMARA_TESTS=OFF",
-           "SAMARA_BENCHMARKS=OFF", "SAMARA_EXAMPLES=OFF", "CMAKE_BUILD_TYPE=Release"]
+           "SAMARA_BENCHMARKS=OFF", "SAMARA_EXAMPLES=OFF", "CMAKE_BUILD_TYPE=Release", "SAMARA_MACHINE_FLAGS=-march=native"]
 
 
 def metadata():

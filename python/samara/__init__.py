@@ -15,18 +15,8 @@ Numbers are in SI; where one is expected, a text with a unit will do. Errors are
 from ._core import __version__
 from ._errors import ArgumentError, Error, InputError, MissingPackageError, NoResultError, OutsideBoxError
 from ._building import build, separate
-from ._codebook import (
-    Axis,
-    Build,
-    Certificate,
-    Codebook,
-    Coordinate,
-    Group,
-    Output,
-    OutputError,
-    Piece,
-    Statistics,
-)
+from ._codebook import Codebook
+from ._contents import Axis, Build, Certificate, Coordinate, Group, Output, OutputError, Piece, Statistics
 from ._fitting import CaptureFit, Coefficients, Coefficient, FitResult, Unknown, fit
 from ._models import Model, ModelInfo, Parameter, Simulation, State, models, simulate
 

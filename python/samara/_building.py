@@ -17,7 +17,7 @@ from . import _core, _toml
 from ._codebook import Codebook
 from ._errors import ArgumentError
 from ._models import Model
-from ._units import Quantity, one_si
+from ._units import Quantity, as_mapping, one_si
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -144,6 +144,7 @@ def separate(
     :param certificate_points: 2,000 by default, fewer for slow functions
     :returns: always a codebook: whether it keeps its tolerance, ``certificate.met`` says
     """
+    as_mapping(box, "bounds")
     of = dict(outputs) if isinstance(outputs, Mapping) else {name: "1" for name in outputs}
     unit = {name: (units or {}).get(name, "1") for name in box}
     plan: dict[str, Any] = {

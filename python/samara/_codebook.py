@@ -6,137 +6,18 @@ import os
 import pathlib
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any, Literal, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core, _html, _labels
+from ._contents import Axis, Build, Certificate, Coordinate, Group, Output, Piece, Statistics, certificate_of
 from ._errors import ArgumentError
-from ._units import Quantity, one_si, stacked, to_si
+from ._units import Quantity, as_mapping, one_si, real_array, stacked, to_si
 
 Precision = Literal["double", "single", "auto"]
 Points = Union[Mapping[str, Quantity], ArrayLike]
-
-
-@dataclass(frozen=True)
-class Coordinate:
-    """One coordinate of a codebook, with its box in SI."""
-
-    name: str
-    unit: str
-    role: str
-    lower: float
-    upper: float
-
-
-@dataclass(frozen=True)
-class Output:
-    """What a codebook gives, in SI."""
-
-    name: str
-    unit: str
-
-
-@dataclass(frozen=True)
-class OutputError:
-    """How far one output is from the independent integrator, over ``range`` unless it says SI."""
-
-    name: str
-    unit: str
-    range: float
-    max: float
-    p95: float
-    mean: float
-    rms: float
-    max_si: float
-    worst: dict[str, float]
-
-
-@dataclass(frozen=True)
-class Certificate:
-    """The measured error of a codebook on points that no builder saw."""
-
-    met: bool
-    verdict: str
-    tolerance: float
-    max_error: float
-    points: int
-    times: int
-    failed_points: int
-    wrong_points: Optional[int]
-    share_above: Optional[float]
-    climbed_points: int
-    refuted_before: int
-    seed: int
-    integrator: str
-    integrator_tolerance: float
-    outputs: dict[str, OutputError] = field(repr=False)
-
-
-@dataclass(frozen=True)
-class Build:
-    """How the builder went."""
-
-    builder: str
-    strategy: str
-    status: str
-    message: str
-    evaluations: float
-    grid_size: float
-    iterations: int
-    rounds: int
-
-
-@dataclass(frozen=True)
-class Statistics:
-    """Mean, deviation and Sobol' indices over the box, its coordinates independent and uniform, at ``times``.
-
-    Arrays by output: ``mean`` and ``deviation`` (times,), SI; ``first_order`` and ``total`` (times, inputs), NaN where
-    the certificate does not stand for them. Without time there is one row.
-    """
-
-    inputs: tuple[str, ...]
-    times: NDArray[np.float64]
-    mean: dict[str, NDArray[np.float64]]
-    deviation: dict[str, NDArray[np.float64]]
-    first_order: dict[str, NDArray[np.float64]]
-    total: dict[str, NDArray[np.float64]]
-    notes: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Group:
-    """Outputs in one separated form, as read-only views of the codebook's own memory.
-
-    A sum of products has ``factors``, per axis (nodes, terms), and ``weights`` (outputs, terms): u_m = sum_r weights[m, r]
-    prod_k factors[k][:, r]. A train has ``cores`` (left, size, right), the first over the outputs.
-    """
-
-    kind: str
-    outputs: tuple[str, ...]
-    factors: tuple[NDArray[np.float64], ...] = ()
-    weights: Optional[NDArray[np.float64]] = None
-    cores: tuple[NDArray[np.float64], ...] = ()
-
-
-@dataclass(frozen=True)
-class Axis:
-    """One axis of a piece; ``nodes`` in SI."""
-
-    name: str
-    basis: str
-    transform: str
-    nodes: NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Piece:
-    """One time slab of one cell of the box."""
-
-    axes: tuple[Axis, ...]
-    groups: tuple[Group, ...]
 
 
 class Codebook:
@@ -157,7 +38,7 @@ class Codebook:
         self._description = book.describe()
         self._coordinates = tuple(Coordinate(**c) for c in self._description["coordinates"])
         self._outputs = tuple(Output(**o) for o in self._description["outputs"])
-        self._certificate = _certificate(self._description["certificate"], self._coordinates)
+        self._certificate = certificate_of(self._description["certificate"], self._coordinates)
         self.message = message
         """What the build said in the end, in one sentence; empty of a codebook from a file."""
 
@@ -240,6 +121,8 @@ class Codebook:
         """
         if labels not in (None, "pandas", "xarray"):
             raise ArgumentError(f'labels is "{labels}", expected None, "pandas" or "xarray"')
+        if out is not None and not isinstance(out, np.ndarray):
+            raise ArgumentError(f"out is {type(out).__name__}, expected an array")
         if labels and out is not None:
             raise ArgumentError("labels and out were given, expected one of the two")
         q = self._array(parameters, self.parameters, "parameters")
@@ -283,7 +166,7 @@ class Codebook:
         :param fixed: coordinates that are held: the points have none of them
         """
         held = self._held(fixed) if fixed else {}
-        if type(points) is not np.ndarray:
+        if type(points) is not np.ndarray or points.dtype.kind != "f":
             free = self._coordinates if not held else tuple(c for c in self._coordinates if c.name not in held)
             points = self._array(points, free, "points")
         order = 2 if hessian else 1 if gradient else 0
@@ -339,11 +222,11 @@ class Codebook:
     def _array(self, points: Points, coordinates: Sequence[Coordinate], what: str) -> NDArray[np.float64]:
         if isinstance(points, Mapping):
             return stacked(points, coordinates, what)
-        return np.asarray(points, dtype=float)
+        return real_array(points, what)
 
     def _held(self, fixed: Mapping[str, Quantity]) -> dict[str, float]:
         units = {c.name: c.unit for c in self._coordinates}
-        return {name: one_si(value, units.get(name, "1"), name) for name, value in fixed.items()}
+        return {name: one_si(value, units.get(name, "1"), name) for name, value in as_mapping(fixed, "held coordinates").items()}
 
     def _times(self, times: Any) -> NDArray[np.float64]:
         time = self._coordinates[0]
@@ -365,7 +248,7 @@ class Codebook:
         precision: Precision,
     ) -> tuple[NDArray[np.float64], ...]:
         # Times run fastest in what the library writes: a view has the axes in the order of the answer.
-        room = None if out is None else out.swapaxes(-1, -2)
+        room = None if out is None or out.ndim < 2 else out.swapaxes(-1, -2)
         is_ours = room is not None and room.flags.c_contiguous
         answer = self._book.trajectories(
             q, frames, outputs or (), {}, precision, gradient, room if is_ours else None, threads
@@ -388,14 +271,3 @@ def _from_bytes(data: bytes, message: str = "") -> Codebook:
         path.write_bytes(data)
         # A large file stays open, and lives on without its name.
         return Codebook(_core.Book.open(os.fspath(path)), message)
-
-
-def _certificate(given: Optional[dict[str, Any]], coordinates: Sequence[Coordinate]) -> Optional[Certificate]:
-    if given is None:
-        return None
-    names = [c.name for c in coordinates]
-    outputs = {}
-    for o in given.pop("outputs"):
-        worst = dict(zip(names, o.pop("worst")))
-        outputs[o["name"]] = OutputError(worst=worst, **o)
-    return Certificate(outputs=outputs, **given)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from . import _core
 from ._errors import ArgumentError
-from ._units import Quantity, check_names, to_si
+from ._units import Quantity, as_mapping, check_names, to_si
 
 _STEP = 1e-30
 """Of the complex step: so small that its square is lost to rounding, and no digit is."""
@@ -193,7 +193,11 @@ AnyModel = Union[str, "os.PathLike[str]", Model]
 
 def core_model(model: AnyModel) -> Any:
     """As the extension module takes it."""
-    return model if isinstance(model, Model) else os.fspath(model)
+    if isinstance(model, Model):
+        return model
+    if isinstance(model, (str, os.PathLike)):
+        return os.fspath(model)
+    raise ArgumentError(f"the model is of the type {type(model).__name__}, expected a name, a file, or a samara.Model")
 
 
 @overload
@@ -203,7 +207,11 @@ def models(model: AnyModel) -> ModelInfo: ...
 def models(model: Optional[AnyModel] = None) -> Union[dict[str, ModelInfo], ModelInfo]:
     """All models of Samara by name, or what is to be known of one: a name, a file of equations, a ``Model``."""
     if model is None:
-        return {name: models(name) for name in _core.model_names()}
+        return {name: _info(name) for name in _core.model_names()}
+    return _info(model)
+
+
+def _info(model: AnyModel) -> ModelInfo:
     d = _core.describe_model(core_model(model))
     states = tuple(State(s["name"], s["unit"], s["default_initial"], s["description"]) for s in d.pop("states"))
     parameters = tuple(Parameter(**p) for p in d.pop("parameters"))
@@ -253,7 +261,8 @@ def simulate(
     :param times: (times,), not decreasing, from 0 on
     :param sensitivities: derivatives by all parameters given, or by those named
     """
-    info = models(model)
+    as_mapping(parameters, "parameters")
+    info = _info(model)
     units = {p.name: p.unit for p in info.parameters} | {f"{s.name}(0)": s.unit for s in info.states}
     check_names(parameters, list(units), "parameter")
     frames = to_si(times, info.time_unit, "times")

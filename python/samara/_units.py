@@ -44,6 +44,21 @@ def _si(text: str, unit: str, what: str) -> float:
         raise ArgumentError(f"{what}: {error}") from None
 
 
+def real_array(values: Any, what: str) -> NDArray[np.float64]:
+    """As doubles, which complex numbers and texts are not."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiub":
+        raise ArgumentError(f"{what} are of the type {array.dtype}, expected numbers")
+    return array.astype(float, copy=False)
+
+
+def as_mapping(given: Any, what: str) -> Mapping[str, Any]:
+    """Names with their values, or a sentence."""
+    if isinstance(given, Mapping):
+        return given
+    raise ArgumentError(f"{what} are given as {type(given).__name__}, expected names with their values, as in {{'C_D': 1.1}}")
+
+
 def check_names(given: Iterable[str], known: Sequence[str], what: str) -> None:
     """Raises ArgumentError for a name that is not known, with the nearest."""
     for name in given:

@@ -1,5 +1,6 @@
 """Fits: the numbers of the command, captures in memory, models in Python, and what was minimised."""
 
+import concurrent.futures
 import csv
 import json
 import tomllib
@@ -79,6 +80,15 @@ def test_the_posterior_is_highest_at_the_answer_and_falls_as_its_gradient_says(r
     outside = q.copy()
     outside[0] = 5.0
     assert result.log_posterior(outside) == -np.inf
+
+
+def test_eight_threads_at_once_get_the_residuals_of_one(result):
+    points = [result.answer * (1 + 0.001 * k) for k in range(8)]
+    expected = [(result.residuals(q), result.jacobian(q)) for q in points]
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        for _ in range(5):
+            for (r, J), a, b in zip(expected, pool.map(result.residuals, points), pool.map(result.jacobian, points)):
+                assert np.array_equal(r, a) and np.array_equal(J, b)
 
 
 def test_points_of_a_wrong_size_are_refused(result):

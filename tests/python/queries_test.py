@@ -135,6 +135,7 @@ def test_a_point_outside_the_box_is_a_value_error_that_names_it(coin):
         ({"C_D": 1.0, "v(0)": np.nan}, TIMES, "finite|nan"),
         ({"C_D": 1.0, "v(0)": 0.0}, None, "times are not given"),
         ({"C_D": 1.0, "v(0)": 1j}, TIMES, "complex"),
+        (np.ones((4, 2)) * 1j, TIMES, "complex"),
         (np.ones((4, 3)), TIMES, r"expected \(\.\., 2\)"),
     ]:
         with pytest.raises(samara.ArgumentError, match=text):
