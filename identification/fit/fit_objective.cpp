@@ -178,6 +178,12 @@ double FitObjective::log_posterior(std::span<const double> q, Eigen::VectorXd* g
   const std::scoped_lock lock(impl_->mutex);
   if (!impl_->evaluate(q.data(), gradient != nullptr)) return -kUnbounded;
   double sum = 0.0;
+  for (int k = 0; k < impl_->problem.shared_count(); ++k) {
+    if (!impl_->problem.shared_chart.is_logarithmic(k)) continue;
+    const double value = q[static_cast<std::size_t>(k)];
+    sum -= std::log(value);
+    if (gradient) (*gradient)[k] -= 1.0 / value;
+  }
   Eigen::RowVectorXd slope(std::ssize(q));
   impl_->for_each_row(q.data(), [&](double r, double weight, bool is_data, const auto& fill) {
     const LossValue loss = is_data ? loss_value(impl_->problem.loss, r) : LossValue{r * r, r, 1.0};

@@ -61,9 +61,10 @@ class FitObjective {
   bool residuals(std::span<const double> q, Eigen::Ref<Eigen::VectorXd> values,
                  Eigen::MatrixXd* jacobian = nullptr) const;
 
-  /// Logarithm of the density of posterior.h, but for a constant: the cost of the captures over the dispersion of
-  /// their residuals at the answer, and the cost of priors and joins, both negative. Uniform in the box and -infinity
-  /// outside it, and where there is no trajectory.
+  /// Logarithm of the density of posterior.h by q, but for a constant: the cost of the captures over the
+  /// dispersion of their residuals at the answer, and the cost of priors and joins, both negative. Uniform in
+  /// the box where nothing else is known (in the logarithm of what moves by factors), -infinity outside it and
+  /// where there is no trajectory. Of the four numbers of an attitude only the direction counts.
   /// @param gradient by the unknowns; null if not wanted
   double log_posterior(std::span<const double> q, Eigen::VectorXd* gradient = nullptr) const;
 

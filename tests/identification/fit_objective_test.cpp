@@ -57,6 +57,8 @@ std::vector<Fitted> fits() {
   joined.segments.length = 0.2;
   joined.starts.count = 1;
   all.push_back({coin_family(), coins, joined});
+  all.push_back({std::make_unique<BrakedFamily>(), braked_captures(), with_priors()});
+  all.back().options.unknowns.log_scale = {"k"};
   return all;
 }
 
