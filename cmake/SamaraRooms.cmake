@@ -33,6 +33,7 @@ endif()
 # The command, the examples and the benchmarks need all of them.
 if(NOT samara_has_all_rooms)
   set(SAMARA_APPS OFF)
+  set(SAMARA_PYTHON OFF)
   set(SAMARA_EXAMPLES OFF)
   set(SAMARA_BENCHMARKS OFF)
 endif()

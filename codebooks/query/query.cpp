@@ -128,4 +128,55 @@ void Query::batch(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Ei
   });
 }
 
+namespace {
+
+/// Calls answer(query, point) for all points, in each range of them with a query of its own.
+template <class Answer>
+void point_by_point(Query& query, Eigen::Index count, int threads, const Answer& answer) {
+  const auto run = [&](Query& own, Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index j = begin; j < end; ++j) answer(own, j);
+  };
+  if (threads == 1) return run(query, 0, count);
+  in_ranges(count, threads, [&](Eigen::Index begin, Eigen::Index end) {
+    Query own(query);
+    run(own, begin, end);
+  });
+}
+
+std::span<const double> point_of(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Index j) {
+  return {points.col(j).data(), static_cast<std::size_t>(points.rows())};
+}
+
+/// A column of a matrix as a matrix of so many rows.
+Eigen::Map<Eigen::MatrixXd> unfolded(Eigen::Ref<Eigen::MatrixXd>& columns, Eigen::Index j,
+                                     Eigen::Index rows) {
+  return {columns.col(j).data(), rows, rows > 0 ? columns.rows() / rows : 0};
+}
+
+}  // namespace
+
+void Query::batch(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Eigen::MatrixXd> values,
+                  Eigen::Ref<Eigen::MatrixXd> gradients, int threads) {
+  const Eigen::Index d = impl_->fields().coordinate_count(), outputs = output_count();
+  require_size("points", size_of(points), {d, points.cols()});
+  require_size("values", size_of(values), {outputs, points.cols()});
+  require_size("derivatives", size_of(gradients), {outputs * d, points.cols()});
+  point_by_point(*this, points.cols(), threads, [&](Query& query, Eigen::Index j) {
+    query.values(point_of(points, j), values.col(j), unfolded(gradients, j, outputs));
+  });
+}
+
+void Query::batch(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Eigen::MatrixXd> values,
+                  Eigen::Ref<Eigen::MatrixXd> gradients, Eigen::Ref<Eigen::MatrixXd> hessians, int threads) {
+  const Eigen::Index d = impl_->fields().coordinate_count(), outputs = output_count();
+  require_size("points", size_of(points), {d, points.cols()});
+  require_size("values", size_of(values), {outputs, points.cols()});
+  require_size("derivatives", size_of(gradients), {outputs * d, points.cols()});
+  require_size("second derivatives", size_of(hessians), {outputs * d * d, points.cols()});
+  point_by_point(*this, points.cols(), threads, [&](Query& query, Eigen::Index j) {
+    query.values(point_of(points, j), values.col(j), unfolded(gradients, j, outputs),
+                 unfolded(hessians, j, outputs));
+  });
+}
+
 }  // namespace samara::codebooks

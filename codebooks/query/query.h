@@ -84,6 +84,16 @@ class Query {
   void batch(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Eigen::MatrixXd> values,
              int threads = 1);
 
+  /// The same with derivatives, point by point as values() gives them.
+  /// @param gradients (outputs * coordinates) x points: row o + outputs * k holds d(output o)/dx_k
+  void batch(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Eigen::MatrixXd> values,
+             Eigen::Ref<Eigen::MatrixXd> gradients, int threads = 1);
+
+  /// @param hessians (outputs * n n) x points, for n coordinates: row o + outputs * (j + n k) holds the second
+  /// derivative of output o by coordinates j and k
+  void batch(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Eigen::MatrixXd> values,
+             Eigen::Ref<Eigen::MatrixXd> gradients, Eigen::Ref<Eigen::MatrixXd> hessians, int threads = 1);
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

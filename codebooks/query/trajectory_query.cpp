@@ -249,4 +249,25 @@ void TrajectoryQuery::batch(const Eigen::Ref<const Eigen::MatrixXd>& points,
   });
 }
 
+void TrajectoryQuery::batch(const Eigen::Ref<const Eigen::MatrixXd>& points,
+                            Eigen::Ref<Eigen::MatrixXd> values, Eigen::Ref<Eigen::MatrixXd> derivatives,
+                            int threads) {
+  const Eigen::Index d = parameter_count(), times = time_count(), rows = impl_->fields().rows();
+  require_size("points", size_of(points), {d, points.cols()});
+  require_size("values", size_of(values), {rows, points.cols()});
+  require_size("derivatives", size_of(derivatives), {rows * d, points.cols()});
+  const auto run = [&](TrajectoryQuery& query, Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index j = begin; j < end; ++j) {
+      const std::span<const double> q(points.col(j).data(), static_cast<std::size_t>(d));
+      query.values(q, Eigen::Map<Eigen::MatrixXd>(values.col(j).data(), times, output_count()),
+                   Eigen::Map<Eigen::MatrixXd>(derivatives.col(j).data(), times, output_count() * d));
+    }
+  };
+  if (threads == 1) return run(*this, 0, points.cols());
+  in_ranges(points.cols(), threads, [&](Eigen::Index begin, Eigen::Index end) {
+    TrajectoryQuery own(*this);
+    run(own, begin, end);
+  });
+}
+
 }  // namespace samara::codebooks

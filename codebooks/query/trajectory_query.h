@@ -62,6 +62,11 @@ class TrajectoryQuery {
   void batch(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Eigen::MatrixXd> values,
              int threads = 1);
 
+  /// The same with derivatives, trajectory by trajectory as values() gives them.
+  /// @param derivatives (times * outputs * parameters) x points: times run fastest, then outputs
+  void batch(const Eigen::Ref<const Eigen::MatrixXd>& points, Eigen::Ref<Eigen::MatrixXd> values,
+             Eigen::Ref<Eigen::MatrixXd> derivatives, int threads = 1);
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

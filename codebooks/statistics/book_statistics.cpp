@@ -10,6 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/codebooks/book/book_slice.h"
 #include "samara/codebooks/statistics/input_draws.h"
 #include "samara/pgd/fields/statistics.h"
 
@@ -19,21 +20,6 @@ namespace {
 
 /// Of a distribution, the least share that must lie inside the box; and what may lie outside without a note.
 constexpr double kLeastInside = 0.5, kUnnoticed = 1e-3;
-
-/// A piece with the coordinates that are held taken out.
-struct Part {
-  std::vector<double> lower, upper;  ///< of the inputs
-  std::vector<pgd::Field> groups;
-  double begin = 0.0, end = 0.0;  ///< of time, if there is one
-};
-
-std::vector<Coordinate> inputs_of(const Codebook& book, const StatisticsRequest& request) {
-  std::vector<Coordinate> inputs;
-  for (const Coordinate& coordinate : book.parameters()) {
-    if (!request.fixed.contains(coordinate.name)) inputs.push_back(coordinate);
-  }
-  return inputs;
-}
 
 const Coordinate& coordinate_of(const Codebook& book, const std::string& name) {
   std::vector<std::string> known;
@@ -83,7 +69,7 @@ void check(const Codebook& book, const StatisticsRequest& request, BookStatistic
     if (request.inputs.contains(name))
       throw ArgumentError(fmt::format("\"{}\" is held, and has a distribution", name));
   }
-  if (inputs_of(book, request).empty())
+  if (book.parameters().size() == request.fixed.size())
     throw ArgumentError("the codebook has no free parameter to take statistics over");
   for (const auto& [name, distribution] : request.inputs)
     check_distribution(coordinate_of(book, name), distribution, result);
@@ -108,46 +94,13 @@ void check(const Codebook& book, const StatisticsRequest& request, BookStatistic
   if (request.joint) check_joint(book, request);
 }
 
-/// Of pieces that meet at a value that is held, the lower one.
-std::vector<Part> parts_of(const Codebook& book, const StatisticsRequest& request) {
-  std::vector<Part> parts;
+/// Whether pieces are slabs of time, each over the whole box.
+bool are_whole(const Codebook& book) {
   const std::size_t first = book.has_time() ? 1 : 0;
-  for (const Piece& piece : book.pieces()) {
-    Part part;
-    if (first == 1) {
-      part.begin = piece.lower()[0];
-      part.end = piece.upper()[0];
-    }
-    bool is_met = true;
+  return std::ranges::all_of(book.pieces(), [&](const Piece& piece) {
     for (std::size_t k = first; k < book.coordinates().size(); ++k) {
-      const auto fixed = request.fixed.find(book.coordinates()[k].name);
-      if (fixed == request.fixed.end()) {
-        part.lower.push_back(piece.lower()[k]);
-        part.upper.push_back(piece.upper()[k]);
-      } else {
-        is_met = is_met && fixed->second >= piece.lower()[k] && fixed->second <= piece.upper()[k];
-      }
-    }
-    const auto is_same = [&](const Part& other) {
-      return part.begin == other.begin && part.end == other.end && part.lower == other.lower &&
-             part.upper == other.upper;
-    };
-    if (!is_met || std::ranges::any_of(parts, is_same)) continue;
-    for (const FieldGroup& group : piece.groups()) {
-      pgd::Field field = group;
-      for (const auto& [name, value] : request.fixed) field = pgd::restricted(field, name, value);
-      part.groups.push_back(std::move(field));
-    }
-    parts.push_back(std::move(part));
-  }
-  return parts;
-}
-
-/// Whether parts are slabs of time, each over the whole box.
-bool are_whole(const std::vector<Part>& parts, const std::vector<Coordinate>& inputs) {
-  return std::ranges::all_of(parts, [&](const Part& part) {
-    for (std::size_t k = 0; k < inputs.size(); ++k) {
-      if (part.lower[k] != inputs[k].lower || part.upper[k] != inputs[k].upper) return false;
+      const Coordinate& box = book.coordinates()[k];
+      if (piece.lower()[k] != box.lower || piece.upper()[k] != box.upper) return false;
     }
     return true;
   });
@@ -178,14 +131,13 @@ void append(Eigen::MatrixXd& rows, std::size_t columns, Eigen::Index more, Get&&
     rows.col(static_cast<Eigen::Index>(k)).tail(more) = get(k).tail(more).transpose();
 }
 
-void take_of_slabs(const Codebook& book, const std::vector<Part>& parts, const StatisticsRequest& request,
-                   BookStatistics& result) {
+void take_of_slabs(const Codebook& book, const StatisticsRequest& request, BookStatistics& result) {
   result.groups = request.groups;
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    // The lower part answers where two of them meet.
+  for (std::size_t p = 0; p < book.pieces().size(); ++p) {
+    // The lower piece answers where two of them meet.
     const Eigen::Index from = p > 0 ? 1 : 0;
     std::size_t place = 0;
-    for (const pgd::Field& field : parts[p].groups) {
+    for (const FieldGroup& field : book.pieces()[p].groups()) {
       pgd::StatisticsOptions options = options_of(field, request);
       if (book.has_time()) options.free_axis = book.coordinates().front().name;
       options.subsets = request.groups;
@@ -218,28 +170,31 @@ Eigen::VectorXd times_of(const Codebook& book) {
   return Eigen::Map<const Eigen::VectorXd>(times.data(), static_cast<Eigen::Index>(times.size()));
 }
 
-/// The probability of a part among those at its times.
-double share_of(const Part& part, const std::vector<Coordinate>& inputs, const StatisticsRequest& request) {
+/// The probability of a piece among those at its times.
+double share_of(const Codebook& book, const Piece& piece, const StatisticsRequest& request) {
   double share = 1.0;
-  for (std::size_t k = 0; k < inputs.size(); ++k) {
-    const auto given = request.inputs.find(inputs[k].name);
+  for (std::size_t k = book.has_time() ? 1 : 0; k < book.coordinates().size(); ++k) {
+    const Coordinate& box = book.coordinates()[k];
+    const auto given = request.inputs.find(box.name);
     const Distribution distribution =
-        given != request.inputs.end()
-            ? given->second
-            : Distribution{DistributionKind::uniform, inputs[k].lower, inputs[k].upper};
-    share *= probability_below(distribution, part.upper[k]) - probability_below(distribution, part.lower[k]);
+        given != request.inputs.end() ? given->second
+                                      : Distribution{DistributionKind::uniform, box.lower, box.upper};
+    share *= probability_below(distribution, piece.upper()[k]) - probability_below(distribution, piece.lower()[k]);
   }
   return share;
 }
 
-/// The parts that answer at a time, one per cell: of those that meet there the lower one, which comes first.
-std::vector<const Part*> cells_at(const std::vector<Part>& parts, double t) {
-  std::vector<const Part*> cells;
-  for (const Part& part : parts) {
-    const auto is_same_cell = [&](const Part* other) {
-      return part.lower == other->lower && part.upper == other->upper;
+/// The pieces that answer at a time, one per cell: of those that meet there the lower one, which comes first.
+std::vector<const Piece*> cells_at(const Codebook& book, double t) {
+  std::vector<const Piece*> cells;
+  const std::ptrdiff_t first = book.has_time() ? 1 : 0;
+  for (const Piece& piece : book.pieces()) {
+    const auto is_same_cell = [&](const Piece* other) {
+      return std::equal(piece.lower().begin() + first, piece.lower().end(), other->lower().begin() + first) &&
+             std::equal(piece.upper().begin() + first, piece.upper().end(), other->upper().begin() + first);
     };
-    if (t >= part.begin && t <= part.end && std::ranges::none_of(cells, is_same_cell)) cells.push_back(&part);
+    if (first == 1 && (t < piece.lower()[0] || t > piece.upper()[0])) continue;
+    if (std::ranges::none_of(cells, is_same_cell)) cells.push_back(&piece);
   }
   return cells;
 }
@@ -249,9 +204,9 @@ struct Moments {
   Eigen::VectorXd mean, variance;
 };
 
-Moments moments_of(const Part& part, const std::string& time, double t, const StatisticsRequest& request) {
+Moments moments_of(const Piece& piece, const std::string& time, double t, const StatisticsRequest& request) {
   Moments moments;
-  for (const pgd::Field& field : part.groups) {
+  for (const FieldGroup& field : piece.groups()) {
     const pgd::Field now = time.empty() ? field : pgd::restricted(field, time, t);
     const pgd::Statistics s = pgd::statistics(now, options_of(now, request));
     append(moments.mean, s.mean.transpose(), 0);
@@ -260,10 +215,9 @@ Moments moments_of(const Part& part, const std::string& time, double t, const St
   return moments;
 }
 
-/// A box that is split into cells: means and variances of the parts, weighted by their probabilities. Conditional
+/// A box that is split into cells: means and variances of the cells, weighted by their probabilities. Conditional
 /// means, of which the indices are made, would have to be put together along the coordinates.
-void take_of_cells(const Codebook& book, const std::vector<Part>& parts, const std::vector<Coordinate>& inputs,
-                   const StatisticsRequest& request, BookStatistics& result) {
+void take_of_cells(const Codebook& book, const StatisticsRequest& request, BookStatistics& result) {
   if (!request.groups.empty())
     throw ArgumentError("the box of the codebook is split into cells, which have no indices of groups");
   if (book.has_time()) result.times = times_of(book);
@@ -275,10 +229,10 @@ void take_of_cells(const Codebook& book, const std::vector<Part>& parts, const s
     const double t = book.has_time() ? result.times[i] : 0.0;
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(book.output_count()), variance = mean;
     double weight = 0.0;
-    for (const Part* part : cells_at(parts, t)) {
-      const double share = share_of(*part, inputs, request), before = weight;
+    for (const Piece* piece : cells_at(book, t)) {
+      const double share = share_of(book, *piece, request), before = weight;
       if (share < kNegligible) continue;
-      const Moments moments = moments_of(*part, time, t, request);
+      const Moments moments = moments_of(*piece, time, t, request);
       weight += share;
       // Of two parts with weights a and b: (a V_1 + b V_2)/(a + b) + a b/(a + b)^2 (m_1 - m_2)^2.
       const Eigen::VectorXd apart = moments.mean - mean;
@@ -341,18 +295,17 @@ BookStatistics take_statistics(const Codebook& book, const StatisticsRequest& re
   result.quantiles = request.quantiles;
   for (const pgd::OutputLabel& output : book.outputs())
     result.outputs.push_back({.name = output.name, .unit = output.unit});
-  const std::vector<Coordinate> inputs = inputs_of(book, request);
   if (request.joint) {
     result.notes.push_back("inputs are correlated: statistics are those of draws, without Sobol' indices");
     if (book.has_time()) result.times = times_of(book);
     take_of_draws(book, request, result);
     return result;
   }
-  const std::vector<Part> parts = parts_of(book, request);
-  if (are_whole(parts, inputs)) {
-    take_of_slabs(book, parts, request, result);
+  const Codebook free = slice(book, request.fixed);
+  if (are_whole(free)) {
+    take_of_slabs(free, request, result);
   } else {
-    take_of_cells(book, parts, inputs, request, result);
+    take_of_cells(free, request, result);
   }
   leave_out_unresolved(book, result);
   if (!request.quantiles.empty()) take_of_draws(book, request, result);

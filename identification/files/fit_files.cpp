@@ -164,24 +164,25 @@ std::vector<std::string> texts_of(const std::vector<std::filesystem::path>& path
 
 /// All that is fitted, and all that is left out.
 CaptureSplit read_split(const FitRequest& request, const FitSource& source) {
-  if (request.captures.empty() && request.left_out.empty())
+  if (!has_captures(request) && request.left_out.empty())
     throw ArgumentError(
         "there is no CAPTURE; files to fit, or with --coefficients --left-out and files to predict, were "
         "expected");
-  if (request.captures.empty() && request.coefficients.empty()) {
+  if (!has_captures(request) && request.coefficients.empty()) {
     throw ArgumentError(
         fmt::format("there is no CAPTURE to fit: all files given follow --left-out ({}); captures before it, "
                     "or --coefficients, were expected",
                     fmt::join(texts_of(request.left_out), ", ")));
   }
   return of_file(request.config, [&] {
-    const std::vector<Capture> given = read_all(request.captures, request.sidecar);
+    std::vector<Capture> given = read_all(request.captures, request.sidecar);
+    given.insert(given.end(), request.measured.begin(), request.measured.end());
     std::vector<Capture> left_out = read_all(request.left_out, request.sidecar);
     if (given.empty() && !source.prediction.left_out.empty())
       return CaptureSplit{{}, split(left_out, source.prediction).left_out};
     CaptureSplit captures = split(given, source.prediction);
     for (Capture& capture : left_out) captures.left_out.push_back(std::move(capture));
-    if (!request.captures.empty() && captures.fitted.empty())
+    if (has_captures(request) && captures.fitted.empty())
       throw ArgumentError("no capture is left to fit; sidecar and [prediction] leave out all of them");
     return captures;
   });
@@ -205,9 +206,12 @@ FitResult predicted(const FitRequest& request, const FitSource& source, const st
   return result;
 }
 
+/// @param objective null if it is not wanted
 FitResult fit_and_predict(const FitSource& source, const CaptureSplit& captures,
-                          const std::optional<PredictionOptions>& prediction) {
-  FitResult result = fit(*source.family, captures.fitted, source.options);
+                          const std::optional<PredictionOptions>& prediction,
+                          std::shared_ptr<const FitObjective>* objective) {
+  FitResult result = objective ? fit(*source.family, captures.fitted, source.options, *objective)
+                               : fit(*source.family, captures.fitted, source.options);
   result.warnings.add_all(WarningKind::model, check_mass_of(source, captures.fitted, result));
   if (!prediction) return result;
   if (source.prediction.folds) {
@@ -252,7 +256,9 @@ FitReport fit_files(const FitRequest& request) {
   check_times(request);
   check_sidecar(request);
   WarningTeller teller(request);
-  FitSource source = open_fit_source(request);
+  // Kept by the objective, which asks its family.
+  const auto kept = std::make_shared<FitSource>(open_fit_source(request));
+  FitSource& source = *kept;
   teller.tell(source.warnings);
   if (request.profiles && predicts_only(request))
     throw ArgumentError("--profiles are of coefficients that are fitted; captures to fit were expected");
@@ -281,10 +287,20 @@ FitReport fit_files(const FitRequest& request) {
   }
   source.options.progress = request.progress;
   FitReport report;
+  std::shared_ptr<const FitObjective> objective;
   report.fit = of_file(request.config, [&] {
-    return fits ? fit_and_predict(source, captures, prediction)
+    return fits ? fit_and_predict(source, captures, prediction, request.with_objective ? &objective : nullptr)
                 : predicted(request, source, captures.left_out, *prediction);
   });
+  if (objective) {
+    source.options.progress = {};  // which may not outlive the call
+    struct Kept {
+      std::shared_ptr<FitSource> source;
+      std::shared_ptr<const FitObjective> objective;  // goes first
+    };
+    const auto owner = std::make_shared<Kept>(Kept{kept, objective});
+    report.objective = {owner, objective.get()};
+  }
   report.fit.warnings.add_all(WarningKind::captures, upside_down);
   teller.tell(report.fit.warnings);
   report.is_usable = fits ? report.fit.is_usable() : !report.fit.predictions.empty();

@@ -2,16 +2,21 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "samara/base/progress.h"
+#include "samara/codebooks/book/codebook.h"
+#include "samara/identification/captures/capture.h"
+#include "samara/identification/fit/fit_objective.h"
 #include "samara/identification/problem/fit_result.h"
 #include "samara/identification/series/coefficient_series.h"
 
 /// A whole fit from files, as `samara fit` does it: a codebook or a model, captures with their sidecars, a
-/// config; captures that were left out are predicted, suspicious ones reported.
+/// config; captures that were left out are predicted, suspicious ones reported. Callers that have some of it in memory
+/// may give that.
 ///
 ///     const FitReport report = fit_files({.source = "coin.h5", .captures = {"coin.toml"}});
 ///     std::cout << fit_text(report.fit);
@@ -21,9 +26,15 @@ struct FitRequest {
   std::string source = {};                           ///< the file of a codebook, or the name of a model
   std::vector<std::filesystem::path> captures = {};  ///< to fit: tables, or sidecars (".toml")
   std::vector<std::filesystem::path> left_out = {};  ///< to predict, likewise
-  std::filesystem::path sidecar = {};                ///< of every table; empty: those beside them
-  std::filesystem::path config = {};                 ///< TOML; empty: a codebook's own box
-  std::filesystem::path coefficients = {};           ///< JSON of another fit: where this one begins
+  /// In memory, in place of `source`: one of the two.
+  std::shared_ptr<const codebooks::Codebook> book = {};
+  std::shared_ptr<const models::Model> model = {};
+  std::vector<Capture> measured = {};       ///< in memory, to fit, after those of `captures`
+  std::string config_text = {};             ///< TOML, where `config` is empty
+  bool with_objective = false;              ///< FitReport::objective is wanted
+  std::filesystem::path sidecar = {};       ///< of every table; empty: those beside them
+  std::filesystem::path config = {};        ///< TOML; empty: a codebook's own box
+  std::filesystem::path coefficients = {};  ///< JSON of another fit: where this one begins
   /// s, in place of the config's: of each capture that is fitted, of each that is left out, and beyond it.
   std::optional<double> span = {}, left_out_span = {}, ahead = {};
   bool reference = false;     ///< integrate the equations of a codebook instead of asking it
@@ -40,6 +51,9 @@ struct FitReport {
   /// Whether there is what was asked for; else the message says why not.
   bool is_usable = false;
   std::string message = {};
+  /// What was minimised, with all that it needs, if it was asked for: null of a series, where nothing was fitted, and
+  /// where no start succeeded.
+  std::shared_ptr<const FitObjective> objective = {};
 };
 
 /// Sentences name the settings as the options of `samara fit`.

@@ -37,6 +37,12 @@ bool is_model(const std::string& text) {
   return !std::filesystem::exists(text, ignored) && text.find_first_of("./") == std::string::npos;
 }
 
+/// What is fitted, for messages.
+std::string name_of(const FitRequest& request) {
+  if (!request.source.empty()) return request.source;
+  return request.model ? request.model->info().name : "the codebook";
+}
+
 /// Takes coefficients of another fit over: held, or where this one begins.
 /// @param names, box of what the source has, and leaves free; delay and gains of the config are added
 void take_over(const FitRequest& request, ConfigNames names, std::map<std::string, models::Interval> box,
@@ -61,7 +67,7 @@ void take_over(const FitRequest& request, ConfigNames names, std::map<std::strin
     const auto unit = names.coordinates.find(c.name);
     if (unit == names.coordinates.end()) {
       throw InputError(request.coefficients.string(),
-                       fmt::format("\"{}\" has no coordinate \"{}\"{}", request.source, c.name,
+                       fmt::format("\"{}\" has no coordinate \"{}\"{}", name_of(request), c.name,
                                    suggestion(c.name, known)));
     }
     if (!same_dimension(unit->second, c.unit)) {
@@ -98,25 +104,47 @@ void take_over(const FitRequest& request, ConfigNames names, std::map<std::strin
   }
 }
 
+bool has_config(const FitRequest& request) {
+  return !request.config.empty() || !request.config_text.empty();
+}
+
+/// The name of the config for messages, where it came as text.
+constexpr const char* kConfigText = "the config";
+
+FitOptions options_of(const FitRequest& request, const ConfigNames& names) {
+  return request.config.empty() ? parse_fit_config(request.config_text, kConfigText, names)
+                                : read_fit_config(request.config, names);
+}
+
+std::optional<SeriesOptions> series_of_config(const FitRequest& request, const ConfigNames& names) {
+  return request.config.empty() ? parse_series_config(request.config_text, kConfigText, names)
+                                : read_series_config(request.config, names);
+}
+
+PredictionConfig prediction_config_of(const FitRequest& request) {
+  return request.config.empty() ? parse_prediction_config(request.config_text, kConfigText)
+                                : read_prediction_config(request.config);
+}
+
 void open_model(const FitRequest& request, FitSource& source) {
-  const auto model = codebooks::open_model(request.source);
+  const auto model = request.model ? request.model : codebooks::open_model(request.source);
   if (request.reference) {
     throw ArgumentError(fmt::format(
-        "--reference says how to fit a codebook; the model \"{}\" is integrated anyway", request.source));
+        "--reference says how to fit a codebook; the model \"{}\" is integrated anyway", model->info().name));
   }
-  if (request.config.empty()) {
+  if (!has_config(request)) {
     throw ArgumentError(fmt::format("the fit of the model \"{}\" needs --config with a [box] of what is free",
-                                    request.source));
+                                    model->info().name));
   }
   const ConfigNames names = config_names(model->info());
-  source.options = read_fit_config(request.config, names);
+  source.options = options_of(request, names);
   take_over(request, names, source.options.unknowns.box, source);
   std::map<std::string, double> values = fixed_of_model(source.options);
   for (const auto& [name, interval] : source.options.unknowns.box)
     values.emplace(name, 0.5 * (interval.lower + interval.upper));
   source.warnings.add_all(WarningKind::source, models::parameter_warnings(*model, values));
   source.model = model;
-  source.series = read_series_config(request.config, names);
+  source.series = series_of_config(request, names);
   source.family = of_file(request.config, [&] {
     const FitOptions& options = source.options;
     const std::vector<std::string> measurement = measurement_names(options);
@@ -132,15 +160,16 @@ void open_model(const FitRequest& request, FitSource& source) {
 }
 
 void open_codebook(const FitRequest& request, FitSource& source) {
-  source.book = codebooks::load(request.source);
+  source.book = request.book ? request.book
+                             : std::make_shared<const codebooks::Codebook>(codebooks::load(request.source));
   const ConfigNames names = config_names(*source.book);
-  if (!request.config.empty()) {
-    source.options = read_fit_config(request.config, names);
-    if (read_series_config(request.config, names)) {
-      throw InputError(request.config.string(),
+  if (has_config(request)) {
+    source.options = options_of(request, names);
+    if (series_of_config(request, names)) {
+      throw InputError(request.config.empty() ? kConfigText : request.config.string(),
                        fmt::format("[series] needs equations whose coefficients may change, and \"{}\" is a "
                                    "codebook; the name of its model, \"{}\", was expected",
-                                   request.source, source.book->model().name));
+                                   name_of(request), source.book->model().name));
     }
   }
   std::map<std::string, models::Interval> box;
@@ -152,7 +181,7 @@ void open_codebook(const FitRequest& request, FitSource& source) {
   take_over(request, names, box, source);
   if (!source.book->certificate() || !source.book->certificate()->met) {
     source.warnings.add(WarningKind::source,
-                        fmt::format("{} has no certificate that meets its tolerance", request.source));
+                        fmt::format("{} has no certificate that meets its tolerance", name_of(request)));
   }
   source.family = of_file(request.source, [&] {
     if (request.reference) return codebooks::reference_trajectories(*source.book);
@@ -193,13 +222,15 @@ void doubt_held_values(const FitResult& fitted, const models::FamilyInfo& info, 
 }
 
 bool predicts_only(const FitRequest& request) {
-  return request.captures.empty() && !request.coefficients.empty();
+  return !has_captures(request) && !request.coefficients.empty();
 }
 
 FitSource open_fit_source(const FitRequest& request) {
   FitSource source;
-  if (!request.config.empty()) source.prediction = read_prediction_config(request.config);
-  if (is_model(request.source)) {
+  if (request.book && request.model)
+    throw ArgumentError("a fit of a codebook and of a model: one was expected");
+  if (has_config(request)) source.prediction = prediction_config_of(request);
+  if (request.model || (!request.book && is_model(request.source))) {
     open_model(request, source);
   } else {
     open_codebook(request, source);

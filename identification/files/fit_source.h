@@ -22,9 +22,9 @@ namespace samara::identification {
 
 /// What is fitted: the trajectories of a codebook (kept alive here) or of a model.
 struct FitSource {
-  std::shared_ptr<const models::Model> model;  ///< null for a codebook
-  std::optional<SeriesOptions> series;         ///< only with a model
-  std::optional<codebooks::Codebook> book;
+  std::shared_ptr<const models::Model> model;       ///< null for a codebook
+  std::optional<SeriesOptions> series;              ///< only with a model
+  std::shared_ptr<const codebooks::Codebook> book;  ///< null for a model
   std::unique_ptr<models::TrajectoryFamily> family;
   FitOptions options;
   PredictionConfig prediction;
@@ -32,6 +32,11 @@ struct FitSource {
   /// Of a codebook that does not keep its tolerance, of units, of coefficients whose fit did not converge.
   Warnings warnings;
 };
+
+/// Whether there are captures to fit, in files or in memory.
+inline bool has_captures(const FitRequest& request) {
+  return !request.captures.empty() || !request.measured.empty();
+}
 
 /// Whether nothing is fitted: coefficients come from another fit, and there are only captures to predict.
 bool predicts_only(const FitRequest& request);

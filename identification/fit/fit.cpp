@@ -284,10 +284,9 @@ void conclude(const MinimizeResult& best, const Uncertainty& uncertainty, int ma
   }
 }
 
-}  // namespace
-
-FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> captures,
-              const FitOptions& options) {
+/// @param objective null if it is not wanted
+FitResult fitted(const models::TrajectoryFamily& family, std::span<const Capture> captures,
+                 const FitOptions& options, std::shared_ptr<const FitObjective>* objective) {
   const auto begin = std::chrono::steady_clock::now();
   FitProblem problem = make_problem(family.info(), captures, options);
   NoiseLevels levels(options.noise, problem);
@@ -331,6 +330,8 @@ FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> c
     add_bootstrap(family, problem, residuals, point, options, result);
     add_posterior(family, problem, residuals, point, uncertainty, options, result);
     add_other_optima(problem, residuals, runs, *best, result);
+    if (objective)
+      *objective = std::make_shared<FitObjective>(family, problem, residuals, point, uncertainty.dispersion);
   } else {
     result.message =
         fmt::format("none of {} starts succeeded; the first: {}", runs.size(), runs.front().message);
@@ -339,6 +340,19 @@ FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> c
   result.evaluations += evaluations_of(residuals) + descend.evaluations();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
+}
+
+}  // namespace
+
+FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> captures,
+              const FitOptions& options) {
+  return fitted(family, captures, options, nullptr);
+}
+
+FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> captures,
+              const FitOptions& options, std::shared_ptr<const FitObjective>& objective) {
+  objective.reset();
+  return fitted(family, captures, options, &objective);
 }
 
 }  // namespace samara::identification

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "samara/identification/captures/capture.h"
+#include "samara/identification/fit/fit_objective.h"
 #include "samara/identification/problem/fit_options.h"
 #include "samara/identification/problem/fit_result.h"
 #include "samara/models/trajectories/trajectory_family.h"
@@ -47,5 +49,9 @@ namespace samara::identification {
 ///   the result's status and warnings.
 FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> captures,
               const FitOptions& options = {});
+
+/// The same, and what was minimised (fit_objective.h): null where no start succeeded. The family must outlive it.
+FitResult fit(const models::TrajectoryFamily& family, std::span<const Capture> captures,
+              const FitOptions& options, std::shared_ptr<const FitObjective>& objective);
 
 }  // namespace samara::identification

@@ -196,6 +196,57 @@ TEST_CASE("a batch of trajectories answers as one after the other, on any number
   }
 }
 
+TEST_CASE("derivatives of a batch are those of point after point, on any number of threads") {
+  for (const Codebook& book : {four_pieces(), all_kinds(), golden_command()}) {
+    const Eigen::Index d = book.coordinate_count(), outputs = book.output_count();
+    const Eigen::MatrixXd points = random_points(book, 1200, 5);
+    for (const int threads : {1, 3, 0}) {
+      Query query(book);
+      Eigen::MatrixXd values(outputs, points.cols()), gradients(outputs * d, points.cols());
+      Eigen::MatrixXd again = values, slopes = gradients, hessians(outputs * d * d, points.cols());
+      query.batch(points, values, gradients, threads);
+      query.batch(points, again, slopes, hessians, threads);
+      Eigen::VectorXd one(outputs);
+      Eigen::MatrixXd gradient(outputs, d), hessian(outputs, d * d);
+      for (Eigen::Index j = 0; j < points.cols(); j += 7) {
+        query.values(point(points, j), one, gradient);
+        REQUIRE((values.col(j).array() == one.array()).all());
+        // On lists there are no derivatives: both are NaN.
+        const Eigen::VectorXd expected = gradient.reshaped();
+        for (Eigen::Index i = 0; i < expected.size(); ++i)
+          REQUIRE(
+              (gradients(i, j) == expected[i] || (std::isnan(gradients(i, j)) && std::isnan(expected[i]))));
+        query.values(point(points, j), one, gradient, hessian);
+        REQUIRE((again.col(j).array() == one.array()).all());
+        const Eigen::VectorXd second = hessian.reshaped();
+        for (Eigen::Index i = 0; i < second.size(); ++i)
+          REQUIRE((hessians(i, j) == second[i] || (std::isnan(hessians(i, j)) && std::isnan(second[i]))));
+      }
+    }
+  }
+}
+
+TEST_CASE("derivatives of a batch of trajectories are those of one after the other") {
+  const Codebook book = four_pieces();
+  const std::vector<double> times = {0.0, 0.05, 0.2, 0.31, 0.5};
+  const Eigen::MatrixXd points = random_points(book, 1100, 6).bottomRows(book.coordinate_count() - 1);
+  for (const int threads : {1, 3, 0}) {
+    TrajectoryQuery query(book, times, std::vector<std::string>{"E", "x"});
+    const Eigen::Index rows = query.time_count() * query.output_count(), d = query.parameter_count();
+    Eigen::MatrixXd values(rows, points.cols()), derivatives(rows * d, points.cols());
+    query.batch(points, values, derivatives, threads);
+    Eigen::MatrixXd one(query.time_count(), query.output_count());
+    Eigen::MatrixXd slopes(query.time_count(), query.output_count() * d);
+    for (Eigen::Index j = 0; j < points.cols(); j += 7) {
+      query.values(point(points, j), one, slopes);
+      REQUIRE((values.col(j).array() == one.reshaped().array()).all());
+      REQUIRE((derivatives.col(j).array() == slopes.reshaped().array()).all());
+    }
+    Eigen::MatrixXd short_of_rows(rows, points.cols());
+    CHECK_THROWS_AS(query.batch(points, values, short_of_rows, threads), ArgumentError);
+  }
+}
+
 TEST_CASE("a batch refuses what a single query refuses") {
   const Codebook book = four_pieces();
   Query query(book);

@@ -11,12 +11,14 @@ MAY_INCLUDE = {
     "io": {"base"},
     "codebooks": {"base", "pgd", "models", "io"},
     "identification": {"base", "pgd", "models", "io", "codebooks"},
+    "python": {"base", "pgd", "models", "io", "codebooks", "identification"},
 }
 
 # The sub-rooms of a room, from the lowest upwards: each may include those that stand before it.
 SUB_ROOMS = {
     "base": [""],
     "io": [""],
+    "python": ["src"],
     "pgd": ["axes", "tensors", "fields", "cross", "linear", "sampling", "evolution", "nonlinear", "checks"],
     "models": ["interface", "checks", "bodies", "added_mass", "integrators", "batch", "trajectories", "equations", "fields", "laws"],
     "codebooks": [

@@ -5,7 +5,7 @@ import re
 import sys
 
 # The libraries take the sources of their folders as they lie there.
-ROOMS = ["apps", "benchmarks", "examples", "tests"]
+ROOMS = ["apps", "benchmarks", "examples", "python", "tests"]
 
 root = pathlib.Path(sys.argv[1])
 missing = []

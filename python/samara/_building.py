@@ -1,0 +1,233 @@
+"""Codebooks from plans and from functions."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+import sys
+import time
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Optional, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core, _toml
+from ._codebook import Codebook
+from ._errors import ArgumentError
+from ._models import Model
+from ._units import Quantity, as_mapping, one_si
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+Report = Callable[[str, float], Optional[bool]]
+Progress = Union[bool, Report]
+Path = Union[str, "os.PathLike[str]"]
+
+
+class ProgressLine:
+    """One line on stderr that overwrites itself; nothing where stderr is neither a terminal nor a notebook's."""
+
+    def __init__(self) -> None:
+        self._is_shown = sys.stderr.isatty() or "ipykernel" in sys.modules
+        self._last = 0.0
+        self._width = 0
+
+    def __call__(self, stage: str, fraction: float) -> None:
+        now = time.monotonic()
+        if not self._is_shown or now - self._last < 0.1:
+            return
+        self._last = now
+        line = f"{stage}: {100 * fraction:3.0f} %"
+        sys.stderr.write("\r" + line.ljust(self._width))
+        sys.stderr.flush()
+        self._width = len(line)
+
+    def clear(self) -> None:
+        if self._width:
+            sys.stderr.write("\r" + " " * self._width + "\r")
+            sys.stderr.flush()
+
+
+class Reported:
+    """What the library is to tell of progress, as a context."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._line = ProgressLine() if progress is True else None
+        self._report = self._line if progress is True else progress if callable(progress) else None
+
+    def __enter__(self) -> Any:
+        return self._report
+
+    def __exit__(self, *_: object) -> None:
+        if self._line:
+            self._line.clear()
+
+
+def build(
+    plan: Union[Path, Mapping[str, Any]],
+    model: Optional[Model] = None,
+    progress: Progress = True,
+    *,
+    checkpoint: Optional[Path] = None,
+    resume: bool = True,
+    certificate_points: Optional[int] = None,
+) -> Codebook:
+    """The codebook of a plan, with its certificate (docs/plans.md says what plans may hold).
+
+    :param plan: a file, or a dictionary with the same keys; quantities are SI numbers or texts with a unit
+    :param model: of your own, in place of the one that the plan names
+    :param progress: a line on stderr; or a function of (stage, fraction), which ends the build by returning False
+    :param checkpoint: a file that keeps the state between rounds, and is removed in the end. Ctrl-C raises
+        ``KeyboardInterrupt`` and leaves it: the same call goes on from there, unless ``resume`` is False
+    :param certificate_points: in place of what the plan asks for
+    :returns: always a codebook: whether it keeps its tolerance, ``certificate.met`` says
+    :raises InputError: for a plan that cannot be one
+    """
+    definition = None if model is None else model
+    if isinstance(plan, Mapping):
+        if definition is not None:
+            plan = {**plan, "model": plan.get("model", definition.name)}
+        path, text = None, _toml.dumps(plan)
+    else:
+        path = os.fspath(plan)
+        text = "" if definition is None else pathlib.Path(path).read_text()
+    if definition is not None:
+        text = _fingerprint(definition.rhs) + text
+    with Reported(progress) as report:
+        book, _, message, told = _core.build(
+            path, text, definition, report, os.fspath(checkpoint or ""), resume, certificate_points
+        )
+    for sentence in told:
+        warnings.warn(sentence, stacklevel=2)
+    return Codebook(book, message)
+
+
+def separate(
+    function: Callable[..., Any],
+    box: Mapping[str, tuple[Quantity, Quantity]],
+    outputs: Union[Sequence[str], Mapping[str, str]],
+    tolerance: float = 1e-3,
+    vectorised: bool = True,
+    pool: Optional[Executor] = None,
+    *,
+    units: Optional[Mapping[str, str]] = None,
+    end: Optional[Quantity] = None,
+    absolute: Optional[Mapping[str, float]] = None,
+    max_calls: Optional[int] = None,
+    seed: int = 1,
+    title: Optional[str] = None,
+    progress: Progress = False,
+    checkpoint: Optional[Path] = None,
+    resume: bool = True,
+    certificate_points: Optional[int] = None,
+) -> Codebook:
+    """The separated form of any function over a box, from few calls, certified on points that the builder did not see.
+
+    ::
+
+        book = samara.separate(lambda x: np.sin(x[:, 0] * x[:, 1]), {"a": (0, 1), "b": (0, 2)}, ["u"], tolerance=1e-6)
+
+    :param function: of an array (points, coordinates), returning (points, outputs), or (points,) for one output; where it
+        is not ``vectorised``, of one point (coordinates,). With time, of points and times (times,): (points, times, outputs)
+    :param box: bounds by name, in the unit of the coordinate
+    :param outputs: names; or units by name
+    :param tolerance: largest error of an output over its range
+    :param pool: an executor that makes the calls: point by point if not vectorised, else in pieces. Processes need a
+        function that can be pickled
+    :param units: of coordinates, of the SI; "1" where none is given
+    :param end: s: the function is one of time, too, from 0 to there
+    :param absolute: floor by output for the range that errors are divided by
+    :param max_calls: of the builder; those of the certificate come on top
+    :param certificate_points: 2,000 by default, fewer for slow functions
+    :returns: always a codebook: whether it keeps its tolerance, ``certificate.met`` says
+    """
+    as_mapping(box, "bounds")
+    of = dict(outputs) if isinstance(outputs, Mapping) else {name: "1" for name in outputs}
+    unit = {name: (units or {}).get(name, "1") for name in box}
+    plan: dict[str, Any] = {
+        "title": title,
+        "command": {"run": [_name_of(function)], "inputs": unit, "outputs": of},
+        "box": {n: [one_si(a, unit[n], n), one_si(b, unit[n], n)] for n, (a, b) in box.items()},
+        "time": None if end is None else {"end": end},
+        "tolerance": {"relative": tolerance, "absolute": dict(absolute) if absolute else None},
+        "builder": {"kind": "sampling", "seed": seed, "max_calls": max_calls},
+    }
+    calls = _Calls(function, len(box), len(of), vectorised, pool, end is not None)
+    with Reported(progress) as report:
+        book, _, message = _core.separate(
+            calls, _fingerprint(function) + _toml.dumps(plan), report, os.fspath(checkpoint or ""), resume, certificate_points
+        )
+    return Codebook(book, message)
+
+
+def _name_of(function: Callable[..., Any]) -> str:
+    return f"Python: {getattr(function, '__module__', '')}.{getattr(function, '__qualname__', type(function).__name__)}"
+
+
+def _fingerprint(function: Any) -> str:
+    """A comment of the plan: a checkpoint of another function is not taken up."""
+    import hashlib  # which takes a while to load
+
+    code = getattr(function, "__code__", None)
+    digest = hashlib.sha256()
+    codes = [code] if code else []
+    while codes:
+        code = codes.pop()
+        digest.update(code.co_code + repr(code.co_names).encode())
+        for constant in code.co_consts:
+            if hasattr(constant, "co_code"):
+                codes.append(constant)
+            else:
+                digest.update(repr(constant).encode())
+    return f"# {_name_of(function)}, {digest.hexdigest()[:16]}\n"
+
+
+class _Calls:
+    """The user's function as the library calls it: (points, inputs and times) to (points, times x outputs)."""
+
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        inputs: int,
+        outputs: int,
+        vectorised: bool,
+        pool: Optional[Executor],
+        has_time: bool,
+    ) -> None:
+        self._function = function
+        self._inputs = inputs
+        self._outputs = outputs
+        self._vectorised = vectorised
+        self._pool = pool
+        self._has_time = has_time
+
+    def __call__(self, given: NDArray[np.float64]) -> NDArray[np.float64]:
+        points = np.ascontiguousarray(given[:, : self._inputs])
+        times = given[0, self._inputs :].copy()
+        more = (times,) if self._has_time else ()
+        if self._vectorised:
+            chunks = self._chunks(points)
+            answers = list(self._map(chunks, more))
+            shaped = [self._shaped(a, len(c), len(times)) for a, c in zip(answers, chunks)]
+            return np.concatenate(shaped)
+        answers = list(self._map(points, more))
+        return np.concatenate([self._shaped([a], 1, len(times)) for a in answers])
+
+    def _chunks(self, points: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+        workers = getattr(self._pool, "_max_workers", os.cpu_count() or 1) if self._pool else 1
+        return np.array_split(points, max(1, min(workers, len(points))))
+
+    def _map(self, items: Any, more: tuple[Any, ...]) -> Any:
+        if self._pool is None:
+            return (self._function(item, *more) for item in items)
+        return self._pool.map(self._function, items, *([m] * len(items) for m in more))
+
+    def _shaped(self, answer: Any, points: int, times: int) -> NDArray[np.float64]:
+        values = np.asarray(answer, dtype=float)
+        expected = (points, times, self._outputs) if self._has_time else (points, self._outputs)
+        if values.shape != expected and not (self._outputs == 1 and values.shape == expected[:-1]):
+            raise ArgumentError(f"the function gave the shape {values.shape}, expected {expected}")
+        return values.reshape(points, -1)

@@ -1,0 +1,77 @@
+"""Captures as they are given: files, or tables in memory."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from ._errors import ArgumentError
+
+_COLUMN = re.compile(r"\s*(?P<name>.+?)\s*\[(?P<unit>[^\]]*)\]\s*\Z")
+
+
+def files_and_tables(given: Any) -> tuple[list[str], list[dict[str, Any]]]:
+    """Files, and captures in memory."""
+    if isinstance(given, (str, os.PathLike)) or _is_table(given):
+        given = [given]
+    elif isinstance(given, Mapping):
+        return [], [_capture(table, str(name)) for name, table in given.items()]
+    files, tables = [], []
+    for k, item in enumerate(given):
+        if isinstance(item, (str, os.PathLike)):
+            files.append(os.fspath(item))
+        else:
+            tables.append(_capture(item, getattr(item, "attrs", {}).get("id", f"capture {k + 1}")))
+    return files, tables
+
+
+def _is_table(given: Any) -> bool:
+    """A frame, or a mapping of columns: its keys name units."""
+    if hasattr(given, "columns"):
+        return True
+    return isinstance(given, Mapping) and any(_COLUMN.match(str(key)) for key in given)
+
+
+def _capture(table: Any, name: str) -> dict[str, Any]:
+    """A capture of columns such as ``t[s]`` and ``x[m]``; those without a unit are labels, the same in all frames.
+
+    As of a file, it begins at the first frame in which all its quantities are seen, and times count from there.
+    """
+    if not isinstance(table, Mapping) and not hasattr(table, "columns"):
+        raise ArgumentError(f"{name} is of the type {type(table).__name__}, expected a file, a DataFrame or columns by name")
+    times, channels, labels = None, [], {}
+    for column in table.columns if hasattr(table, "columns") else table:
+        values = np.asarray(table[column])
+        match = _COLUMN.match(str(column))
+        if not match:
+            distinct = np.unique(values.astype(str))
+            if len(distinct) != 1:
+                raise ArgumentError(f'the column "{column}" of {name} has no unit; a head like "{column}[m]" was expected')
+            labels[str(column)] = str(distinct[0])
+            continue
+        quantity, unit = match["name"], match["unit"]
+        if values.dtype.kind not in "fiu":
+            values = values.astype(float)
+        numbers = values.astype(float) * _core.si(f"1 {unit}", unit)
+        if np.any(np.isinf(numbers)):
+            raise ArgumentError(f'the column "{column}" of {name} has an infinite value; NaN stands for a missing one')
+        if quantity == "t":
+            times = numbers
+        else:
+            channels.append({"name": quantity, "unit": _core.si_unit(unit), "values": numbers})
+    if times is None:
+        raise ArgumentError(f'{name} has no column of times; "t[s]" was expected')
+    if np.any(np.isnan(times)) or not np.all(np.diff(times) > 0):
+        raise ArgumentError(f"the times of {name} do not increase, or one is missing")
+    is_seen = np.all([~np.isnan(c["values"]) for c in channels], axis=0)
+    if not channels or not np.any(is_seen):
+        raise ArgumentError(f"there is no frame of {name} in which all its quantities are seen")
+    first = int(np.argmax(is_seen))
+    for c in channels:
+        c["values"] = c["values"][first:]
+    return {"id": name, "labels": labels, "times": times[first:] - times[first], "channels": channels}

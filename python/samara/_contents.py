@@ -1,0 +1,141 @@
+"""What a codebook consists of, as plain values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Optional
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """One coordinate of a codebook, with its box in SI."""
+
+    name: str
+    unit: str
+    role: str
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class Output:
+    """What a codebook gives, in SI."""
+
+    name: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class OutputError:
+    """How far one output is from the independent integrator, over ``range`` unless it says SI."""
+
+    name: str
+    unit: str
+    range: float
+    max: float
+    p95: float
+    mean: float
+    rms: float
+    max_si: float
+    worst: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """The measured error of a codebook on points that no builder saw."""
+
+    met: bool
+    verdict: str
+    tolerance: float
+    max_error: float
+    points: int
+    times: int
+    failed_points: int
+    wrong_points: Optional[int]
+    share_above: Optional[float]
+    climbed_points: int
+    refuted_before: int
+    seed: int
+    integrator: str
+    integrator_tolerance: float
+    outputs: dict[str, OutputError] = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Build:
+    """How the builder went."""
+
+    builder: str
+    strategy: str
+    status: str
+    message: str
+    evaluations: float
+    grid_size: float
+    iterations: int
+    rounds: int
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Mean, deviation and Sobol' indices over the box, its coordinates independent and uniform, at ``times``.
+
+    Arrays by output: ``mean`` and ``deviation`` (times,), SI; ``first_order`` and ``total`` (times, inputs), NaN where
+    the certificate does not stand for them. Without time there is one row.
+    """
+
+    inputs: tuple[str, ...]
+    times: NDArray[np.float64]
+    mean: dict[str, NDArray[np.float64]]
+    deviation: dict[str, NDArray[np.float64]]
+    first_order: dict[str, NDArray[np.float64]]
+    total: dict[str, NDArray[np.float64]]
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Group:
+    """Outputs in one separated form, as read-only views of the codebook's own memory.
+
+    A sum of products has ``factors``, per axis (nodes, terms), and ``weights`` (outputs, terms): u_m = sum_r weights[m, r]
+    prod_k factors[k][:, r]. A train has ``cores`` (left, size, right), the first over the outputs.
+    """
+
+    kind: str
+    outputs: tuple[str, ...]
+    factors: tuple[NDArray[np.float64], ...] = ()
+    weights: Optional[NDArray[np.float64]] = None
+    cores: tuple[NDArray[np.float64], ...] = ()
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis of a piece; ``nodes`` in SI."""
+
+    name: str
+    basis: str
+    transform: str
+    nodes: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One time slab of one cell of the box."""
+
+    axes: tuple[Axis, ...]
+    groups: tuple[Group, ...]
+
+
+def certificate_of(given: Optional[dict[str, Any]], coordinates: Sequence[Coordinate]) -> Optional[Certificate]:
+    if given is None:
+        return None
+    names = [c.name for c in coordinates]
+    outputs: dict[str, OutputError] = {}
+    for o in given["outputs"]:
+        numbers: dict[str, Any] = {**o, "worst": dict(zip(names, o["worst"]))}
+        outputs[o["name"]] = OutputError(**numbers)
+    entries: dict[str, Any] = {**given, "outputs": outputs}
+    return Certificate(**entries)

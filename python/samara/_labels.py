@@ -1,0 +1,93 @@
+"""Answers with labels: pandas and xarray, where they are installed."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Sequence
+from types import ModuleType
+from typing import Any, Optional
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._errors import MissingPackageError
+
+
+def optional(name: str) -> ModuleType:
+    """A package that Samara itself does not need."""
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        raise MissingPackageError(f"{name} is not installed, and this answer needs it", name=name) from None
+
+
+def labelled(
+    kind: str,
+    q: NDArray[np.float64],
+    parameters: Sequence[Any],
+    frames: Optional[NDArray[np.float64]],
+    time: Any,
+    values: NDArray[np.float64],
+    slopes: Optional[NDArray[np.float64]],
+    outputs: Sequence[Any],
+) -> Any:
+    """The answer of ``Codebook.query``: values (.., [times,] outputs), slopes (.., [times,] outputs, parameters)."""
+    if frames is not None and frames.ndim == 0:
+        frames = frames.reshape(1)
+        values = values[..., None, :]
+        slopes = None if slopes is None else slopes[..., None, :, :]
+    make = _frame if kind == "pandas" else _dataset
+    return make(q, parameters, frames, time, values, slopes, outputs)
+
+
+def _frame(
+    q: NDArray[np.float64],
+    parameters: Sequence[Any],
+    frames: Optional[NDArray[np.float64]],
+    time: Any,
+    values: NDArray[np.float64],
+    slopes: Optional[NDArray[np.float64]],
+    outputs: Sequence[Any],
+) -> Any:
+    pandas = optional("pandas")
+    shape = values.shape[:-1]
+    columns = {}
+    for k, p in enumerate(parameters):
+        column = q[..., k] if frames is None else q[..., None, k]
+        columns[p.name] = np.broadcast_to(column, shape).ravel()
+    if frames is not None:
+        columns[time.name] = np.broadcast_to(frames, shape).ravel()
+    for k, o in enumerate(outputs):
+        columns[o.name] = values[..., k].ravel()
+    if slopes is not None:
+        for k, o in enumerate(outputs):
+            for j, p in enumerate(parameters):
+                columns[f"d{o.name}/d{p.name}"] = slopes[..., k, j].ravel()
+    frame = pandas.DataFrame(columns)
+    frame.attrs["units"] = {x.name: x.unit for x in (*parameters, time, *outputs) if x.name in columns}
+    return frame
+
+
+def _dataset(
+    q: NDArray[np.float64],
+    parameters: Sequence[Any],
+    frames: Optional[NDArray[np.float64]],
+    time: Any,
+    values: NDArray[np.float64],
+    slopes: Optional[NDArray[np.float64]],
+    outputs: Sequence[Any],
+) -> Any:
+    xarray = optional("xarray")
+    count = q.ndim - 1
+    samples = ("sample",) if count == 1 else tuple(f"sample_{k}" for k in range(count))
+    dims = samples if frames is None else (*samples, "time")
+    variables = {o.name: (dims, values[..., k], {"units": o.unit}) for k, o in enumerate(outputs)}
+    if slopes is not None:
+        for k, o in enumerate(outputs):
+            variables[f"d{o.name}"] = ((*dims, "parameter"), slopes[..., k, :], {"long_name": "derivative"})
+    coords: dict[str, Any] = {p.name: (samples, q[..., k], {"units": p.unit}) for k, p in enumerate(parameters)}
+    if frames is not None:
+        coords["time"] = ("time", frames, {"units": time.unit})
+    if slopes is not None:
+        coords["parameter"] = ("parameter", [p.name for p in parameters])
+    return xarray.Dataset(variables, coords=coords)

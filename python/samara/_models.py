@@ -1,0 +1,296 @@
+"""Models: those that Samara has, those that you write, and their trajectories."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Optional, Union, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from ._errors import ArgumentError
+from ._units import Quantity, as_mapping, check_names, to_si
+
+_STEP = 1e-30
+"""Of the complex step: so small that its square is lost to rounding, and no digit is."""
+
+
+@dataclass(frozen=True)
+class State:
+    """A state of a model. ``initial`` is its default at t = 0, SI; ``scale`` its characteristic size."""
+
+    name: str
+    unit: str = "1"
+    initial: float = 0.0
+    description: str = ""
+    scale: Optional[float] = None
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a model, SI. Without a ``default`` it must be given."""
+
+    name: str
+    unit: str = "1"
+    default: Optional[float] = None
+    description: str = ""
+    lower: Optional[float] = None
+    upper: Optional[float] = None
+    derived: Optional[str] = None
+
+
+@dataclass(frozen=True)
+class ModelInfo:
+    """What ``samara models NAME`` says."""
+
+    name: str
+    title: str
+    equations: str
+    frames: str
+    source: str
+    validity: str
+    symmetries: tuple[str, ...]
+    time_unit: str
+    states: tuple[State, ...]
+    parameters: tuple[Parameter, ...]
+    affine_in: tuple[str, ...]
+    force_terms: dict[str, str]
+
+
+class Model:
+    """A model from a Python function: x' = rhs(t, x, p).
+
+    ``rhs`` is written for many points at once: ``x`` and ``p`` have a row for each state and parameter, and it returns
+    a rate for each state::
+
+        def pendulum(t, x, p):
+            angle, speed = x
+            length, damping = p
+            return speed, -9.81 / length * np.sin(angle) - damping * speed
+
+        model = samara.Model(
+            pendulum,
+            states={"angle": "rad", "speed": "rad/s"},
+            parameters={"length": "m", "damping": samara.Parameter("damping", "1/s", default=0.1)},
+        )
+
+    Derivatives come from complex steps, exact to rounding, so that ``rhs`` must bear complex numbers (no ``abs``, ``max``,
+    comparisons of states). Else ``jacobian(t, x, p)`` gives them: by states (states, states) and by parameters (states,
+    parameters), each entry a number or a row of points; ``jax.jacfwd`` makes one.
+
+    Where single trajectories are integrated, each step calls Python: some ten microseconds. Builders ask for many points
+    in one call.
+    """
+
+    def __init__(
+        self,
+        rhs: Callable[[Any, Any, Any], Any],
+        states: Mapping[str, Union[str, State]],
+        parameters: Mapping[str, Union[str, Parameter]],
+        jacobian: Optional[Callable[[Any, Any, Any], tuple[Any, Any]]] = None,
+        *,
+        name: Optional[str] = None,
+        title: str = "",
+        source: str = "",
+        validity: str = "",
+    ) -> None:
+        self.rhs = rhs
+        self.jacobian = jacobian
+        self.name = name or getattr(rhs, "__name__", type(rhs).__name__)
+        self.states = tuple(s if isinstance(s, State) else State(n, s) for n, s in states.items())
+        self.parameters = tuple(p if isinstance(p, Parameter) else Parameter(n, p) for n, p in parameters.items())
+        if not self.states:
+            raise ArgumentError(f'the model "{self.name}" has no state')
+        text = (getattr(rhs, "__doc__", None) or "").strip().splitlines()
+        self._description = {
+            "name": self.name,
+            "title": title or (text[0] if text else "a model in Python"),
+            "equations": f"Python: {getattr(rhs, '__module__', '')}.{getattr(rhs, '__qualname__', self.name)}(t, x, p)",
+            "frames": "those of the function",
+            "source": source or "the caller",
+            "validity": validity or "not said",
+            "states": [vars(s) for s in self.states],
+            "parameters": [
+                {
+                    **vars(p),
+                    "lower": -math.inf if p.lower is None else p.lower,
+                    "upper": math.inf if p.upper is None else p.upper,
+                }
+                for p in self.parameters
+            ],
+        }
+
+    def __repr__(self) -> str:
+        states = ", ".join(s.name for s in self.states)
+        return f"<samara.Model {self.name}: {states}; parameters {', '.join(p.name for p in self.parameters)}>"
+
+    def _rates(self, t: Any, x: NDArray[np.float64], p: NDArray[np.float64]) -> NDArray[np.float64]:
+        rates = self._rows(self.rhs(t, x, p), x.shape)
+        if rates.dtype.kind == "c":
+            raise ArgumentError(f'the function of the model "{self.name}" gave complex numbers for real ones')
+        return np.ascontiguousarray(rates, dtype=float)
+
+    def _derivatives(self, t: Any, x: NDArray[np.float64], p: NDArray[np.float64]) -> tuple[Any, Any, Any]:
+        n, m = len(x), len(p)
+        if self.jacobian is not None:
+            by_states, by_parameters = self.jacobian(t, x, p)
+            return self._rates(t, x, p), np.array(by_states, float), np.array(by_parameters, float).reshape(n, m)
+        xs = np.repeat(x[:, None].astype(complex), n + m, 1)
+        ps = np.repeat(p[:, None].astype(complex), n + m, 1)
+        xs[range(n), range(n)] += 1j * _STEP
+        ps[range(m), range(n, n + m)] += 1j * _STEP
+        rates = self._complex(t, xs, ps)
+        slopes = rates.imag / _STEP
+        return rates[:, 0].real, slopes[:, :n], slopes[:, n:]
+
+    def _jacobians(self, t: Any, x: NDArray[np.float64], p: NDArray[np.float64]) -> NDArray[np.float64]:
+        n, points = x.shape
+        if self.jacobian is not None:
+            by_states, _ = self.jacobian(t, x, p)
+            result = np.empty((n, n, points))
+            for i in range(n):
+                for k in range(n):
+                    result[i, k] = by_states[i][k]
+            return result
+        # Point after point for each direction: (states, directions, points).
+        xs = np.repeat(x[:, None, :].astype(complex), n, 1)
+        xs[range(n), range(n)] += 1j * _STEP
+        ps = np.repeat(p[:, None, :], n, 1)
+        rates = self._complex(np.tile(t, n), xs.reshape(n, -1), ps.reshape(len(p), -1))
+        return np.ascontiguousarray((rates.imag / _STEP).reshape(n, n, points))
+
+    def _complex(self, t: Any, x: NDArray[np.complex128], p: Any) -> NDArray[np.complex128]:
+        try:
+            return self._rows(self.rhs(t, x, p), x.shape).astype(complex)
+        except TypeError as error:
+            error.args = (
+                f"{error} (derivatives of the model {self.name} are taken by complex steps; where its function does not "
+                "bear complex numbers, samara.Model(.., jacobian=..) takes them)",
+            )
+            raise
+
+    def _rows(self, rates: Any, shape: tuple[int, ...]) -> NDArray[Any]:
+        if isinstance(rates, np.ndarray) and rates.shape == shape:
+            return rates
+        rows = list(rates)
+        if len(rows) != len(self.states):
+            raise ArgumentError(
+                f'the function of the model "{self.name}" gave {len(rows)} rates, expected {len(self.states)}, one for each '
+                "state"
+            )
+        result = np.empty(shape, np.result_type(*rows))
+        for k, row in enumerate(rows):
+            result[k] = row
+        return result
+
+
+AnyModel = Union[str, "os.PathLike[str]", Model]
+
+
+def core_model(model: AnyModel) -> Any:
+    """As the extension module takes it."""
+    if isinstance(model, Model):
+        return model
+    if isinstance(model, (str, os.PathLike)):
+        return os.fspath(model)
+    raise ArgumentError(f"the model is of the type {type(model).__name__}, expected a name, a file, or a samara.Model")
+
+
+@overload
+def models() -> dict[str, ModelInfo]: ...
+@overload
+def models(model: AnyModel) -> ModelInfo: ...
+def models(model: Optional[AnyModel] = None) -> Union[dict[str, ModelInfo], ModelInfo]:
+    """All models of Samara by name, or what is to be known of one: a name, a file of equations, a ``Model``."""
+    if model is None:
+        return {name: _info(name) for name in _core.model_names()}
+    return _info(model)
+
+
+def _info(model: AnyModel) -> ModelInfo:
+    d = _core.describe_model(core_model(model))
+    states = tuple(State(s["name"], s["unit"], s["default_initial"], s["description"]) for s in d.pop("states"))
+    parameters = tuple(Parameter(**p) for p in d.pop("parameters"))
+    terms = {t["name"]: t["description"] for t in d.pop("force_terms")}
+    plain = {k: tuple(v) if isinstance(v, list) else v for k, v in d.items()}
+    return ModelInfo(states=states, parameters=parameters, force_terms=terms, **plain)
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """Trajectories of the reference integrator.
+
+    ``values`` (.., times, states) and ``sensitivities`` (.., times, states, parameters) or None, SI, NaN after a
+    trajectory has ended; ``problems`` (..) says why, an empty text where it came to the last time.
+    """
+
+    times: NDArray[np.float64]
+    states: tuple[str, ...]
+    values: NDArray[np.float64]
+    parameters: tuple[str, ...]
+    sensitivities: Optional[NDArray[np.float64]]
+    problems: NDArray[np.str_]
+
+    @property
+    def done(self) -> bool:
+        """Whether all trajectories came to the last time."""
+        return not np.any(self.problems != "")
+
+    def __getitem__(self, state: str) -> NDArray[np.float64]:
+        """One state (.., times)."""
+        check_names([state], self.states, "state")
+        return self.values[..., self.states.index(state)]
+
+
+def simulate(
+    model: AnyModel,
+    parameters: Mapping[str, Quantity],
+    times: Union[Quantity, Sequence[Quantity]],
+    sensitivities: Union[bool, Sequence[str]] = False,
+    *,
+    relative_tolerance: float = 1e-10,
+    stiff: bool = False,
+) -> Simulation:
+    """Integrates a model by CVODES, from t = 0.
+
+    :param parameters: by name, initial values as ``"s(0)"``, SI or with a unit; broadcast against each other
+    :param times: (times,), not decreasing, from 0 on
+    :param sensitivities: derivatives by all parameters given, or by those named
+    """
+    as_mapping(parameters, "parameters")
+    info = _info(model)
+    units = {p.name: p.unit for p in info.parameters} | {f"{s.name}(0)": s.unit for s in info.states}
+    check_names(parameters, list(units), "parameter")
+    frames = to_si(times, info.time_unit, "times")
+    if frames.ndim != 1:
+        raise ArgumentError(f"times have the shape {frames.shape}, expected (times,)")
+    values = {name: to_si(value, units[name], name) for name, value in parameters.items()}
+    if isinstance(sensitivities, bool):
+        wanted = list(values) if sensitivities else []
+    else:
+        wanted = list(sensitivities)
+        check_names(wanted, list(values), "parameter")
+    try:
+        shape = np.broadcast_shapes(*(v.shape for v in values.values()))
+    except ValueError:
+        shapes = ", ".join(f"{n} {v.shape}" for n, v in values.items())
+        raise ArgumentError(f"shapes that do not broadcast: {shapes}") from None
+    free = wanted + [n for n, v in values.items() if v.ndim > 0 and n not in wanted]
+    fixed = {n: float(v) for n, v in values.items() if n not in free}
+    points = np.empty((math.prod(shape), len(free)))
+    for k, name in enumerate(free):
+        points[:, k] = np.broadcast_to(values[name], shape).ravel()
+    states, slopes, problems = _core.simulate(
+        core_model(model), fixed, free, points, frames, bool(wanted), relative_tolerance, stiff
+    )
+    names = tuple(s.name for s in info.states)
+    size = (*shape, len(frames), len(names))
+    if slopes is not None:
+        slopes = slopes[..., : len(wanted)].reshape(*size, len(wanted))
+    return Simulation(
+        frames, names, states.reshape(size), tuple(wanted), slopes, np.array(problems, dtype=str).reshape(shape)
+    )

@@ -1,0 +1,93 @@
+"""Quantities: SI numbers, arrays of them, or texts such as ``"10 cm/s"``."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from ._errors import ArgumentError
+
+Quantity = Any
+"""A number in SI, a text with a unit, or an array of either."""
+
+
+def to_si(value: Quantity, unit: str, what: str) -> NDArray[np.float64]:
+    """The value in SI, as an array (of no dimension for one number)."""
+    if isinstance(value, str):
+        return np.asarray(_si(value, unit, what))
+    array = np.asarray(value)
+    if array.dtype.kind in "US" or array.dtype.kind == "O":
+        flat = [_si(v, unit, what) if isinstance(v, str) else float(v) for v in array.ravel().tolist()]
+        return np.array(flat, dtype=float).reshape(array.shape)
+    if array.dtype.kind not in "fiub":
+        raise ArgumentError(f"{what} is of the type {array.dtype}, expected numbers or texts with a unit")
+    return array.astype(float, copy=False)
+
+
+def one_si(value: Quantity, unit: str, what: str) -> float:
+    """The same of a single number."""
+    array = to_si(value, unit, what)
+    if array.size != 1:
+        raise ArgumentError(f"{what} has {array.size} values, expected one")
+    return float(array.reshape(()))
+
+
+def _si(text: str, unit: str, what: str) -> float:
+    try:
+        return _core.si(text, unit)
+    except ArgumentError as error:
+        raise ArgumentError(f"{what}: {error}") from None
+
+
+def real_array(values: Any, what: str) -> NDArray[np.float64]:
+    """As doubles, which complex numbers and texts are not."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiub":
+        raise ArgumentError(f"{what} are of the type {array.dtype}, expected numbers")
+    return array.astype(float, copy=False)
+
+
+def as_mapping(given: Any, what: str) -> Mapping[str, Any]:
+    """Names with their values, or a sentence."""
+    if isinstance(given, Mapping):
+        return given
+    raise ArgumentError(f"{what} are given as {type(given).__name__}, expected names with their values, as in {{'C_D': 1.1}}")
+
+
+def check_names(given: Iterable[str], known: Sequence[str], what: str) -> None:
+    """Raises ArgumentError for a name that is not known, with the nearest."""
+    for name in given:
+        if name in known:
+            continue
+        near = difflib.get_close_matches(str(name), known, 1)
+        hint = f'; did you mean "{near[0]}"?' if near else f"; known: {', '.join(known)}"
+        raise ArgumentError(f'{what} "{name}" is unknown{hint}')
+
+
+def stacked(values: Mapping[str, Quantity], coordinates: Sequence[Any], what: str) -> NDArray[np.float64]:
+    """Values by name, broadcast against each other, as an array (.., coordinates).
+
+    :param coordinates: things with ``name``, ``unit``, ``lower`` and ``upper``
+    """
+    names = [c.name for c in coordinates]
+    check_names(values, names, what)
+    arrays = []
+    for c in coordinates:
+        if c.name not in values:
+            unit = "" if c.unit == "1" else f" {c.unit}"
+            raise ArgumentError(f"{what} {c.name} is not given, expected a value in [{c.lower:g}, {c.upper:g}]{unit}")
+        arrays.append(to_si(values[c.name], c.unit, c.name))
+    try:
+        shape = np.broadcast_shapes(*(a.shape for a in arrays))
+    except ValueError:
+        shapes = ", ".join(f"{n} {a.shape}" for n, a in zip(names, arrays))
+        raise ArgumentError(f"shapes that do not broadcast: {shapes}") from None
+    result = np.empty((*shape, len(names)))
+    for k, array in enumerate(arrays):
+        result[..., k] = array
+    return result

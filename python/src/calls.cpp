@@ -1,0 +1,40 @@
+#include "calls.h"
+
+#include <utility>
+
+namespace samara::python {
+
+void Failure::keep() {
+  const std::scoped_lock lock(mutex_);
+  if (!first_) first_ = std::current_exception();
+}
+
+bool Failure::is_there() const {
+  const std::scoped_lock lock(mutex_);
+  return first_ != nullptr;
+}
+
+void Failure::rethrow_if_any() {
+  std::exception_ptr thrown;
+  {
+    const std::scoped_lock lock(mutex_);
+    thrown = std::exchange(first_, nullptr);
+  }
+  if (thrown) std::rethrow_exception(thrown);
+}
+
+ProgressCallback progress_to(const py::object& report, Failure& failure) {
+  return [&report, &failure](const Progress& progress) {
+    if (failure.is_there()) return false;
+    const py::gil_scoped_acquire lock;
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      return report.is_none() || !report(progress.stage, progress.fraction).is(py::bool_(false));
+    } catch (...) {
+      failure.keep();
+      return false;
+    }
+  };
+}
+
+}  // namespace samara::python

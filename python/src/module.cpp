@@ -1,0 +1,66 @@
+#include <exception>
+#include <string>
+
+#include <glog/logging.h>
+#include <pybind11/pybind11.h>
+
+#include "rooms.h"
+#include "samara/base/errors.h"
+#include "samara/base/units.h"
+#include "samara/base/version.h"
+
+namespace samara::python {
+
+namespace py = pybind11;
+
+namespace {
+
+/// The class of samara._errors of that name. Modules that were imported are kept by the interpreter.
+void raise(const char* name, const std::exception& error) {
+  const py::object type = py::module_::import("samara._errors").attr(name);
+  PyErr_SetString(type.ptr(), error.what());
+}
+
+/// The family of base/errors.h as that of samara._errors, which are Python's own kinds as well.
+void translate(std::exception_ptr thrown) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const OutsideBoxError& error) {
+    raise("OutsideBoxError", error);
+  } catch (const ArgumentError& error) {
+    raise("ArgumentError", error);
+  } catch (const InputError& error) {
+    raise("InputError", error);
+  } catch (const NoResultError& error) {
+    raise("NoResultError", error);
+  } catch (const Error& error) {
+    raise("Error", error);
+  }
+}
+
+double si(const std::string& text, const std::string& unit) {
+  return quantity_to_si(text, unit);
+}
+
+/// The unit of SI symbols with the dimension of another one.
+std::string si_unit(const std::string& unit) {
+  return to_string(parse_unit(unit).dimension);
+}
+
+}  // namespace
+
+}  // namespace samara::python
+
+PYBIND11_MODULE(_core, module) {
+  using namespace samara::python;
+  // Ceres reports through glog, which would print its own lines; results carry the same in a sentence.
+  FLAGS_minloglevel = google::GLOG_FATAL;
+  py::register_local_exception_translator(translate);
+  module.attr("__version__") = samara::version();
+  module.def("si", &si, py::arg("text"), py::arg("unit"));
+  module.def("si_unit", &si_unit, py::arg("unit"));
+  add_codebooks(module);
+  add_models(module);
+  add_sampling(module);
+  add_identification(module);
+}

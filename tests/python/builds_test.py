@@ -1,0 +1,179 @@
+"""Builds from plans and functions: what the command builds, progress, Ctrl-C, and what a user's function raises."""
+
+import concurrent.futures
+import math
+import subprocess
+import sys
+import textwrap
+import tomllib
+
+import numpy as np
+import pytest
+
+import samara
+from conftest import COIN
+from models_test import exact, model
+
+def test_a_plan_gives_the_codebook_of_the_command(coin):
+    path = COIN / "plan.toml"
+    for plan in (path, tomllib.loads(path.read_text())):
+        book = samara.build(plan, progress=False)
+        assert book.certificate.met and book.message.startswith("certified")
+        assert book.certificate.max_error == coin.certificate.max_error
+        points = np.array([[0.1, 0.7, 0.0], [0.5, 1.9, -0.4]])
+        assert np.array_equal(book.at(points), coin.at(points))
+
+
+def test_a_bad_plan_is_an_input_error_with_its_place():
+    for change, text in [({"box": {"C_d": [0.6, 2.0]}}, "C_D"), ({"tolerance": {"relative": -1.0}}, "relative"),
+                         ({"colour": "red"}, "colour"), ({"box": {"C_D": [0.6, math.nan]}}, "nan")]:
+        with pytest.raises(ValueError, match=text) as raised:
+            samara.build({**tomllib.loads((COIN / "plan.toml").read_text()), **change}, progress=False)
+        assert isinstance(raised.value, samara.Error)
+    with pytest.raises(OSError, match="missing.toml"):
+        samara.build("missing.toml")
+    with pytest.raises(samara.ArgumentError, match="object"):
+        samara.build({"model": object()})
+
+
+def test_progress_is_told_and_can_end_a_build():
+    stages = []
+    samara.build(COIN / "plan.toml", progress=lambda stage, fraction: stages.append((stage, fraction)))
+    assert stages and all(0.0 <= fraction <= 1.0 for _, fraction in stages)
+    try:
+        book = samara.build(COIN / "plan.toml", progress=lambda stage, fraction: False)
+        assert not book.certificate.met
+    except samara.NoResultError:
+        pass
+
+    def bad(stage, fraction):
+        raise LookupError("of the report")
+
+    with pytest.raises(LookupError, match="of the report"):
+        samara.build(COIN / "plan.toml", progress=bad)
+
+
+@pytest.mark.parametrize("kind", ["pgd", "sampling"])
+def test_the_codebook_of_a_model_in_python_follows_the_exact_solution(kind):
+    plan = {"box": {"stiffness": [4.0, 9.0], "damping": [0.0, 0.5]}, "time": {"end": 2.0}, "tolerance": {"relative": 1e-4},
+            "builder": {"kind": kind}}
+    book = samara.build(plan, model(), progress=False, certificate_points=40)
+    assert book.certificate.verdict == "met at 40 points" and book.model["name"] == "oscillator"
+    times = np.linspace(0, 2, 21)
+    k, c = np.random.default_rng(1).uniform([4.0, 0.0], [9.0, 0.5], (30, 2)).T
+    values = book.query({"stiffness": k, "damping": c}, times, outputs=["place"])[..., 0]
+    # The range of the place is 2 m.
+    np.testing.assert_allclose(values, exact(times, k[:, None], c[:, None]), rtol=0, atol=4e-4)
+
+
+def test_an_exception_of_a_model_comes_back_from_a_build():
+    calls = [0]
+
+    def broken(t, x, p):
+        calls[0] += 1
+        if calls[0] > 20:
+            raise ZeroDivisionError("deep inside")
+        return (-p[0] * x[0],)
+
+    own = samara.Model(broken, {"x": samara.State("x", initial=1.0)}, {"k": "1/s"})
+    with pytest.raises(ZeroDivisionError, match="deep inside") as raised:
+        samara.build({"box": {"k": [1.0, 2.0]}, "time": {"end": 1.0}, "tolerance": {"relative": 1e-3}}, own, progress=False)
+    assert raised.traceback[-1].name == "broken"
+
+
+INTERRUPTED = """
+    import os, signal, sys, threading, time
+    import samara
+    calls = [0]
+    def slow(x):
+        calls[0] += 1
+        time.sleep(0.02)
+        return (1 / (1 + 25 * (x[:, 0] + 0.3 * x[:, 1]) ** 2))
+    if sys.argv[2] == "stop":
+        threading.Timer(0.6, os.kill, (os.getpid(), signal.SIGINT)).start()
+    try:
+        book = samara.separate(slow, {"a": (-1, 1), "b": (-1, 1)}, ["u"], tolerance=1e-6, certificate_points=50,
+                               checkpoint=sys.argv[1])
+        print("done", calls[0], book.certificate.met)
+    except KeyboardInterrupt:
+        print("interrupted", calls[0])
+"""
+
+
+def test_ctrl_c_ends_a_build_and_its_checkpoint_is_taken_up(tmp_path):
+    script = tmp_path / "build.py"
+    script.write_text(textwrap.dedent(INTERRUPTED))
+    checkpoint = tmp_path / "build.checkpoint"
+
+    def run(mode, path):
+        return subprocess.run([sys.executable, script, path, mode], capture_output=True, text=True, timeout=240).stdout.split()
+
+    stopped = run("stop", checkpoint)
+    assert stopped[0] == "interrupted"
+    assert checkpoint.exists()
+    resumed = run("go", checkpoint)
+    whole = run("go", tmp_path / "other.checkpoint")
+    assert resumed[0] == whole[0] == "done" and resumed[2] == whole[2] == "True"
+    assert int(resumed[1]) < int(whole[1])
+    assert not checkpoint.exists()
+
+
+def borehole(x):
+    rw, r, Tu, Hu, Tl, Hl, L, Kw = x.T
+    log = np.log(r / rw)
+    return 2 * np.pi * Tu * (Hu - Hl) / (log * (1 + 2 * L * Tu / (log * rw**2 * Kw) + Tu / Tl))
+
+
+BOREHOLE = {"rw": (0.05, 0.15), "r": (100, 50000), "Tu": (63070, 115600), "Hu": (990, 1110), "Tl": (63.1, 116),
+            "Hl": (700, 820), "L": (1120, 1680), "Kw": (9855, 12045)}
+
+
+def test_the_borehole_function_of_eight_inputs_is_separated_with_few_calls():
+    book = samara.separate(borehole, BOREHOLE, {"flow": "m^3/s"}, tolerance=1e-6)
+    assert book.certificate.met and book.build.evaluations < 4000
+    lower, upper = np.array(list(BOREHOLE.values())).T
+    x = np.random.default_rng(3).uniform(lower, upper, (2000, 8))
+    exact_values = borehole(x)
+    assert np.abs(book.at(x)[:, 0] - exact_values).max() < 2e-6 * np.ptp(exact_values)
+
+
+def decay(x, t):
+    return np.exp(-x[:, :1] * t)[..., None]
+
+
+def one_decay(x, t):
+    return np.exp(-x[0] * t)[:, None]
+
+
+@pytest.mark.parametrize("vectorised", [True, False])
+@pytest.mark.parametrize("workers", [0, 2])
+def test_functions_of_time_and_executors_give_the_same(vectorised, workers):
+    pool = concurrent.futures.ThreadPoolExecutor(workers) if workers else None
+    book = samara.separate(decay if vectorised else one_decay, {"rate": ("1 1/s", "3 1/s")}, ["u"], 1e-5, vectorised, pool,
+                           units={"rate": "1/s"}, end="2 s", certificate_points=100)
+    times = np.linspace(0, 2, 9)
+    np.testing.assert_allclose(book.query({"rate": [1.0, 2.2]}, times)[..., 0], np.exp(-np.outer([1.0, 2.2], times)),
+                               rtol=0, atol=2e-5)
+
+
+def test_what_the_function_raises_or_gets_wrong_comes_back():
+    def bad(x):
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine") as raised:
+        samara.separate(bad, {"a": (0, 1)}, ["u"])
+    assert raised.traceback[-1].name == "bad"
+    with pytest.raises(samara.ArgumentError, match=r"the shape \(3,\)"):
+        samara.separate(lambda x: np.zeros(3), {"a": (0, 1)}, ["u", "v"])
+    with pytest.raises(ValueError):
+        samara.separate(lambda x: x, {"a": (1, 0)}, ["u"])
+
+
+def test_a_process_takes_calls_where_it_can(tmp_path):
+    with concurrent.futures.ProcessPoolExecutor(2) as pool:
+        book = samara.separate(math_product, {"a": (0, 1), "b": (0, 1)}, ["u"], 1e-4, False, pool, certificate_points=30)
+    np.testing.assert_allclose(book.query({"a": 0.5, "b": 0.5}), [0.25], atol=1e-4)
+
+
+def math_product(x):
+    return x[0] * x[1]

@@ -1,0 +1,158 @@
+"""Codebooks as objects: what they say of themselves, their numbers, slices, pickles; what they leave in memory."""
+
+import gc
+import multiprocessing
+import pickle
+
+import numpy as np
+import pytest
+
+import samara
+from conftest import answer, command
+
+TIMES = np.linspace(0.0, 0.5, 5)
+
+
+def resident():
+    """Bytes."""
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * 4096
+
+
+def test_a_codebook_says_what_the_command_says_of_it(coin, coin_path):
+    told = answer("info", coin_path)
+    assert [vars(c) for c in coin.coordinates] == told["coordinates"]
+    assert [vars(o) for o in coin.outputs] == told["outputs"]
+    assert coin.model == told["model"]
+    assert vars(coin.build) == told["build"]
+    assert coin.provenance == told["provenance"]
+    certificate = told["certificate"]
+    for key, value in vars(coin.certificate).items():
+        if key == "outputs":
+            assert [vars(o) for o in value.values()] == certificate["outputs"]
+        else:
+            assert value == certificate[key], key
+    assert coin.certificate.met and coin.certificate.outputs["v"].p95 < 1e-4
+
+
+def test_a_notebook_shows_axes_ranks_and_the_certificate_in_green_or_red(coin):
+    page = coin._repr_html_()
+    for text in ("C_D", "v(0)", "chebyshev", "certificate met", "#1a7f37"):
+        assert text in page, text
+    assert "C_D 0.6..2" in repr(coin)
+    missed = samara.separate(lambda x: np.abs(x[:, 0] - 0.3), {"a": (0, 1)}, ["u"], 1e-8, max_calls=200)
+    assert not missed.certificate.met and "#cf222e" in missed._repr_html_() and "MISSED" in missed._repr_html_()
+
+
+def test_factors_evaluate_to_the_answers_and_cannot_be_written(coin):
+    pieces = coin.to_numpy()
+    for piece in pieces:
+        for group in piece.groups:
+            nodes = [a.nodes for a in piece.axes]
+            index = [len(n) // 2 for n in nodes]
+            point = np.array([n[i] for n, i in zip(nodes, index)])
+            if group.kind == "train":
+                product = group.cores[0][0]
+                for core, i in zip(group.cores[1:], index):
+                    product = product @ core[:, i]
+                values = product[:, 0]
+            else:
+                values = group.weights @ np.prod([f[i] for f, i in zip(group.factors, index)], axis=0)
+            np.testing.assert_allclose(values, coin.at(point, outputs=group.outputs), rtol=1e-11, atol=1e-13)
+            for view in (*group.cores, *group.factors):
+                with pytest.raises(ValueError):
+                    view[...] = 0.0
+
+
+def test_a_view_keeps_its_codebook(coin_path):
+    book = samara.Codebook.open(coin_path)
+    group = book.to_numpy()[0].groups[0]
+    view = (*group.cores, *group.factors)[0]
+    expected = view.copy()
+    del book, group
+    gc.collect()
+    samara.Codebook.open(coin_path)
+    assert np.array_equal(view, expected)
+
+
+def test_a_slice_answers_as_the_whole_with_the_coordinate_held(coin):
+    part = coin.slice(C_D=1.1)
+    assert [c.name for c in part.coordinates] == ["t", "v(0)"] and part.certificate is None
+    assert part.model["fixed"]["C_D"] == 1.1
+    v = np.linspace(-0.3, 0.7, 9)
+    np.testing.assert_allclose(part.query({"v(0)": v}, TIMES), coin.query({"C_D": 1.1, "v(0)": v}, TIMES), rtol=0, atol=1e-13)
+    for held, kind in [({"C_D": 9.0}, samara.OutsideBoxError), ({"t": 0.1}, samara.ArgumentError),
+                       ({"C_D": 1.0, "v(0)": 0.0}, samara.ArgumentError), ({"C_X": 1.0}, samara.ArgumentError)]:
+        with pytest.raises(kind):
+            coin.slice(**held)
+
+
+def test_sobol_indices_are_those_of_the_command(coin, coin_path):
+    told = answer("stats", coin_path)
+    s = coin.sobol()
+    assert list(s.inputs) == told["inputs"]
+    np.testing.assert_array_equal(s.times, told["times"])
+    for output in told["outputs"]:
+        name = output["name"]
+        np.testing.assert_array_equal(s.mean[name], output["mean"])
+        np.testing.assert_array_equal(s.deviation[name], output["deviation"])
+        for k, parameter in enumerate(s.inputs):
+            np.testing.assert_array_equal(s.total[name][:, k], np.array(output["total"][parameter], float))
+            np.testing.assert_array_equal(s.first_order[name][:, k], np.array(output["first_order"][parameter], float))
+
+
+def ask(book):
+    return book.query({"C_D": 1.2, "v(0)": 0.1}, TIMES)
+
+
+def test_pickles_cross_to_processes_that_were_spawned(coin):
+    assert pickle.loads(pickle.dumps(coin)).certificate == coin.certificate
+    with multiprocessing.get_context("spawn").Pool(2) as pool:
+        for values in pool.map(ask, [coin, coin]):
+            assert np.array_equal(values, ask(coin))
+
+
+def test_a_saved_codebook_is_the_same(coin, tmp_path):
+    path = tmp_path / "copy.h5"
+    coin.save(path)
+    copy = samara.Codebook.open(path)
+    assert copy.certificate == coin.certificate and np.array_equal(ask(copy), ask(coin))
+    with pytest.raises(samara.ArgumentError):
+        coin.save(tmp_path / "none" / "copy.h5")
+
+
+def test_bad_files_are_os_errors_with_the_sentence_of_the_command(tmp_path):
+    broken = tmp_path / "broken.h5"
+    broken.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(10))
+    foreign = tmp_path / "foreign.h5"
+    foreign.write_text("no codebook")
+    for path in (broken, foreign, tmp_path / "missing.h5", tmp_path):
+        with pytest.raises(OSError) as raised:
+            samara.Codebook.open(path)
+        assert isinstance(raised.value, samara.InputError)
+        assert str(raised.value) in command("info", path, codes=(3,)).stderr
+
+
+def test_a_thousand_opened_codebooks_leave_no_memory_behind(coin_path):
+    def use():
+        book = samara.Codebook.open(coin_path)
+        ask(book)
+        book.to_numpy()
+        book._repr_html_()
+
+    def outside():
+        try:
+            samara.Codebook.open("/nowhere.h5")
+        except OSError:
+            pass
+
+    for _ in range(200):
+        use()
+        outside()
+    gc.collect()
+    before = resident()
+    for _ in range(1000):
+        use()
+        outside()
+    gc.collect()
+    assert resident() - before < 4 << 20, f"{(resident() - before) / 1e6:.1f} MB more"

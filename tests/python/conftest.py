@@ -1,0 +1,50 @@
+"""What the tests of the Python package share: codebooks, and the command, whose answers are the reference."""
+
+import json
+import os
+import pathlib
+import subprocess
+
+import numpy as np
+import pytest
+
+import samara
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+COIN = ROOT / "examples" / "coin"
+COMMAND = os.environ["SAMARA"]
+
+
+def command(*arguments, codes=(0,)):
+    result = subprocess.run([COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+    assert result.returncode in codes, result.stderr
+    return result
+
+
+def answer(*arguments):
+    """JSON of the command."""
+    return json.loads(command(*arguments, "--json").stdout)
+
+
+@pytest.fixture(scope="session")
+def coin_path(tmp_path_factory):
+    path = tmp_path_factory.mktemp("books") / "coin.h5"
+    command("build", COIN / "plan.toml", "-o", path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def coin(coin_path):
+    return samara.Codebook.open(coin_path)
+
+
+@pytest.fixture(scope="session")
+def product():
+    """A codebook without time: u = a b, v = 1 + a."""
+    return samara.separate(
+        lambda x: np.stack([x[:, 0] * x[:, 1], 1 + x[:, 0]], 1),
+        {"a": (-1, 2), "b": (0, 1)},
+        {"u": "m", "v": "1"},
+        tolerance=1e-6,
+        units={"a": "m"},
+    )

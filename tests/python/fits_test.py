@@ -1,0 +1,175 @@
+"""Fits: the numbers of the command, captures in memory, models in Python, and what was minimised."""
+
+import concurrent.futures
+import csv
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+import samara
+from conftest import COIN, command
+from models_test import exact, model
+
+
+@pytest.fixture(scope="module")
+def result(coin):
+    return samara.fit(coin, [COIN / "coin.toml"], COIN / "fit.toml", profiles=True)
+
+
+def without_times(told):
+    return {k: v for k, v in told.items() if k not in ("seconds", "evaluations")}
+
+
+def test_a_fit_is_that_of_the_command(coin_path, result, tmp_path):
+    told = json.loads(command("fit", coin_path, COIN / "coin.toml", "--config", COIN / "fit.toml", "--profiles", "--json").stdout)
+    assert without_times(result.raw) == without_times(told)
+    assert result.is_usable and result.status == "converged"
+    C = result.coefficients["C_D"]
+    assert (C.value, C.standard_error, C.verdict) == tuple(
+        told["coefficients"][0][k] for k in ("value", "standard_error", "verdict"))
+    assert list(C.interval) == told["profiles"][0]["interval"]
+    assert result.coefficients[0] is C and list(result.coefficients) == ["C_D"]
+    np.testing.assert_array_equal(result.covariance, told["covariance"])
+    assert len(result.captures) == 10 and set(result.captures[0].own) == {"v(0)", "offset of x"}
+    config = tomllib.loads((COIN / "fit.toml").read_text())
+    assert without_times(samara.fit(coin_path, COIN / "coin.toml", config, profiles=True).raw) == without_times(told)
+
+
+def test_the_report_and_words_are_those_of_the_command(coin_path, result, tmp_path):
+    command("fit", coin_path, COIN / "coin.toml", "--config", COIN / "fit.toml", "--profiles", "--report", tmp_path / "a.html")
+    result.report(tmp_path / "b.html")
+    a, b = ((tmp_path / name).read_text() for name in ("a.html", "b.html"))
+    assert len(a) == pytest.approx(len(b), abs=100) and b.startswith(a[:200])
+    assert "C_D" in str(result) and "converged" in repr(result) and "C_D" in result._repr_html_()
+
+
+def test_half_the_sum_of_squares_is_the_cost_and_its_gradient_vanishes(result):
+    q = result.answer
+    r, J = result.residuals(q), result.jacobian(q)
+    assert len(q) == len(result.unknowns) == 1 + 2 * 10 and J.shape == (len(r), len(q))
+    assert 0.5 * r @ r == pytest.approx(result.raw["cost"], rel=1e-12)
+    size = np.linalg.norm(J, axis=0) * np.linalg.norm(r)
+    lower, upper = result.bounds
+    assert np.all(np.abs(J.T @ r)[(q > lower) & (q < upper)] < 1e-5 * size[(q > lower) & (q < upper)])
+    away = q * 1.02
+    J = result.jacobian(away)
+    for k in range(len(q)):
+        step = np.zeros(len(q))
+        step[k] = 1e-6
+        slope = (result.residuals(away + step) - result.residuals(away - step)) / 2e-6
+        # Second derivatives jump where the loss bends.
+        np.testing.assert_allclose(J[:, k], slope, rtol=0, atol=1e-4 * np.abs(J[:, k]).max())
+
+
+def test_the_posterior_is_highest_at_the_answer_and_falls_as_its_gradient_says(result):
+    q = result.answer
+    best, gradient = result.log_posterior(q, gradient=True)
+    assert best == pytest.approx(result.log_posterior(q), rel=1e-12)
+    J = result.jacobian(q)
+    deviations = 1 / np.linalg.norm(J, axis=0)
+    rng = np.random.default_rng(0)
+    for _ in range(10):
+        direction = rng.normal(size=len(q)) * deviations
+        assert result.log_posterior(q + 0.3 * direction) < best
+        here, slope = result.log_posterior(q + 0.3 * direction, gradient=True)
+        h = 1e-5
+        difference = (result.log_posterior(q + (0.3 + h) * direction) - result.log_posterior(q + (0.3 - h) * direction)) / (2 * h)
+        assert slope @ direction == pytest.approx(difference, rel=1e-4, abs=1e-4)
+    outside = q.copy()
+    outside[0] = 5.0
+    assert result.log_posterior(outside) == -np.inf
+
+
+def test_eight_threads_at_once_get_the_residuals_of_one(result):
+    points = [result.answer * (1 + 0.001 * k) for k in range(8)]
+    expected = [(result.residuals(q), result.jacobian(q)) for q in points]
+    with concurrent.futures.ThreadPoolExecutor(8) as pool:
+        for _ in range(5):
+            for (r, J), a, b in zip(expected, pool.map(result.residuals, points), pool.map(result.jacobian, points)):
+                assert np.array_equal(r, a) and np.array_equal(J, b)
+
+
+def test_points_of_a_wrong_size_are_refused(result):
+    with pytest.raises(samara.ArgumentError, match="21|unknown"):
+        result.residuals([1.0])
+    with pytest.raises(samara.ArgumentError, match="C_D"):
+        result.residuals(np.full(21, np.nan))
+
+
+def test_scipy_finds_the_coefficients_of_the_fit(result):
+    optimize = pytest.importorskip("scipy.optimize")
+    found = optimize.least_squares(result.residuals, result.middle, result.jacobian, result.bounds, x_scale="jac",
+                                   xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    C = result.coefficients["C_D"]
+    assert abs(found.x[0] - C.value) < 0.01 * C.standard_error
+
+
+def test_tables_in_memory_are_fitted_as_their_files(coin, tmp_path):
+    rng = np.random.default_rng(5)
+    t = np.linspace(0, 0.4, 25)
+    tables = {}
+    for k, v in enumerate([0.0, 0.1, 0.2]):
+        x = 0.02 * k + coin.query({"C_D": 1.3, "v(0)": v}, t, outputs=["x"])[:, 0] + 1e-4 * rng.normal(size=25)
+        x[:k] = np.nan
+        tables[f"drop{k}"] = {"t[ms]": 1000 * t, "x[mm]": 1000 * x}
+        with open(tmp_path / f"drop{k}.csv", "w", newline="") as file:
+            rows = csv.writer(file)
+            rows.writerow(tables[f"drop{k}"])
+            rows.writerows((repr(float(a)), "" if np.isnan(b) else repr(float(b))) for a, b in zip(*tables[f"drop{k}"].values()))
+    config = {"outputs": ["x"], "loss": {"kind": "huber", "scale": "1 mm"}}
+    memory = samara.fit(coin, tables, config)
+    files = samara.fit(coin, sorted(tmp_path.glob("*.csv")), config)
+    assert memory.coefficients["C_D"].value == pytest.approx(files.coefficients["C_D"].value, rel=1e-9)
+    assert memory.coefficients["C_D"].standard_error == pytest.approx(files.coefficients["C_D"].standard_error, rel=1e-6)
+    assert [c.id for c in memory.captures] == ["drop0", "drop1", "drop2"]
+    assert memory.coefficients["C_D"].value == pytest.approx(1.3, abs=0.02)
+
+
+def test_frames_are_captures_and_coefficients_become_one(coin):
+    pandas = pytest.importorskip("pandas")
+    t = np.linspace(0, 0.4, 25)
+    x = coin.query({"C_D": [1.3, 1.3], "v(0)": [0.0, 0.1]}, t, outputs=["x"])[..., 0]
+    frames = [pandas.DataFrame({"t[s]": t, "x[m]": row, "drop": str(k)}) for k, row in enumerate(x)]
+    fitted = samara.fit(coin, frames, {"outputs": ["x"], "cluster_by": ["drop"]})
+    table = fitted.coefficients.to_frame()
+    assert table.loc["C_D", "value"] == pytest.approx(1.3, rel=1e-6)
+    assert fitted.raw["clusters"] == 2
+    assert set(table.columns) >= {"interval_lower", "interval_upper", "verdict"}
+
+
+def test_a_model_in_python_is_fitted():
+    t = np.linspace(0, 2, 41)
+    tables = {f"run{k}": {"t[s]": t, "place[m]": exact(t, 7.0, 0.3) + 1e-4 * np.random.default_rng(k).normal(size=41)}
+              for k in range(3)}
+    fitted = samara.fit(model(), tables, {"box": {"stiffness": [4.0, 10.0], "damping": [0.0, 1.0]}, "outputs": ["place"],
+                                          "loss": {"kind": "none"}, "starts": 1})
+    assert fitted.is_usable, str(fitted)
+    assert fitted.coefficients["stiffness"].value == pytest.approx(7.0, abs=2e-3)
+    assert fitted.coefficients["damping"].value == pytest.approx(0.3, abs=2e-3)
+    r = fitted.residuals(fitted.answer)
+    assert 0.5 * r @ r == pytest.approx(fitted.raw["cost"], rel=1e-9)
+
+
+def test_what_is_wrong_is_said_with_the_sentence_of_the_library(coin):
+    for call, kind, text in [
+        (lambda: samara.fit(coin, ["missing.csv"]), OSError, "missing.csv"),
+        (lambda: samara.fit(coin, [COIN / "coin.toml"], {"outputs": ["y"]}), ValueError, "y"),
+        (lambda: samara.fit(coin, [COIN / "coin.toml"], {"colour": 1}), ValueError, "colour"),
+        (lambda: samara.fit(coin, {"t[s]": [0.0, 0.0, 0.1], "x[m]": [0.0, 1.0, 2.0]}), ValueError, "increase"),
+        (lambda: samara.fit(coin, {"x[m]": [0.0, 1.0, 2.0]}), ValueError, "times"),
+        (lambda: samara.fit(coin, {"t[s]": [0.0, 1.0], "x[m]": [np.inf, 1.0]}), ValueError, "infinite"),
+        (lambda: samara.fit("vertical_fall", [COIN / "coin.toml"]), ValueError, "box"),
+        (lambda: samara.fit(coin, []), ValueError, "CAPTURE"),
+    ]:
+        with pytest.raises(kind, match=text) as raised:
+            call()
+        assert isinstance(raised.value, samara.Error)
+
+
+def test_a_fit_plots_itself(result):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    axes = result.plot()
+    assert len(axes.ravel()[0].lines) == 20

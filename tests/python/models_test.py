@@ -1,0 +1,156 @@
+"""Models of Samara and of the user, and their trajectories."""
+
+import io
+
+import numpy as np
+import pytest
+
+import samara
+from conftest import COIN, answer, command
+
+TIMES = np.linspace(0.0, 2.0, 11)
+COIN_VALUES = {"area": "4.71435e-4 m^2", "thickness": "2.55 mm", "density": "6338.6 kg/m^3", "C_D": 1.2, "v(0)": "10 cm/s"}
+
+
+def oscillator(t, x, p):
+    """A damped oscillator."""
+    place, speed = x
+    stiffness, damping = p
+    return speed, -stiffness * place - damping * speed
+
+
+def oscillator_jacobian(t, x, p):
+    place, speed = x
+    stiffness, damping = p
+    return ((0, 1), (-stiffness, -damping)), ((0, 0), (-place, -speed))
+
+
+def model(**more):
+    return samara.Model(
+        oscillator,
+        states={"place": samara.State("place", "m", initial=1.0), "speed": "m/s"},
+        parameters={"stiffness": "1/s^2", "damping": samara.Parameter("damping", "1/s", default=0.0)},
+        **more,
+    )
+
+
+def exact(t, k, c):
+    """From 1 m at rest."""
+    w = np.sqrt(k - c * c / 4)
+    return np.exp(-c * t / 2) * (np.cos(w * t) + c / (2 * w) * np.sin(w * t))
+
+
+def test_models_say_what_the_command_says():
+    told = {m["name"]: m for m in answer("models")["models"]}
+    assert set(samara.models()) == set(told)
+    fall = samara.models("vertical_fall")
+    for key in ("title", "equations", "frames", "source", "validity", "time_unit"):
+        assert getattr(fall, key) == told["vertical_fall"][key]
+    for p, expected in zip(fall.parameters, told["vertical_fall"]["parameters"], strict=True):
+        assert {k: v for k, v in vars(p).items()} == {k: expected[k] for k in vars(p)}
+    with pytest.raises(samara.ArgumentError, match="vertical_fall"):
+        samara.models("vertical_fal")
+
+
+def test_a_trajectory_is_that_of_the_command():
+    table = command("simulate", "vertical_fall", *(x for n, v in COIN_VALUES.items() for x in ("--set", f"{n}={v}")),
+                    "--until", "0.5 s", "--frames", "6").stdout
+    expected = np.loadtxt(io.StringIO(table), delimiter=",", skiprows=1)
+    result = samara.simulate("vertical_fall", COIN_VALUES, np.linspace(0, 0.5, 6))
+    assert result.done and result.sensitivities is None
+    np.testing.assert_allclose(result.values, expected[:, 1:], rtol=0, atol=1e-14)
+    assert np.array_equal(result["x"], result.values[:, result.states.index("x")])
+
+
+def test_sensitivities_are_those_of_neighbouring_trajectories():
+    times = np.linspace(0, 0.5, 6)
+    result = samara.simulate("vertical_fall", COIN_VALUES, times, ["C_D", "v(0)"])
+    assert result.sensitivities.shape == (6, 2, 2) and result.parameters == ("C_D", "v(0)")
+    h = 1e-4
+    for k, (name, value) in enumerate([("C_D", 1.2), ("v(0)", 0.1)]):
+        both = samara.simulate("vertical_fall", {**COIN_VALUES, name: np.array([value - h, value + h])}, times).values
+        np.testing.assert_allclose(result.sensitivities[..., k], (both[1] - both[0]) / (2 * h), rtol=0, atol=1e-7)
+
+
+def test_trajectories_broadcast():
+    C, v = np.array([[0.8], [1.6]]), np.array([0.0, 0.2, 0.4])
+    all_of_them = samara.simulate("vertical_fall", {**COIN_VALUES, "C_D": C, "v(0)": v}, [0.0, 0.3], ["C_D"])
+    assert all_of_them.values.shape == (2, 3, 2, 2) and all_of_them.sensitivities.shape == (2, 3, 2, 2, 1)
+    for i in range(2):
+        for j in range(3):
+            one = samara.simulate("vertical_fall", {**COIN_VALUES, "C_D": C[i, 0], "v(0)": v[j]}, [0.0, 0.3], ["C_D"])
+            # Other coordinates are under the control of the error: to its tolerance.
+            np.testing.assert_allclose(all_of_them.values[i, j], one.values, rtol=0, atol=1e-9)
+            np.testing.assert_allclose(all_of_them.sensitivities[i, j], one.sensitivities, rtol=0, atol=1e-7)
+
+
+@pytest.mark.parametrize("jacobian", [None, oscillator_jacobian])
+def test_a_model_in_python_integrates_to_the_exact_solution(jacobian):
+    own = model(jacobian=jacobian)
+    result = samara.simulate(own, {"stiffness": 9.0, "damping": np.array([0.0, 0.5])}, TIMES, ["stiffness"])
+    for k, c in enumerate([0.0, 0.5]):
+        np.testing.assert_allclose(result["place"][k], exact(TIMES, 9.0, c), rtol=0, atol=1e-8)
+        slope = (exact(TIMES, 9.0 + 1e-5, c) - exact(TIMES, 9.0 - 1e-5, c)) / 2e-5
+        np.testing.assert_allclose(result.sensitivities[k, :, 0, 0], slope, rtol=0, atol=1e-7)
+
+
+def test_complex_steps_and_a_jacobian_give_the_same_derivatives():
+    x, p = np.array([0.3, -1.2]), np.array([9.0, 0.4])
+    stepped, given = model()._derivatives(0.0, x, p), model(jacobian=oscillator_jacobian)._derivatives(0.0, x, p)
+    for a, b in zip(stepped, given):
+        np.testing.assert_allclose(a, b, rtol=1e-15, atol=0)
+    xs, ps = np.random.default_rng(0).normal(size=(2, 2, 5))
+    t = np.zeros(5)
+    np.testing.assert_allclose(model()._jacobians(t, xs, ps), model(jacobian=oscillator_jacobian)._jacobians(t, xs, ps),
+                               rtol=1e-15, atol=0)
+
+
+def test_what_a_users_function_raises_comes_back_with_its_traceback():
+    def broken(t, x, p):
+        raise KeyError("mine")
+
+    own = samara.Model(broken, {"x": "1"}, {"k": "1"})
+    with pytest.raises(KeyError, match="mine") as raised:
+        samara.simulate(own, {"k": np.linspace(0, 1, 20)}, [0.0, 1.0])
+    assert raised.traceback[-1].name == "broken"
+
+    def short(t, x, p):
+        return (x[0],)
+
+    with pytest.raises(samara.ArgumentError, match="1 rates, expected 2"):
+        samara.simulate(samara.Model(short, {"a": "1", "b": "1"}, {"k": "1"}), {"k": 1.0}, [0.0, 1.0])
+
+    def real_only(t, x, p):
+        return (np.arctan2(x[0], p[0]),)
+
+    with pytest.raises(TypeError, match="jacobian"):
+        samara.simulate(samara.Model(real_only, {"a": "1"}, {"k": "1"}), {"k": 1.0}, [0.0, 1.0], True)
+
+
+def test_wrong_calls_are_value_errors():
+    for call, text in [
+        (lambda: samara.simulate("vertical_fall", {"C_d": 1.0}, [0.0, 1.0]), "C_D"),
+        (lambda: samara.simulate("vertical_fall", COIN_VALUES, [1.0, 0.5]), "times"),
+        (lambda: samara.simulate("vertical_fall", COIN_VALUES, [0.0, np.nan]), "nan|finite"),
+        (lambda: samara.simulate("vertical_fall", COIN_VALUES, [0.0, 0.1], ["mass"]), "mass"),
+        (lambda: samara.Model(oscillator, {}, {}), "no state"),
+        (lambda: samara.simulate(model(name="vertical_fall"), {"stiffness": 1.0}, [0.0, 1.0]), "vertical_fall"),
+    ]:
+        with pytest.raises(ValueError, match=text):
+            call()
+
+
+def test_a_solution_that_ends_is_an_outcome():
+    def explosion(t, x, p):
+        return (p[0] * x[0] ** 2,)
+
+    own = samara.Model(explosion, {"x": samara.State("x", initial=1.0)}, {"k": "1"})
+    result = samara.simulate(own, {"k": np.array([0.5, 2.0])}, [0.0, 0.4, 1.0])
+    assert not result.done and result.problems[0] == "" and result.problems[1] != ""
+    np.testing.assert_allclose(result["x"][0], 1 / (1 - 0.5 * result.times), rtol=1e-8)
+    assert np.isnan(result["x"][1, -1])
+
+
+def test_models_of_files_are_taken(tmp_path):
+    file = COIN.parent / "own_model" / "predator_prey.toml"
+    assert {s.name for s in samara.models(file).states} == {"prey", "predator"}
