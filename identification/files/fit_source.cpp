@@ -12,6 +12,7 @@
 #include "samara/base/names.h"
 #include "samara/base/units.h"
 #include "samara/codebooks/composition/codebook_trajectories.h"
+#include "samara/codebooks/composition/mixed_trajectories.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/identification/problem/fit_config.h"
@@ -126,6 +127,23 @@ PredictionConfig prediction_config_of(const FitRequest& request) {
                                 : read_prediction_config(request.config);
 }
 
+void warn_of_missed_tolerance(const codebooks::Codebook& book, const std::string& name, FitSource& source) {
+  if (book.certificate() && book.certificate()->met) return;
+  source.warnings.add(WarningKind::source,
+                      fmt::format("{} has no certificate that meets its tolerance", name));
+}
+
+/// Trajectories that the codebook of the config covers come from it.
+void cover_by_codebook(const FitRequest& request, FitSource& source) {
+  const std::string& file = source.options.solver.codebook;
+  source.cover = codebooks::load(file);
+  warn_of_missed_tolerance(*source.cover, file, source);
+  source.family = of_file(request.config, [&] {
+    if (source.series) throw ArgumentError("codebook: [series] integrates, since coefficients change on the way");
+    return codebooks::mixed_trajectories(*source.cover, std::move(source.family));
+  });
+}
+
 void open_model(const FitRequest& request, FitSource& source) {
   const auto model = request.model ? request.model : codebooks::open_model(request.source);
   if (request.reference) {
@@ -157,6 +175,7 @@ void open_model(const FitRequest& request, FitSource& source) {
                ? step_trajectories(model, fixed_of_model(options), options.unknowns.box, *options.solver.step)
                : reference_trajectories(model, fixed_of_model(options), options.unknowns.box);
   });
+  if (!source.options.solver.codebook.empty()) cover_by_codebook(request, source);
 }
 
 void open_codebook(const FitRequest& request, FitSource& source) {
@@ -179,10 +198,10 @@ void open_codebook(const FitRequest& request, FitSource& source) {
         narrowed == source.options.unknowns.box.end() ? models::Interval{c.lower, c.upper} : narrowed->second;
   }
   take_over(request, names, box, source);
-  if (!source.book->certificate() || !source.book->certificate()->met) {
-    source.warnings.add(WarningKind::source,
-                        fmt::format("{} has no certificate that meets its tolerance", name_of(request)));
-  }
+  if (!source.options.solver.codebook.empty())
+    throw InputError(request.config.empty() ? kConfigText : request.config.string(),
+                     fmt::format("codebook: \"{}\" is one itself; the name of its model was expected", name_of(request)));
+  warn_of_missed_tolerance(*source.book, name_of(request), source);
   source.family = of_file(request.source, [&] {
     if (request.reference) return codebooks::reference_trajectories(*source.book);
     source.book->time("a fit");  // refuses a codebook without

@@ -1,5 +1,6 @@
 #include "samara/identification/problem/fit_config.h"
 
+#include <filesystem>
 #include <limits>
 
 #include <fmt/format.h>
@@ -326,7 +327,7 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& of_model) {
        "cluster_by", "starts",     "max_iterations",  "profiles",  "segments",       "global",      "step",
        "rounds",     "round_body", "averaged_frames", "log_scale", "attitude_scale", "fixed",       "initial",
        "known",      "priors",     "periods",         "box",       "bootstrap",      "noise",       "camera",
-       "stride",     "posterior",  "delay",           "gain",
+       "stride",     "posterior",  "delay",           "gain",     "codebook",
        "series",        // series_config.h
        "prediction"});  // prediction_config.h
   FitOptions options;
@@ -343,6 +344,9 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& of_model) {
   if (root.has("segments")) options.segments = read_segments(root);
   options.starts = read_starts(root, names.coordinates);
   if (root.has("step")) options.solver.step = positive_quantity(root, "step", "s");
+  if (root.has("codebook"))
+    options.solver.codebook =
+        (std::filesystem::path(root.file()).parent_path() / root.string("codebook")).string();
   if (root.has("max_iterations")) options.solver.max_iterations = positive_integer(root, "max_iterations");
   options.uncertainty = read_uncertainty(root);
   return options;

@@ -200,6 +200,8 @@ struct SolverOptions {
   /// s: a model without a codebook is integrated by Runge-Kutta steps of this length (step_trajectories.h).
   /// Empty: by the reference integrator. Read by whoever makes the family; fit() takes the family as it is.
   std::optional<double> step = {};
+  /// File of a codebook of the model that gives what it covers (mixed_trajectories.h); empty: none. Read likewise.
+  std::string codebook = {};
   /// Of each start and round: steps of the shared unknowns, where those of each capture settle between them.
   int max_iterations = 500;
 };

@@ -9,7 +9,7 @@ import math
 import pathlib
 import re
 
-from samara_case import COIN_PLAN, FOLDER, Case, book, main, run, write
+from samara_case import COIN_PLAN, FOLDER, LINE_PLAN, Case, book, main, run, write
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -40,6 +40,19 @@ class Fits(Case):
         config = write("fit.toml", '[fixed]\narea = "4.7144e-4 m^2"\nthickness = "2.55 mm"\ndensity = 6338.5\n'
                        '[box]\nC_D = [0.5, 2.0]\n"v(0)" = [0.0, 0.5]\n')
         self.assertAlmostEqual(self.fitted("vertical_fall", self.capture(), "--config", config), 1.2, delta=1e-6)
+
+    def test_a_model_takes_from_a_codebook_what_that_covers(self):
+        cover = book("coin6", COIN_PLAN.replace("relative = 1e-3", "relative = 1e-6"))
+        rest = ('[fixed]\narea = "4.7144e-4 m^2"\nthickness = "2.55 mm"\ndensity = 6338.5\n'
+                '[box]\nC_D = [0.5, 2.0]\n"v(0)" = [0.0, 0.5]\n')
+        config = write("covered.toml", f'codebook = "{cover.name}"\n' + rest)
+        self.assertAlmostEqual(self.fitted("vertical_fall", self.capture(), "--config", config), 1.2, delta=2e-5)
+        self.assertIn("by codebook and reference integrator", run("fit", "vertical_fall", self.capture(), "--config", config).stdout)
+        self.check_error(run("fit", cover, self.capture(), "--config", config), 3, "covered.toml", "is one itself")
+        for wrong, sentence in [(config.read_text().replace(cover.name, "none.h5"), "none.h5"),
+                                (config.read_text().replace("6338.5", "6000"), 'holds "density" at 6338.5'),
+                                (config.read_text().replace(cover.name, book("line", LINE_PLAN).name), 'is of "constant_rate"')]:
+            self.check_error(run("fit", "vertical_fall", self.capture(), "--config", write("covered_wrong.toml", wrong)), 3, sentence)
 
     def test_control_characters_of_a_label_do_not_reach_the_terminal(self):
         rows = self.capture().read_text().splitlines()
