@@ -103,6 +103,10 @@ class Model:
         self.name = name or getattr(rhs, "__name__", type(rhs).__name__)
         self.states = tuple(s if isinstance(s, State) else State(n, s) for n, s in states.items())
         self.parameters = tuple(p if isinstance(p, Parameter) else Parameter(n, p) for n, p in parameters.items())
+        own = [s.name for s in self.states] + [p.name for p in self.parameters]
+        for name, given in zip(own, [*states, *parameters]):
+            if name != given:
+                raise ArgumentError(f'the model "{self.name}" has "{name}" under the name "{given}"; one name was expected')
         if not self.states:
             raise ArgumentError(f'the model "{self.name}" has no state')
         text = (getattr(rhs, "__doc__", None) or "").strip().splitlines()

@@ -134,6 +134,7 @@ def test_wrong_calls_are_value_errors():
         (lambda: samara.simulate("vertical_fall", COIN_VALUES, [0.0, np.nan]), "nan|finite"),
         (lambda: samara.simulate("vertical_fall", COIN_VALUES, [0.0, 0.1], ["mass"]), "mass"),
         (lambda: samara.Model(oscillator, {}, {}), "no state"),
+        (lambda: samara.Model(oscillator, {"a": samara.State("b")}, {}), '"b" under the name "a"'),
         (lambda: samara.simulate(model(name="vertical_fall"), {"stiffness": 1.0}, [0.0, 1.0]), "vertical_fall"),
     ]:
         with pytest.raises(ValueError, match=text):
