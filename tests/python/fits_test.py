@@ -19,7 +19,10 @@ def result(coin):
 
 
 def without_times(told):
-    return {k: v for k, v in told.items() if k not in ("seconds", "evaluations")}
+    """What does not depend on the machine."""
+    if not isinstance(told, dict):
+        return told
+    return {k: without_times(v) for k, v in told.items() if k not in ("seconds", "evaluations")}
 
 
 def test_a_fit_is_that_of_the_command(coin_path, result, tmp_path):
@@ -166,6 +169,27 @@ def test_what_is_wrong_is_said_with_the_sentence_of_the_library(coin):
         with pytest.raises(kind, match=text) as raised:
             call()
         assert isinstance(raised.value, samara.Error)
+
+
+def test_captures_left_out_are_predicted_as_by_the_command(coin, coin_path):
+    told = json.loads(command("fit", coin_path, COIN / "train.toml", "--config", COIN / "fit.toml", "--left-out", COIN / "test.toml",
+                              "--left-out-span", "0.25 s", "--ahead", "0.1 s", "--json").stdout)
+    fitted = samara.fit(coin, COIN / "train.toml", COIN / "fit.toml", left_out=[COIN / "test.toml"], left_out_span="0.25 s",
+                        ahead="100 ms")
+    assert told["predictions"] and without_times(fitted.raw) == without_times(told)
+
+
+def test_a_series_of_coefficients_is_that_of_the_command(tmp_path):
+    folder = COIN.parent / "changing_lift"
+    told = json.loads(command("fit", "falling_plate", folder / "plate.csv", "--config", folder / "series.toml",
+                              "--series", tmp_path / "series.h5", "--json", codes=(0, 4)).stdout)
+    fitted = samara.fit("falling_plate", folder / "plate.csv", folder / "series.toml")
+    assert without_times(fitted.series) == without_times(told)
+    book, saved = fitted.series_codebook(), samara.Codebook.open(tmp_path / "series.h5")
+    times = np.linspace(book.coordinates[0].lower, book.coordinates[0].upper, 9)[:, None]
+    assert np.array_equal(book.at(times), saved.at(times))
+    with pytest.raises(samara.ArgumentError, match="series"):
+        fitted.residuals([0.0])
 
 
 def test_a_fit_plots_itself(result):
