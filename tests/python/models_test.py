@@ -154,6 +154,8 @@ def test_wrong_calls_are_value_errors():
         (lambda: samara.simulate("vertical_fall", COIN_VALUES, [0.0, np.nan]), "nan|finite"),
         (lambda: samara.simulate("vertical_fall", COIN_VALUES, [0.0, 0.1], ["mass"]), "mass"),
         (lambda: samara.Model(oscillator, {}, {}), "no state"),
+        (lambda: samara.models(samara.Model(oscillator, {"a": "cm"}, {})), '"cm", expected one of the SI, such as "m"'),
+        (lambda: samara.models(samara.Model(oscillator, {"a": "smoot"}, {})), "smoot"),
         (lambda: samara.Model(oscillator, {"a": samara.State("b")}, {}), '"b" under the name "a"'),
         (lambda: samara.simulate(model(name="vertical_fall"), {"stiffness": 1.0}, [0.0, 1.0]), "vertical_fall"),
     ]:
