@@ -155,6 +155,30 @@ def test_a_model_in_python_is_fitted():
     assert 0.5 * r @ r == pytest.approx(fitted.raw["cost"], rel=1e-9)
 
 
+def test_what_a_model_raises_comes_back_from_its_fit_and_its_residuals():
+    limit = [np.inf]
+
+    def fragile(t, x, p):
+        if np.any(np.real(p[0]) > limit[0]):
+            raise ZeroDivisionError("too stiff")
+        return (-p[0] * x[0],)
+
+    own = samara.Model(fragile, {"x": samara.State("x", "m", initial=1.0)}, {"k": "1/s"})
+    t = np.linspace(0, 1, 11)
+    table = {"t[s]": t, "x[m]": np.exp(-2 * t)}
+    config = {"box": {"k": [1.0, 4.0]}, "loss": {"kind": "none"}, "starts": 1}
+    fitted = samara.fit(own, table, config)
+    assert fitted.coefficients["k"].value == pytest.approx(2.0, rel=1e-6)
+    limit[0] = 3.0
+    for call in (lambda: fitted.residuals([3.5]), lambda: fitted.jacobian([3.5]), lambda: fitted.log_posterior([3.5], True)):
+        with pytest.raises(ZeroDivisionError, match="too stiff"):
+            call()
+    assert np.isfinite(fitted.residuals([2.5])).all()
+    limit[0] = 0.5
+    with pytest.raises(ZeroDivisionError, match="too stiff"):
+        samara.fit(own, table, config)
+
+
 def test_what_is_wrong_is_said_with_the_sentence_of_the_library(coin):
     for call, kind, text in [
         (lambda: samara.fit(coin, ["missing.csv"]), OSError, "missing.csv"),
