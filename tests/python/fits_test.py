@@ -187,6 +187,7 @@ def test_what_is_wrong_is_said_with_the_sentence_of_the_library(coin):
         (lambda: samara.fit(coin, {"t[s]": [0.0, 0.0, 0.1], "x[m]": [0.0, 1.0, 2.0]}), ValueError, "increase"),
         (lambda: samara.fit(coin, {"x[m]": [0.0, 1.0, 2.0]}), ValueError, "times"),
         (lambda: samara.fit(coin, {"t[s]": [0.0, 1.0], "x[m]": [np.inf, 1.0]}), ValueError, "infinite"),
+        (lambda: samara.fit(coin, {"t[s]": [0.0, 1.0, 2.0], "x[m]": [1.0, 1.0]}), ValueError, r"shape \(2,\)"),
         (lambda: samara.fit("vertical_fall", [COIN / "coin.toml"]), ValueError, "box"),
         (lambda: samara.fit(coin, []), ValueError, "CAPTURE"),
     ]:
