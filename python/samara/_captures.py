@@ -44,7 +44,9 @@ def _capture(table: Any, name: str) -> dict[str, Any]:
     """
     if not isinstance(table, Mapping) and not hasattr(table, "columns"):
         raise ArgumentError(f"{name} is of the type {type(table).__name__}, expected a file, a DataFrame or columns by name")
-    times, channels, labels = None, [], {}
+    times: Any = None
+    channels: list[dict[str, Any]] = []
+    labels: dict[str, str] = {}
     for column in table.columns if hasattr(table, "columns") else table:
         values = np.asarray(table[column])
         match = _COLUMN.match(str(column))
@@ -66,6 +68,9 @@ def _capture(table: Any, name: str) -> dict[str, Any]:
             channels.append({"name": quantity, "unit": _core.si_unit(unit), "values": numbers})
     if times is None:
         raise ArgumentError(f'{name} has no column of times; "t[s]" was expected')
+    for c in channels:
+        if c["values"].shape != times.shape:
+            raise ArgumentError(f'"{c["name"]}" of {name} has the shape {c["values"].shape}, expected that of its times, {times.shape}')
     if np.any(np.isnan(times)) or not np.all(np.diff(times) > 0):
         raise ArgumentError(f"the times of {name} do not increase, or one is missing")
     is_seen = np.all([~np.isnan(c["values"]) for c in channels], axis=0)

@@ -62,6 +62,11 @@ class Certificate:
     seed: int
     integrator: str
     integrator_tolerance: float
+    residual: float
+    spent: dict[str, float]
+    """Of the tolerance, by the builder: discretisation, compression, nonlinearity."""
+    norm_defect: Optional[dict[str, float]]
+    """How far stored quaternions are from their length, largest and root mean square."""
     outputs: dict[str, OutputError] = field(repr=False)
 
 

@@ -304,6 +304,7 @@ def fit(
     :param coefficients: JSON of another fit, where this one begins
     :param reference: integrate the equations of a codebook instead of asking it
     :param profiles: of the coefficients
+    :param progress: as of ``samara.build``; told between starts, where Ctrl-C ends the fit, too
     :raises InputError: naming the file for everything wrong in one
     """
     book = source._book if isinstance(source, Codebook) else None

@@ -78,9 +78,10 @@ class Model:
             parameters={"length": "m", "damping": samara.Parameter("damping", "1/s", default=0.1)},
         )
 
-    Derivatives come from complex steps, exact to rounding, so that ``rhs`` must bear complex numbers (no ``abs``, ``max``,
-    comparisons of states). Else ``jacobian(t, x, p)`` gives them: by states (states, states) and by parameters (states,
-    parameters), each entry a number or a row of points; ``jax.jacfwd`` makes one.
+    Derivatives come from complex steps, exact to rounding, so that ``rhs`` must bear complex numbers: ``np.sqrt(v * v)``
+    in place of ``np.abs(v)``, which forgets their derivative. They are held against differences now and then, and what
+    does not agree is refused. Else ``jacobian(t, x, p)`` gives them: by states (states, states) and by parameters
+    (states, parameters), each entry a number or, where ``x`` has many points, a row of them.
 
     Where single trajectories are integrated, each step calls Python: some ten microseconds. Builders ask for many points
     in one call.
@@ -103,9 +104,14 @@ class Model:
         self.name = name or getattr(rhs, "__name__", type(rhs).__name__)
         self.states = tuple(s if isinstance(s, State) else State(n, s) for n, s in states.items())
         self.parameters = tuple(p if isinstance(p, Parameter) else Parameter(n, p) for n, p in parameters.items())
+        own = [s.name for s in self.states] + [p.name for p in self.parameters]
+        for name, given in zip(own, [*states, *parameters]):
+            if name != given:
+                raise ArgumentError(f'the model "{self.name}" has "{name}" under the name "{given}"; one name was expected')
         if not self.states:
             raise ArgumentError(f'the model "{self.name}" has no state')
         text = (getattr(rhs, "__doc__", None) or "").strip().splitlines()
+        self._calls = 0
         self._description = {
             "name": self.name,
             "title": title or (text[0] if text else "a model in Python"),
@@ -145,6 +151,8 @@ class Model:
         ps[range(m), range(n, n + m)] += 1j * _STEP
         rates = self._complex(t, xs, ps)
         slopes = rates.imag / _STEP
+        if self._is_to_check():
+            self._check(t, x, p, slopes)
         return rates[:, 0].real, slopes[:, :n], slopes[:, n:]
 
     def _jacobians(self, t: Any, x: NDArray[np.float64], p: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -161,7 +169,44 @@ class Model:
         xs[range(n), range(n)] += 1j * _STEP
         ps = np.repeat(p[:, None, :], n, 1)
         rates = self._complex(np.tile(t, n), xs.reshape(n, -1), ps.reshape(len(p), -1))
-        return np.ascontiguousarray((rates.imag / _STEP).reshape(n, n, points))
+        slopes = np.ascontiguousarray((rates.imag / _STEP).reshape(n, n, points))
+        if self._is_to_check():
+            for j in {0, points // 2, points - 1}:
+                self._check(t[j], x[:, j], p[:, j], slopes[:, :, j])
+        return slopes
+
+    def _is_to_check(self) -> bool:
+        """At calls 1, 2, 4, 8, ..: where a motion begins at rest, much looks right that is not."""
+        self._calls += 1
+        return self._calls & (self._calls - 1) == 0
+
+    def _check(self, t: Any, x: NDArray[np.float64], p: NDArray[np.float64], slopes: NDArray[np.float64]) -> None:
+        """Holds derivatives by states and parameters, as far as they are given, against differences.
+
+        At a kink one of the two sides may agree.
+        """
+        at = np.concatenate([x, p])
+        here = self._rates(t, x, p)
+        names = [s.name for s in self.states] + [q.name for q in self.parameters]
+        for k in range(slopes.shape[1]):
+            h = 1e-6 * max(1.0, abs(at[k]))
+            above, below = at.copy(), at.copy()
+            above[k] += h
+            below[k] -= h
+            up = (self._rates(t, above[: len(x)], above[len(x) :]) - here) / h
+            down = (here - self._rates(t, below[: len(x)], below[len(x) :])) / h
+            for i, slope in enumerate(slopes[:, k]):
+                # Rounding of the rates over h, and second derivatives times it.
+                margin = 1e-3 * max(abs(slope), abs(up[i]), abs(down[i])) + 1e-8 * abs(here[i]) / h + 1e-9
+                if min(abs(slope - up[i]), abs(slope - down[i]), abs(slope - 0.5 * (up[i] + down[i]))) <= margin:
+                    continue
+                if not np.isfinite([up[i], down[i]]).all():
+                    continue
+                raise ArgumentError(
+                    f'the derivative of the rate of "{self.states[i].name}" by "{names[k]}" is {slope:.6g} by complex steps and '
+                    f"{0.5 * (up[i] + down[i]):.6g} by differences: the function of the model \"{self.name}\" uses what forgets "
+                    "derivatives of complex numbers, as np.abs does; jacobian=.. gives them"
+                )
 
     def _complex(self, t: Any, x: NDArray[np.complex128], p: Any) -> NDArray[np.complex128]:
         try:

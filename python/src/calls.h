@@ -19,7 +19,7 @@ class Failure {
   /// Of the exception that is being handled.
   void keep();
   bool is_there() const;
-  /// With the interpreter's lock held. Once: afterwards there is none.
+  /// Once: afterwards there is none.
   void rethrow_if_any();
 
  private:

@@ -150,7 +150,14 @@ py::object as_dict(const std::optional<codebooks::Certificate>& certificate) {
                   py::arg("share_above") = py::none(), py::arg("climbed_points") = c.climbed_points,
                   py::arg("refuted_before") = c.refuted_before, py::arg("seed") = c.seed,
                   py::arg("integrator") = c.integrator,
-                  py::arg("integrator_tolerance") = c.integrator_tolerance, py::arg("outputs") = outputs);
+                  py::arg("integrator_tolerance") = c.integrator_tolerance, py::arg("residual") = c.residual,
+                  py::arg("spent") = py::dict(py::arg("discretisation") = c.spent.discretisation,
+                                              py::arg("compression") = c.spent.compression,
+                                              py::arg("nonlinearity") = c.spent.nonlinearity),
+                  py::arg("norm_defect") = py::none(), py::arg("outputs") = outputs);
+  if (c.norm_defect)
+    result["norm_defect"] =
+        py::dict(py::arg("max") = c.norm_defect->max, py::arg("rms") = c.norm_defect->rms);
   if (c.wrong_points)
     result["share_above"] = codebooks::share_above(*c.wrong_points, c.points, c.refuted_before);
   return result;
@@ -165,9 +172,14 @@ py::dict as_dict(const codebooks::GroupOutline& group) {
 }
 
 py::list outlines(const Codebook& book) {
+  const std::vector<codebooks::PieceOutline> read = [&] {
+    const py::gil_scoped_release release;
+    std::vector<codebooks::PieceOutline> all;
+    for (const codebooks::Piece& piece : book.pieces()) all.push_back(piece.outline());
+    return all;
+  }();
   py::list pieces;
-  for (const codebooks::Piece& piece : book.pieces()) {
-    const codebooks::PieceOutline outline = piece.outline();
+  for (const codebooks::PieceOutline& outline : read) {
     py::list axes, groups;
     for (const pgd::Axis& axis : outline.axes) {
       axes.append(py::dict(py::arg("name") = axis.name(), py::arg("basis") = pgd::to_string(axis.basis()),

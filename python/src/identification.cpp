@@ -2,7 +2,9 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +37,7 @@ using Paths = std::vector<std::filesystem::path>;
 struct Fit {
   id::FitReport report;
   std::shared_ptr<Failure> failure;
+  mutable std::mutex asking = {};  ///< so that each caller gets what its own call raised
 
   const id::FitObjective& objective() const {
     if (report.objective) return *report.objective;
@@ -43,6 +46,19 @@ struct Fit {
         "of a series");
   }
 };
+
+/// Asks the objective, without the interpreter's lock.
+template <class Work>
+auto asked(const Fit& fit, const Work& work) {
+  const py::gil_scoped_release release;
+  const std::scoped_lock lock(fit.asking);
+  try {
+    return work();
+  } catch (...) {
+    fit.failure->rethrow_if_any();
+    throw;
+  }
+}
 
 /// One capture in memory: id, labels, times (frames), and channels of name, unit and values (frames).
 id::Capture capture_of(const py::dict& given) {
@@ -117,7 +133,7 @@ py::array_t<double> residuals(const Fit& fit, const Array& q) {
   const id::FitObjective& objective = fit.objective();
   py::array_t<double> values(objective.residual_count());
   Eigen::Map<Eigen::VectorXd> to(values.mutable_data(), values.size());
-  unlocked(*fit.failure, [&] {
+  asked(fit, [&] {
     const bool has_trajectory = objective.residuals(numbers_of(q), to);
     if (!has_trajectory) to.setConstant(std::numeric_limits<double>::quiet_NaN());
     return has_trajectory;
@@ -129,8 +145,7 @@ py::array_t<double> jacobian(const Fit& fit, const Array& q) {
   const id::FitObjective& objective = fit.objective();
   Eigen::VectorXd values(objective.residual_count());
   Eigen::MatrixXd slopes;
-  const bool has_trajectory =
-      unlocked(*fit.failure, [&] { return objective.residuals(numbers_of(q), values, &slopes); });
+  const bool has_trajectory = asked(fit, [&] { return objective.residuals(numbers_of(q), values, &slopes); });
   if (!has_trajectory) slopes.setConstant(values.size(), q.size(), std::numeric_limits<double>::quiet_NaN());
   return copied(slopes);
 }

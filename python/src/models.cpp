@@ -29,7 +29,7 @@ py::object finite_or_none(double value) {
 }
 
 /// What `samara models --json` says.
-py::dict describe(const py::object& which) {
+py::dict describe_model(const py::object& which) {
   const auto model = model_of(which, std::make_shared<Failure>());
   const models::ModelInfo& info = model->info();
   py::list states, parameters, terms;
@@ -103,7 +103,7 @@ py::tuple simulate(const py::object& which, const std::map<std::string, double>&
 
 void add_models(py::module_& module) {
   module.def("model_names", &models::model_names);
-  module.def("describe_model", &describe, py::arg("model"));
+  module.def("describe_model", &describe_model, py::arg("model"));
   module.def("simulate", &simulate, py::arg("model"), py::arg("fixed"), py::arg("free"), py::arg("points"),
              py::arg("times"), py::arg("sensitivities"), py::arg("relative_tolerance"), py::arg("stiff"));
 }

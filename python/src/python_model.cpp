@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -12,6 +13,7 @@
 
 #include "arrays.h"
 #include "samara/base/errors.h"
+#include "samara/base/units.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/models/laws/registry.h"
 
@@ -34,6 +36,15 @@ std::shared_ptr<const Functions> functions_of(const py::object& model) {
           }};
 }
 
+/// @throws ArgumentError unless numbers of the unit may be put into an equation as they are
+std::string si_unit_of(const py::handle& item) {
+  auto unit = item["unit"].cast<std::string>();
+  if (is_coherent_si(unit)) return unit;
+  throw ArgumentError(fmt::format("\"{}\" has the unit \"{}\", expected one of the SI, such as \"{}\"",
+                                  item["name"].cast<std::string>(), unit,
+                                  to_string(parse_unit(unit).dimension)));
+}
+
 models::ModelInfo info_of(const py::object& model) {
   const auto description = model.attr("_description").cast<py::dict>();
   models::ModelInfo info;
@@ -46,14 +57,14 @@ models::ModelInfo info_of(const py::object& model) {
   info.validity = text("validity");
   for (const py::handle item : description["states"]) {
     info.states.push_back({.name = item["name"].cast<std::string>(),
-                           .unit = item["unit"].cast<std::string>(),
+                           .unit = si_unit_of(item),
                            .default_initial = item["initial"].cast<double>(),
                            .description = item["description"].cast<std::string>(),
                            .scale = item["scale"].cast<std::optional<double>>()});
   }
   for (const py::handle item : description["parameters"]) {
     info.parameters.push_back({.name = item["name"].cast<std::string>(),
-                               .unit = item["unit"].cast<std::string>(),
+                               .unit = si_unit_of(item),
                                .default_value = item["default"].cast<std::optional<double>>(),
                                .description = item["description"].cast<std::string>(),
                                .lower = item["lower"].cast<double>(),

@@ -19,7 +19,10 @@ def result(coin):
 
 
 def without_times(told):
-    return {k: v for k, v in told.items() if k not in ("seconds", "evaluations")}
+    """What does not depend on the machine."""
+    if not isinstance(told, dict):
+        return told
+    return {k: without_times(v) for k, v in told.items() if k not in ("seconds", "evaluations")}
 
 
 def test_a_fit_is_that_of_the_command(coin_path, result, tmp_path):
@@ -152,6 +155,30 @@ def test_a_model_in_python_is_fitted():
     assert 0.5 * r @ r == pytest.approx(fitted.raw["cost"], rel=1e-9)
 
 
+def test_what_a_model_raises_comes_back_from_its_fit_and_its_residuals():
+    limit = [np.inf]
+
+    def fragile(t, x, p):
+        if np.any(np.real(p[0]) > limit[0]):
+            raise ZeroDivisionError("too stiff")
+        return (-p[0] * x[0],)
+
+    own = samara.Model(fragile, {"x": samara.State("x", "m", initial=1.0)}, {"k": "1/s"})
+    t = np.linspace(0, 1, 11)
+    table = {"t[s]": t, "x[m]": np.exp(-2 * t)}
+    config = {"box": {"k": [1.0, 4.0]}, "loss": {"kind": "none"}, "starts": 1}
+    fitted = samara.fit(own, table, config)
+    assert fitted.coefficients["k"].value == pytest.approx(2.0, rel=1e-6)
+    limit[0] = 3.0
+    for call in (lambda: fitted.residuals([3.5]), lambda: fitted.jacobian([3.5]), lambda: fitted.log_posterior([3.5], True)):
+        with pytest.raises(ZeroDivisionError, match="too stiff"):
+            call()
+    assert np.isfinite(fitted.residuals([2.5])).all()
+    limit[0] = 0.5
+    with pytest.raises(ZeroDivisionError, match="too stiff"):
+        samara.fit(own, table, config)
+
+
 def test_what_is_wrong_is_said_with_the_sentence_of_the_library(coin):
     for call, kind, text in [
         (lambda: samara.fit(coin, ["missing.csv"]), OSError, "missing.csv"),
@@ -160,12 +187,34 @@ def test_what_is_wrong_is_said_with_the_sentence_of_the_library(coin):
         (lambda: samara.fit(coin, {"t[s]": [0.0, 0.0, 0.1], "x[m]": [0.0, 1.0, 2.0]}), ValueError, "increase"),
         (lambda: samara.fit(coin, {"x[m]": [0.0, 1.0, 2.0]}), ValueError, "times"),
         (lambda: samara.fit(coin, {"t[s]": [0.0, 1.0], "x[m]": [np.inf, 1.0]}), ValueError, "infinite"),
+        (lambda: samara.fit(coin, {"t[s]": [0.0, 1.0, 2.0], "x[m]": [1.0, 1.0]}), ValueError, r"shape \(2,\)"),
         (lambda: samara.fit("vertical_fall", [COIN / "coin.toml"]), ValueError, "box"),
         (lambda: samara.fit(coin, []), ValueError, "CAPTURE"),
     ]:
         with pytest.raises(kind, match=text) as raised:
             call()
         assert isinstance(raised.value, samara.Error)
+
+
+def test_captures_left_out_are_predicted_as_by_the_command(coin, coin_path):
+    told = json.loads(command("fit", coin_path, COIN / "train.toml", "--config", COIN / "fit.toml", "--left-out", COIN / "test.toml",
+                              "--left-out-span", "0.25 s", "--ahead", "0.1 s", "--json").stdout)
+    fitted = samara.fit(coin, COIN / "train.toml", COIN / "fit.toml", left_out=[COIN / "test.toml"], left_out_span="0.25 s",
+                        ahead="100 ms")
+    assert told["predictions"] and without_times(fitted.raw) == without_times(told)
+
+
+def test_a_series_of_coefficients_is_that_of_the_command(tmp_path):
+    folder = COIN.parent / "changing_lift"
+    told = json.loads(command("fit", "falling_plate", folder / "plate.csv", "--config", folder / "series.toml",
+                              "--series", tmp_path / "series.h5", "--json", codes=(0, 4)).stdout)
+    fitted = samara.fit("falling_plate", folder / "plate.csv", folder / "series.toml")
+    assert without_times(fitted.series) == without_times(told)
+    book, saved = fitted.series_codebook(), samara.Codebook.open(tmp_path / "series.h5")
+    times = np.linspace(book.coordinates[0].lower, book.coordinates[0].upper, 9)[:, None]
+    assert np.array_equal(book.at(times), saved.at(times))
+    with pytest.raises(samara.ArgumentError, match="series"):
+        fitted.residuals([0.0])
 
 
 def test_a_fit_plots_itself(result):

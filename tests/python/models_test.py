@@ -127,6 +127,26 @@ def test_what_a_users_function_raises_comes_back_with_its_traceback():
         samara.simulate(samara.Model(real_only, {"a": "1"}, {"k": "1"}), {"k": 1.0}, [0.0, 1.0], True)
 
 
+def test_functions_that_forget_derivatives_of_complex_numbers_are_found():
+    def drag(t, x, p):
+        return (-p[0] * np.abs(x[0]) * x[0],)
+
+    def smooth(t, x, p):
+        return (-p[0] * np.sqrt(x[0] * x[0]) * x[0],)
+
+    def of(function):
+        return samara.Model(function, {"v": samara.State("v", "m/s", initial=1.0)}, {"k": "1/m"})
+
+    times = [0.0, 0.5, 1.0]
+    np.testing.assert_allclose(samara.simulate(of(drag), {"k": 2.0}, times)["v"], 1 / (1 + 2 * np.array(times)), rtol=1e-8)
+    with pytest.raises(samara.ArgumentError, match='rate of "v" by "v".*complex'):
+        samara.simulate(of(drag), {"k": 2.0}, times, True)
+    result = samara.simulate(of(smooth), {"k": 2.0}, times, True)
+    np.testing.assert_allclose(result.sensitivities[:, 0, 0], -np.array(times) / (1 + 2 * np.array(times)) ** 2, atol=1e-8)
+    with pytest.raises(samara.ArgumentError, match="complex"):
+        of(drag)._jacobians(np.zeros(3), np.array([[1.0, 0.5, 0.2]]), np.full((1, 3), 2.0))
+
+
 def test_wrong_calls_are_value_errors():
     for call, text in [
         (lambda: samara.simulate("vertical_fall", {"C_d": 1.0}, [0.0, 1.0]), "C_D"),
@@ -134,6 +154,9 @@ def test_wrong_calls_are_value_errors():
         (lambda: samara.simulate("vertical_fall", COIN_VALUES, [0.0, np.nan]), "nan|finite"),
         (lambda: samara.simulate("vertical_fall", COIN_VALUES, [0.0, 0.1], ["mass"]), "mass"),
         (lambda: samara.Model(oscillator, {}, {}), "no state"),
+        (lambda: samara.models(samara.Model(oscillator, {"a": "cm"}, {})), '"cm", expected one of the SI, such as "m"'),
+        (lambda: samara.models(samara.Model(oscillator, {"a": "smoot"}, {})), "smoot"),
+        (lambda: samara.Model(oscillator, {"a": samara.State("b")}, {}), '"b" under the name "a"'),
         (lambda: samara.simulate(model(name="vertical_fall"), {"stiffness": 1.0}, [0.0, 1.0]), "vertical_fall"),
     ]:
         with pytest.raises(ValueError, match=text):

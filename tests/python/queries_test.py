@@ -2,6 +2,7 @@
 
 import threading
 import time
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -173,6 +174,20 @@ def test_labelled_answers_of_xarray_hold_the_same_numbers(coin):
         assert data[o.name].dims == ("sample", "time") and data[o.name].attrs["units"] == o.unit
         assert np.array_equal(data[o.name], values[..., k])
         assert np.array_equal(data[f"d{o.name}"].sel(parameter="C_D"), slopes[..., k, 0])
+
+
+def test_nothing_but_the_answer_is_allocated(coin):
+    points = points_of(coin, 200_000)
+    q = points[:2000, 1:].copy()
+    times = np.linspace(0, 0.5, 200)
+    for ask in (lambda: coin.at(points), lambda: coin.query(q, times), lambda: coin.query(q, times, gradient=True)):
+        ask()
+        tracemalloc.start()
+        answer = ask()
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        size = sum(a.nbytes for a in answer) if isinstance(answer, tuple) else answer.nbytes
+        assert size <= peak < size + 100_000
 
 
 def test_eight_threads_at_once_get_the_answers_of_one(coin):
