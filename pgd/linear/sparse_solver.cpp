@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 #include <vector>
 
@@ -63,7 +64,7 @@ class SymmetryTest {
 };
 
 /// Any of the solvers with Eigen's interface.
-template <class Solver, bool kSymmetricOnly>
+template <class Solver, SparseSolverKind kKind, bool kSymmetricOnly>
 class Direct final : public SparseSolver {
  public:
   explicit Direct(const SparseMatrix& pattern) : is_symmetric_(pattern) {
@@ -82,36 +83,79 @@ class Direct final : public SparseSolver {
     return solver_.info() == Eigen::Success && x.allFinite();
   }
 
+  SparseSolverKind kind() const override { return kKind; }
+  const Solver& solver() const { return solver_; }
+
  private:
   Solver solver_;
   SymmetryTest is_symmetric_;
 };
 
-using Ldlt = Direct<Eigen::SimplicialLDLT<SparseMatrix>, true>;
-using Lu = Direct<Eigen::SparseLU<SparseMatrix>, false>;
+/// Eigen's LDL^T, which knows from its analysis what a factorisation takes.
+class CountedLdlt : public Eigen::SimplicialLDLT<SparseMatrix> {
+ public:
+  double factor_entries() const { return m_nonZerosPerCol.cast<double>().sum(); }
+  double multiplications() const { return m_nonZerosPerCol.cast<double>().squaredNorm(); }
+};
 
-/// LDL^T where it holds. It does not pivot, so its answers are checked.
+using Ldlt = Direct<CountedLdlt, SparseSolverKind::eigen_ldlt, true>;
+using Lu = Direct<Eigen::SparseLU<SparseMatrix>, SparseSolverKind::eigen_lu, false>;
+
+/// Dense blocks pay where columns of the factor are long, and the matrix is large enough to have many of them.
+/// Measured (the case solver_sizes of the benchmark linear_engine): on planes of 200^2 nodes, solids of 15^3 and 8 by
+/// 30^2 nodes in blocks both take about as long; below, CHOLMOD takes up to three times as long, and beyond, LDL^T.
+bool pays_cholmod(const CountedLdlt& analysed) {
+  constexpr double kMultiplications = 2e8, kPerEntry = 180.0;
+  const double work = analysed.multiplications();
+  return is_available(SparseSolverKind::cholmod) && work >= kMultiplications &&
+         work >= kPerEntry * analysed.factor_entries();
+}
+
+/// UMFPACK takes half the time of Eigen's LU on meshes, and up to three times as long where the band is full, as that
+/// of time elements is: nothing fills there.
+bool pays_umfpack(const SparseMatrix& pattern) {
+  constexpr double kLarge = 12'000.0, kFullBand = 0.25;
+  Eigen::Index reach = 0;
+  for (int column = 0; column < pattern.outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator entry(pattern, column); entry; ++entry)
+      reach = std::max(reach, std::abs(entry.row() - entry.col()));
+  }
+  const auto entries = static_cast<double>(pattern.nonZeros());
+  const double band = static_cast<double>(pattern.rows()) * static_cast<double>(2 * reach + 1);
+  return is_available(SparseSolverKind::umfpack) && entries >= kLarge && entries < kFullBand * band;
+}
+
+/// One after the other, until one holds. What does not pivot has its answers checked.
 class Automatic final : public SparseSolver {
  public:
   explicit Automatic(SparseMatrix pattern) : pattern_(std::move(pattern)), is_symmetric_(pattern_) {}
 
   bool factorize(const SparseMatrix& matrix) override {
     matrix_ = &matrix;
-    use_ldlt_ = is_symmetric_(matrix);
-    if (use_ldlt_) {
-      if (!ldlt_) ldlt_ = std::make_unique<Ldlt>(pattern_);
-      use_ldlt_ = ldlt_->factorize(matrix);
+    used_ = nullptr;
+    if (is_symmetric_(matrix)) {
+      prepare_symmetric();
+      // One that is not definite is not likely to be followed by others that are.
+      if (cholmod_ && !cholmod_->factorize(matrix)) cholmod_.reset();
+      used_ = cholmod_.get();
+      if (!used_) {
+        prepare_ldlt();
+        if (ldlt_->factorize(matrix)) used_ = ldlt_.get();
+      }
     }
-    return use_ldlt_ || factorize_lu(matrix);
+    return used_ != nullptr || factorize_lu(matrix);
   }
 
   bool solve(const Eigen::MatrixXd& b, Eigen::Ref<Eigen::MatrixXd> x) override {
-    if (use_ldlt_) {
-      if (ldlt_->solve(b, x) && is_backward_stable(b, x)) return true;
-      use_ldlt_ = false;
+    if (used_ != lu_.get()) {
+      if (used_->solve(b, x) && is_backward_stable(b, x)) return true;
       if (!factorize_lu(*matrix_)) return false;
     }
     return lu_->solve(b, x);
+  }
+
+  SparseSolverKind kind() const override {
+    return used_ == nullptr ? SparseSolverKind::automatic : used_->kind();
   }
 
  private:
@@ -122,17 +166,35 @@ class Automatic final : public SparseSolver {
     return (*matrix_ * x - b).norm() <= kAcceptable * size;
   }
 
+  void prepare_ldlt() {
+    if (!ldlt_) ldlt_ = std::make_unique<Ldlt>(pattern_);
+  }
+
+  /// The analysis of LDL^T tells who factorises.
+  void prepare_symmetric() {
+    if (ldlt_ || cholmod_) return;
+    prepare_ldlt();
+    if (!pays_cholmod(ldlt_->solver())) return;
+    cholmod_ = make_sparse_solver(SparseSolverKind::cholmod, pattern_);
+    ldlt_.reset();
+  }
+
   bool factorize_lu(const SparseMatrix& matrix) {
-    if (!lu_) lu_ = std::make_unique<Lu>(pattern_);
+    if (!lu_) {
+      lu_ = make_sparse_solver(
+          pays_umfpack(pattern_) ? SparseSolverKind::umfpack : SparseSolverKind::eigen_lu, pattern_);
+    }
+    used_ = lu_.get();
     return lu_->factorize(matrix);
   }
 
   SparseMatrix pattern_;
   SymmetryTest is_symmetric_;
   const SparseMatrix* matrix_ = nullptr;  ///< factorised last
+  std::unique_ptr<SparseSolver> cholmod_;
   std::unique_ptr<Ldlt> ldlt_;
-  std::unique_ptr<Lu> lu_;
-  bool use_ldlt_ = false;
+  std::unique_ptr<SparseSolver> lu_;
+  SparseSolver* used_ = nullptr;  ///< by the last factorisation; null before
 };
 
 }  // namespace
@@ -160,9 +222,11 @@ std::unique_ptr<SparseSolver> make_sparse_solver(SparseSolverKind kind, const Sp
       return std::make_unique<Lu>(pattern);
 #ifdef SAMARA_HAS_SUITESPARSE
     case SparseSolverKind::cholmod:
-      return std::make_unique<Direct<Eigen::CholmodDecomposition<SparseMatrix>, true>>(pattern);
+      return std::make_unique<
+          Direct<Eigen::CholmodDecomposition<SparseMatrix>, SparseSolverKind::cholmod, true>>(pattern);
     case SparseSolverKind::umfpack:
-      return std::make_unique<Direct<Eigen::UmfPackLU<SparseMatrix>, false>>(pattern);
+      return std::make_unique<Direct<Eigen::UmfPackLU<SparseMatrix>, SparseSolverKind::umfpack, false>>(
+          pattern);
 #endif
     default:
       break;

@@ -12,7 +12,10 @@ namespace samara::pgd {
 /// Who factorises the sparse matrices of an axis. The SuiteSparse ones exist if the library was built with
 /// them (CMake option SAMARA_SUITESPARSE); UMFPACK and parts of CHOLMOD are under the GPL.
 enum class SparseSolverKind {
-  automatic,  ///< symmetric matrices: Eigen's LDL^T, checked and replaced by LU if it breaks down; others: LU
+  /// Symmetric matrices: Eigen's LDL^T or, where a factorisation takes long, CHOLMOD, checked and replaced by LU if
+  /// they break down. Others: Eigen's LU or, where the factors of large matrices fill, UMFPACK. The bounds, which
+  /// stand in sparse_solver.cpp, are where these win on meshes and on the block systems of factor updates.
+  automatic,
   eigen_ldlt,  ///< Eigen's simplicial LDL^T; symmetric matrices only
   eigen_lu,    ///< Eigen's supernodal LU
   cholmod,     ///< CHOLMOD, simplicial or supernodal; symmetric matrices only
@@ -33,6 +36,8 @@ class SparseSolver {
   virtual bool factorize(const SparseMatrix& matrix) = 0;
   /// x = matrix^-1 b, columns at once. @returns false if x is not finite.
   virtual bool solve(const Eigen::MatrixXd& b, Eigen::Ref<Eigen::MatrixXd> x) = 0;
+  /// Who holds the factors; of the automatic one, the kind that it took.
+  virtual SparseSolverKind kind() const = 0;
 };
 
 /// @param pattern a matrix with the pattern of those to come

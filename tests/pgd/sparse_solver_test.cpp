@@ -95,3 +95,99 @@ TEST_CASE("one analysis serves matrices of one pattern") {
     }
   }
 }
+
+namespace {
+
+SparseMatrix kronecker(const SparseMatrix& a, const SparseMatrix& b) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < a.outerSize(); ++i) {
+    for (SparseMatrix::InnerIterator in_a(a, i); in_a; ++in_a) {
+      for (int j = 0; j < b.outerSize(); ++j) {
+        for (SparseMatrix::InnerIterator in_b(b, j); in_b; ++in_b) {
+          entries.emplace_back(static_cast<int>(in_a.row() * b.rows() + in_b.row()),
+                               static_cast<int>(in_a.col() * b.cols() + in_b.col()),
+                               in_a.value() * in_b.value());
+        }
+      }
+    }
+  }
+  SparseMatrix result(a.rows() * b.rows(), a.cols() * b.cols());
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
+struct Form {
+  SparseMatrix mass, stiffness;
+};
+
+Form line(int side) {
+  const Axis x = Axis::p1({"x"}, 0.0, 1.0, side);
+  return {x.mass(), x.stiffness()};
+}
+
+Form times(const Form& a, const Form& b) {
+  return {kronecker(a.mass, b.mass), kronecker(a.stiffness, b.mass) + kronecker(a.mass, b.stiffness)};
+}
+
+/// With a wind, which makes it unsymmetric.
+SparseMatrix windy_plane(int side) {
+  const Axis x = Axis::p1({"x"}, 0.0, 1.0, side);
+  const Form plane = times(line(side), line(side));
+  return plane.stiffness + plane.mass + 3.0 * kronecker(x.mass(), x.gradient());
+}
+
+/// Who factorised, after an answer that is right.
+SparseSolverKind taken_for(const SparseMatrix& matrix) {
+  Random random(3);
+  const Eigen::MatrixXd exact = Eigen::MatrixXd::NullaryExpr(
+      matrix.cols(), 1, [&](Eigen::Index, Eigen::Index) { return random.normal(); });
+  const auto solver = make_sparse_solver(SparseSolverKind::automatic, matrix);
+  Eigen::MatrixXd x(exact.rows(), 1);
+  REQUIRE(solver->factorize(matrix));
+  REQUIRE(solver->solve(matrix * exact, x));
+  CHECK((x - exact).norm() < 1e-8 * exact.norm());
+  return solver->kind();
+}
+
+SparseSolverKind if_available(SparseSolverKind kind, SparseSolverKind otherwise) {
+  return is_available(kind) ? kind : otherwise;
+}
+
+}  // namespace
+
+TEST_CASE("the automatic solver takes CHOLMOD where factorisations of symmetric matrices take long") {
+  const SparseSolverKind large = if_available(SparseSolverKind::cholmod, SparseSolverKind::eigen_ldlt);
+  const Form plane = times(line(100), line(100)), small = times(times(line(12), line(12)), line(12)),
+             solid = times(times(line(18), line(18)), line(18));
+  CHECK(taken_for(line(20'000).stiffness + line(20'000).mass) == SparseSolverKind::eigen_ldlt);
+  CHECK(taken_for(plane.stiffness + plane.mass) == SparseSolverKind::eigen_ldlt);
+  CHECK(taken_for(small.stiffness + small.mass) == SparseSolverKind::eigen_ldlt);
+  CHECK(taken_for(solid.stiffness + solid.mass) == large);
+  // The blocks of an update of eight factors over a plane.
+  const Eigen::MatrixXd coupling = Eigen::MatrixXd::Identity(8, 8) + Eigen::MatrixXd::Constant(8, 8, 0.3);
+  const Form few = times(line(20), line(20)), many = times(line(40), line(40));
+  const auto coupled = [&](const Form& form) {
+    return kronecker(form.stiffness + form.mass, coupling.sparseView());
+  };
+  CHECK(taken_for(coupled(few)) == SparseSolverKind::eigen_ldlt);
+  CHECK(taken_for(coupled(many)) == large);
+}
+
+TEST_CASE("the automatic solver takes UMFPACK where large unsymmetric matrices fill") {
+  const SparseSolverKind large = if_available(SparseSolverKind::umfpack, SparseSolverKind::eigen_lu);
+  CHECK(taken_for(windy_plane(30)) == SparseSolverKind::eigen_lu);
+  CHECK(taken_for(windy_plane(50)) == large);
+  // Elements of time with eight factors each: large, but the band is full.
+  const Axis t = Axis::radau({"t"}, 0.0, 1.0, 60, 5);
+  const SparseMatrix step = t.derivative() + 3.0 * t.mass();
+  const Eigen::MatrixXd coupling = Eigen::MatrixXd::Identity(8, 8) + Eigen::MatrixXd::Constant(8, 8, 0.3);
+  CHECK(taken_for(kronecker(step, coupling.sparseView())) == SparseSolverKind::eigen_lu);
+}
+
+TEST_CASE("a large symmetric matrix that is not definite is solved all the same") {
+  const Form solid = times(times(line(18), line(18)), line(18));
+  // Eigenvalues of the free cube are pi^2 (i^2 + j^2 + k^2): 5 pi^2 = 49.3 and 6 pi^2 = 59.2 are next to the shift.
+  const SparseMatrix matrix = solid.stiffness - 54.0 * solid.mass;
+  const SparseSolverKind taken = taken_for(matrix);
+  CHECK(taken != SparseSolverKind::cholmod);
+}
