@@ -60,14 +60,7 @@ void add_setting(const Setting& setting, const std::string& unit, codebooks::Sta
     }
     distribution = {DistributionKind::uniform, interval.lower, interval.upper};
   } else {
-    static const std::vector<std::string> kNames = {"normal", "lognormal", "uniform"};
-    const auto kind = std::ranges::find(kNames, call.name);
-    if (kind == kNames.end())
-      throw ArgumentError(fmt::format("--set {}: unknown distribution \"{}\"{}", name, call.name,
-                                      suggestion(call.name, kNames)));
-    distribution.kind = call.name == "normal"      ? DistributionKind::normal
-                        : call.name == "lognormal" ? DistributionKind::log_normal
-                                                   : DistributionKind::uniform;
+    distribution.kind = codebooks::distribution_from_string(call.name);
     distribution.first = number_or_quantity(name, call.first, unit);
     distribution.second =
         number_or_quantity(name, call.second, distribution.kind == DistributionKind::log_normal ? "1" : unit);

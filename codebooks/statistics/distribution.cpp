@@ -9,10 +9,14 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/names.h"
 
 namespace samara::codebooks {
 
 namespace {
+
+/// In the order of DistributionKind.
+const std::vector<std::string> kKinds = {"uniform", "normal", "lognormal"};
 
 /// Beyond so many deviations nothing is left that counts in doubles.
 constexpr double kReach = 9.0;
@@ -67,11 +71,16 @@ std::vector<double> panel_borders(const Distribution& distribution, const pgd::A
 
 }  // namespace
 
+DistributionKind distribution_from_string(const std::string& name) {
+  const auto found = std::ranges::find(kKinds, name);
+  if (found == kKinds.end())
+    throw ArgumentError(fmt::format("unknown distribution \"{}\"{}", name, suggestion(name, kKinds)));
+  return static_cast<DistributionKind>(found - kKinds.begin());
+}
+
 std::string to_string(const Distribution& distribution) {
-  const char* const name = distribution.kind == DistributionKind::uniform  ? "uniform"
-                           : distribution.kind == DistributionKind::normal ? "normal"
-                                                                           : "lognormal";
-  return fmt::format("{}({}, {})", name, distribution.first, distribution.second);
+  return fmt::format("{}({}, {})", kKinds[static_cast<std::size_t>(distribution.kind)], distribution.first,
+                     distribution.second);
 }
 
 void require_distribution(const std::string& what, const Distribution& distribution) {

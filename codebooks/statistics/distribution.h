@@ -18,6 +18,9 @@ struct Distribution {
   double second = 1.0;
 };
 
+/// "uniform", "normal" or "lognormal". @throws ArgumentError for another name
+DistributionKind distribution_from_string(const std::string& name);
+
 /// "uniform(0.9, 1.1)", "normal(1.1, 0.05)", "lognormal(0.001, 0.2)": numbers in SI.
 std::string to_string(const Distribution& distribution);
 

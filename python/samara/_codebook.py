@@ -184,11 +184,32 @@ class Codebook:
         """
         return Codebook(self._book.slice(self._held(fixed)))
 
-    def sobol(self) -> Statistics:
-        """Mean, deviation and Sobol' indices of the outputs over the box, as ``samara stats`` gives them."""
-        s = self._book.statistics()
-        of = {key: {o["name"]: o[key] for o in s["outputs"]} for key in ("mean", "deviation", "first_order", "total")}
-        return Statistics(inputs=tuple(s["inputs"]), times=s["times"], notes=tuple(s["notes"]), **of)
+    def sobol(
+        self,
+        inputs: Optional[Mapping[str, tuple[str, Quantity, Quantity]]] = None,
+        *,
+        fixed: Optional[Mapping[str, Quantity]] = None,
+        groups: Sequence[Sequence[str]] = (),
+        quantiles: Sequence[float] = (),
+        draws: int = 4096,
+        seed: int = 1,
+    ) -> Statistics:
+        """Mean, deviation, Sobol' indices and quantiles of the outputs, as ``samara stats`` gives them.
+
+        :param inputs: how parameters are distributed that are not uniform over the box: ``("normal", mean, deviation)``,
+            ``("lognormal", median, deviation of the logarithm)``, ``("uniform", least, largest)``
+        :param fixed: parameters that are held
+        :param groups: parameters to give indices of together
+        :param quantiles: shares between 0 and 1; ``draws`` points and ``seed`` are those of the quantiles
+        """
+        s = self._book.statistics(
+            self._distributions(inputs or {}), self._held(fixed or {}), [list(g) for g in groups], list(quantiles), draws, seed
+        )
+        keys = ("mean", "deviation", "first_order", "total", "group_closed", "group_total", "quantiles")
+        of = {key: {o["name"]: o[key] for o in s["outputs"]} for key in keys}
+        return Statistics(
+            inputs=tuple(s["inputs"]), groups=tuple(map(tuple, s["groups"])), times=s["times"], notes=tuple(s["notes"]), **of
+        )
 
     def to_numpy(self) -> tuple[Piece, ...]:
         """The pieces as they are stored: axes, and factors or cores as read-only views, which keep the codebook."""
@@ -223,6 +244,17 @@ class Codebook:
         if isinstance(points, Mapping):
             return stacked(points, coordinates, what)
         return real_array(points, what)
+
+    def _distributions(self, inputs: Mapping[str, tuple[str, Quantity, Quantity]]) -> dict[str, tuple[str, float, float]]:
+        units = {c.name: c.unit for c in self._coordinates}
+        found = {}
+        for name, given in as_mapping(inputs, "inputs").items():
+            if isinstance(given, str) or len(given) != 3:
+                raise ArgumentError(f"{name} is {given!r}, expected such as ('normal', 1.1, 0.05)")
+            kind, first, second = given
+            unit = units.get(name, "1")
+            found[name] = (str(kind), one_si(first, unit, name), one_si(second, "1" if kind == "lognormal" else unit, name))
+        return found
 
     def _held(self, fixed: Mapping[str, Quantity]) -> dict[str, float]:
         units = {c.name: c.unit for c in self._coordinates}

@@ -86,18 +86,23 @@ class Build:
 
 @dataclass(frozen=True)
 class Statistics:
-    """Mean, deviation and Sobol' indices over the box, its coordinates independent and uniform, at ``times``.
+    """Mean, deviation, Sobol' indices and quantiles at ``times``, of inputs that are independent.
 
     Arrays by output: ``mean`` and ``deviation`` (times,), SI; ``first_order`` and ``total`` (times, inputs), NaN where
-    the certificate does not stand for them. Without time there is one row.
+    the certificate does not stand for them; ``group_closed`` and ``group_total`` (times, groups); ``quantiles`` (times,
+    shares). Without time there is one row.
     """
 
     inputs: tuple[str, ...]
+    groups: tuple[tuple[str, ...], ...]
     times: NDArray[np.float64]
     mean: dict[str, NDArray[np.float64]]
     deviation: dict[str, NDArray[np.float64]]
     first_order: dict[str, NDArray[np.float64]]
     total: dict[str, NDArray[np.float64]]
+    group_closed: dict[str, NDArray[np.float64]]
+    group_total: dict[str, NDArray[np.float64]]
+    quantiles: dict[str, NDArray[np.float64]]
     notes: tuple[str, ...] = ()
 
 

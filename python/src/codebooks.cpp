@@ -25,6 +25,7 @@
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/plan/plan.h"
 #include "samara/codebooks/statistics/book_statistics.h"
+#include "samara/models/added_mass/body_in_fluid.h"
 
 namespace samara::python {
 
@@ -262,20 +263,39 @@ py::list numbers(const std::shared_ptr<Book>& handle) {
   return pieces;
 }
 
-py::dict statistics(const Book& book) {
+/// Name, first and second number of a distribution.
+using DistributionWords = std::tuple<std::string, double, double>;
+
+py::dict statistics(const Book& book, const std::map<std::string, DistributionWords>& inputs,
+                    const std::map<std::string, double>& fixed,
+                    const std::vector<std::vector<std::string>>& groups,
+                    const std::vector<double>& quantiles, int draws, std::uint64_t seed) {
+  codebooks::StatisticsRequest request{
+      .fixed = fixed, .groups = groups, .quantiles = quantiles, .draws = draws, .seed = seed};
+  for (const auto& [name, words] : inputs) {
+    const auto& [kind, first, second] = words;
+    request.inputs[name] = {codebooks::distribution_from_string(kind), first, second};
+  }
   const codebooks::BookStatistics s = [&] {
     const py::gil_scoped_release release;
-    return codebooks::take_statistics(*book);
+    return codebooks::take_statistics(*book, request);
   }();
   py::list outputs;
   for (const codebooks::OutputStatistics& o : s.outputs) {
-    outputs.append(py::dict(py::arg("name") = o.name, py::arg("unit") = o.unit,
-                            py::arg("mean") = copied(o.mean), py::arg("deviation") = copied(o.deviation),
-                            py::arg("first_order") = copied(o.first_order),
-                            py::arg("total") = copied(o.total)));
+    outputs.append(py::dict(py::arg("name") = o.name, py::arg("mean") = copied(o.mean),
+                            py::arg("deviation") = copied(o.deviation),
+                            py::arg("first_order") = copied(o.first_order), py::arg("total") = copied(o.total),
+                            py::arg("group_closed") = copied(o.group_closed),
+                            py::arg("group_total") = copied(o.group_total),
+                            py::arg("quantiles") = copied(o.quantiles)));
   }
-  return py::dict(py::arg("inputs") = s.inputs, py::arg("times") = copied(s.times),
+  return py::dict(py::arg("inputs") = s.inputs, py::arg("groups") = s.groups, py::arg("times") = copied(s.times),
                   py::arg("outputs") = outputs, py::arg("notes") = s.notes);
+}
+
+/// Of the body of a plan.
+std::map<std::string, double> parameters_of(const models::BodyDescription& description) {
+  return models::kirchhoff_parameters(models::body_in_fluid(description));
 }
 
 std::shared_ptr<Book> open(const std::filesystem::path& path) {
@@ -299,8 +319,9 @@ py::tuple build(const std::optional<std::filesystem::path>& path, const std::str
       .warning = [&](const std::string& sentence) { warnings.push_back(sentence); }};
   codebooks::BuildResult result = unlocked(*failure, [&] {
     const codebooks::Plan plan =
-        path && !definition ? codebooks::read_plan(*path)
-                            : codebooks::parse_plan(text, path ? path->string() : "the plan", definition);
+        path && !definition
+            ? codebooks::read_plan(*path, parameters_of)
+            : codebooks::parse_plan(text, path ? path->string() : "the plan", definition, parameters_of);
     return codebooks::build(plan, options);
   });
   return py::make_tuple(std::make_shared<Book>(std::move(result.book)), result.met, result.message, warnings);

@@ -101,6 +101,22 @@ def test_sobol_indices_are_those_of_the_command(coin, coin_path):
             np.testing.assert_array_equal(s.first_order[name][:, k], np.array(output["first_order"][parameter], float))
 
 
+def test_statistics_of_distributions_are_those_of_the_command(coin, coin_path):
+    told = answer("stats", coin_path, "--set", "C_D=normal(1.2, 0.05)", "--set", "v(0)=0.1..0.2", "--quantiles", "0.1", "0.9",
+                  "--group", "C_D,v(0)")
+    s = coin.sobol({"C_D": ("normal", 1.2, 0.05), "v(0)": ("uniform", "10 cm/s", 0.2)}, quantiles=[0.1, 0.9], groups=[["C_D", "v(0)"]])
+    for output in told["outputs"]:
+        np.testing.assert_array_equal(s.mean[output["name"]], output["mean"])
+        np.testing.assert_array_equal(s.quantiles[output["name"]].T, output["quantiles"])
+        np.testing.assert_array_equal(s.group_closed[output["name"]][:, 0], np.array(output["groups"][0]["closed"], float))
+    held = coin.sobol(fixed={"v(0)": "10 cm/s"})
+    assert held.inputs == ("C_D",)
+    for wrong in [{"C_D": ("gauss", 1, 1)}, {"C_D": ("normal", 1)}, {"C_X": ("normal", 1, 1)}, {"C_D": "normal(1, 1)"},
+                  {"C_D": ("normal", float("nan"), 1)}]:
+        with pytest.raises(samara.ArgumentError):
+            coin.sobol(wrong)
+
+
 def ask(book):
     return book.query({"C_D": 1.2, "v(0)": 0.1}, TIMES)
 
