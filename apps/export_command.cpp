@@ -9,6 +9,7 @@
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/io/atomic_file.h"
+#include "samara/io/text_file.h"
 #include "samara/io/vtk_file.h"
 #include "terminal.h"
 
@@ -102,6 +103,14 @@ void check_name(const fs::path& output, std::size_t times) {
         "\"{}\" lists times, of which the codebook has none: expected a name in .vtu", output.string()));
 }
 
+/// Of one time: a file by a name that nobody gave is only replaced where it is such a file.
+void check_step_file(const fs::path& file, const std::string& book) {
+  check_output(file, {book});
+  std::error_code ignored;
+  if (fs::exists(file, ignored) && io::read_text_file(file).find("<VTKFile") == std::string::npos)
+    throw ArgumentError(fmt::format("{} is in the way, and no file of ParaView: it would be overwritten", file.string()));
+}
+
 }  // namespace
 
 int run(const ExportArguments& arguments) {
@@ -120,15 +129,16 @@ int run(const ExportArguments& arguments) {
     return kDone;
   }
   std::vector<io::VtkStep> steps;
-  std::vector<std::string> texts;
   for (const double time : times) {
-    points.row(0).setConstant(time);
-    texts.push_back(io::format_vtu(grid, fields_of(book, points)));
-    steps.push_back({time, fmt::format("{}_{:04}.vtu", output.stem().string(), steps.size())});
+    const std::string file = fmt::format("{}_{:04}.vtu", output.stem().string(), steps.size());
+    check_step_file(output.parent_path() / file, arguments.book);
+    steps.push_back({time, file});
   }
   // The list comes last: what it names is there.
-  for (std::size_t i = 0; i < steps.size(); ++i)
-    io::write_text_atomically(output.parent_path() / steps[i].file, texts[i]);
+  for (const io::VtkStep& step : steps) {
+    points.row(0).setConstant(step.time);
+    io::write_text_atomically(output.parent_path() / step.file, io::format_vtu(grid, fields_of(book, points)));
+  }
   io::write_text_atomically(output, io::format_pvd(steps));
   return kDone;
 }

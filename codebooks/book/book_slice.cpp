@@ -70,7 +70,8 @@ Codebook slice(const Codebook& book, const std::map<std::string, double>& held) 
     model.fixed[book.coordinates()[h.place].name] = h.value;
     model.fixed_units[book.coordinates()[h.place].name] = book.coordinates()[h.place].unit;
   }
-  return Codebook(std::move(model), std::move(pieces), book.build(), book.provenance(), {}, book.title());
+  Codebook sliced(std::move(model), std::move(pieces), book.build(), book.provenance(), {}, book.title());
+  return book.mesh() != nullptr && sliced.space() ? sliced.with_mesh(*book.mesh()) : sliced;
 }
 
 }  // namespace samara::codebooks

@@ -43,8 +43,7 @@ std::vector<Coordinate> coordinates_of(const PieceOutline& piece, bool needs_tim
     coordinates.push_back({axis.name(), axis.unit(), axis.role(), axis.lower(), axis.upper()});
   }
   const bool has_time = coordinates.front().role == pgd::AxisRole::time;
-  const bool has_space = std::ranges::count(coordinates, pgd::AxisRole::space, &Coordinate::role) > 0;
-  if (needs_time && !has_time && !has_space) {
+  if (needs_time && !has_time) {
     throw ArgumentError(fmt::format("the first axis of a codebook is \"{}\" with role {}, expected time",
                                     coordinates.front().name, to_string(coordinates.front().role)));
   }
@@ -172,7 +171,7 @@ Codebook::Codebook(ModelDescription model, std::vector<Piece> pieces, BuildRecor
     if (piece.is_read()) check_groups(piece);
   sort_pieces(pieces_);
   const PieceOutline first = pieces_.front().outline();
-  coordinates_ = coordinates_of(first, !is_of_command());
+  coordinates_ = coordinates_of(first, known_model(model_) != nullptr);
   outputs_ = outputs_of(first);
   check_distinct(outputs_);
   for (const Piece& piece : pieces_) {

@@ -18,6 +18,7 @@
 #include "samara/codebooks/certify/field_answers.h"
 #include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/certify/point_errors.h"
+#include "samara/models/fields/field_model.h"
 #include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
 #include "samara/pgd/sampling/error_climb.h"
@@ -294,7 +295,7 @@ models::ParametricModel model_of(const Codebook& book) {
         "be certified again",
         book.model().name));
   }
-  if (book.space()) {
+  if (book.space() || models::find_field_model(book.model().name) != nullptr) {
     throw ArgumentError(fmt::format(
         "the codebook holds a field of space, the {}: it has no trajectories of a few states to integrate",
         book.model().name));

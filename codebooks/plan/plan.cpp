@@ -292,6 +292,14 @@ void check_builder_fits_field(const TomlTable& root, const Plan& plan) {
     refuse("max_calls", std::to_string(builder.max_calls),
            "a field is solved without evaluations that could be counted");
   }
+  for (const auto& [key, value] : {std::pair{"max_nodes", builder.max_nodes}, {"max_rank", builder.max_rank},
+                                   {"guards", builder.guards}}) {
+    if (value) refuse(key, std::to_string(*value), "the builder of fields chooses that by itself");
+  }
+  for (const BoxEntry& entry : plan.box) {
+    if (entry.basis == pgd::Basis::fourier)
+      throw root.table("box").error(entry.name, "has the basis \"fourier\", but a field has no period in a parameter");
+  }
 }
 
 /// Sampling finds nodes by itself, on Chebyshev axes. Commands can only be sampled.

@@ -42,6 +42,16 @@ double value_inside(const Distribution& distribution, const Coordinate& box, dou
   return std::clamp(quantile_of(distribution, total), box.lower, box.upper);
 }
 
+/// Of a list of values, which count by their weights: nodes of a mesh by their areas.
+double value_of_list(const pgd::Axis& axis, double share) {
+  double left = share * axis.weights().sum();
+  for (int i = 0; i + 1 < axis.size(); ++i) {
+    left -= axis.weights()[i];
+    if (left < 0.0) return axis.nodes()[i];
+  }
+  return axis.nodes()[axis.size() - 1];
+}
+
 /// Of sorted values, by linear interpolation between them.
 double quantile_of_sorted(const Eigen::VectorXd& sorted, double share) {
   const double place = share * static_cast<double>(sorted.size() - 1);
@@ -69,6 +79,7 @@ Eigen::MatrixXd answers_at(const Codebook& book, std::span<const double> times,
 InputDraws draw_inputs(const Codebook& book, const StatisticsRequest& request) {
   const std::span<const Coordinate> coordinates = book.parameters();
   const auto dimensions = static_cast<Eigen::Index>(coordinates.size());
+  const Eigen::Index first = book.has_time() ? 1 : 0;
   InputDraws draws;
   draws.points = sobol_points(static_cast<int>(dimensions), request.draws, request.seed);
   const auto find = [&](const std::string& name) {
@@ -102,7 +113,12 @@ InputDraws draw_inputs(const Codebook& book, const StatisticsRequest& request) {
     const Distribution distribution =
         given != request.inputs.end() ? given->second
                                       : Distribution{DistributionKind::uniform, box.lower, box.upper};
-    row = row.unaryExpr([&](double share) { return value_inside(distribution, box, share); });
+    const pgd::Axis axis = book.pieces().front().outline().axes[static_cast<std::size_t>(k + first)];
+    if (axis.is_list()) {
+      row = row.unaryExpr([&](double share) { return value_of_list(axis, share); });
+    } else {
+      row = row.unaryExpr([&](double share) { return value_inside(distribution, box, share); });
+    }
   }
   if (!request.joint) return draws;
   Eigen::Index kept = 0;

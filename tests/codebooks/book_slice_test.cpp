@@ -64,3 +64,15 @@ TEST_CASE("a slice outside the box, of time, or of everything is refused") {
   CHECK_THROWS_AS(slice(book, {{"C_D", std::nan("")}}), samara::ArgumentError);
   CHECK_THROWS_AS(slice(book, {{"C_D", 1.0}, {"v(0)", 0.0}}), samara::ArgumentError);
 }
+
+TEST_CASE("a slice of a field over a mesh keeps the mesh, and a steady field may hold its place") {
+  const Codebook book = golden_mesh();
+  const Codebook over_mesh = slice(book, {{"k", 0.75}});
+  REQUIRE(over_mesh.mesh() != nullptr);
+  CHECK(over_mesh.mesh()->points() == book.mesh()->points());
+  const Codebook at_node = slice(book, {{"node", 1.0}});
+  CHECK(at_node.mesh() == nullptr);
+  Eigen::VectorXd value(1);
+  Query(at_node).values({{0.25}}, value);
+  CHECK(value[0] == Approx(0.25 + 1.0));  // u = k + x + 2 y
+}

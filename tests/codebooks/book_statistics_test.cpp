@@ -184,6 +184,18 @@ TEST_CASE("a list is held at one of its values, and nothing without meaning is t
              Contains("negative variance"));
 }
 
+TEST_CASE("quantiles of a list of values count each by its weight") {
+  // u = v(0) sqrt(m) + t log(C_D) cos(2 angle) plies + k^2/h: with all else held, linear in plies, which are 1, 2, 4.
+  const Codebook book = all_kinds();
+  const BookStatistics s = take_statistics(
+      book, {.fixed = {{"C_D", 1.5}, {"angle", 0.25}, {"v(0)", 0.5}, {"m", 1.0}, {"k", 0.5}, {"h", 2.0}}, .quantiles = {0.2, 0.5, 0.9}});
+  const Eigen::Index last = s.times.size() - 1;
+  for (const auto& [q, plies] : {std::pair{0, 1.0}, {1, 2.0}, {2, 4.0}}) {
+    const double value = 0.5 + s.times[last] * std::log(1.5) * std::cos(0.5) * plies + 0.125;
+    CHECK(s.outputs[0].quantiles(last, q) == Approx(value).epsilon(1e-6));
+  }
+}
+
 TEST_CASE("what lies outside the box is left out, and said", "[codebooks]") {
   const Codebook book = golden_book();
   const BookStatistics s = take_statistics(book, {.inputs = {{"C_D", {kNormal, 1.5, 0.5}}}});
