@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,6 +14,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/text.h"
+#include "samara/base/units.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/statistics/book_statistics.h"
 #include "samara/identification/report/read_fit.h"
@@ -37,6 +40,10 @@ struct Call {
 Call call_of(const std::string& what, const std::string& text) {
   const std::size_t open = text.find('(');
   if (open == std::string::npos) return {};
+  // A unit may have parentheses, too: "40 W/(m K)".
+  const std::string_view name = trimmed(std::string_view(text).substr(0, open));
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  if (name.empty() || !std::ranges::all_of(name, is_letter)) return {};
   const std::size_t comma = text.find(',', open);
   if (text.back() != ')' || comma == std::string::npos || text.find(',', comma + 1) != std::string::npos)
     throw ArgumentError(
@@ -78,6 +85,9 @@ codebooks::JointNormal joint_of(const std::string& file, const Codebook& book) {
     const identification::Coefficient& c = fit.coefficients[k];
     const auto parameters = book.parameters();
     if (std::ranges::find(parameters, c.name, &codebooks::Coordinate::name) == parameters.end()) continue;
+    const auto coordinate = std::ranges::find(parameters, c.name, &codebooks::Coordinate::name);
+    if (!same_dimension(coordinate->unit, c.unit))
+      throw InputError(file, fmt::format("\"{}\" is in {}, expected {}", c.name, c.unit, coordinate->unit));
     if (!c.standard_error)
       throw InputError(file, fmt::format("the fit gives \"{}\" no standard error, expected one", c.name));
     joint.inputs.push_back(c.name);
@@ -86,6 +96,10 @@ codebooks::JointNormal joint_of(const std::string& file, const Codebook& book) {
   }
   if (joint.inputs.empty())
     throw InputError(file, "no coefficient of the fit is a coordinate of the codebook");
+  const auto count = static_cast<Eigen::Index>(fit.coefficients.size());
+  if (fit.covariance.rows() != count || fit.covariance.cols() != count ||
+      !fit.covariance(places, places).allFinite())
+    throw InputError(file, "the fit has no covariance of these coefficients, expected one");
   joint.mean = Eigen::Map<const Eigen::VectorXd>(means.data(), static_cast<Eigen::Index>(means.size()));
   joint.covariance = fit.covariance(places, places);
   return joint;
@@ -119,7 +133,16 @@ codebooks::StatisticsRequest request_of(const StatsArguments& arguments, const C
   request.quantiles = arguments.quantiles;
   request.draws = arguments.draws;
   request.seed = arguments.seed;
-  if (!arguments.fit.empty()) request.joint = joint_of(arguments.fit, book);
+  if (arguments.fit.empty()) return request;
+  codebooks::JointNormal joint = joint_of(arguments.fit, book);
+  const std::string& only = joint.inputs.front();
+  if (joint.inputs.size() > 1) {
+    request.joint = std::move(joint);
+  } else if (request.inputs.contains(only) || request.fixed.contains(only)) {
+    throw ArgumentError(fmt::format("\"{}\" is given by --fit, and by --set", only));
+  } else {
+    request.inputs[only] = {DistributionKind::normal, joint.mean[0], std::sqrt(joint.covariance(0, 0))};
+  }
   return request;
 }
 

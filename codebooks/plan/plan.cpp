@@ -372,11 +372,12 @@ void read_coordinates(const TomlTable& root, const Subject& subject, Plan& plan)
     throw root.error("box", fmt::format("is empty, expected at least one free {}", subject.what_settable));
 }
 
-models::BodyDescription read_description(const TomlTable& table) {
+models::BodyDescription read_description(const TomlTable& root, const TomlTable& table) {
   table.expect_keys({"shape", "mesh", "size", "unit", "density", "fluid_density", "added_mass"});
   models::BodyDescription description;
   if (table.has("shape") == table.has("mesh"))
-    throw table.error(table.has("mesh") ? "mesh" : "", "expected a key shape or a key mesh, one of the two");
+    throw root.error("body", table.has("mesh") ? "has a shape and a mesh, expected one of the two"
+                                               : "has neither a shape nor a mesh, expected one of them");
   if (table.has("mesh")) {
     description.shape =
         (std::filesystem::path(table.file()).parent_path() / table.string("mesh")).string();
@@ -389,10 +390,9 @@ models::BodyDescription read_description(const TomlTable& table) {
     description.shape = one_of(table, "shape", {"ellipsoid", "disc", "plate"});
     description.sizes = table.quantities("size", "m");
   }
-  for (const char* other : {"size", "unit"}) {
-    if (table.has(other) && table.has("mesh") == (std::string(other) == "size"))
-      throw table.error(other, "is of a shape its sizes, of a mesh the length that one unit of its file means");
-  }
+  if (table.has("mesh") && table.has("size")) throw table.error("size", "is of a shape only: a mesh has its own");
+  if (!table.has("mesh") && table.has("unit"))
+    throw table.error("unit", "is of a mesh only: what one unit of its file means");
   description.density = table.quantity("density", "kg/m^3");
   description.fluid_density = table.quantity("fluid_density", "kg/m^3");
   if (table.has("added_mass")) description.added_mass = one_of(table, "added_mass", {"panels", "ellipsoid"});
@@ -407,7 +407,7 @@ void read_body(const TomlTable& root, const Subject& subject, const BodyReader& 
     throw root.error("body", fmt::format("is of a body for the model \"kirchhoff_body\", the plan is one of {}",
                                          subject.name));
   if (!body_reader) throw root.error("body", "cannot be read: this program knows no bodies");
-  const models::BodyDescription description = read_description(*table);
+  const models::BodyDescription description = read_description(root, *table);
   std::map<std::string, double> parameters;
   try {
     parameters = body_reader(description);

@@ -50,8 +50,12 @@ void check_joint(const Codebook& book, const StatisticsRequest& request) {
   if (joint.mean.size() != count || joint.covariance.rows() != count || joint.covariance.cols() != count)
     throw ArgumentError(fmt::format("{} inputs that are normal together have {} means and a covariance of {} by {}",
                                     count, joint.mean.size(), joint.covariance.rows(), joint.covariance.cols()));
+  if (count == 0) throw ArgumentError("a joint distribution has no inputs, expected at least one");
+  std::set<std::string> names;
   for (const std::string& name : joint.inputs) {
     coordinate_of(book, name);
+    if (!names.insert(name).second)
+      throw ArgumentError(fmt::format("a joint distribution holds \"{}\" twice", name));
     if (request.fixed.contains(name) || request.inputs.contains(name))
       throw ArgumentError(fmt::format("\"{}\" is given by a joint distribution, and once more", name));
   }

@@ -10,6 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/pgd/axes/axis_transform.h"
 
 namespace samara::codebooks {
 
@@ -50,15 +51,23 @@ std::vector<double> panel_borders(const Distribution& distribution, const pgd::A
     lower = std::max(lower, distribution.first);
     upper = std::min(upper, distribution.second);
   } else {
-    for (double z = -kReach; z <= kReach; z += 1.0) borders.push_back(from_standard(distribution, z));
+    // A log-normal one is a bell in the logarithm: where that is wide, in more parts.
+    const double wide = distribution.kind == DistributionKind::log_normal ? std::max(1.0, distribution.second) : 1.0;
+    const double step = 1.0 / std::ceil(2.0 * wide);
+    for (double z = -kReach; z <= kReach; z += step) borders.push_back(from_standard(distribution, z));
     lower = std::max(lower, borders.front());
     upper = std::min(upper, borders.back());
   }
   if (!(lower < upper)) return {};
   borders.insert(borders.end(), axis.borders().begin(), axis.borders().end());
-  // Under a transform, and of functions of a period, products are no polynomials: many short panels.
-  if (!axis.has_elements() || axis.transform() != pgd::Transform::none) {
-    const int panels = std::max(16, axis.size());
+  // The slope of a transform, and functions of a period, are no polynomials: many short panels, under a transform equal
+  // ones in what is transformed.
+  const int panels = std::max(32, 2 * axis.size());
+  if (axis.transform() != pgd::Transform::none) {
+    const double whole = pgd::transformed_distance(axis.transform(), lower, upper);
+    for (int k = 1; k < panels; ++k)
+      borders.push_back(pgd::transformed_advance(axis.transform(), lower, whole * k / panels));
+  } else if (!axis.has_elements()) {
     for (int k = 1; k < panels; ++k) borders.push_back(lower + (upper - lower) * k / panels);
   }
   std::erase_if(borders, [&](double x) { return !(x > lower && x < upper); });
@@ -127,14 +136,22 @@ pgd::QuadratureRule rule_of(const Distribution& distribution, const pgd::Axis& a
   pgd::QuadratureRule rule{Eigen::VectorXd(panels * points), Eigen::VectorXd(panels * points)};
   for (Eigen::Index k = 0; k < panels; ++k) {
     const double from = borders[static_cast<std::size_t>(k)], to = borders[static_cast<std::size_t>(k) + 1];
-    const Eigen::ArrayXd x = from + 0.5 * (to - from) * (1.0 + panel.nodes.array());
-    rule.nodes.segment(k * points, points) = x;
-    rule.weights.segment(k * points, points) =
-        0.5 * (to - from) * panel.weights.array() *
-        x.unaryExpr([&](double value) { return density(distribution, value); });
+    // Over what is transformed, in which functions of the axis are polynomials.
+    const pgd::Transform transform = axis.transform();
+    const double length = pgd::transformed_distance(transform, from, to);
+    for (Eigen::Index i = 0; i < points; ++i) {
+      const double x = pgd::transformed_advance(transform, from, 0.5 * length * (1.0 + panel.nodes[i]));
+      rule.nodes[k * points + i] = std::clamp(x, axis.lower(), axis.upper());
+      rule.weights[k * points + i] = 0.5 * length * panel.weights[i] * density(distribution, x) /
+                                     pgd::transform_slope(transform, x);
+    }
   }
   const double sum = rule.weights.sum();
   if (!(sum > 0.0)) {
+    const double least = 1e-9 * std::max(std::abs(distribution.first), axis.length());
+    if (distribution.kind == DistributionKind::normal && distribution.second < least)
+      throw ArgumentError(fmt::format("the deviation of {} of \"{}\" is below rounding; a value was expected",
+                                      to_string(distribution), axis.name()));
     throw ArgumentError(fmt::format("none of the distribution {} lies within \"{}\", which goes from {} to {} {}",
                                     to_string(distribution), axis.name(), axis.lower(), axis.upper(),
                                     axis.unit()));

@@ -34,8 +34,8 @@ double probability_below(const Distribution& distribution, double x);
 /// The value below which lies the probability `share`, in (0, 1). Its inverse.
 double quantile_of(const Distribution& distribution, double share);
 
-/// A quadrature rule on the axis for what lies on it of the distribution: weights sum to one. Exact to about 1e-12 for
-/// products of two functions of the axis.
+/// A quadrature rule on the axis for what lies on it of the distribution: weights sum to one. Exact to about 1e-11 for
+/// products of two functions of the axis, also under a transform.
 /// @throws ArgumentError if the axis is a list of values, or none of the distribution lies on it
 pgd::QuadratureRule rule_of(const Distribution& distribution, const pgd::Axis& axis);
 

@@ -25,7 +25,7 @@ BodyShape shape_of(const std::string& text) {
 
 void require_sizes(const BodyDescription& description, std::size_t count, const char* meaning) {
   if (description.sizes.size() == count) return;
-  throw ArgumentError(fmt::format("{} lengths for a {}, expected {}: {}", description.sizes.size(),
+  throw ArgumentError(fmt::format("{} lengths for the shape \"{}\", expected {}: {}", description.sizes.size(),
                                   description.shape, count, meaning));
 }
 
@@ -83,6 +83,9 @@ void add_panels(const TriangleMesh& mesh, const ProgressCallback& progress, Body
 }  // namespace
 
 BodyInFluid body_in_fluid(const BodyDescription& description, const ProgressCallback& progress) {
+  if (!description.added_mass.empty() && description.added_mass != "panels" &&
+      description.added_mass != "ellipsoid")
+    throw ArgumentError(fmt::format("added mass by \"{}\", expected \"panels\" or \"ellipsoid\"", description.added_mass));
   BodyInFluid result;
   result.shape = shape_of(description.shape);
   result.fluid_density = description.fluid_density;

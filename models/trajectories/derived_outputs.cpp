@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -57,10 +56,9 @@ class DerivedSource final : public TrajectorySource {
  public:
   /// @param states gives all states of the model, in its order
   DerivedSource(std::unique_ptr<TrajectorySource> states, const ParametricModel& model,
-                std::optional<std::size_t> clock, std::vector<double> times, std::vector<Place> places)
+                std::vector<double> times, std::vector<Place> places)
       : states_(std::move(states)),
         derived_(model),
-        clock_(clock),
         times_(std::move(times)),
         places_(std::move(places)),
         coordinates_(model.free().size()),
@@ -76,10 +74,9 @@ class DerivedSource final : public TrajectorySource {
   TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
                              Eigen::MatrixXd* derivatives) override {
     TrajectoryOutcome outcome = states_->evaluate(q, values_, derivatives ? &derivatives_ : nullptr);
-    const double start = clock_ ? q[*clock_] : 0.0;
     const Eigen::Index outputs = std::ssize(places_), states = values_.cols();
     for (Eigen::Index i = 0; i < values_.rows(); ++i) {
-      const double t = start + times_[static_cast<std::size_t>(i)];
+      const double t = times_[static_cast<std::size_t>(i)];
       for (Eigen::Index s = 0; s < states; ++s) x_[static_cast<std::size_t>(s)] = values_(i, s);
       if (derivatives) {
         for (Eigen::Index k = 0; k < x_slopes_.cols(); ++k)
@@ -102,7 +99,6 @@ class DerivedSource final : public TrajectorySource {
  private:
   std::unique_ptr<TrajectorySource> states_;
   DerivedOutputs derived_;
-  std::optional<std::size_t> clock_;
   std::vector<double> times_;
   std::vector<Place> places_;
   std::vector<int> coordinates_;
@@ -119,6 +115,7 @@ class DerivedTrajectories final : public TrajectoryFamily {
     for (const StateInfo& state : model().model().info().states) states_.push_back(state.name);
     for (const OutputInfo& output : model().model().info().outputs)
       info_.outputs.push_back({output.name, output.unit});
+    info_.autonomous = info_.autonomous && !depends_on_time();
   }
 
   const FamilyInfo& info() const override { return info_; }
@@ -140,9 +137,7 @@ class DerivedTrajectories final : public TrajectoryFamily {
     if (!has_derived(outputs)) return family_->at(times, outputs, wanted);
     std::vector<Place> places;
     for (const std::string& output : outputs) places.push_back(place_of(output));
-    std::optional<std::size_t> clock;
-    if (!info_.clock.empty()) clock = position(info_.coordinates, info_.clock);
-    return std::make_unique<DerivedSource>(family_->at(times, states_, wanted), model(), clock, times,
+    return std::make_unique<DerivedSource>(family_->at(times, states_, wanted), model(), times,
                                            std::move(places));
   }
 
@@ -155,6 +150,24 @@ class DerivedTrajectories final : public TrajectoryFamily {
 
  private:
   const ParametricModel& model() const { return *family_->equations(); }
+
+  /// Whether an output changes with time while the states stay: then a part of a trajectory is none from 0 on.
+  bool depends_on_time() const {
+    const ModelInfo& info = model().model().info();
+    std::vector<double> middle;
+    for (const FamilyCoordinate& c : info_.coordinates) middle.push_back(0.5 * (c.lower + c.upper));
+    std::vector<double> x(info.states.size()), y(info.outputs.size());
+    model().initial(middle, x);
+    const ParameterValues p = model().parameter_values(middle);
+    Eigen::VectorXd by_t(std::ssize(y));
+    Eigen::MatrixXd by_x(std::ssize(y), std::ssize(x)), by_p(std::ssize(y), std::ssize(info.parameters));
+    for (const double t : {0.37, 7.9}) {
+      model().model().outputs_with_derivatives(t, x, p, y, by_t, by_x, by_p);
+      if (!by_t.isZero(0.0)) return true;
+      for (double& state : x) state += 0.61;  // away from where a factor may vanish
+    }
+    return false;
+  }
 
   bool has_derived(const std::vector<std::string>& outputs) const {
     return std::ranges::any_of(outputs, [&](const std::string& name) {

@@ -216,8 +216,35 @@ class Answers(Case):
             self.assertAlmostEqual(mean, t * (5 * math.log(2) - 1), delta=1e-6)
         for wrong, sentence in [("k=5", "no free parameter"), ("k=normal(3)", "normal(1.1, 0.05)"), ("k=gauss(3, 1)", "gauss"),
                                 ("k=normal(30, 1)", "outside the codebook's box"), ("q=3", "unknown name"),
-                                ("k=4..2", "below the largest")]:
+                                ("k=4..2", "below the largest"), ("k=normal(3, 1e-17)", "below rounding")]:
             self.check_error(run("stats", plan, "--set", wrong), 2, sentence)
+
+    def test_stats_take_the_covariance_of_a_fit(self):
+        coin = book("coin", COIN_PLAN)
+        fall = run("simulate", "vertical_fall", "--set", "C_D=1.2", "--set", "area=4.7144e-4", "--set", "thickness=2.55e-3",
+                   "--set", "density=6338.5", "--set", "v(0)=0.15", "--until", "0.35", "--frames", "22").stdout.splitlines()
+        files = []
+        for k in range(4):
+            rows = [row.split(",") for row in fall[1:]]
+            moved = [f"{r[0]},{float(r[2]) + 2e-4 * math.sin(7 * i + 3 * k)}" for i, r in enumerate(rows)]
+            files.append(write(f"fall{k}.csv", "\n".join(["t[s],x[m]", *moved]) + "\n"))
+        fitted = run("fit", coin, *files, "-o", FOLDER / "falls.json")
+        self.assertEqual(fitted.returncode, 0, fitted.stderr)
+        answer = json.loads((FOLDER / "falls.json").read_text())
+        coefficient = next(c for c in answer["coefficients"] if c["name"] == "C_D")
+        said = run("stats", coin, "--fit", FOLDER / "falls.json", "--set", "v(0)=0.15", "--json", "--quantiles", "0.5")
+        self.assertEqual(said.returncode, 0, said.stderr)
+        stats = json.loads(said.stdout)
+        self.assertEqual(stats["inputs"], ["C_D"])
+        point = run("query", coin, "--set", f"C_D={coefficient['value']}", "--set", "v(0)=0.15", "--at", "0.4", "--gradient", "--json")
+        x = next(o for o in json.loads(point.stdout)["outputs"] if o["name"] == "x")
+        found = next(o for o in stats["outputs"] if o["name"] == "x")
+        expected = abs(x["gradient"]["C_D"][0]) * coefficient["standard_error"]
+        self.assertAlmostEqual(found["deviation"][-1] / expected, 1, delta=0.05)
+        self.assertAlmostEqual(found["quantiles"][0][-1], x["values"][0], delta=0.1 * expected)
+        answer["covariance"] = []
+        self.check_error(run("stats", coin, "--fit", write("bare.json", json.dumps(answer))), 3, "bare.json", "covariance")
+        self.check_error(run("stats", coin, "--fit", write("none.json", "{}")), 3, "none.json")
 
     def test_indices_are_left_out_where_an_output_varies_less_than_its_error(self):
         # x(0) is fixed, so that x varies with t^2; what a coarse codebook says of early times is its own error.

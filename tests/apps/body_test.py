@@ -93,7 +93,7 @@ class Bodies(Case):
         self.check_error(run("simulate", "kirchhoff_body", "--body", mesh, "--unit", "mm", "--fluid", "1"), 2, "--density")
         self.check_error(run("simulate", "kirchhoff_body", "--density", "500"), 2, "--body was expected")
         for wrong, code, sentence in [(table.replace("block.obj", "none.obj"), 3, "none.obj"),
-                                      (table + "size = [1, 2, 3]\n", 3, "size: is of a shape"),
+                                      (table + "size = [1, 2, 3]\n", 3, "size: is of a shape only"),
                                       (table + 'shape = "disc"\n', 3, "one of the two"),
                                       (table.replace("= 500", "= -500"), 3, "-500"),
                                       (table.replace('"mm"', '"kg"'), 3, "kg")]:
@@ -109,7 +109,7 @@ class Bodies(Case):
 
     def test_bad_bodies(self):
         given = ["--density", "500", "--fluid", "1000"]
-        self.check_error(run("body", "disc", "--size", "1 cm", *given), 2, "1 lengths for a disc, expected 2: radius and thickness")
+        self.check_error(run("body", "disc", "--size", "1 cm", *given), 2, "1 lengths for the shape \"disc\", expected 2: radius and thickness")
         self.check_error(run("body", "plate", "--size", "1", "2", "0", *given), 2, "0")
         self.check_error(run("body", "plate", "--size", "1 kg", "2", "1", *given), 2, "1 kg")
         self.check_error(run("body", "plate", "--size", "1", "2", "1", "--density", "nan", "--fluid", "1"), 2, "nan")

@@ -66,6 +66,28 @@ TEST_CASE("the distribution function and its inverse undo each other, and the ru
   }
 }
 
+TEST_CASE("a uniform distribution over all of an axis is what the axis itself integrates, whatever its transform") {
+  using pgd::Axis;
+  using pgd::Transform;
+  const auto role = pgd::AxisRole::parameter;
+  for (const Axis& axis :
+       {Axis::chebyshev({"x"}, -1.0, 3.0, 12), Axis::chebyshev({"x", "1", role, Transform::logarithm}, 1e-4, 10.0, 24),
+        Axis::chebyshev({"x", "1", role, Transform::reciprocal}, 0.1, 20.0, 24),
+        Axis::chebyshev({"x", "1", role, Transform::square_root}, 0.0, 4.0, 16), Axis::p2({"x"}, 0.0, 1.0, 5),
+        Axis::fourier({"x"}, 0.0, 2.0, 9)}) {
+    const pgd::QuadratureRule rule = rule_of({kUniform, axis.lower(), axis.upper()}, axis);
+    pgd::InterpolationStencil stencil = axis.make_stencil();
+    Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(axis.size(), axis.size());
+    for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
+      axis.interpolate(rule.nodes[i], stencil, false);
+      const auto at = Eigen::seqN(stencil.first, stencil.value.size());
+      mass(at, at) += rule.weights[i] * stencil.value * stencil.value.transpose();
+    }
+    INFO(pgd::to_string(axis.basis()) << " " << pgd::to_string(axis.transform()));
+    CHECK((mass - Eigen::MatrixXd(axis.mass()) / axis.measure()).cwiseAbs().maxCoeff() < 1e-11);
+  }
+}
+
 TEST_CASE("means, deviations, indices and quantiles of normal and uniform inputs are those in closed form", "[codebooks]") {
   // v = v(0) + C_D t and x = v(0) t + C_D t^2/2; what of the bell lies outside [-1, 2] does not count in doubles.
   const Codebook book = golden_book();

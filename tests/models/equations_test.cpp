@@ -281,6 +281,15 @@ TEST_CASE("outputs that equations derive from their states come with trajectorie
   }
 }
 
+TEST_CASE("trajectories whose outputs use the time are no parts of each other, even where the equations do not") {
+  const std::map<std::string, double> fixed = {{"gravity", 9.81}, {"rail", 0.3}};
+  const std::map<std::string, Interval> box = {{"length", {0.5, 1.5}}};
+  CHECK_FALSE(reference_trajectories(equation_model(pendulum()), fixed, box)->info().autonomous);
+  Equations steady = pendulum();
+  steady.outputs.erase(steady.outputs.begin());  // the tip, which moves along the rail
+  CHECK(reference_trajectories(equation_model(steady), fixed, box)->info().autonomous);
+}
+
 TEST_CASE("outputs that make no sense are refused") {
   const auto refused = [](const std::string& name, const std::string& unit, const std::string& text) {
     Equations equations = pendulum();
