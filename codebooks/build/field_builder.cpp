@@ -13,13 +13,15 @@
 namespace samara::codebooks {
 
 Solution solve_field(const Plan& plan, int attempt, const ProgressCallback& progress) {
-  constexpr double kFirst = 0.3, kFiner = 0.2;
+  constexpr double kFirst = 0.5, kFiner = 0.2;
   const double aim = kFirst * plan.relative * std::pow(kFiner, attempt - 1);
   const pgd::ParametricProblem problem = ready_problem(plan, aim);
   pgd::EnrichOptions options;
   options.projection = pgd::Projection::minimal_residual;  // of time there is a first derivative
   options.residual_tolerance = aim;
   options.update_sweeps = 4;
+  options.update_tolerance = 1e-2;
+  options.max_rank = 100;
   options.seed = plan.builder.seed;
   options.progress = progress;
   const pgd::EnrichResult result = enrich(problem.assemble(), options);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -35,13 +36,19 @@ class Coefficients {
         ->default_value.value();
   }
 
-  /// parameter * part of an axis, as a term of the operator
-  void add_term(pgd::ParametricProblem& problem, const std::string& parameter, const std::string& of,
-                ModeOperator part) const {
-    std::map<std::string, ModeOperator> parts = {{of, std::move(part)}};
-    const Axis* own = axis(parameter);
-    if (own != nullptr) parts.emplace(parameter, ModeOperator::diagonal(own->nodes()));
-    problem.add_term(parts, own != nullptr ? 1.0 : fixed(parameter));
+  /// Powers of parameters * parts of other axes, as a term of the operator
+  void add_term(pgd::ParametricProblem& problem, const std::map<std::string, double>& powers,
+                std::map<std::string, ModeOperator> parts) const {
+    double scale = 1.0;
+    for (const auto& [name, power] : powers) {
+      const Axis* own = axis(name);
+      if (own != nullptr) {
+        parts.emplace(name, ModeOperator::diagonal(own->nodes().array().pow(power)));
+      } else {
+        scale *= std::pow(fixed(name), power);
+      }
+    }
+    problem.add_term(parts, scale);
   }
   /// parameter * nodal values of an axis, as a part of the lift
   void add_to_lift(pgd::ParametricProblem& problem, const std::string& parameter, const std::string& of,
@@ -67,21 +74,42 @@ double highest_of(const Plan& plan, const std::string& name) {
   return entry != plan.box.end() ? entry->upper : plan.fixed.at(name);
 }
 
-/// Of one that the field is not linear in: exponentials of it, over as many decades as it has.
-int nodes_for(const BoxEntry& entry, double aim) {
-  const double digits = std::max(2.0, 1.0 - std::log10(aim));
-  return 4 + static_cast<int>(std::ceil(2.0 * digits * (0.5 + std::log10(entry.upper / entry.lower))));
+/// Nodes on which exp(-c q), for all c that leave something of it at the lower end, is known to the aim. In q it is an
+/// exponential of up to ratio * log(1/aim), with that many waves of Chebyshev as the square root tells; in log q it
+/// grows beyond the strip of half-width pi/2.
+int nodes_for(double ratio, pgd::Transform transform, double aim) {
+  const double digits = -std::log(aim);
+  if (transform != pgd::Transform::logarithm)
+    return 3 + static_cast<int>(std::ceil(0.6 * digits * std::sqrt(ratio)));
+  const double strip = std::numbers::pi / std::log(ratio);
+  return 4 + static_cast<int>(std::ceil(digits / std::asinh(strip)));
 }
 
 Axis parameter_axis(const Plan& plan, const BoxEntry& entry, double aim) {
   const auto& parameters = plan.field->info.parameters;
   const std::string& unit = std::ranges::find(parameters, entry.name, &models::ParameterInfo::name)->unit;
   const bool is_linear = std::ranges::count(plan.field->linear_in, entry.name) > 0;
-  const bool is_plain = entry.transform == pgd::Transform::none;
-  const int nodes = entry.nodes ? *entry.nodes : is_linear && is_plain ? 2 : nodes_for(entry, aim);
-  return pgd::basis_traits(entry.basis)
-      .over_interval({entry.name, unit, AxisRole::parameter, entry.transform}, entry.lower, entry.upper,
-                     nodes);
+  pgd::Transform transform = entry.transform;
+  int nodes = 2;
+  if (!is_linear || transform != pgd::Transform::none) {
+    const double ratio = entry.upper / entry.lower;
+    const auto needed = [&](pgd::Transform by) { return is_linear ? 30 : nodes_for(ratio, by, aim); };
+    // Over decades of it, a field is smoother in the logarithm.
+    const bool is_open = !entry.prescribes_axis() && transform == pgd::Transform::none;
+    if (is_open && needed(pgd::Transform::logarithm) < needed(transform))
+      transform = pgd::Transform::logarithm;
+    nodes = needed(transform);
+  }
+  const auto axis = [&](int count) {
+    return pgd::basis_traits(entry.basis)
+        .over_interval({entry.name, unit, AxisRole::parameter, transform}, entry.lower, entry.upper, count);
+  };
+  if (entry.nodes) return axis(*entry.nodes);
+  // Equations are weighed by the quadrature of the axis, which a logarithm over decades leaves positive on enough
+  // nodes only.
+  constexpr int kMost = 400;
+  while (nodes < kMost && !(axis(nodes).weights().minCoeff() > 0.0)) ++nodes;
+  return axis(nodes);
 }
 
 /// Elements double from one in which nothing but a layer at the ends, of the size of the aim, changes.
@@ -114,8 +142,14 @@ pgd::ParametricProblem ready_problem(const Plan& plan, double aim) {
   const Axis &t = axes[0], &x = axes[1];
   const Coefficients coefficients(plan, axes);
   pgd::ParametricProblem problem(axes);
-  coefficients.add_term(problem, "capacity", t.name(), ModeOperator::sparse(t.derivative()));
-  coefficients.add_term(problem, "conductivity", x.name(), ModeOperator::sparse(x.stiffness()));
+  // The equation is divided by the conductivity, so that the residual counts in the same measure, that of the
+  // gradient, for all rods; and weighed such that decades of time and of parameters count alike.
+  const Eigen::VectorXd weights = (plan.end / (t.nodes().array() + t.borders()[1])).sqrt();
+  coefficients.add_term(problem, {{"capacity", 0.5}, {"conductivity", -1.5}},
+                        {{t.name(), ModeOperator::sparse(t.derivative()).row_scaled(weights)}});
+  coefficients.add_term(
+      problem, {{"capacity", -0.5}, {"conductivity", -0.5}},
+      {{t.name(), ModeOperator::diagonal(weights)}, {x.name(), ModeOperator::sparse(x.stiffness())}});
   problem.know(x.name(), {0, x.size() - 1});
   problem.know(t.name(), {0});
   problem.measure(x.name(), x.stiffness());
