@@ -77,7 +77,7 @@ Eigen::MatrixXd points_of(const Codebook& book, const ExportArguments& arguments
   return points;
 }
 
-std::vector<io::VtkField> fields_of(const Codebook& book, const Eigen::MatrixXd& points) {
+std::vector<io::VtkField> fields_of(const Codebook& book, const Eigen::Ref<const Eigen::MatrixXd>& points) {
   Eigen::MatrixXd values(book.output_count(), points.cols());
   codebooks::Query(book).batch(points, values, 0);
   std::vector<io::VtkField> fields;
@@ -133,6 +133,11 @@ int run(const ExportArguments& arguments) {
     const std::string file = fmt::format("{}_{:04}.vtu", output.stem().string(), steps.size());
     check_step_file(output.parent_path() / file, arguments.book);
     steps.push_back({time, file});
+  }
+  // What cannot be asked is refused before anything is written.
+  for (const io::VtkStep& step : steps) {
+    points(0, 0) = step.time;
+    fields_of(book, points.leftCols(1));
   }
   // The list comes last: what it names is there.
   for (const io::VtkStep& step : steps) {

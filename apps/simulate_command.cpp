@@ -158,6 +158,7 @@ models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const
 /// Parameters that follow from the body, if one is given.
 std::map<std::string, double> values_of_body(const SimulateArguments& arguments, const models::ModelInfo& info) {
   const BodyWords& words = arguments.body;
+  for (const std::string& text : words.sizes) number_or_quantity("--size", text, "m");
   if (words.body.empty()) {
     if (words.sizes.empty() && words.unit.empty() && words.density.empty() && words.fluid.empty() &&
         words.added_mass.empty())

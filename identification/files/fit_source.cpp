@@ -136,7 +136,7 @@ void warn_of_missed_tolerance(const codebooks::Codebook& book, const std::string
 /// Trajectories that the codebook of the config covers come from it.
 void cover_by_codebook(const FitRequest& request, FitSource& source) {
   const std::string& file = source.options.solver.codebook;
-  source.cover = codebooks::load(file);
+  source.cover = std::make_shared<const codebooks::Codebook>(codebooks::load(file));
   warn_of_missed_tolerance(*source.cover, file, source);
   source.family = of_file(request.config, [&] {
     if (source.series) throw ArgumentError("codebook: [series] integrates, since coefficients change on the way");
