@@ -121,6 +121,35 @@ TEST_CASE(
   CHECK(again.max_error < 1.5 * certificate.max_error);
 }
 
+TEST_CASE(
+    "the certificate of heat_rod holds in the layers at its ends, between the places that it looked at") {
+  const Codebook& book = rod_build().book;
+  const FieldReference exact = exact_reference(book);
+  const std::vector<double> times = certificate_times(book);
+  Eigen::VectorXd places(60);
+  for (Eigen::Index j = 0; j < 30; ++j) {
+    places[j] = 2e-5 * std::pow(500.0, static_cast<double>(j) / 29.0);  // up to 1 cm
+    places[59 - j] = 0.2 - places[j];
+  }
+  const Eigen::MatrixXd points = certificate_points(book, 60, 7);
+  Query query(book);
+  Eigen::VectorXd value(1);
+  double worst = 0.0;
+  for (Eigen::Index p = 0; p < points.cols(); ++p) {
+    const std::vector<double> q(points.col(p).data() + 1, points.col(p).data() + 5);
+    const Eigen::MatrixXd expected = exact.values(q, times, places);
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      for (Eigen::Index j = 0; j < places.size(); ++j) {
+        query.values(std::vector{times[i], places[j], q[0], q[1], q[2], q[3]}, value);
+        worst = std::max(worst, std::abs(value[0] - expected(static_cast<Eigen::Index>(i), j)));
+      }
+    }
+  }
+  const Certificate& certificate = *book.certificate();
+  CAPTURE(worst / certificate.outputs.front().range, certificate.max_error);
+  CHECK(worst / certificate.outputs.front().range < 1.1 * certificate.max_error);
+}
+
 TEST_CASE("a certificate finds a field that is wrong at one place") {
   const Codebook& book = rod_build().book;
   const FieldReference exact = exact_reference(book);
