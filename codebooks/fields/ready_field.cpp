@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/names.h"
 #include "samara/pgd/axes/axis_forms.h"
 
 namespace samara::codebooks {
@@ -67,9 +68,11 @@ double highest_of(const Plan& plan, const std::string& name) {
   return entry != plan.box.end() ? entry->upper : plan.fixed.at(name);
 }
 
-/// Of one that the field is not linear in: exponentials of it, over as many decades as it has.
-int nodes_for(const BoxEntry& entry, double aim) {
+/// Of one that the field is linear in: it is smooth in what its transform makes of it. Of the others: exponentials
+/// of it, over as many decades as it has.
+int nodes_for(const BoxEntry& entry, bool is_linear, double aim) {
   const double digits = std::max(2.0, 1.0 - std::log10(aim));
+  if (is_linear) return 4 + static_cast<int>(std::ceil(digits));
   return 4 + static_cast<int>(std::ceil(2.0 * digits * (0.5 + std::log10(entry.upper / entry.lower))));
 }
 
@@ -78,7 +81,7 @@ Axis parameter_axis(const Plan& plan, const BoxEntry& entry, double aim) {
   const std::string& unit = std::ranges::find(parameters, entry.name, &models::ParameterInfo::name)->unit;
   const bool is_linear = std::ranges::count(plan.field->linear_in, entry.name) > 0;
   const bool is_plain = entry.transform == pgd::Transform::none;
-  const int nodes = entry.nodes ? *entry.nodes : is_linear && is_plain ? 2 : nodes_for(entry, aim);
+  const int nodes = entry.nodes ? *entry.nodes : is_linear && is_plain ? 2 : nodes_for(entry, is_linear, aim);
   return pgd::basis_traits(entry.basis)
       .over_interval({entry.name, unit, AxisRole::parameter, entry.transform}, entry.lower, entry.upper,
                      nodes);
@@ -120,10 +123,17 @@ pgd::ParametricProblem ready_problem(const Plan& plan, double aim) {
   problem.know(t.name(), {0});
   problem.measure(x.name(), x.stiffness());
   const Eigen::VectorXd s = x.nodes() / length;
-  coefficients.add_to_lift(problem, "left", x.name(), 1.0 - s.array());
-  coefficients.add_to_lift(problem, "right", x.name(), s);
   coefficients.add_to_lift(problem, "amplitude", x.name(), 4.0 * s.array() * (1.0 - s.array()));
   return problem;
+}
+
+void add_steady_part(const Plan& plan, pgd::ParametricProblem& problem) {
+  const std::vector<Axis> axes = problem.axes();
+  const Axis& x = *std::ranges::find(axes, AxisRole::space, &Axis::role);
+  const Eigen::VectorXd s = (x.nodes().array() - x.lower()) / x.length();
+  const Coefficients coefficients(plan, axes);
+  coefficients.add_to_lift(problem, "left", x.name(), 1.0 - s.array());
+  coefficients.add_to_lift(problem, "right", x.name(), s);
 }
 
 FieldReference exact_reference(const models::FieldModel& model, const std::map<std::string, double>& fixed,
@@ -132,6 +142,13 @@ FieldReference exact_reference(const models::FieldModel& model, const std::map<s
   std::vector<double> values;
   for (const models::ParameterInfo& parameter : parameters) {
     const auto given = fixed.find(parameter.name);
+    const bool is_known = given != fixed.end() || parameter.default_value || contains(free, parameter.name);
+    if (!is_known) {
+      throw ArgumentError(
+          fmt::format("the parameter \"{}\" of the field \"{}\" is neither fixed nor a coordinate, and has "
+                      "no default: its exact solution needs it",
+                      parameter.name, model.info.name));
+    }
     values.push_back(given != fixed.end() ? given->second : parameter.default_value.value_or(0.0));
   }
   std::vector<std::size_t> places_of_free;

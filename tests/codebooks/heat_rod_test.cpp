@@ -150,6 +150,41 @@ TEST_CASE(
   CHECK(worst / certificate.outputs.front().range < 1.1 * certificate.max_error);
 }
 
+TEST_CASE("a rod that hardly changes, or not at all, is its straight line, solved at once") {
+  // The ends are of the order of 100, what is left to solve for is nothing.
+  std::string text = replaced(kRodPlan, "amplitude = [-50.0, 50.0]\n", "");
+  text = replaced(text, "relative = 1e-4", "relative = 1e-6");
+  BuildOptions options;
+  options.certificate_points = 20;  // each of 50,000 places and times
+  const BuildResult line = build(parse_plan(text, "rod.toml"), options);
+  CAPTURE(line.message);
+  CHECK(line.met);
+  CHECK(line.book.certificate()->max_error < 1e-13);
+  CHECK(line.book.pieces().front().groups().front().sum()->rank() == 2);
+  Query query(line.book);
+  Eigen::VectorXd value(1);
+  query.values(std::vector{333.0, 0.05, 40.0, 100.0, 20.0}, value);
+  CHECK(std::abs(value[0] - 80.0) < 1e-12);
+
+  text = replaced(text, "left = [0.0, 100.0]\nright = [0.0, 100.0]\n", "");
+  const BuildResult nothing = build(parse_plan(text, "rod.toml"), options);
+  CAPTURE(nothing.message);
+  CHECK(nothing.met);
+  Query zero(nothing.book);
+  zero.values(std::vector{333.0, 0.05, 40.0}, value);
+  CHECK(value[0] == 0.0);
+}
+
+TEST_CASE("an end that is given on an axis of roots from zero takes as many nodes as digits") {
+  std::string text = replaced(kRodPlan, "left = [0.0, 100.0]",
+                              "left = { range = [0.0, 100.0], transform = \"square_root\" }");
+  text = replaced(text, "relative = 1e-4", "relative = 1e-3");
+  const BuildResult built = build(parse_plan(text, "rod.toml"));
+  CAPTURE(built.message);
+  CHECK(built.met);
+  CHECK(built.book.pieces().front().groups().front().axes()[3].size() < 12);
+}
+
 TEST_CASE("a certificate finds a field that is wrong at one place") {
   const Codebook& book = rod_build().book;
   const FieldReference exact = exact_reference(book);
