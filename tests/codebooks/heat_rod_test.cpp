@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "../io/temporary_directory.h"
+#include "damaged_codebook.h"
 #include "rod_reference.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/certificate_points.h"
@@ -17,6 +18,7 @@
 #include "samara/pgd/tensors/random.h"
 
 using namespace samara::codebooks;
+using namespace damaged_codebook;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -183,6 +185,24 @@ TEST_CASE("an end that is given on an axis of roots from zero takes as many node
   CAPTURE(built.message);
   CHECK(built.met);
   CHECK(built.book.pieces().front().groups().front().axes()[3].size() < 12);
+}
+
+TEST_CASE("a file of a rod in other units, or without a number that its exact solution needs, is refused") {
+  const Codebook& book = rod_build().book;
+  const auto with_unit = [&](const std::string& object) {
+    return error_after([&](Patient& file) { file.set_text(object, "units", "kg"); }, book);
+  };
+  CHECK_THAT(with_unit("/pieces/0/axes/conductivity"), Contains("those of the model \"W/(m K)\""));
+  CHECK_THAT(with_unit("/pieces/0/axes/x"), Contains("those of the model \"m\""));
+  CHECK_THAT(with_unit("/pieces/0/axes/t"), Contains("those of the model \"s\""));
+  CHECK_THAT(with_unit("/model/fixed/capacity"), Contains("those of the model \"J/(m^3 K)\""));
+  ModelDescription without = book.model();
+  without.fixed.erase("capacity");
+  without.fixed_units.erase("capacity");
+  const Codebook lost(without, book.pieces(), book.build(), book.provenance());
+  CHECK_THROWS_AS(exact_reference(lost), samara::ArgumentError);
+  CHECK_THROWS_WITH(exact_reference(lost),
+                    Contains("\"capacity\"") && Contains("neither fixed nor a coordinate"));
 }
 
 TEST_CASE("a certificate finds a field that is wrong at one place") {
