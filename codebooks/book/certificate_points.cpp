@@ -35,6 +35,18 @@ void append_points_of_elements(const pgd::Axis& axis, std::vector<double>& point
   points.push_back(axis.upper());
 }
 
+/// The nodes, and the points halfway between neighbours (under the transform): where nodes crowd, as at the ends of
+/// elements of high degree, they tell of layers that equally spaced points step over.
+void append_nodes_and_midpoints(const pgd::Axis& axis, std::vector<double>& points) {
+  const Eigen::VectorXd& nodes = axis.nodes();
+  for (Eigen::Index i = 0; i + 1 < nodes.size(); ++i) {
+    const double width = transformed_distance(axis.transform(), nodes[i], nodes[i + 1]);
+    points.push_back(nodes[i]);
+    points.push_back(transformed_advance(axis.transform(), nodes[i], 0.5 * width));
+  }
+  points.push_back(axis.upper());
+}
+
 void sort_out(std::vector<double>& points) {
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
@@ -59,7 +71,7 @@ Eigen::VectorXd certificate_places(const Codebook& book) {
   for (const Piece& piece : book.pieces()) {
     const pgd::Axis& axis = piece.groups().front().axes()[coordinate];
     if (axis.has_elements()) {
-      append_points_of_elements(axis, places);
+      append_nodes_and_midpoints(axis, places);
     } else if (!axis.is_list()) {
       const Eigen::VectorXd all = Eigen::VectorXd::LinSpaced(2 * axis.size() + 1, axis.lower(), axis.upper());
       places.insert(places.end(), all.begin(), all.end());

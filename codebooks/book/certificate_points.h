@@ -15,7 +15,8 @@ namespace samara::codebooks {
 /// none where the codebook has no time.
 std::vector<double> certificate_times(const Codebook& book);
 
-/// Places of the coordinate of space: all nodes of a list, else between and at the builder's nodes, twice as many.
+/// Places of the coordinate of space: all nodes of a list; of elements the nodes and halfway between neighbours; else
+/// equally spaced, twice as many as nodes.
 /// @throws ArgumentError unless the codebook has one coordinate of space
 Eigen::VectorXd certificate_places(const Codebook& book);
 

@@ -9,6 +9,9 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/base/text.h"
+#include "samara/base/units.h"
 
 namespace samara::codebooks {
 
@@ -29,6 +32,13 @@ void check_shape(const std::vector<std::string>& directions, const Eigen::Matrix
   if (d < 1 || d > 3 || names.size() != directions.size() || names.contains(""))
     throw ArgumentError(
         fmt::format("a mesh with {} directions, expected one to three with names that differ", d));
+  for (const std::string& name : directions) {
+    if (printable(name) != name || name.find('=') != std::string::npos) {
+      throw ArgumentError(fmt::format(
+          "a direction of a mesh has the name {}, expected one without \"=\" and control characters",
+          in_quotes(name)));
+    }
+  }
   if (points.rows() != d || points.cols() == 0) {
     throw ArgumentError(fmt::format("the points of a mesh are {} x {}, expected {} directions x nodes",
                                     points.rows(), points.cols(), d));
@@ -51,9 +61,10 @@ void check_cells(const Eigen::MatrixXd& points, const Eigen::MatrixXi& cells) {
                                       cell, node, points.cols() - 1));
     }
     const Eigen::MatrixXd edges = edges_of(points, cells, cell);
-    const double size = std::pow(edges.colwise().norm().maxCoeff(), static_cast<double>(edges.cols()));
+    const Eigen::MatrixXd shape = edges / edges.cwiseAbs().maxCoeff();
+    const double size = std::pow(shape.colwise().norm().maxCoeff(), static_cast<double>(edges.cols()));
     constexpr double kFlat = 1e-12;
-    if (!(std::abs(edges.determinant()) > kFlat * size))
+    if (!(std::abs(shape.determinant()) > kFlat * size))
       throw ArgumentError(fmt::format("cell {} of a mesh has no volume", cell));
   }
 }
@@ -63,21 +74,42 @@ void check_cells(const Eigen::MatrixXd& points, const Eigen::MatrixXi& cells) {
 SpaceMesh::SpaceMesh(std::vector<std::string> directions, std::string unit, Eigen::MatrixXd points,
                      Eigen::MatrixXi cells) {
   check_shape(directions, points, cells);
+  parse_unit(unit);
   check_cells(points, cells);
-  Bins bins = bins_of(points, cells);
-  content_ = std::make_shared<const Content>(
-      Content{std::move(directions), std::move(unit), std::move(points), std::move(cells), std::move(bins)});
+  const auto content = std::make_shared<Content>();
+  content->directions = std::move(directions);
+  content->unit = std::move(unit);
+  content->points = std::move(points);
+  content->cells = std::move(cells);
+  content_ = content;
+}
+
+const SpaceMesh::Bins& SpaceMesh::bins() const {
+  const Content& content = *content_;
+  std::call_once(content.has_bins, [&] { content.bins = bins_of(content.points, content.cells); });
+  return content.bins;
 }
 
 SpaceMesh::Bins SpaceMesh::bins_of(const Eigen::MatrixXd& points, const Eigen::MatrixXi& cells) {
   const Eigen::Index d = points.rows();
+  const double per_direction = std::pow(static_cast<double>(cells.cols()), 1.0 / static_cast<double>(d));
+  // Cells of a mesh touch a few boxes each; where they lie over each other in heaps, fewer boxes must do.
+  const auto most = 64 * static_cast<std::size_t>(cells.cols()) + 1'000'000;
   Bins bins;
   bins.lower = points.rowwise().minCoeff();
-  const Eigen::VectorXd extent = points.rowwise().maxCoeff() - bins.lower;
-  const double per_direction = std::pow(static_cast<double>(cells.cols()), 1.0 / static_cast<double>(d));
   bins.counts = Eigen::VectorXi::Constant(d, std::max(1, static_cast<int>(per_direction)));
-  bins.width = extent.cwiseQuotient(bins.counts.cast<double>());
-  bins.cells.resize(static_cast<std::size_t>(bins.counts.prod()));
+  const Eigen::VectorXd extent = points.rowwise().maxCoeff() - bins.lower;
+  for (;; bins.counts = (bins.counts / 2).cwiseMax(1)) {
+    bins.width = extent.cwiseQuotient(bins.counts.cast<double>());
+    if (fill(bins, points, cells, most)) return bins;
+  }
+}
+
+bool SpaceMesh::fill(Bins& bins, const Eigen::MatrixXd& points, const Eigen::MatrixXi& cells,
+                     std::size_t most) {
+  const Eigen::Index d = points.rows();
+  bins.cells.assign(static_cast<std::size_t>(bins.counts.prod()), {});
+  std::size_t entries = 0;
   for (int cell = 0; cell < cells.cols(); ++cell) {
     Eigen::VectorXi first(d), last(d);
     for (Eigen::Index k = 0; k < d; ++k) {
@@ -97,6 +129,7 @@ SpaceMesh::Bins SpaceMesh::bins_of(const Eigen::MatrixXd& points, const Eigen::M
     }
     Eigen::VectorXi at = first;
     for (bool is_left = true; is_left;) {
+      if (++entries > most) return false;
       int place = 0;
       for (Eigen::Index k = d - 1; k >= 0; --k) place = place * bins.counts[k] + at[k];
       bins.cells[static_cast<std::size_t>(place)].push_back(cell);
@@ -107,7 +140,7 @@ SpaceMesh::Bins SpaceMesh::bins_of(const Eigen::MatrixXd& points, const Eigen::M
       }
     }
   }
-  return bins;
+  return true;
 }
 
 std::optional<SpaceMesh::Place> SpaceMesh::find(std::span<const double> point) const {
@@ -116,7 +149,7 @@ std::optional<SpaceMesh::Place> SpaceMesh::find(std::span<const double> point) c
     throw ArgumentError(fmt::format("a point of a mesh has {} numbers, expected {}", point.size(), d));
   const Eigen::Map<const Eigen::VectorXd> x(point.data(), d);
   if (!x.allFinite()) throw ArgumentError("a point of a mesh has a number that is not finite");
-  const Bins& bins = content_->bins;
+  const Bins& bins = this->bins();
   int place = 0;
   for (Eigen::Index k = d - 1; k >= 0; --k) {
     const double box = std::floor((x[k] - bins.lower[k]) / bins.width[k]);
@@ -125,7 +158,8 @@ std::optional<SpaceMesh::Place> SpaceMesh::find(std::span<const double> point) c
   constexpr double kRounding = 1e-9;
   for (const int cell : bins.cells[static_cast<std::size_t>(place)]) {
     const Eigen::MatrixXd edges = edges_of(points(), cells(), cell);
-    const Eigen::MatrixXd inverse = edges.inverse();
+    const double size = edges.cwiseAbs().maxCoeff();
+    const Eigen::MatrixXd inverse = (edges / size).inverse() / size;
     const Eigen::VectorXd inner = inverse * (x - points().col(cells()(0, cell)));
     Eigen::VectorXd weights(d + 1);
     weights << 1.0 - inner.sum(), inner;

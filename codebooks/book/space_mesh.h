@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,12 +23,13 @@ class SpaceMesh {
     Eigen::MatrixXd slopes;   ///< nodes x directions: derivatives of the weights, 1/unit
   };
 
-  /// @param directions names of the coordinates of a point: {"x", "y"}
+  /// @param directions names of the coordinates of a point: {"x", "y"}, without "=" and control characters
   /// @param unit of them all, SI
   /// @param points directions x nodes
   /// @param cells corners x cells, numbers of nodes
   /// @throws ArgumentError if there are no nodes or cells, directions are not one to three with names that differ,
-  /// cells have not one corner more than that, a corner is no node, a point is not finite, or a cell has no volume.
+  /// the unit is none, cells have not one corner more than directions, a corner is no node, a point is not finite, or
+  /// a cell has no volume.
   SpaceMesh(std::vector<std::string> directions, std::string unit, Eigen::MatrixXd points,
             Eigen::MatrixXi cells);
 
@@ -57,10 +59,15 @@ class SpaceMesh {
     std::string unit;
     Eigen::MatrixXd points;
     Eigen::MatrixXi cells;
-    Bins bins;
+    // Made when a point is looked for first.
+    mutable std::once_flag has_bins;
+    mutable Bins bins;
   };
 
   static Bins bins_of(const Eigen::MatrixXd& points, const Eigen::MatrixXi& cells);
+  /// Fills the boxes with the cells that touch them; false if that takes more than `most` entries.
+  static bool fill(Bins& bins, const Eigen::MatrixXd& points, const Eigen::MatrixXi& cells, std::size_t most);
+  const Bins& bins() const;
 
   std::shared_ptr<const Content> content_;
 };

@@ -15,7 +15,7 @@ namespace samara::codebooks {
 Solution solve_field(const Plan& plan, int attempt, const ProgressCallback& progress) {
   constexpr double kFirst = 0.5, kFiner = 0.2;
   const double aim = kFirst * plan.relative * std::pow(kFiner, attempt - 1);
-  const pgd::ParametricProblem problem = ready_problem(plan, aim);
+  pgd::ParametricProblem problem = ready_problem(plan, aim);
   pgd::EnrichOptions options;
   options.projection = pgd::Projection::minimal_residual;  // of time there is a first derivative
   options.residual_tolerance = aim;
@@ -25,6 +25,7 @@ Solution solve_field(const Plan& plan, int attempt, const ProgressCallback& prog
   options.seed = plan.builder.seed;
   options.progress = progress;
   const pgd::EnrichResult result = enrich(problem.assemble(), options);
+  add_steady_part(plan, problem);
   const models::StateInfo& output = plan.field->info.states.front();
   Solution solution;
   solution.pieces = {field_piece(problem, result.solution, {output.name, output.unit})};

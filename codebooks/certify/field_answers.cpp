@@ -15,14 +15,27 @@ FieldAnswers::FieldAnswers(const Codebook& book, std::vector<double> times, Eige
       places_(std::move(places)),
       space_(book.space().value()),
       first_(book.has_time() ? 1 : 0) {
-  const auto rows = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(times_.size()));
-  points_.resize(book.coordinate_count(), rows * places_.size());
-  for (Eigen::Index j = 0; j < places_.size(); ++j) {
-    points_.row(space_).segment(j * rows, rows).setConstant(places_[j]);
-    if (book.has_time())
-      points_.row(0).segment(j * rows, rows) = Eigen::Map<const Eigen::RowVectorXd>(times_.data(), rows);
+  // All points at once would take the memory of as many numbers as there are coordinates for each.
+  constexpr Eigen::Index kMostPoints = 1 << 14;
+  places_at_once_ = std::clamp<Eigen::Index>(kMostPoints / rows(), 1, places_.size());
+  points_.resize(book.coordinate_count(), rows() * places_at_once_);
+  if (book.has_time())
+    points_.row(0) =
+        Eigen::Map<const Eigen::RowVectorXd>(times_.data(), rows()).replicate(1, places_at_once_);
+  values_.resize(1, rows() * places_.size());
+}
+
+Eigen::Index FieldAnswers::rows() const {
+  return std::max<Eigen::Index>(1, static_cast<Eigen::Index>(times_.size()));
+}
+
+void FieldAnswers::ask() {
+  for (Eigen::Index first = 0; first < places_.size(); first += places_at_once_) {
+    const Eigen::Index count = std::min(places_at_once_, places_.size() - first);
+    for (Eigen::Index j = 0; j < count; ++j)
+      points_.row(space_).segment(j * rows(), rows()).setConstant(places_[first + j]);
+    query_.batch(points_.leftCols(count * rows()), values_.middleCols(first * rows(), count * rows()));
   }
-  values_.resize(1, points_.cols());
 }
 
 PointErrors FieldAnswers::compare(std::span<const double> q, const FieldReference& reference) {
@@ -33,7 +46,6 @@ PointErrors FieldAnswers::compare(std::span<const double> q, const FieldReferenc
     points_.row(k).setConstant(value);
     rest_.push_back(value);
   }
-  const Eigen::Index rows = points_.cols() / places_.size();
   Eigen::MatrixXd expected;
   try {
     expected = reference.values(rest_, times_, places_);
@@ -42,16 +54,16 @@ PointErrors FieldAnswers::compare(std::span<const double> q, const FieldReferenc
     errors.failure = error.what();
     return errors;
   }
-  if (expected.rows() != rows || expected.cols() != places_.size()) {
+  if (expected.rows() != rows() || expected.cols() != places_.size()) {
     throw ArgumentError(
         fmt::format("the reference of a field gave {} x {} values, expected {} times x {} places",
-                    expected.rows(), expected.cols(), rows, places_.size()));
+                    expected.rows(), expected.cols(), rows(), places_.size()));
   }
-  query_.batch(points_, values_);
+  ask();
   PointErrors errors = compared_rows(values_.transpose(), expected.reshaped());
   const int worst = errors.worst_time.front();
-  errors.worst_time.front() = static_cast<int>(worst % rows);
-  errors.worst_place = places_[worst / rows];
+  errors.worst_time.front() = static_cast<int>(worst % rows());
+  errors.worst_place = places_[worst / rows()];
   return errors;
 }
 

@@ -23,13 +23,18 @@ class FieldAnswers {
   PointErrors compare(std::span<const double> q, const FieldReference& reference);
 
  private:
+  Eigen::Index rows() const;  ///< times, or one
+  /// Into values_, at the parameters that points_ holds.
+  void ask();
+
   Query query_;
   std::vector<double> times_;
   Eigen::VectorXd places_;
-  Eigen::Index space_;        ///< row of the points
-  Eigen::Index first_;        ///< of the rows that are no time
-  Eigen::MatrixXd points_;    ///< coordinates x (times x places), times running fastest
-  Eigen::MatrixXd values_;    ///< 1 x as many
+  Eigen::Index space_;  ///< row of the points
+  Eigen::Index first_;  ///< of the rows that are no time
+  Eigen::Index places_at_once_ = 1;
+  Eigen::MatrixXd points_;    ///< coordinates x (times x places at once), times running fastest
+  Eigen::MatrixXd values_;    ///< 1 x (times x places)
   std::vector<double> rest_;  ///< the coordinates but time and space
 };
 

@@ -80,6 +80,8 @@ std::optional<TimePart> time_part(const Axis& time, const ModeOperator& part) {
   }
   Eigen::MatrixXd values = Eigen::MatrixXd::Zero(time.size(), time.size());
   part.add_to_dense(values, 1.0);
+  const Eigen::MatrixXd constant = values(0, 0) * Eigen::MatrixXd::Identity(time.size(), time.size());
+  if ((values - constant).cwiseAbs().maxCoeff() <= rounding) return TimePart{false, values(0, 0)};
   const Eigen::MatrixXd derivative = time.derivative();
   const double factor = values.cwiseProduct(derivative).sum() / derivative.squaredNorm();
   if ((values - factor * derivative).cwiseAbs().maxCoeff() > rounding) return {};
@@ -112,11 +114,15 @@ Eigen::MatrixXd steady_solution(const ParametricProblem& problem) {
   return whole;
 }
 
-/// Nodal values of a tensor of two modes: those of `rows` x those of `columns`.
-Eigen::MatrixXd table_of(const pgd::SeparatedTensor& tensor, std::size_t rows,
-                         const Eigen::MatrixXd& columns) {
-  return tensor.factors[rows] * tensor.weights.asDiagonal() * columns.transpose();
-}
+/// A tensor of space and time at one time: its modes in space, each by its value there.
+struct LoadInTime {
+  Eigen::MatrixXd in_space;  ///< unknown nodes x terms
+  Eigen::MatrixXd in_time;   ///< nodes of time x terms, weights included
+
+  Eigen::VectorXd at(int first, const Eigen::VectorXd& stencil) const {
+    return in_space * (in_time.middleRows(first, stencil.size()).transpose() * stencil);
+  }
+};
 
 /// M v' + K v = g - M l' - K l for what the lift l leaves of the solution: nodes x times.
 Eigen::MatrixXd transient_solution(const ParametricProblem& problem, const std::vector<double>& times,
@@ -128,23 +134,32 @@ Eigen::MatrixXd transient_solution(const ParametricProblem& problem, const std::
     const TimePart part = time_part(time, term[t]).value();
     (part.is_derivative ? mass : stiffness) += matrix_of(term[s], part.factor);
   }
-  const pgd::SeparatedTensor &source = problem.source(), &lift = problem.lift();
-  const Eigen::MatrixXd lift_rate = time.derivative() * lift.factors[t];
-  const Eigen::MatrixXd loads = table_of(source, s, source.factors[t]) -
-                                stiffness * table_of(lift, s, lift.factors[t]) -
-                                mass * table_of(lift, s, lift_rate);
   const std::vector<int> unknown = problem.unknown_nodes(space.name());
-  const Eigen::MatrixXd inner_loads = loads(unknown, Eigen::all);
+  const auto load_of = [&](const pgd::SeparatedTensor& tensor, const Eigen::MatrixXd& in_space) {
+    return LoadInTime{in_space(unknown, Eigen::all), tensor.factors[t] * tensor.weights.asDiagonal()};
+  };
+  const pgd::SeparatedTensor& lift = problem.lift();
+  const LoadInTime source = load_of(problem.source(), problem.source().factors[s]);
+  const LoadInTime stiff_lift = load_of(lift, stiffness * lift.factors[s]);
+  const LoadInTime mass_lift = load_of(lift, mass * lift.factors[s]);
 
   models::LinearSystem system{between(mass, unknown), between(stiffness, unknown), {}};
   pgd::InterpolationStencil stencil = time.make_stencil();
   system.load = [&](double now, Eigen::Ref<Eigen::VectorXd> load) {
-    time.interpolate(now, stencil, false);
-    load = inner_loads.middleCols(stencil.first, stencil.value.size()) * stencil.value;
+    // The slope of the lift may jump at a border of elements: it is that of the element which holds the time.
+    time.interpolate(now, stencil, true);
+    load = source.at(stencil.first, stencil.value) - stiff_lift.at(stencil.first, stencil.value) -
+           mass_lift.at(stencil.first, stencil.derivative);
   };
+  // The solution is known at the beginning of the axis, wherever the times begin.
+  std::vector<double> from_start = times;
+  const bool is_later = times.front() > time.lower();
+  if (is_later) from_start.insert(from_start.begin(), time.lower());
   const Eigen::VectorXd start = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(unknown.size()));
-  Eigen::MatrixXd whole = table_of(lift, s, interpolation(time, times) * lift.factors[t]);
-  whole(unknown, Eigen::all) += models::integrate_linear(system, start, times, options);
+  const Eigen::MatrixXd rest = models::integrate_linear(system, start, from_start, options);
+  Eigen::MatrixXd whole = lift.factors[s] * lift.weights.asDiagonal() *
+                          (interpolation(time, times) * lift.factors[t]).transpose();
+  whole(unknown, Eigen::all) += rest.rightCols(whole.cols());
   return whole;
 }
 
@@ -192,9 +207,10 @@ class DirectSolver {
       parameters_.push_back(axis.name());
       corner.push_back(axis.lower());
     }
-    // What is of another kind is found now, and not at the first point.
-    const ParametricProblem at_corner = at(corner);
-    if (has_time_) check_time(at_corner);
+    // What is of another kind is found now, and not at the first point: by the terms as they were added, since one
+    // may look constant where a parameter is zero.
+    if (has_time_) check_time(problem_);
+    static_cast<void>(at(corner));
   }
 
   bool has_time() const { return has_time_; }
@@ -202,6 +218,14 @@ class DirectSolver {
   Eigen::MatrixXd operator()(std::span<const double> q, const std::vector<double>& times,
                              const Eigen::VectorXd& places) const {
     const ParametricProblem problem = at(q);
+    if (has_time_) {
+      const Axis& time = problem.axes()[place_of(problem, AxisRole::time)];
+      if (times.empty() || !(times.front() >= time.lower())) {
+        throw ArgumentError(fmt::format(
+            "the first time asked of a reference is {}, expected one from {} on, where axis \"{}\" begins",
+            times.empty() ? "none" : fmt::format("{}", times.front()), time.lower(), time.name()));
+      }
+    }
     const Axis& space = problem.axes()[place_of(problem, AxisRole::space)];
     const Eigen::MatrixXd nodal =
         has_time_ ? transient_solution(problem, times, options_) : steady_solution(problem);
@@ -231,10 +255,12 @@ FieldReference direct_reference(const pgd::ParametricProblem& problem, double sc
   FieldReference reference;
   reference.values = [solver](std::span<const double> q, const std::vector<double>& times,
                               const Eigen::VectorXd& places) { return (*solver)(q, times, places); };
-  reference.name =
-      solver->has_time()
-          ? "CVODE (backward differentiation) on the nodes of space, whose own error it does not see"
-          : "the direct solution on the nodes of space, whose own error it does not see";
+  reference.name = solver->has_time() ? "CVODE (backward differentiation) on the nodes of space; it sees "
+                                        "neither their error nor that of data "
+                                        "between nodes of time and parameters"
+                                      : "the direct solution on the nodes of space; it sees neither their "
+                                        "error nor that of data between nodes "
+                                        "of parameters";
   reference.tolerance = solver->has_time() ? tolerance : 0.0;
   return reference;
 }

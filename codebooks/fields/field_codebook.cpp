@@ -79,11 +79,11 @@ BuildRecord enrichment_record(const pgd::EnrichResult& result) {
 Codebook make_codebook(const pgd::ParametricProblem& problem, const pgd::EnrichResult& result,
                        const FieldRequest& request) {
   check_problem_name(request.problem.name);
+  if (std::ranges::count(problem.axes(), pgd::AxisRole::space, &pgd::Axis::role) != 1)
+    throw ArgumentError("the problem has no axis of space, or several; a field over one was expected");
   Piece piece = field_piece(problem, result.solution, request.output);
   const double scale = size_of_field(*piece.groups().front().sum());
   Codebook book(request.problem, {std::move(piece)}, enrichment_record(result), made_now({}, result.seconds));
-  if (!book.space())
-    throw ArgumentError("the problem has no axis of space, or several; a field over one was expected");
   if (request.mesh) book = book.with_mesh(*request.mesh);
   const FieldReference reference = request.reference ? *request.reference : direct_reference(problem, scale);
   Certificate certificate = certify(book, reference, request.certify);

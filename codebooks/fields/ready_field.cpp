@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/names.h"
 #include "samara/pgd/axes/axis_forms.h"
 
 namespace samara::codebooks {
@@ -154,10 +155,17 @@ pgd::ParametricProblem ready_problem(const Plan& plan, double aim) {
   problem.know(t.name(), {0});
   problem.measure(x.name(), x.stiffness());
   const Eigen::VectorXd s = x.nodes() / length;
-  coefficients.add_to_lift(problem, "left", x.name(), 1.0 - s.array());
-  coefficients.add_to_lift(problem, "right", x.name(), s);
   coefficients.add_to_lift(problem, "amplitude", x.name(), 4.0 * s.array() * (1.0 - s.array()));
   return problem;
+}
+
+void add_steady_part(const Plan& plan, pgd::ParametricProblem& problem) {
+  const std::vector<Axis> axes = problem.axes();
+  const Axis& x = *std::ranges::find(axes, AxisRole::space, &Axis::role);
+  const Eigen::VectorXd s = (x.nodes().array() - x.lower()) / x.length();
+  const Coefficients coefficients(plan, axes);
+  coefficients.add_to_lift(problem, "left", x.name(), 1.0 - s.array());
+  coefficients.add_to_lift(problem, "right", x.name(), s);
 }
 
 FieldReference exact_reference(const models::FieldModel& model, const std::map<std::string, double>& fixed,
@@ -166,6 +174,13 @@ FieldReference exact_reference(const models::FieldModel& model, const std::map<s
   std::vector<double> values;
   for (const models::ParameterInfo& parameter : parameters) {
     const auto given = fixed.find(parameter.name);
+    const bool is_known = given != fixed.end() || parameter.default_value || contains(free, parameter.name);
+    if (!is_known) {
+      throw ArgumentError(
+          fmt::format("the parameter \"{}\" of the field \"{}\" is neither fixed nor a coordinate, and has "
+                      "no default: its exact solution needs it",
+                      parameter.name, model.info.name));
+    }
     values.push_back(given != fixed.end() ? given->second : parameter.default_value.value_or(0.0));
   }
   std::vector<std::size_t> places_of_free;

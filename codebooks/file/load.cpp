@@ -20,6 +20,7 @@
 #include "samara/codebooks/file/piece_format.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/io/hdf5_reader.h"
+#include "samara/models/fields/field_model.h"
 #include "samara/models/interface/model.h"
 
 namespace samara::codebooks {
@@ -221,9 +222,11 @@ void check_unit(const Hdf5Reader& file, const std::string& object, const std::st
 /// Units of axes, outputs and fixed values, where this library knows the model.
 void check_units(const Hdf5Reader& file, const Codebook& book) {
   const auto model = known_model(book.model());
-  if (!model) return;
-  const models::ModelInfo& info = model->info();
+  const models::FieldModel* field = models::find_field_model(book.model().name);
+  if (!model && field == nullptr) return;
+  const models::ModelInfo& info = model ? model->info() : field->info;
   std::map<std::string, std::string> units = {{book.coordinates().front().name, models::time_unit(info)}};
+  if (field != nullptr) units[field->place] = "m";
   std::map<std::string, std::string> output_units;
   for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;
   for (const auto& state : info.states) {

@@ -60,7 +60,7 @@ struct Callbacks {
   double gamma = 0.0;         ///< of `iteration`; 0: none yet
   void* cvode = nullptr;      ///< that asks
   Eigen::VectorXd load;       ///< scratch
-  std::exception_ptr thrown;  ///< by the load; carried past the C code
+  std::exception_ptr thrown;  ///< in a callback; carried past the C code
 
   /// M^-1 (f - K u)
   static int rate(double t, N_Vector u, N_Vector slope, void* data) {
@@ -82,13 +82,18 @@ struct Callbacks {
     auto& self = *static_cast<Callbacks*>(solver->content);
     double gamma = 0.0;
     if (CVodeGetCurrentGamma(self.cvode, &gamma) != CV_SUCCESS) return -1;
-    if (gamma != self.gamma) {
-      self.gamma = 0.0;
-      if (!self.iteration.factorise(self.system->mass + gamma * self.system->stiffness)) return 1;
-      self.gamma = gamma;
+    try {
+      if (gamma != self.gamma) {
+        self.gamma = 0.0;
+        if (!self.iteration.factorise(self.system->mass + gamma * self.system->stiffness)) return 1;
+        self.gamma = gamma;
+      }
+      state_of(x) = self.iteration.solve(self.system->mass * state_of(b));
+      return 0;
+    } catch (...) {
+      self.thrown = std::current_exception();
+      return -1;
     }
-    state_of(x) = self.iteration.solve(self.system->mass * state_of(b));
-    return 0;
   }
 
   static SUNLinearSolver_Type type(SUNLinearSolver) { return SUNLINEARSOLVER_MATRIX_EMBEDDED; }

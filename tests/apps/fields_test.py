@@ -171,9 +171,11 @@ class MeshFields(Case):
             self.assertAlmostEqual(u, 0.5 + x + 2 * y, places=12)
 
     def test_statistics_weigh_nodes_by_their_areas(self):
-        # Nodes 1 and 2 have two triangles each, the others one; the means of k and x + 2 y are 1/2 and 3/2.
+        # Over the square x + 2 y has the mean 3/2 and the variance 5/12, k over its interval 1/2 and 1/12. Nodes that
+        # count alike would have the same mean, but a variance of 5/4.
         output = json.loads(run("stats", self.BOOK, "--json").stdout)["outputs"][0]
         self.assertAlmostEqual(output["mean"][0], 2.0, places=12)
+        self.assertAlmostEqual(output["deviation"][0], math.sqrt(5 / 12 + 1 / 12), places=12)
 
     def test_info_tells_of_the_mesh(self):
         self.assertIn("mesh: 4 nodes in x, y m, 2 cells", run("info", self.BOOK).stdout)

@@ -130,6 +130,47 @@ TEST_CASE("the direct solution in time is the exact one of a problem that has on
   }
 }
 
+TEST_CASE(
+    "the direct solution follows a border value that ramps up, from the beginning on, wherever times begin") {
+  // Two elements of time, u(t,0) = 2 t until 0.5 and then 1. As a reference, ramps of finite elements in time: the
+  // answer to a step is 1 - x - sum 2/(n pi) sin(n pi x) exp(-n^2 pi^2 t), that to a ramp of slope 2 its integral.
+  constexpr double pi = std::numbers::pi;
+  const Axis x = Axis::legendre({"x", "m", AxisRole::space}, 0.0, 1.0, 24);
+  const Axis t = Axis::radau({"t", "s", AxisRole::time}, 0.0, 1.0, 2, 5);
+  ParametricProblem problem({x, t});
+  problem.add_term({{"t", ModeOperator::sparse(t.derivative())}});
+  // The identity in time may come as a sparse matrix, too.
+  SparseMatrix identity(t.size(), t.size());
+  identity.setIdentity();
+  problem.add_term({{"x", ModeOperator::sparse(x.stiffness())}, {"t", ModeOperator::sparse(identity)}});
+  problem.know("x", {0, x.size() - 1});
+  problem.know("t", {0});
+  const Eigen::VectorXd ramp = t.nodes().unaryExpr([](double s) { return std::min(2.0 * s, 1.0); });
+  problem.add_to_lift({{"t", ramp}, {"x", 1.0 - x.nodes().array()}});
+  const auto after_ramp = [](double time, double place) {  // of slope 2, gone on
+    if (time <= 0.0) return 0.0;
+    double value = 2.0 * (1.0 - place) * time;
+    for (int n = 1; n < 2000; ++n) {
+      value -= 4.0 / std::pow(n * pi, 3) * std::sin(n * pi * place) * -std::expm1(-n * n * pi * pi * time);
+    }
+    return value;
+  };
+  const FieldReference reference = direct_reference(problem, 1.0);
+  const Eigen::VectorXd places = Eigen::VectorXd::LinSpaced(9, 0.0, 1.0);
+  for (const std::vector<double>& times :
+       {std::vector{0.0, 0.2, 0.5, 0.52, 0.6, 0.7, 0.9}, std::vector{0.3, 0.61}}) {
+    const Eigen::MatrixXd u = reference.values({}, times, places);
+    for (Eigen::Index i = 0; i < u.rows(); ++i) {
+      const double time = times[static_cast<std::size_t>(i)];
+      for (Eigen::Index j = 0; j < u.cols(); ++j) {
+        CAPTURE(time, places[j]);
+        CHECK_THAT(u(i, j), WithinAbs(after_ramp(time, places[j]) - after_ramp(time - 0.5, places[j]), 1e-6));
+      }
+    }
+  }
+  CHECK_THROWS_WITH(reference.values({}, {-0.1, 0.5}, places), Contains("expected one from 0 on"));
+}
+
 TEST_CASE("a field on an imported mesh of 10201 nodes is certified, saved and asked at nodes and between") {
   CAPTURE(disc_book().certificate()->max_error, disc_book().build().message);
   CHECK(disc_book().certificate()->met);
@@ -197,6 +238,21 @@ TEST_CASE("problems that make no codebook are refused in words") {
   CHECK_THROWS_WITH(direct_reference(moving, 1.0), Contains("other nodes are known than the first"));
   moving.know("t", {0});
   CHECK_THROWS_WITH(direct_reference(moving, 1.0), Contains("neither its derivative nor constant"));
+  // So are those that only look constant where a parameter is zero.
+  const Axis share = Axis::chebyshev({"share"}, 0.0, 1.0, 2);
+  ParametricProblem growing({wall().x, wall().t, share});
+  growing.add_term({{"t", ModeOperator::sparse(wall().t.derivative())}});
+  growing.add_term({{"t", ModeOperator::diagonal(wall().t.nodes())},
+                    {"x", ModeOperator::sparse(wall().x.stiffness())},
+                    {"share", ModeOperator::diagonal(share.nodes())}});
+  growing.know("t", {0});
+  CHECK_THROWS_WITH(direct_reference(growing, 1.0), Contains("neither its derivative nor constant"));
+  ParametricProblem nowhere({share});
+  nowhere.add_term({});
+  EnrichResult nothing;
+  nothing.solution = nowhere.assemble().rhs;
+  CHECK_THROWS_WITH(make_codebook(nowhere, nothing, request_of("nowhere", 5, 1.0)),
+                    Contains("no axis of space"));
   const Axis y = Axis::p1({"y", "m", AxisRole::space}, 0.0, 1.0, 4);
   ParametricProblem plane({wall().x, y});
   plane.add_term({{"x", ModeOperator::sparse(wall().x.stiffness())}});

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "../io/temporary_directory.h"
+#include "damaged_codebook.h"
 #include "rod_reference.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/certificate_points.h"
@@ -17,6 +18,7 @@
 #include "samara/pgd/tensors/random.h"
 
 using namespace samara::codebooks;
+using namespace damaged_codebook;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -119,6 +121,88 @@ TEST_CASE(
   CHECK(again.met);
   CHECK(again.max_error > 0.05 * certificate.max_error);
   CHECK(again.max_error < 1.5 * certificate.max_error);
+}
+
+TEST_CASE(
+    "the certificate of heat_rod holds in the layers at its ends, between the places that it looked at") {
+  const Codebook& book = rod_build().book;
+  const FieldReference exact = exact_reference(book);
+  const std::vector<double> times = certificate_times(book);
+  Eigen::VectorXd places(60);
+  for (Eigen::Index j = 0; j < 30; ++j) {
+    places[j] = 2e-5 * std::pow(500.0, static_cast<double>(j) / 29.0);  // up to 1 cm
+    places[59 - j] = 0.2 - places[j];
+  }
+  const Eigen::MatrixXd points = certificate_points(book, 60, 7);
+  Query query(book);
+  Eigen::VectorXd value(1);
+  double worst = 0.0;
+  for (Eigen::Index p = 0; p < points.cols(); ++p) {
+    const std::vector<double> q(points.col(p).data() + 1, points.col(p).data() + 5);
+    const Eigen::MatrixXd expected = exact.values(q, times, places);
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      for (Eigen::Index j = 0; j < places.size(); ++j) {
+        query.values(std::vector{times[i], places[j], q[0], q[1], q[2], q[3]}, value);
+        worst = std::max(worst, std::abs(value[0] - expected(static_cast<Eigen::Index>(i), j)));
+      }
+    }
+  }
+  const Certificate& certificate = *book.certificate();
+  CAPTURE(worst / certificate.outputs.front().range, certificate.max_error);
+  CHECK(worst / certificate.outputs.front().range < 1.1 * certificate.max_error);
+}
+
+TEST_CASE("a rod that hardly changes, or not at all, is its straight line, solved at once") {
+  // The ends are of the order of 100, what is left to solve for is nothing.
+  std::string text = replaced(kRodPlan, "amplitude = [-50.0, 50.0]\n", "");
+  text = replaced(text, "relative = 1e-4", "relative = 1e-6");
+  BuildOptions options;
+  options.certificate_points = 20;  // each of 50,000 places and times
+  const BuildResult line = build(parse_plan(text, "rod.toml"), options);
+  CAPTURE(line.message);
+  CHECK(line.met);
+  CHECK(line.book.certificate()->max_error < 1e-13);
+  CHECK(line.book.pieces().front().groups().front().sum()->rank() == 2);
+  Query query(line.book);
+  Eigen::VectorXd value(1);
+  query.values(std::vector{333.0, 0.05, 40.0, 100.0, 20.0}, value);
+  CHECK(std::abs(value[0] - 80.0) < 1e-12);
+
+  text = replaced(text, "left = [0.0, 100.0]\nright = [0.0, 100.0]\n", "");
+  const BuildResult nothing = build(parse_plan(text, "rod.toml"), options);
+  CAPTURE(nothing.message);
+  CHECK(nothing.met);
+  Query zero(nothing.book);
+  zero.values(std::vector{333.0, 0.05, 40.0}, value);
+  CHECK(value[0] == 0.0);
+}
+
+TEST_CASE("an end that is given on an axis of roots from zero takes as many nodes as digits") {
+  std::string text = replaced(kRodPlan, "left = [0.0, 100.0]",
+                              "left = { range = [0.0, 100.0], transform = \"square_root\" }");
+  text = replaced(text, "relative = 1e-4", "relative = 1e-3");
+  const BuildResult built = build(parse_plan(text, "rod.toml"));
+  CAPTURE(built.message);
+  CHECK(built.met);
+  CHECK(built.book.pieces().front().groups().front().axes()[3].size() < 12);
+}
+
+TEST_CASE("a file of a rod in other units, or without a number that its exact solution needs, is refused") {
+  const Codebook& book = rod_build().book;
+  const auto with_unit = [&](const std::string& object) {
+    return error_after([&](Patient& file) { file.set_text(object, "units", "kg"); }, book);
+  };
+  CHECK_THAT(with_unit("/pieces/0/axes/conductivity"), Contains("those of the model \"W/(m K)\""));
+  CHECK_THAT(with_unit("/pieces/0/axes/x"), Contains("those of the model \"m\""));
+  CHECK_THAT(with_unit("/pieces/0/axes/t"), Contains("those of the model \"s\""));
+  CHECK_THAT(with_unit("/model/fixed/capacity"), Contains("those of the model \"J/(m^3 K)\""));
+  ModelDescription without = book.model();
+  without.fixed.erase("capacity");
+  without.fixed_units.erase("capacity");
+  const Codebook lost(without, book.pieces(), book.build(), book.provenance());
+  CHECK_THROWS_AS(exact_reference(lost), samara::ArgumentError);
+  CHECK_THROWS_WITH(exact_reference(lost),
+                    Contains("\"capacity\"") && Contains("neither fixed nor a coordinate"));
 }
 
 TEST_CASE("a certificate finds a field that is wrong at one place") {

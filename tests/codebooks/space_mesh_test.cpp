@@ -1,9 +1,13 @@
 #include "samara/codebooks/book/space_mesh.h"
 
+#include <atomic>
 #include <cmath>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include <catch2/catch.hpp>
+#include <malloc.h>
 
 #include "samara/base/errors.h"
 #include "samara/pgd/tensors/random.h"
@@ -98,6 +102,50 @@ TEST_CASE("what is no mesh is refused in words") {
   CHECK_THROWS_WITH(mesh({"x", "y"}, points, Eigen::Vector3i(0, 1, 3)), Contains("corner 3"));
   CHECK_THROWS_WITH(mesh({"x", "y"}, points, Eigen::Vector3i(0, 1, 1)), Contains("no volume"));
   CHECK_THROWS_WITH(mesh({"x", "y"}, points * NAN, cell), Contains("not finite"));
+  CHECK_THROWS_WITH(mesh({"x", "y=1"}, points, cell), Contains("\"y=1\", expected one without"));
+  CHECK_THROWS_WITH(mesh({"x", "y\x1b[2J"}, points, cell), Contains("\\x1b[2J\", expected one without"));
+  CHECK_THROWS_WITH(SpaceMesh({"x", "y"}, "parsec", points, cell), Contains("parsec"));
+  CHECK_THROWS_WITH(SpaceMesh({"x", "y"}, "", points, cell), Contains("unit"));
   const double one = 1.0;
   CHECK_THROWS_AS(mesh({"x", "y"}, points, cell).find({&one, 1}), samara::ArgumentError);
+}
+
+TEST_CASE("a mesh of any size finds its points") {
+  const Eigen::MatrixXd points{{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+  for (const double size : {1e-120, 1e-9, 1.0, 1e160, 1e300}) {
+    CAPTURE(size);
+    const SpaceMesh mesh({"x", "y"}, "m", size * points, Eigen::Vector3i(0, 1, 2));
+    const Eigen::Vector2d inside = size * Eigen::Vector2d(0.2, 0.3),
+                          outside = size * Eigen::Vector2d(0.6, 0.6);
+    const auto place = mesh.find({inside.data(), 2});
+    REQUIRE(place);
+    CHECK((place->weights - Eigen::Vector3d(0.5, 0.2, 0.3)).norm() < 1e-14);
+    CHECK_FALSE(mesh.find({outside.data(), 2}));
+  }
+}
+
+TEST_CASE("cells in heaps over each other take no more memory than a mesh does") {
+  // In the boxes of a grid of as many, each in each, they would be 3.6e9 numbers.
+  const Eigen::MatrixXd points{{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+  const Eigen::MatrixXi cells = Eigen::Vector3i(0, 1, 2).replicate(1, 60'000);
+  const SpaceMesh mesh({"x", "y"}, "m", points, cells);
+  const Eigen::Vector2d inside(0.2, 0.3), outside(0.6, 0.6);
+  const auto in_use = [] {
+    const struct mallinfo2 memory = mallinfo2();
+    return memory.uordblks + memory.hblkhd;
+  };
+  const std::size_t before = in_use();
+  REQUIRE(mesh.find({inside.data(), 2}));
+  CHECK(in_use() < before + 64'000'000);
+  CHECK_FALSE(mesh.find({outside.data(), 2}));
+}
+
+TEST_CASE("threads that look for the first point of a mesh at once all find it") {
+  const SpaceMesh mesh = sheared_square(40);
+  const Eigen::Vector2d inside(0.41, 0.37);
+  std::atomic<int> found = 0;
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 8; ++i) threads.emplace_back([&] { found += mesh.find({inside.data(), 2}) ? 1 : 0; });
+  for (std::thread& thread : threads) thread.join();
+  CHECK(found == 8);
 }

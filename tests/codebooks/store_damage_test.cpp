@@ -191,3 +191,54 @@ TEST_CASE("an attribute that is missing is named with its object") {
     CHECK_THAT(error, Contains(object) && Contains(name) && Contains("missing"));
   }
 }
+
+TEST_CASE("a mesh that is none is refused in a sentence that says what is wrong") {
+  struct Damage {
+    std::string path;
+    std::vector<hsize_t> size;
+    std::vector<double> values;
+    std::string sentence;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::string cells = "/mesh/cells", points = "/mesh/points", mass = "/pieces/0/mass/node/values";
+  const std::vector<double> square = {0, 0, 1, 0, 0, 1, 1, 1};
+  for (const Damage& damage : std::vector<Damage>{
+           {cells, {2, 3}, {0, 1, 2, 3, 2, -1}, "/mesh/cells: holds -1, expected numbers of nodes"},
+           {cells, {2, 3}, {0, 1, 2, 3, 2, 4}, "/mesh: cell 1 of a mesh has the corner 4, expected a node"},
+           {cells, {2, 3}, {0, 1, 2, 3, 2, 1e300}, "/mesh/cells: holds 1e+300, expected numbers of nodes"},
+           {cells, {2, 3}, {0, 1, 0.5, 3, 2, 1}, "/mesh/cells: holds 0.5, expected numbers of nodes"},
+           {cells, {2, 3}, {0, 1, nan, 3, 2, 1}, "dataset /mesh/cells: expected finite numbers"},
+           {cells, {2, 3}, {0, 1, 1, 3, 2, 1}, "/mesh: cell 0 of a mesh has no volume"},
+           {cells, {2, 2}, {0, 1, 3, 2}, "/mesh: the cells of a mesh are 2 x 2, expected 3 corners x cells"},
+           {cells, {0, 3}, {}, "/mesh"},
+           {points, {4, 2}, {0, 0, 1, 0, 0, 1, 1, nan}, "dataset /mesh/points: expected finite"},
+           {points,
+            {4, 2},
+            {-1e308, 0, 1e308, 0, 0, 1, 1, 1},
+            "/mesh: a point of a mesh is not finite, or too far"},
+           {points, {4, 2}, {0, 0, 1, 0, 2, 0, 1, 1}, "/mesh: cell 0 of a mesh has no volume"},
+           {points,
+            {3, 2},
+            {0, 0, 1, 0, 0, 1},
+            "/mesh: cell 1 of a mesh has the corner 3, expected a node from 0 to 2"},
+           {points,
+            {5, 2},
+            {0, 0, 1, 0, 0, 1, 1, 1, 2, 2},
+            "/: a mesh of 5 nodes was given for the axis \"node\""},
+           {points, {2, 4}, square, "/mesh: the points of a mesh are 4 x 2, expected 2 directions x nodes"},
+           {points, {0, 2}, {}, "/mesh"},
+           {mass, {9}, numbers(9, -1.0), "/pieces/0/axes/node: "},
+           {mass, {9}, numbers(9, 1.0), "/pieces/0/axes/node: "},
+           {mass, {9}, numbers(9, nan), "dataset /pieces/0/mass/node/values: expected finite"},
+           {mass, {8}, numbers(8, 0.1), "dataset /pieces/0/mass/node/rows: expected 8 rows"}}) {
+    INFO(damage.path << " of " << damage.values.size() << ": " << damage.sentence);
+    CHECK_THAT(error_after([&](Patient& file) { file.set_dataset(damage.path, damage.size, damage.values); },
+                           golden_mesh()),
+               StartsWith(damage.sentence));
+  }
+  CHECK_THAT(
+      error_after([](Patient& file) { file.set_text("/mesh", "units", "furlongs per moon"); }, golden_mesh()),
+      StartsWith("/mesh: ") && Contains("furlongs"));
+  CHECK_THAT(error_after([](Patient& file) { file.remove("/mesh/cells"); }, golden_mesh()),
+             Contains("/mesh/cells"));
+}

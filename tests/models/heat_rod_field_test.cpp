@@ -38,6 +38,9 @@ double by_sines(double tau, double s) {
 TEST_CASE("the rod begins with its parabola and keeps its ends") {
   for (const double s : {0.0, 0.1, 0.5, 0.77, 1.0})
     CHECK_THAT(u(0.0, 3.0 * s), WithinAbs(1.0 - 3.0 * s + 16.0 * s * (1.0 - s), 1e-13));
+  // The smallest time that there is, too.
+  for (const double s : {0.1, 0.5, 0.77})
+    CHECK_THAT(u(1e-320, 3.0 * s), WithinAbs(1.0 - 3.0 * s + 16.0 * s * (1.0 - s), 1e-13));
   for (const double t : {1e-6, 1e-3, 0.3, 2.0, 100.0}) {
     CHECK_THAT(u(t, 0.0), WithinAbs(1.0, 1e-13));
     CHECK_THAT(u(t, 3.0), WithinAbs(-2.0, 1e-13));
