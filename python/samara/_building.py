@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import pathlib
 import sys
 import time
 import warnings
@@ -16,8 +15,9 @@ from numpy.typing import NDArray
 from . import _core, _toml
 from ._codebook import Codebook
 from ._errors import ArgumentError
+from ._identity import identity
 from ._models import Model
-from ._units import Quantity, as_mapping, one_si
+from ._units import Quantity, as_mapping, check_names, names_in, one_si, whole
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -55,8 +55,10 @@ class Reported:
     """What the library is to tell of progress, as a context."""
 
     def __init__(self, progress: Progress) -> None:
-        self._line = ProgressLine() if progress is True else None
-        self._report = self._line if progress is True else progress if callable(progress) else None
+        if not callable(progress) and not isinstance(progress, (bool, np.bool_)):
+            raise ArgumentError(f"progress is {progress!r}, expected True, False or a function of (stage, fraction)")
+        self._line = None if callable(progress) or not progress else ProgressLine()
+        self._report = progress if callable(progress) else self._line
 
     def __enter__(self) -> Any:
         return self._report
@@ -79,23 +81,34 @@ def build(
 
     :param plan: a file, or a dictionary with the same keys; quantities are SI numbers or texts with a unit
     :param model: of your own, in place of the one that the plan names
-    :param progress: a line on stderr; or a function of (stage, fraction), which ends the build by returning False
+    :param progress: a line on stderr; or a function of (stage, fraction), which ends the build by returning False: what
+        there is then is a codebook whose certificate is not met
     :param checkpoint: a file that keeps the state between rounds, and is removed in the end. Ctrl-C raises
-        ``KeyboardInterrupt`` and leaves it: the same call goes on from there, unless ``resume`` is False
+        ``KeyboardInterrupt`` and leaves it: the same call goes on from there, unless ``resume`` is False. Where it cannot
+        be told whether a function is the same, the build warns and begins anew
     :param certificate_points: in place of what the plan asks for
-    :returns: always a codebook: whether it keeps its tolerance, ``certificate.met`` says
-    :raises InputError: for a plan that cannot be one
+    :returns: a codebook also where it misses its tolerance: ``certificate.met`` says so
+    :raises InputError: for a plan that cannot be one, and a checkpoint of another plan or function
+    :raises NoResultError: where the build ends before anything is solved
     """
     definition = None if model is None else model
     if isinstance(plan, Mapping):
         if definition is not None:
             plan = {**plan, "model": plan.get("model", definition.name)}
         path, text = None, _toml.dumps(plan)
+    elif isinstance(plan, (str, os.PathLike)):
+        path, text = os.fspath(plan), ""
     else:
-        path = os.fspath(plan)
-        text = "" if definition is None else pathlib.Path(path).read_text()
+        raise ArgumentError(f"the plan is of the type {type(plan).__name__}, expected a file, or a dictionary with the same keys")
+    certificate_points = whole(certificate_points, "certificate_points")
     if definition is not None:
-        text = _fingerprint(definition.rhs) + text
+        if not isinstance(definition, Model):
+            raise ArgumentError(f"the model is of the type {type(definition).__name__}, expected a samara.Model")
+        # Behind the plan: errors name its lines.
+        comment, resume = _fingerprint(
+            definition.rhs, checkpoint, resume, definition.jacobian, repr(definition.states), repr(definition.parameters)
+        )
+        text += comment
     with Reported(progress) as report:
         book, _, message, told = _core.build(
             path, text, definition, report, os.fspath(checkpoint or ""), resume, certificate_points
@@ -142,23 +155,27 @@ def separate(
     :param absolute: floor by output for the range that errors are divided by
     :param max_calls: of the builder; those of the certificate come on top
     :param certificate_points: 2,000 by default, fewer for slow functions
-    :returns: always a codebook: whether it keeps its tolerance, ``certificate.met`` says
+    :returns: a codebook also where it misses its tolerance: ``certificate.met`` says so
     """
     as_mapping(box, "bounds")
-    of = dict(outputs) if isinstance(outputs, Mapping) else {name: "1" for name in outputs}
-    unit = {name: (units or {}).get(name, "1") for name in box}
+    of = dict(outputs) if isinstance(outputs, Mapping) else {name: "1" for name in names_in(outputs, "outputs")}
+    given_units = as_mapping(units or {}, "units")
+    check_names(given_units, list(box), "coordinate")
+    unit = {name: given_units.get(name, "1") for name in box}
+    certificate_points = whole(certificate_points, "certificate_points")
     plan: dict[str, Any] = {
         "title": title,
         "command": {"run": [_name_of(function)], "inputs": unit, "outputs": of},
-        "box": {n: [one_si(a, unit[n], n), one_si(b, unit[n], n)] for n, (a, b) in box.items()},
+        "box": {n: [one_si(end, unit[n], n) for end in _ends(bounds, n)] for n, bounds in box.items()},
         "time": None if end is None else {"end": end},
         "tolerance": {"relative": tolerance, "absolute": dict(absolute) if absolute else None},
         "builder": {"kind": "sampling", "seed": seed, "max_calls": max_calls},
     }
     calls = _Calls(function, len(box), len(of), vectorised, pool, end is not None)
+    comment, resume = _fingerprint(function, checkpoint, resume)
     with Reported(progress) as report:
         book, _, message = _core.separate(
-            calls, _fingerprint(function) + _toml.dumps(plan), report, os.fspath(checkpoint or ""), resume, certificate_points
+            calls, _toml.dumps(plan) + comment, report, os.fspath(checkpoint or ""), resume, certificate_points
         )
     return Codebook(book, message)
 
@@ -167,22 +184,23 @@ def _name_of(function: Callable[..., Any]) -> str:
     return f"Python: {getattr(function, '__module__', '')}.{getattr(function, '__qualname__', type(function).__name__)}"
 
 
-def _fingerprint(function: Any) -> str:
-    """A comment of the plan: a checkpoint of another function is not taken up."""
-    import hashlib  # which takes a while to load
+def _ends(bounds: Any, name: str) -> tuple[Any, Any]:
+    if isinstance(bounds, str) or not hasattr(bounds, "__len__") or len(bounds) != 2:
+        raise ArgumentError(f"{name} has the bounds {bounds!r}, expected a pair of them")
+    return bounds[0], bounds[1]
 
-    code = getattr(function, "__code__", None)
-    digest = hashlib.sha256()
-    codes = [code] if code else []
-    while codes:
-        code = codes.pop()
-        digest.update(code.co_code + repr(code.co_names).encode())
-        for constant in code.co_consts:
-            if hasattr(constant, "co_code"):
-                codes.append(constant)
-            else:
-                digest.update(repr(constant).encode())
-    return f"# {_name_of(function)}, {digest.hexdigest()[:16]}\n"
+
+def _fingerprint(function: Any, checkpoint: Optional[Path], resume: bool, *more: Any) -> tuple[str, bool]:
+    """A comment at the end of a plan, so that a checkpoint of another function is not taken up, and whether one is."""
+    comment = f"\n# {_name_of(function)}"
+    if not checkpoint:
+        return comment + "\n", resume
+    digest, why = identity(function, *more)
+    if why and resume and os.path.exists(checkpoint):
+        warnings.warn(
+            f"{os.fspath(checkpoint)} is not taken up: whether it is of the same function cannot be told, for {why}", stacklevel=3
+        )
+    return f"{comment}, {digest}\n", resume and not why
 
 
 class _Calls:
@@ -226,7 +244,10 @@ class _Calls:
         return self._pool.map(self._function, items, *([m] * len(items) for m in more))
 
     def _shaped(self, answer: Any, points: int, times: int) -> NDArray[np.float64]:
-        values = np.asarray(answer, dtype=float)
+        answers = np.asarray(answer)
+        if answers.dtype.kind == "c":
+            raise ArgumentError("the function gave complex numbers, expected real ones")
+        values = answers.astype(float, copy=False)
         expected = (points, times, self._outputs) if self._has_time else (points, self._outputs)
         if values.shape != expected and not (self._outputs == 1 and values.shape == expected[:-1]):
             raise ArgumentError(f"the function gave the shape {values.shape}, expected {expected}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,8 @@ def files_and_tables(given: Any) -> tuple[list[str], list[dict[str, Any]]]:
         given = [given]
     elif isinstance(given, Mapping):
         return [], [_capture(table, str(name)) for name, table in given.items()]
+    if not isinstance(given, Iterable):
+        raise ArgumentError(f"captures are of the type {type(given).__name__}, expected files or tables")
     files, tables = [], []
     for k, item in enumerate(given):
         if isinstance(item, (str, os.PathLike)):
@@ -47,6 +49,7 @@ def _capture(table: Any, name: str) -> dict[str, Any]:
     times: Any = None
     channels: list[dict[str, Any]] = []
     labels: dict[str, str] = {}
+    seen: set[str] = set()
     for column in table.columns if hasattr(table, "columns") else table:
         values = np.asarray(table[column])
         match = _COLUMN.match(str(column))
@@ -59,7 +62,14 @@ def _capture(table: Any, name: str) -> dict[str, Any]:
         quantity, unit = match["name"], match["unit"]
         if values.dtype.kind not in "fiu":
             values = values.astype(float)
-        numbers = values.astype(float) * _core.si(f"1 {unit}", unit)
+        if quantity in seen:
+            raise ArgumentError(f'{name} has two columns of "{quantity}", expected one of each quantity')
+        try:
+            factor = _core.si(f"1 {unit}", "s" if quantity == "t" else unit)
+        except ArgumentError as error:
+            raise ArgumentError(f'the column "{column}" of {name}: {error}') from None
+        seen.add(quantity)
+        numbers = values.astype(float) * factor
         if np.any(np.isinf(numbers)):
             raise ArgumentError(f'the column "{column}" of {name} has an infinite value; NaN stands for a missing one')
         if quantity == "t":

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core, _html, _labels
 from ._contents import Axis, Build, Certificate, Coordinate, Group, Output, Piece, Statistics, certificate_of
 from ._errors import ArgumentError
-from ._units import Quantity, as_mapping, one_si, real_array, stacked, to_si
+from ._units import Quantity, as_mapping, names_in, one_si, real_array, stacked, to_si, whole
 
 Precision = Literal["double", "single", "auto"]
 Points = Union[Mapping[str, Quantity], ArrayLike]
@@ -108,10 +108,12 @@ class Codebook:
     ) -> Any:
         """Trajectories: values (.., times, outputs), and with ``gradient`` also (.., times, outputs, parameters).
 
+        A codebook has the states of its model; what a model derives from them, ``simulate`` gives.
+
         :param parameters: by name, SI or with a unit, broadcast against each other; or an array (.., parameters), SI
         :param times: s, or texts with a unit, (times,); one number for no such dimension; none of a codebook without time
         :param gradient: exact derivatives by the parameters; with it the answer is a pair
-        :param outputs: names, in the order wanted; all by default
+        :param outputs: names, in the order wanted, or one; all by default
         :param labels: ``"pandas"``: a tidy frame, a row for each sample and time; ``"xarray"``: a Dataset
         :param out: an array to write the values to, of their shape. Times run fastest in memory: one that an earlier call
             returned is written to directly, another one by a copy
@@ -125,6 +127,7 @@ class Codebook:
             raise ArgumentError(f"out is {type(out).__name__}, expected an array")
         if labels and out is not None:
             raise ArgumentError("labels and out were given, expected one of the two")
+        outputs = names_in(outputs, "outputs") if outputs is not None else None
         q = self._array(parameters, self.parameters, "parameters")
         if not self.has_time:
             if times is not None:
@@ -133,7 +136,10 @@ class Codebook:
             frames = None
         else:
             frames = self._times(times)
+            if out is not None:
+                _check_room(out, (*q.shape[:-1], *frames.shape, len(outputs or self._outputs)))
             room = out[..., None, :] if out is not None and frames.ndim == 0 else out
+            threads, precision = _checked(threads, precision)
             pair = self._trajectories(q, np.atleast_1d(frames), gradient, outputs, room, threads, precision)
             if frames.ndim == 0:
                 pair = (pair[0][..., 0, :], *(slopes[..., 0, :, :] for slopes in pair[1:]))
@@ -169,6 +175,10 @@ class Codebook:
         if type(points) is not np.ndarray or points.dtype.kind != "f":
             free = self._coordinates if not held else tuple(c for c in self._coordinates if c.name not in held)
             points = self._array(points, free, "points")
+        if outputs is not None:
+            outputs = names_in(outputs, "outputs")
+        if threads is not None or precision != "double":
+            threads, precision = _checked(threads, precision)
         order = 2 if hessian else 1 if gradient else 0
         answer = self._book.at(points, outputs or (), held, precision, order, out, threads)
         if order == 0:
@@ -202,6 +212,7 @@ class Codebook:
         :param groups: parameters to give indices of together
         :param quantiles: shares between 0 and 1; ``draws`` points and ``seed`` are those of the quantiles
         """
+        draws, seed = whole(draws, "draws") or 0, whole(seed, "seed", 2**64 - 1) or 0
         s = self._book.statistics(
             self._distributions(inputs or {}), self._held(fixed or {}), [list(g) for g in groups], list(quantiles), draws, seed
         )
@@ -288,13 +299,26 @@ class Codebook:
         values = answer[0] if gradient else answer
         shown = values.swapaxes(-1, -2)
         if out is not None and not is_ours:
-            if out.shape != shown.shape:
-                raise ArgumentError(f"out has the shape {out.shape}, expected {shown.shape}")
             np.copyto(out, shown)
         result = shown if out is None else out
         if not gradient:
             return (result,)
         return result, answer[1].swapaxes(-1, -3)
+
+
+def _checked(threads: Any, precision: Any) -> tuple[Optional[int], Precision]:
+    if not isinstance(precision, str):
+        raise ArgumentError(f'precision is {precision!r}, expected "double", "single" or "auto"')
+    return whole(threads, "threads"), precision  # type: ignore[return-value]
+
+
+def _check_room(out: NDArray[Any], shape: tuple[int, ...]) -> None:
+    if out.shape != shape:
+        raise ArgumentError(f"out has the shape {out.shape}, expected {shape}")
+    if out.dtype != np.float64:
+        raise ArgumentError(f"out is of the type {out.dtype}, expected float64")
+    if not out.flags.writeable:
+        raise ArgumentError("out is read-only, expected an array that may be written")
 
 
 def _from_bytes(data: bytes, message: str = "") -> Codebook:

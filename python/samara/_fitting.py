@@ -16,16 +16,18 @@ from . import _core, _html, _toml
 from ._building import Path, Progress, Reported
 from ._captures import files_and_tables
 from ._codebook import Codebook
+from ._errors import ArgumentError, InputError
 from ._labels import optional
 from ._models import Model
-from ._units import Quantity, one_si
+from ._units import Quantity, one_si, real_array
 
 
 @dataclass(frozen=True)
 class Coefficient:
     """A coordinate that all captures share, SI. Errors are None where there is none to give.
 
-    ``interval`` holds 95 %: from the profile, if there is one, else from the standard error, widened for few clusters.
+    ``interval`` holds 95 %: from the profile, if there is one, else from the standard error, widened for few clusters. An
+    end that the profile did not find is infinite; None where it met a better fit elsewhere.
     """
 
     name: str
@@ -205,22 +207,28 @@ class FitResult:
         ``scipy.optimize.least_squares(fit.residuals, fit.middle, fit.jacobian, fit.bounds)`` is the same fit. NaN where
         there is no trajectory.
         """
-        return self._fit.residuals(np.asarray(q, dtype=float))
+        return self._fit.residuals(real_array(q, "unknowns"))
 
     def jacobian(self, q: ArrayLike) -> NDArray[np.float64]:
         """Exact derivatives of the residuals, (residuals, unknowns)."""
-        return self._fit.jacobian(np.asarray(q, dtype=float))
+        return self._fit.jacobian(real_array(q, "unknowns"))
 
     def log_posterior(self, q: ArrayLike, gradient: bool = False) -> Any:
         """Logarithm of the density of the unknowns, but for a constant; with ``gradient`` a pair with it (unknowns,).
 
         The noise is that of the residuals at the answer; uniform in the box, -infinity outside it.
         """
-        return self._fit.log_posterior(np.asarray(q, dtype=float), gradient)
+        return self._fit.log_posterior(real_array(q, "unknowns"), gradient)
 
     def report(self, path: Path) -> None:
-        """Writes the page for the browser, complete in one file."""
-        pathlib.Path(path).write_text(self._fit.html(), encoding="utf-8")
+        """Writes the page for the browser, complete in one file.
+
+        :raises InputError: (an ``OSError``) where it cannot be written
+        """
+        try:
+            pathlib.Path(path).write_text(self._fit.html(), encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"{os.fspath(path)}: cannot be written: {error.strerror}") from None
 
     def series_codebook(self) -> Codebook:
         """The series as a codebook over time, for ``samara simulate --coefficients``."""
@@ -256,8 +264,11 @@ class FitResult:
     def _coefficient(self, c: dict[str, Any], widened: Optional[float]) -> Coefficient:
         interval = None if widened is None else (c["value"] - 2.0 * widened, c["value"] + 2.0 * widened)
         profile = self.profiles.get(c["name"])
-        if profile is not None and None not in profile["interval"]:
-            interval = (profile["interval"][0], profile["interval"][1])
+        if profile is not None and profile["better"] is not None:
+            interval = None
+        elif profile is not None:
+            lower, upper = profile["interval"]
+            interval = (-np.inf if lower is None else lower, np.inf if upper is None else upper)
         return Coefficient(
             c["name"],
             c["unit"],
@@ -309,6 +320,10 @@ def fit(
     """
     book = source._book if isinstance(source, Codebook) else None
     model = source if isinstance(source, Model) else None
+    if book is None and model is None and not isinstance(source, (str, os.PathLike)):
+        raise ArgumentError(f"the source is of the type {type(source).__name__}, expected a codebook, a model, or the file of one")
+    if config is not None and not isinstance(config, (str, os.PathLike, Mapping)):
+        raise ArgumentError(f"the config is of the type {type(config).__name__}, expected a file or a dictionary")
     files, measured = files_and_tables(captures)
     has_table = isinstance(config, Mapping)
     request = {

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+from ._contents import Output
 from ._errors import ArgumentError
-from ._units import Quantity, as_mapping, check_names, to_si
+from ._units import Quantity, as_mapping, check_names, names_in, to_si
 
 _STEP = 1e-30
 """Of the complex step: so small that its square is lost to rounding, and no digit is."""
@@ -45,7 +46,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class ModelInfo:
-    """What ``samara models NAME`` says."""
+    """What ``samara models NAME`` says. ``outputs`` follow from the states; a field of space has none, and its field is a state."""
 
     name: str
     title: str
@@ -57,6 +58,7 @@ class ModelInfo:
     time_unit: str
     states: tuple[State, ...]
     parameters: tuple[Parameter, ...]
+    outputs: tuple[Output, ...]
     affine_in: tuple[str, ...]
     force_terms: dict[str, str]
 
@@ -79,9 +81,9 @@ class Model:
         )
 
     Derivatives come from complex steps, exact to rounding, so that ``rhs`` must bear complex numbers: ``np.sqrt(v * v)``
-    in place of ``np.abs(v)``, which forgets their derivative. They are held against differences now and then, and what
-    does not agree is refused. Else ``jacobian(t, x, p)`` gives them: by states (states, states) and by parameters
-    (states, parameters), each entry a number or, where ``x`` has many points, a row of them.
+    in place of ``np.abs(v)``, which forgets their derivative. Else ``jacobian(t, x, p)`` gives them: by states
+    (states, states) and by parameters (states, parameters), each entry a number or, where ``x`` has many points, a row of
+    them. Both are held against differences now and then, and what does not agree is refused.
 
     Where single trajectories are integrated, each step calls Python: some ten microseconds. Builders ask for many points
     in one call.
@@ -101,6 +103,17 @@ class Model:
     ) -> None:
         self.rhs = rhs
         self.jacobian = jacobian
+        for function, what in [(rhs, "rhs"), (jacobian, "jacobian")]:
+            if not callable(function) and not (what == "jacobian" and function is None):
+                raise ArgumentError(f"{what} is of the type {type(function).__name__}, expected a function of (t, x, p)")
+        as_mapping(states, "states")
+        as_mapping(parameters, "parameters")
+        for key, state in states.items():
+            if not isinstance(state, (str, State)):
+                raise ArgumentError(f"{key} is {state!r}, expected its unit or a samara.State")
+        for key, parameter in parameters.items():
+            if not isinstance(parameter, (str, Parameter)):
+                raise ArgumentError(f"{key} is {parameter!r}, expected its unit or a samara.Parameter")
         self.name = name or getattr(rhs, "__name__", type(rhs).__name__)
         self.states = tuple(s if isinstance(s, State) else State(n, s) for n, s in states.items())
         self.parameters = tuple(p if isinstance(p, Parameter) else Parameter(n, p) for n, p in parameters.items())
@@ -108,6 +121,10 @@ class Model:
         for name, given in zip(own, [*states, *parameters]):
             if name != given:
                 raise ArgumentError(f'the model "{self.name}" has "{name}" under the name "{given}"; one name was expected')
+        for name in own:
+            if name == "t" or own.count(name) > 1:
+                other = "that of the time" if name == "t" else "given twice"
+                raise ArgumentError(f'the name "{name}" in the model "{self.name}" is {other}; one of its own was expected')
         if not self.states:
             raise ArgumentError(f'the model "{self.name}" has no state')
         text = (getattr(rhs, "__doc__", None) or "").strip().splitlines()
@@ -143,8 +160,11 @@ class Model:
     def _derivatives(self, t: Any, x: NDArray[np.float64], p: NDArray[np.float64]) -> tuple[Any, Any, Any]:
         n, m = len(x), len(p)
         if self.jacobian is not None:
-            by_states, by_parameters = self.jacobian(t, x, p)
-            return self._rates(t, x, p), np.array(by_states, float), np.array(by_parameters, float).reshape(n, m)
+            by_states, by_parameters = self._given(t, x, p)
+            pair = self._shaped(by_states, (n, n), "states"), self._shaped(by_parameters, (n, m), "parameters")
+            if self._is_to_check():
+                self._check(t, x, p, np.hstack(pair))
+            return self._rates(t, x, p), *pair
         xs = np.repeat(x[:, None].astype(complex), n + m, 1)
         ps = np.repeat(p[:, None].astype(complex), n + m, 1)
         xs[range(n), range(n)] += 1j * _STEP
@@ -158,11 +178,14 @@ class Model:
     def _jacobians(self, t: Any, x: NDArray[np.float64], p: NDArray[np.float64]) -> NDArray[np.float64]:
         n, points = x.shape
         if self.jacobian is not None:
-            by_states, _ = self.jacobian(t, x, p)
+            by_states, _ = self._given(t, x, p)
             result = np.empty((n, n, points))
+            if len(by_states) != n or any(len(row) != n for row in by_states):
+                raise ArgumentError(f'jacobian of the model "{self.name}" gave no {n} rows of {n} derivatives by states')
             for i in range(n):
                 for k in range(n):
                     result[i, k] = by_states[i][k]
+            self._check_some(t, x, p, result)
             return result
         # Point after point for each direction: (states, directions, points).
         xs = np.repeat(x[:, None, :].astype(complex), n, 1)
@@ -170,10 +193,29 @@ class Model:
         ps = np.repeat(p[:, None, :], n, 1)
         rates = self._complex(np.tile(t, n), xs.reshape(n, -1), ps.reshape(len(p), -1))
         slopes = np.ascontiguousarray((rates.imag / _STEP).reshape(n, n, points))
-        if self._is_to_check():
+        self._check_some(t, x, p, slopes)
+        return slopes
+
+    def _given(self, t: Any, x: NDArray[np.float64], p: NDArray[np.float64]) -> tuple[Any, Any]:
+        pair = self.jacobian(t, x, p)  # type: ignore[misc]
+        if not isinstance(pair, (tuple, list)) or len(pair) != 2:
+            raise ArgumentError(f'jacobian of the model "{self.name}" gave no pair: derivatives by states, and by parameters')
+        return pair[0], pair[1]
+
+    def _shaped(self, given: Any, shape: tuple[int, int], what: str) -> NDArray[np.float64]:
+        slopes = np.array(given, float)
+        if slopes.shape != shape and not (slopes.size == 0 and shape[1] == 0):
+            raise ArgumentError(
+                f'jacobian of the model "{self.name}" gave the shape {slopes.shape} of derivatives by {what}, expected {shape}: '
+                "a row for each state"
+            )
+        return slopes.reshape(shape)
+
+    def _check_some(self, t: Any, x: NDArray[np.float64], p: NDArray[np.float64], slopes: NDArray[np.float64]) -> None:
+        points = x.shape[1]
+        if points > 0 and self._is_to_check():
             for j in {0, points // 2, points - 1}:
                 self._check(t[j], x[:, j], p[:, j], slopes[:, :, j])
-        return slopes
 
     def _is_to_check(self) -> bool:
         """At calls 1, 2, 4, 8, ..: where a motion begins at rest, much looks right that is not."""
@@ -183,30 +225,69 @@ class Model:
     def _check(self, t: Any, x: NDArray[np.float64], p: NDArray[np.float64], slopes: NDArray[np.float64]) -> None:
         """Holds derivatives by states and parameters, as far as they are given, against differences.
 
-        At a kink one of the two sides may agree.
+        Differences count only where those of three steps agree: rounding, fast oscillations and the end of a domain make
+        them differ. At a kink one of the two sides may agree.
         """
         at = np.concatenate([x, p])
-        here = self._rates(t, x, p)
+        scales = [s.scale or 1.0 for s in self.states] + [1.0] * len(p)
         names = [s.name for s in self.states] + [q.name for q in self.parameters]
-        for k in range(slopes.shape[1]):
-            h = 1e-6 * max(1.0, abs(at[k]))
-            above, below = at.copy(), at.copy()
-            above[k] += h
-            below[k] -= h
-            up = (self._rates(t, above[: len(x)], above[len(x) :]) - here) / h
-            down = (here - self._rates(t, below[: len(x)], below[len(x) :])) / h
-            for i, slope in enumerate(slopes[:, k]):
-                # Rounding of the rates over h, and second derivatives times it.
-                margin = 1e-3 * max(abs(slope), abs(up[i]), abs(down[i])) + 1e-8 * abs(here[i]) / h + 1e-9
-                if min(abs(slope - up[i]), abs(slope - down[i]), abs(slope - 0.5 * (up[i] + down[i]))) <= margin:
+        with np.errstate(all="ignore"):
+            here = self._rates(t, x, p)
+            for k in range(slopes.shape[1]):
+                # Below the size of a number, so that none changes its sign.
+                size = abs(at[k]) or scales[k]
+                sides = self._differences(t, at, here, k, size)
+                if sides is None:
                     continue
-                if not np.isfinite([up[i], down[i]]).all():
-                    continue
-                raise ArgumentError(
-                    f'the derivative of the rate of "{self.states[i].name}" by "{names[k]}" is {slope:.6g} by complex steps and '
-                    f"{0.5 * (up[i] + down[i]):.6g} by differences: the function of the model \"{self.name}\" uses what forgets "
-                    "derivatives of complex numbers, as np.abs does; jacobian=.. gives them"
-                )
+                for i, slope in enumerate(slopes[:, k]):
+                    ends = sides[0, :, i]
+                    spread = np.abs(sides[:, :, i] - ends).max(axis=0)
+                    if not np.all(spread <= 1e-4 * np.abs(ends)):
+                        continue
+                    if min(abs(slope - v) for v in (*ends, ends.mean())) <= 1e-3 * max(abs(slope), *np.abs(ends)):
+                        continue
+                    if not np.any(ends) and self._is_seen_afar(t, at, here, k, size, i):
+                        continue
+                    self._refuse(self.states[i].name, names[k], slope, ends.mean())
+
+    def _differences(
+        self, t: Any, at: NDArray[np.float64], here: NDArray[np.float64], k: int, size: float
+    ) -> Optional[NDArray[np.float64]]:
+        """By number k: (steps, the side above and the one below, states); None where the function does not bear them."""
+        found = np.empty((3, 2, len(here)))
+        for row, share in zip(found, (1e-6, 3e-7, 1e-7)):
+            for side, sign in zip(row, (1.0, -1.0)):
+                moved = at.copy()
+                moved[k] += sign * share * size
+                try:
+                    side[:] = (self._rates(t, moved[: len(here)], moved[len(here) :]) - here) / (moved[k] - at[k])
+                except Exception:
+                    return None
+        return found if np.isfinite(found).all() else None
+
+    def _is_seen_afar(
+        self, t: Any, at: NDArray[np.float64], here: NDArray[np.float64], k: int, size: float, i: int
+    ) -> bool:
+        """Whether a rate that small steps leave as it is, which rounding may do, changes with large ones."""
+        moved = at.copy()
+        moved[k] += 0.5 * size
+        try:
+            return bool(self._rates(t, moved[: len(here)], moved[len(here) :])[i] != here[i])
+        except Exception:
+            return True
+
+    def _refuse(self, state: str, name: str, slope: float, difference: float) -> None:
+        is_given = self.jacobian is not None
+        why = (
+            f'jacobian and the function of the model "{self.name}" do not belong together'
+            if is_given
+            else f'the function of the model "{self.name}" uses what forgets derivatives of complex numbers, as np.abs does; '
+            "jacobian=.. gives them"
+        )
+        raise ArgumentError(
+            f'the derivative of the rate of "{state}" by "{name}" is {slope:.6g} by {"jacobian" if is_given else "complex steps"} '
+            f"and {difference:.6g} by differences: {why}"
+        )
 
     def _complex(self, t: Any, x: NDArray[np.complex128], p: Any) -> NDArray[np.complex128]:
         try:
@@ -250,7 +331,7 @@ def models() -> dict[str, ModelInfo]: ...
 @overload
 def models(model: AnyModel) -> ModelInfo: ...
 def models(model: Optional[AnyModel] = None) -> Union[dict[str, ModelInfo], ModelInfo]:
-    """All models of Samara by name, or what is to be known of one: a name, a file of equations, a ``Model``."""
+    """All models and fields of Samara by name, or what is to be known of one: a name, a file of equations, a ``Model``."""
     if model is None:
         return {name: _info(name) for name in _core.model_names()}
     return _info(model)
@@ -260,21 +341,24 @@ def _info(model: AnyModel) -> ModelInfo:
     d = _core.describe_model(core_model(model))
     states = tuple(State(s["name"], s["unit"], s["default_initial"], s["description"]) for s in d.pop("states"))
     parameters = tuple(Parameter(**p) for p in d.pop("parameters"))
+    outputs = tuple(Output(o["name"], o["unit"]) for o in d.pop("outputs"))
     terms = {t["name"]: t["description"] for t in d.pop("force_terms")}
     plain = {k: tuple(v) if isinstance(v, list) else v for k, v in d.items()}
-    return ModelInfo(states=states, parameters=parameters, force_terms=terms, **plain)
+    return ModelInfo(states=states, parameters=parameters, outputs=outputs, force_terms=terms, **plain)
 
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
     """Trajectories of the reference integrator.
 
-    ``values`` (.., times, states) and ``sensitivities`` (.., times, states, parameters) or None, SI, NaN after a
-    trajectory has ended; ``problems`` (..) says why, an empty text where it came to the last time.
+    ``values`` (.., times, outputs) and ``sensitivities`` (.., times, outputs, parameters) or None, SI, NaN after a
+    trajectory has ended; ``problems`` (..) says why, an empty text where it came to the last time. ``outputs`` are the
+    ``states`` and then what the model derives from them.
     """
 
     times: NDArray[np.float64]
     states: tuple[str, ...]
+    outputs: tuple[str, ...]
     values: NDArray[np.float64]
     parameters: tuple[str, ...]
     sensitivities: Optional[NDArray[np.float64]]
@@ -285,10 +369,10 @@ class Simulation:
         """Whether all trajectories came to the last time."""
         return not np.any(self.problems != "")
 
-    def __getitem__(self, state: str) -> NDArray[np.float64]:
-        """One state (.., times)."""
-        check_names([state], self.states, "state")
-        return self.values[..., self.states.index(state)]
+    def __getitem__(self, output: str) -> NDArray[np.float64]:
+        """One state, or what follows from the states, (.., times)."""
+        check_names([output], self.outputs, "output")
+        return self.values[..., self.outputs.index(output)]
 
 
 def simulate(
@@ -317,7 +401,7 @@ def simulate(
     if isinstance(sensitivities, bool):
         wanted = list(values) if sensitivities else []
     else:
-        wanted = list(sensitivities)
+        wanted = names_in(sensitivities, "sensitivities")
         check_names(wanted, list(values), "parameter")
     try:
         shape = np.broadcast_shapes(*(v.shape for v in values.values()))
@@ -329,13 +413,14 @@ def simulate(
     points = np.empty((math.prod(shape), len(free)))
     for k, name in enumerate(free):
         points[:, k] = np.broadcast_to(values[name], shape).ravel()
-    states, slopes, problems = _core.simulate(
+    found, slopes, problems = _core.simulate(
         core_model(model), fixed, free, points, frames, bool(wanted), relative_tolerance, stiff
     )
     names = tuple(s.name for s in info.states)
-    size = (*shape, len(frames), len(names))
+    outputs = (*names, *(o.name for o in info.outputs))
+    size = (*shape, len(frames), len(outputs))
     if slopes is not None:
         slopes = slopes[..., : len(wanted)].reshape(*size, len(wanted))
     return Simulation(
-        frames, names, states.reshape(size), tuple(wanted), slopes, np.array(problems, dtype=str).reshape(shape)
+        frames, names, outputs, found.reshape(size), tuple(wanted), slopes, np.array(problems, dtype=str).reshape(shape)
     )

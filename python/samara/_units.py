@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ def to_si(value: Quantity, unit: str, what: str) -> NDArray[np.float64]:
         return np.asarray(_si(value, unit, what))
     array = np.asarray(value)
     if array.dtype.kind in "US" or array.dtype.kind == "O":
-        flat = [_si(v, unit, what) if isinstance(v, str) else float(v) for v in array.ravel().tolist()]
+        flat = [_si(v, unit, what) if isinstance(v, str) else _number(v, what) for v in array.ravel().tolist()]
         return np.array(flat, dtype=float).reshape(array.shape)
     if array.dtype.kind not in "fiub":
         raise ArgumentError(f"{what} is of the type {array.dtype}, expected numbers or texts with a unit")
@@ -35,6 +35,30 @@ def one_si(value: Quantity, unit: str, what: str) -> float:
     if array.size != 1:
         raise ArgumentError(f"{what} has {array.size} values, expected one")
     return float(array.reshape(()))
+
+
+def _number(value: Any, what: str) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{what} is {value!r}, expected a number or a text with a unit") from None
+
+
+def whole(value: Any, what: str, most: int = 2**31 - 1) -> Optional[int]:
+    """A count that may be left out."""
+    if value is None:
+        return None
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)) or not 0 <= value <= most:
+        raise ArgumentError(f"{what} is {value!r}, expected a whole number from 0 on")
+    return int(value)
+
+
+def names_in(given: Any, what: str) -> list[str]:
+    """Names; one alone is a text."""
+    names = [given] if isinstance(given, str) else given
+    if not isinstance(names, Iterable) or not all(isinstance(name, str) for name in names):
+        raise ArgumentError(f"{what} are {given!r}, expected names")
+    return list(names)
 
 
 def _si(text: str, unit: str, what: str) -> float:

@@ -5,12 +5,16 @@
 #include <string>
 #include <vector>
 
+#include <pybind11/pybind11.h>
+
 #include "samara/codebooks/book/codebook.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/codebooks/query/trajectory_query.h"
 #include "shelf.h"
 
 namespace samara::python {
+
+namespace py = pybind11;
 
 /// What is asked of a codebook, beside the point.
 struct Choice {
@@ -24,7 +28,8 @@ struct Choice {
   }
 };
 
-/// A codebook with queries that are prepared for what was asked of it lately. Safe to share between threads.
+/// A codebook with queries that are prepared for what was asked of it lately, without the interpreter's lock, which the
+/// caller holds. Safe to share between threads.
 class Book {
  public:
   explicit Book(codebooks::Codebook book)
@@ -43,11 +48,16 @@ class Book {
   using FrameQueries = Shelf<Frames, codebooks::TrajectoryQuery>;
 
   PointQueries::Loan query(const Choice& choice) const {
-    return points_.take(choice, [&] { return codebooks::Query(*book_, choice.options()); });
+    return points_.take(choice, [&] {
+      const py::gil_scoped_release release;
+      return codebooks::Query(*book_, choice.options());
+    });
   }
   FrameQueries::Loan query(const Frames& frames) const {
-    return frames_.take(
-        frames, [&] { return codebooks::TrajectoryQuery(*book_, frames.times, frames.choice.options()); });
+    return frames_.take(frames, [&] {
+      const py::gil_scoped_release release;
+      return codebooks::TrajectoryQuery(*book_, frames.times, frames.choice.options());
+    });
   }
 
  private:

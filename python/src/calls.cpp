@@ -29,7 +29,10 @@ ProgressCallback progress_to(const py::object& report, Failure& failure) {
     const py::gil_scoped_acquire lock;
     try {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      return report.is_none() || !report(progress.stage, progress.fraction).is(py::bool_(false));
+      if (report.is_none()) return true;
+      // False of Python's, or NumPy's: other answers, such as None, say nothing.
+      py::detail::make_caster<bool> goes_on;
+      return !goes_on.load(report(progress.stage, progress.fraction), false) || static_cast<bool>(goes_on);
     } catch (...) {
       failure.keep();
       return false;

@@ -25,6 +25,7 @@
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/plan/plan.h"
 #include "samara/codebooks/statistics/book_statistics.h"
+#include "samara/io/text_file.h"
 #include "samara/models/added_mass/body_in_fluid.h"
 
 namespace samara::python {
@@ -268,8 +269,8 @@ using DistributionWords = std::tuple<std::string, double, double>;
 
 py::dict statistics(const Book& book, const std::map<std::string, DistributionWords>& inputs,
                     const std::map<std::string, double>& fixed,
-                    const std::vector<std::vector<std::string>>& groups,
-                    const std::vector<double>& quantiles, int draws, std::uint64_t seed) {
+                    const std::vector<std::vector<std::string>>& groups, const std::vector<double>& quantiles,
+                    int draws, std::uint64_t seed) {
   codebooks::StatisticsRequest request{
       .fixed = fixed, .groups = groups, .quantiles = quantiles, .draws = draws, .seed = seed};
   for (const auto& [name, words] : inputs) {
@@ -282,20 +283,15 @@ py::dict statistics(const Book& book, const std::map<std::string, DistributionWo
   }();
   py::list outputs;
   for (const codebooks::OutputStatistics& o : s.outputs) {
-    outputs.append(py::dict(py::arg("name") = o.name, py::arg("mean") = copied(o.mean),
-                            py::arg("deviation") = copied(o.deviation),
-                            py::arg("first_order") = copied(o.first_order), py::arg("total") = copied(o.total),
-                            py::arg("group_closed") = copied(o.group_closed),
-                            py::arg("group_total") = copied(o.group_total),
-                            py::arg("quantiles") = copied(o.quantiles)));
+    outputs.append(
+        py::dict(py::arg("name") = o.name, py::arg("mean") = copied(o.mean),
+                 py::arg("deviation") = copied(o.deviation), py::arg("first_order") = copied(o.first_order),
+                 py::arg("total") = copied(o.total), py::arg("group_closed") = copied(o.group_closed),
+                 py::arg("group_total") = copied(o.group_total), py::arg("quantiles") = copied(o.quantiles)));
   }
-  return py::dict(py::arg("inputs") = s.inputs, py::arg("groups") = s.groups, py::arg("times") = copied(s.times),
-                  py::arg("outputs") = outputs, py::arg("notes") = s.notes);
-}
-
-/// Of the body of a plan.
-std::map<std::string, double> parameters_of(const models::BodyDescription& description) {
-  return models::kirchhoff_parameters(models::body_in_fluid(description));
+  return py::dict(py::arg("inputs") = s.inputs, py::arg("groups") = s.groups,
+                  py::arg("times") = copied(s.times), py::arg("outputs") = outputs,
+                  py::arg("notes") = s.notes);
 }
 
 std::shared_ptr<Book> open(const std::filesystem::path& path) {
@@ -303,7 +299,7 @@ std::shared_ptr<Book> open(const std::filesystem::path& path) {
   return std::make_shared<Book>(codebooks::load(path));
 }
 
-/// @param plan path of a file, or None for the text
+/// @param path of a plan, which `text` goes after; None where that is the plan
 /// @param model None for the one that the plan names
 py::tuple build(const std::optional<std::filesystem::path>& path, const std::string& text,
                 const py::object& model, const py::object& progress, const std::filesystem::path& checkpoint,
@@ -318,11 +314,14 @@ py::tuple build(const std::optional<std::filesystem::path>& path, const std::str
       .progress = progress_to(progress, *failure),
       .warning = [&](const std::string& sentence) { warnings.push_back(sentence); }};
   codebooks::BuildResult result = unlocked(*failure, [&] {
-    const codebooks::Plan plan =
-        path && !definition
-            ? codebooks::read_plan(*path, parameters_of)
-            : codebooks::parse_plan(text, path ? path->string() : "the plan", definition, parameters_of);
-    return codebooks::build(plan, options);
+    const auto parameters_of = [&](const models::BodyDescription& description) {
+      const models::BodyInFluid body = models::body_in_fluid(description);
+      warnings.insert(warnings.end(), body.warnings.begin(), body.warnings.end());
+      return models::kirchhoff_parameters(body);
+    };
+    const std::string whole = path ? io::read_text_file(*path) + text : text;
+    return codebooks::build(
+        codebooks::parse_plan(whole, path ? path->string() : "the plan", definition, parameters_of), options);
   });
   return py::make_tuple(std::make_shared<Book>(std::move(result.book)), result.met, result.message, warnings);
 }
@@ -338,7 +337,8 @@ void add_codebooks(py::module_& module) {
       .def("describe", &describe)
       .def("outlines", [](const Book& book) { return outlines(*book); })
       .def("numbers", &numbers)
-      .def("statistics", &statistics)
+      .def("statistics", &statistics, py::arg("inputs"), py::arg("fixed"), py::arg("groups"),
+           py::arg("quantiles"), py::arg("draws"), py::arg("seed"))
       .def(
           "slice",
           [](const Book& book, const Held& held) {

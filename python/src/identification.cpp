@@ -153,8 +153,8 @@ py::array_t<double> jacobian(const Fit& fit, const Array& q) {
 py::object log_posterior(const Fit& fit, const Array& q, bool gradient) {
   const id::FitObjective& objective = fit.objective();
   Eigen::VectorXd slope;
-  const double value = unlocked(
-      *fit.failure, [&] { return objective.log_posterior(numbers_of(q), gradient ? &slope : nullptr); });
+  const double value =
+      asked(fit, [&] { return objective.log_posterior(numbers_of(q), gradient ? &slope : nullptr); });
   if (!gradient) return py::float_(value);
   return py::make_tuple(value, copied(slope));
 }

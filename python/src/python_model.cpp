@@ -15,6 +15,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/units.h"
 #include "samara/codebooks/model/model_file.h"
+#include "samara/models/fields/field_model.h"
 #include "samara/models/laws/registry.h"
 
 namespace samara::python {
@@ -199,7 +200,7 @@ std::shared_ptr<const models::Model> model_of(const py::object& model,
                                               const std::shared_ptr<Failure>& failure) {
   if (py::isinstance<py::str>(model)) return codebooks::open_model(model.cast<std::string>());
   models::ModelInfo info = info_of(model);
-  if (models::find_model_or_null(info.name)) {
+  if (models::find_model_or_null(info.name) || models::find_field_model(info.name) != nullptr) {
     throw ArgumentError(
         fmt::format("the name \"{}\" is that of a model of Samara, expected one of its own", info.name));
   }

@@ -1,18 +1,23 @@
 """Builds from plans and functions: what the command builds, progress, Ctrl-C, and what a user's function raises."""
 
 import concurrent.futures
+import functools
 import math
+import os
 import subprocess
 import sys
 import textwrap
+import threading
 import tomllib
+import warnings
 
 import numpy as np
 import pytest
 
 import samara
 from conftest import COIN
-from models_test import exact, model
+from models_test import exact, model, oscillator, oscillator_jacobian
+from samara._building import _fingerprint
 
 def test_a_plan_gives_the_codebook_of_the_command(coin):
     path = COIN / "plan.toml"
@@ -40,11 +45,16 @@ def test_progress_is_told_and_can_end_a_build():
     stages = []
     samara.build(COIN / "plan.toml", progress=lambda stage, fraction: stages.append((stage, fraction)))
     assert stages and all(0.0 <= fraction <= 1.0 for _, fraction in stages)
-    try:
-        book = samara.build(COIN / "plan.toml", progress=lambda stage, fraction: False)
-        assert not book.certificate.met
-    except samara.NoResultError:
-        pass
+    for no in (False, np.bool_(False)):
+        with pytest.raises(samara.NoResultError, match="first slab"):
+            samara.build(COIN / "plan.toml", progress=lambda stage, fraction: no)
+        book = samara.build(COIN / "plan.toml", progress=lambda stage, fraction: no if stage == "slab 5" else None)
+        assert not book.certificate.met and "cancelled" in book.message
+    with pytest.raises(samara.NoResultError):
+        samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], progress=lambda stage, fraction: False)
+    for wrong in ("yes", 1, None):
+        with pytest.raises(samara.ArgumentError, match="progress is"):
+            samara.build(COIN / "plan.toml", progress=wrong)
 
     def bad(stage, fraction):
         raise LookupError("of the report")
@@ -118,6 +128,130 @@ def test_ctrl_c_ends_a_build_and_its_checkpoint_is_taken_up(tmp_path):
     assert not checkpoint.exists()
 
 
+class Scaled:
+    def __init__(self, by):
+        self.by = by
+
+    def __call__(self, x):
+        return self.by / (1 + 25 * x[:, 0] ** 2)
+
+
+FACTOR = 1.0
+
+
+def by_a_global(x):
+    return FACTOR / (1 + 25 * x[:, 0] ** 2)
+
+
+def functions_of(by):
+    """The same function, with a number that stands in another place each time."""
+    def closure(x):
+        return by / (1 + 25 * x[:, 0] ** 2)
+
+    def default(x, by=by):
+        return by / (1 + 25 * x[:, 0] ** 2)
+
+    def keyword(x, *, by=by):
+        return by / (1 + 25 * x[:, 0] ** 2)
+
+    return {"closure": closure, "default": default, "keyword": keyword, "object": Scaled(by), "method": Scaled(by).__call__,
+            "partial": functools.partial(keyword, by=by), "global": by_a_global}
+
+
+@pytest.mark.parametrize("kind", list(functions_of(1.0)))
+def test_a_checkpoint_is_taken_up_by_the_same_function_only(kind, tmp_path, monkeypatch):
+    checkpoint = tmp_path / "build.checkpoint"
+
+    def separated(by, stopped=False):
+        monkeypatch.setattr(sys.modules[__name__], "FACTOR", by)
+        told = []
+
+        def progress(stage, fraction):
+            told.append(stage)
+            return not (stopped and checkpoint.exists())
+
+        book = samara.separate(functions_of(by)[kind], {"a": (-1, 1)}, ["u"], 1e-6, checkpoint=checkpoint,
+                               progress=progress, certificate_points=20)
+        return book.at([[0.0]])[0, 0]
+
+    def stop():
+        try:
+            separated(1.0, True)
+        except samara.NoResultError:
+            pass
+        assert checkpoint.exists()
+
+    stop()
+    with pytest.raises(samara.InputError, match="another"):
+        separated(2.0)
+    assert separated(1.0) == pytest.approx(1.0, abs=1e-5)
+
+
+def test_a_checkpoint_of_what_cannot_be_told_is_not_taken_up(tmp_path):
+    checkpoint, lock = tmp_path / "build.checkpoint", threading.Lock()
+
+    def locked(x):
+        with lock:
+            return 1 / (1 + 25 * x[:, 0] ** 2)
+
+    checkpoint.write_text("of whoever")
+    with pytest.warns(UserWarning, match="cannot be told, for its lock cannot be pickled"):
+        book = samara.separate(locked, {"a": (-1, 1)}, ["u"], 1e-4, checkpoint=checkpoint, certificate_points=20)
+    assert book.certificate.met
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        samara.separate(locked, {"a": (-1, 1)}, ["u"], 1e-4, checkpoint=checkpoint, certificate_points=20)
+
+
+def test_the_identity_of_a_function_is_alike_in_all_runs_and_that_of_a_model_is_all_of_it():
+    code = textwrap.dedent("""
+        from samara._identity import identity
+        import numpy as np
+        words = {"a", "b", "c"}
+        def f(x, of=np.arange(3)):
+            return x in {"one", "two", "three", "four"} and words
+        print(identity(f))
+    """)
+    told = {subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONHASHSEED": str(seed)}, capture_output=True,
+                           text=True).stdout for seed in range(4)}
+    assert len(told) == 1 and "unknown" not in told.pop()
+
+    def comment(**more):
+        own = model(**more)
+        return _fingerprint(own.rhs, "x.checkpoint", True, own.jacobian, repr(own.states), repr(own.parameters))
+
+    def other_start():
+        own = samara.Model(oscillator, {"place": samara.State("place", "m", initial=2.0), "speed": "m/s"},
+                           {"stiffness": "1/s^2", "damping": samara.Parameter("damping", "1/s", default=0.0)})
+        return _fingerprint(own.rhs, "x.checkpoint", True, own.jacobian, repr(own.states), repr(own.parameters))
+
+    assert comment() == comment()
+    assert len({comment(), comment(jacobian=oscillator_jacobian), other_start()}) == 3
+
+
+def test_a_plan_file_with_a_model_of_ones_own_is_refused_with_its_place(tmp_path):
+    plan = tmp_path / "plan.toml"
+    plan.write_text("[box]\nstiffness = [4, 9]\n[time]\nend = 1\n[tolerance]\nrelative = -1\n")
+    with pytest.raises(samara.InputError, match="plan.toml:6"):
+        samara.build(plan, model())
+    plan.write_bytes(b"title = '\xff\xfe'\n")
+    with pytest.raises(samara.InputError, match="plan.toml"):
+        samara.build(plan, model())
+    with pytest.raises(samara.InputError, match="none.toml"):
+        samara.build(tmp_path / "none.toml", model())
+    for wrong in [lambda: samara.build(3), lambda: samara.build(plan, "vertical_fall"),
+                  lambda: samara.build(plan, model(), certificate_points=1.5)]:
+        with pytest.raises(samara.ArgumentError, match="expected"):
+            wrong()
+
+
+def test_what_looks_like_a_mistake_of_units_in_a_body_is_warned_of():
+    plan = {"model": "kirchhoff_body", "body": {"shape": "disc", "size": [12.0, 2.0], "density": 700.0, "fluid_density": 1.2},
+            "time": {"end": 0.1}, "tolerance": {"relative": 1e-2}, "box": {"qx(0)": [0.0, 0.1]}}
+    with pytest.warns(UserWarning, match="24 m long: were its sizes given in mm or cm"):
+        samara.build(plan, progress=False, certificate_points=5)
+
+
 def borehole(x):
     rw, r, Tu, Hu, Tl, Hl, L, Kw = x.T
     log = np.log(r / rw)
@@ -167,6 +301,19 @@ def test_what_the_function_raises_or_gets_wrong_comes_back():
         samara.separate(lambda x: np.zeros(3), {"a": (0, 1)}, ["u", "v"])
     with pytest.raises(ValueError):
         samara.separate(lambda x: x, {"a": (1, 0)}, ["u"])
+    for call, text in [
+        (lambda: samara.separate(lambda x: x * 1j, {"a": (0, 1)}, ["u"]), "complex"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], units={"b": "m"}), 'coordinate "b" is unknown'),
+        (lambda: samara.separate(lambda x: x, {"a": 3}, ["u"]), "a has the bounds 3, expected a pair"),
+        (lambda: samara.separate(lambda x: x, {"a": (None, 1)}, ["u"]), "a is None"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, [1]), r"outputs are \[1\]"),
+        (lambda: samara.separate(lambda x: x, {"a": (0, 1)}, ["u"], certificate_points=1.5), "certificate_points is 1.5"),
+    ]:
+        with pytest.raises(samara.ArgumentError, match=text):
+            call()
+    one = samara.separate(lambda x: x, {"a": (0, 1)}, "uv", certificate_points=20)
+    assert [o.name for o in one.outputs] == ["uv"]
+    assert one.query({"a": 0.5}, outputs="uv").shape == (1,)
 
 
 def test_a_process_takes_calls_where_it_can(tmp_path):

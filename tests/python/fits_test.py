@@ -45,6 +45,8 @@ def test_the_report_and_words_are_those_of_the_command(coin_path, result, tmp_pa
     result.report(tmp_path / "b.html")
     a, b = ((tmp_path / name).read_text() for name in ("a.html", "b.html"))
     assert len(a) == pytest.approx(len(b), abs=100) and b.startswith(a[:200])
+    with pytest.raises(samara.InputError, match="/nowhere/fit.html"):
+        result.report("/nowhere/fit.html")
     assert "C_D" in str(result) and "converged" in repr(result) and "C_D" in result._repr_html_()
 
 
@@ -99,6 +101,23 @@ def test_points_of_a_wrong_size_are_refused(result):
         result.residuals([1.0])
     with pytest.raises(samara.ArgumentError, match="C_D"):
         result.residuals(np.full(21, np.nan))
+    for ask in (result.residuals, result.jacobian, result.log_posterior):
+        with pytest.raises(samara.ArgumentError, match="complex"):
+            ask(result.answer * (1 + 0j))
+
+
+def test_an_interval_is_as_open_as_its_profile():
+    t = np.linspace(0, 1, 21)
+    own = samara.Model(lambda t, x, p: (-p[0] * x[0],), {"x": samara.State("x", "m", initial=1.0)}, {"k": "1/s"}, name="fade")
+    for noise, is_open in [(0.2, (True, False)), (3.0, (True, True)), (0.001, (False, False))]:
+        x = np.exp(-0.02 * t) + noise * np.random.default_rng(1).normal(size=21)
+        fitted = samara.fit(own, {"t[s]": t, "x[m]": x}, {"box": {"k": [0.0, 2.0]}, "loss": {"kind": "none"}, "starts": 1},
+                            profiles=True)
+        interval = fitted.coefficients["k"].interval
+        assert tuple(map(np.isinf, interval)) == is_open, interval
+        for end, found in zip(interval, fitted.profiles["k"]["interval"]):
+            assert np.isinf(end) if found is None else end == found
+        assert interval[0] < fitted.coefficients["k"].value < interval[1]
 
 
 def test_scipy_finds_the_coefficients_of_the_fit(result):
@@ -174,6 +193,16 @@ def test_what_a_model_raises_comes_back_from_its_fit_and_its_residuals():
         with pytest.raises(ZeroDivisionError, match="too stiff"):
             call()
     assert np.isfinite(fitted.residuals([2.5])).all()
+
+    def asked(k):
+        try:
+            return bool(np.isfinite(fitted.log_posterior([k])))
+        except ZeroDivisionError:
+            return "raised"
+
+    # Each caller gets what its own call raised, and no other's.
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(asked, [3.5, 2.5] * 100)) == ["raised", True] * 100
     limit[0] = 0.5
     with pytest.raises(ZeroDivisionError, match="too stiff"):
         samara.fit(own, table, config)
@@ -188,6 +217,17 @@ def test_what_is_wrong_is_said_with_the_sentence_of_the_library(coin):
         (lambda: samara.fit(coin, {"x[m]": [0.0, 1.0, 2.0]}), ValueError, "times"),
         (lambda: samara.fit(coin, {"t[s]": [0.0, 1.0], "x[m]": [np.inf, 1.0]}), ValueError, "infinite"),
         (lambda: samara.fit(coin, {"t[s]": [0.0, 1.0, 2.0], "x[m]": [1.0, 1.0]}), ValueError, r"shape \(2,\)"),
+        (lambda: samara.fit(coin, {"t[m]": [0.0, 0.1], "x[m]": [0.0, 0.1]}), ValueError,
+         r'"t\[m\]" of capture 1: "1 m" has the dimension m, expected s'),
+        (lambda: samara.fit(coin, {"t[frame]": [0.0, 0.1], "x[m]": [0.0, 0.1]}), ValueError, "frame"),
+        (lambda: samara.fit(coin, {"t[1]": [0.0, 0.1], "x[m]": [0.0, 0.1]}), ValueError, r"t\[1\]"),
+        (lambda: samara.fit(coin, {"t[%]": [0.0, 0.1], "x[m]": [0.0, 0.1]}), ValueError, r"t\[%\]"),
+        (lambda: samara.fit(coin, {"t[s]": [0.0, 0.1], "x[m]": [0.0, 0.1], "x[cm]": [0.0, 10.0]}), ValueError, 'two columns of "x"'),
+        (lambda: samara.fit(coin, {"t[s]": [0.0, 0.1], "t[ms]": [0.0, 10.0], "x[m]": [0.0, 0.1]}), ValueError, 'two columns of "t"'),
+        (lambda: samara.fit(coin, None), samara.ArgumentError, "captures are of the type NoneType"),
+        (lambda: samara.fit(None, [COIN / "coin.toml"]), samara.ArgumentError, "source is of the type NoneType"),
+        (lambda: samara.fit(coin, [COIN / "coin.toml"], 3), samara.ArgumentError, "config is of the type int"),
+        (lambda: samara.fit(coin, [COIN / "coin.toml"], progress="yes"), samara.ArgumentError, "progress is 'yes'"),
         (lambda: samara.fit("vertical_fall", [COIN / "coin.toml"]), ValueError, "box"),
         (lambda: samara.fit(coin, []), ValueError, "CAPTURE"),
     ]:

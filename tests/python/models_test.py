@@ -46,6 +46,9 @@ def test_models_say_what_the_command_says():
     fall = samara.models("vertical_fall")
     for key in ("title", "equations", "frames", "source", "validity", "time_unit"):
         assert getattr(fall, key) == told["vertical_fall"][key]
+    rod = samara.models("heat_rod")
+    assert rod.states[0].unit == "K" and rod.title == told["heat_rod"]["title"]
+    assert samara.models()["heat_rod"] == rod
     for p, expected in zip(fall.parameters, told["vertical_fall"]["parameters"], strict=True):
         assert {k: v for k, v in vars(p).items()} == {k: expected[k] for k in vars(p)}
     with pytest.raises(samara.ArgumentError, match="vertical_fall"):
@@ -65,6 +68,7 @@ def test_a_trajectory_is_that_of_the_command():
 def test_sensitivities_are_those_of_neighbouring_trajectories():
     times = np.linspace(0, 0.5, 6)
     result = samara.simulate("vertical_fall", COIN_VALUES, times, ["C_D", "v(0)"])
+    assert samara.simulate("vertical_fall", COIN_VALUES, times, "C_D").parameters == ("C_D",)
     assert result.sensitivities.shape == (6, 2, 2) and result.parameters == ("C_D", "v(0)")
     h = 1e-4
     for k, (name, value) in enumerate([("C_D", 1.2), ("v(0)", 0.1)]):
@@ -147,6 +151,103 @@ def test_functions_that_forget_derivatives_of_complex_numbers_are_found():
         of(drag)._jacobians(np.zeros(3), np.array([[1.0, 0.5, 0.2]]), np.full((1, 3), 2.0))
 
 
+def one_state(rate, jacobian=None):
+    return samara.Model(lambda t, x, p: (rate(x[0], p[0]),), {"x": "m"}, {"p": "1"}, jacobian)
+
+
+@pytest.mark.parametrize("rate, x, p", [
+    (lambda x, p: -x * 1e-6 / p, 2.0, 1.5e-5),
+    (lambda x, p: -x * 1e-6 / p, 2.0, 3e-7),
+    (lambda x, p: np.sqrt(x) * p, 2e-6, 1.0),
+    (lambda x, p: np.cos(3e5 * p) * x, 1.0, 1.0),
+    (lambda x, p: (1e8 + p * x) - 1e8, 1.0, 1.0),
+    (lambda x, p: (1e8 + p * x) - 1e8, 1.0, 1e-3),
+    (lambda x, p: p * np.sqrt(x), 0.0, 1.0),
+    (lambda x, p: p * np.log(x), 1e-7, 2.0),
+])
+def test_models_of_small_numbers_fast_oscillations_and_cancellation_are_not_refused(rate, x, p):
+    with np.errstate(all="ignore"):
+        _, by_state, by_parameter = one_state(rate)._derivatives(0.0, np.array([x]), np.array([p]))
+        h = 1e-30
+        assert by_parameter[0, 0] == np.imag(rate(x, p + h * 1j)) / h
+
+
+def test_the_domain_of_a_function_is_not_left_to_check_its_derivatives():
+    def rate(x, nu):
+        if np.any(np.real(nu) <= 0) or np.any(np.real(x) < 0):
+            raise ValueError("outside")
+        return -x / nu
+
+    for x in (0.0, 3.0):
+        _, by_state, _ = one_state(rate)._derivatives(0.0, np.array([x]), np.array([1e-6]))
+        assert by_state[0, 0] == pytest.approx(-1e6, rel=1e-12)
+
+
+def test_what_forgets_derivatives_is_found_at_small_numbers_too():
+    for x, p in [(2e-7, 1.0), (3.0, 1e-6), (2e9, 1.0)]:
+        with pytest.raises(samara.ArgumentError, match="complex steps"):
+            one_state(lambda x, p: -p * np.abs(x) * x)._derivatives(0.0, np.array([x]), np.array([p]))
+
+
+def test_a_jacobian_is_held_against_its_shape_and_against_differences():
+    B = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
+
+    def rates(t, x, p):
+        return B[0, 0] * p[0] + B[0, 1] * p[1] + B[0, 2] * p[2] - x[0], B[1, 0] * p[0] + B[1, 1] * p[1] + B[1, 2] * p[2]
+
+    def of(by_states, by_parameters):
+        return samara.Model(rates, {"a": "1", "b": "1"}, {"u": "1/s", "v": "1/s", "w": "1/s"},
+                            jacobian=lambda t, x, p: (by_states, by_parameters))
+
+    x, p, states = np.array([0.5, 2.0]), np.array([1.0, 2.0, 3.0]), [[-1, 0], [0, 0]]
+    np.testing.assert_array_equal(of(states, B)._derivatives(0.0, x, p)[2], B)
+    with pytest.raises(samara.ArgumentError, match=r"shape \(3, 2\).*expected \(2, 3\)"):
+        of(states, B.T)._derivatives(0.0, x, p)
+    with pytest.raises(samara.ArgumentError, match='"a" by "v" is 2.5 by jacobian'):
+        of(states, B + [[0, 0.5, 0], [0, 0, 0]])._derivatives(0.0, x, p)
+    # Where the rate does not depend on it at all.
+    with pytest.raises(samara.ArgumentError, match='"b" by "a" is 1 by jacobian'):
+        of([[-1, 0], [1, 0]], B)._derivatives(0.0, x, p)
+    many = np.tile(x[:, None], 3), np.tile(p[:, None], 3)
+    with pytest.raises(samara.ArgumentError, match="by jacobian"):
+        of([[-1, 0], [1, 0]], B)._jacobians(np.zeros(3), *many)
+    with pytest.raises(samara.ArgumentError, match="2 rows of 2"):
+        of([[-1, 0, 0], [0, 0, 0]], B)._jacobians(np.zeros(3), *many)
+    none = samara.Model(lambda t, x, p: (-x[0],), {"x": "1"}, {}, jacobian=lambda t, x, p: ([[-1.0]], []))
+    assert none._derivatives(0.0, np.ones(1), np.empty(0))[2].shape == (1, 0)
+
+
+def test_what_a_model_derives_from_its_states_is_integrated_with_them(tmp_path):
+    (tmp_path / "pendulum.toml").write_text("""name = "pendulum"
+[states]
+angle = { unit = "rad", initial = 0.5 }
+spin = { unit = "rad/s" }
+[parameters]
+length = { unit = "m", above = 0 }
+[rates]
+angle = "spin"
+spin = "-9.81 [m/s^2]/length*sin(angle)"
+[outputs]
+tip = { value = "length*sin(angle)", unit = "m" }
+share = "cos(angle)"
+""")
+    file = tmp_path / "pendulum.toml"
+    assert [(o.name, o.unit) for o in samara.models(file).outputs] == [("tip", "m"), ("share", "1")]
+    table = command("simulate", file, "--set", "length=1.1", "--until", "2", "--frames", "11").stdout
+    assert table.splitlines()[0] == "t[s],angle[rad],spin[rad/s],tip[m],share[1]"
+    expected = np.loadtxt(io.StringIO(table), delimiter=",", skiprows=1)
+    plain = samara.simulate(file, {"length": 1.1}, TIMES)
+    assert plain.states == ("angle", "spin") and plain.outputs == ("angle", "spin", "tip", "share")
+    np.testing.assert_allclose(plain.values, expected[:, 1:], rtol=0, atol=1e-14)
+    lengths = np.array([1.1 - 1e-5, 1.1, 1.1 + 1e-5])
+    all_three = samara.simulate(file, {"length": lengths}, TIMES, ["length"])
+    assert all_three.sensitivities.shape == (3, 11, 4, 1)
+    np.testing.assert_allclose(all_three["tip"], lengths[:, None] * np.sin(all_three["angle"]), rtol=1e-14)
+    difference = (all_three.values[2] - all_three.values[0]) / 2e-5
+    np.testing.assert_allclose(all_three.sensitivities[1, :, :, 0], difference, rtol=0, atol=1e-4)
+    assert not np.allclose(all_three.sensitivities[1, :, 2, 0], 0)
+
+
 def test_wrong_calls_are_value_errors():
     for call, text in [
         (lambda: samara.simulate("vertical_fall", {"C_d": 1.0}, [0.0, 1.0]), "C_D"),
@@ -157,9 +258,20 @@ def test_wrong_calls_are_value_errors():
         (lambda: samara.models(samara.Model(oscillator, {"a": "cm"}, {})), '"cm", expected one of the SI, such as "m"'),
         (lambda: samara.models(samara.Model(oscillator, {"a": "smoot"}, {})), "smoot"),
         (lambda: samara.Model(oscillator, {"a": samara.State("b")}, {}), '"b" under the name "a"'),
+        (lambda: samara.Model(oscillator, {"t": "s"}, {}), '"t" .* is that of the time'),
+        (lambda: samara.Model(oscillator, {"x": "m"}, {"t": "s"}), '"t" .* is that of the time'),
+        (lambda: samara.Model(oscillator, {"x": "m"}, {"x": "m"}), '"x" .* is given twice'),
+        (lambda: samara.Model(None, {"x": "m"}, {}), "rhs is of the type NoneType"),
+        (lambda: samara.Model(oscillator, {"x": "m"}, {}, 3), "jacobian is of the type int"),
+        (lambda: samara.Model(oscillator, ["x"], {}), "states are given as list"),
+        (lambda: samara.Model(oscillator, {"x": "m"}, ["k"]), "parameters are given as list"),
+        (lambda: samara.Model(oscillator, {"x": 1.0}, {}), "x is 1.0, expected its unit"),
+        (lambda: samara.simulate("vertical_fall", {"C_D": None}, [0.0, 1.0]), "C_D is None"),
+        (lambda: samara.simulate(model(name="heat_rod"), {"stiffness": 1.0}, [0.0, 1.0]), '"heat_rod" is that of a model'),
+        (lambda: samara.simulate("heat_rod", {}, [0.0, 1.0]), "field of space"),
         (lambda: samara.simulate(model(name="vertical_fall"), {"stiffness": 1.0}, [0.0, 1.0]), "vertical_fall"),
     ]:
-        with pytest.raises(ValueError, match=text):
+        with pytest.raises(samara.ArgumentError, match=text):
             call()
 
 

@@ -82,6 +82,11 @@ def test_outputs_are_given_in_the_order_wanted_and_coordinates_can_be_held(coin)
     names = [o.name for o in coin.outputs]
     turned = coin.query({"C_D": 1.0, "v(0)": 0.0}, TIMES, outputs=names[::-1])
     np.testing.assert_allclose(turned, all_values[:, ::-1], rtol=0, atol=1e-13)
+    assert np.array_equal(coin.query({"C_D": 1.0, "v(0)": 0.0}, TIMES, outputs="x"),
+                          coin.query({"C_D": 1.0, "v(0)": 0.0}, TIMES, outputs=["x"]))
+    assert np.array_equal(coin.at([0.1, 1.0, 0.0], outputs="v"), coin.at([0.1, 1.0, 0.0], outputs=["v"]))
+    with pytest.raises(samara.ArgumentError, match="outputs are 3"):
+        coin.at([0.1, 1.0, 0.0], outputs=3)
     held = coin.at(np.array([[1.0, 0.0]]), fixed={"t": "500 ms"}, outputs=["x"])
     np.testing.assert_allclose(held[0, 0], all_values[-1, names.index("x")], rtol=1e-12)
 
@@ -98,8 +103,19 @@ def test_answers_go_into_arrays_of_the_caller(coin):
         assert np.array_equal(room, expected)
     room = np.empty((1000, 2))
     assert coin.query(q, 0.3, out=room) is room and np.array_equal(room, coin.query(q, 0.3))
-    with pytest.raises(ValueError, match="out has the shape"):
+    with pytest.raises(samara.ArgumentError, match=r"out has the shape \(1000, 2, 7\), expected \(1000, 7, 2\)"):
         coin.query(q, TIMES, out=np.empty((1000, 2, 7)))
+    with pytest.raises(samara.ArgumentError, match=r"shape \(4, 1\), expected \(7, 1\)"):
+        coin.query(q[0], TIMES, outputs=["x"], out=np.empty((4, 1)))
+    with pytest.raises(samara.ArgumentError, match=r"shape \(2, 1\), expected \(2,\)"):
+        coin.query(q[0], 0.3, out=np.empty((2, 1)))
+    for outputs in (["x"], ["x", "v"]):
+        with pytest.raises(samara.ArgumentError, match="out is of the type float32"):
+            coin.query(q, TIMES, outputs=outputs, out=np.empty((1000, 7, len(outputs)), np.float32))
+        sealed = np.empty((1000, 7, len(outputs)))
+        sealed.setflags(write=False)
+        with pytest.raises(samara.ArgumentError, match="out is read-only"):
+            coin.query(q, TIMES, outputs=outputs, out=sealed)
     before = np.full_like(expected, np.nan)
     address = before.ctypes.data
     assert coin.query(q, TIMES, out=before).ctypes.data == address  # no other memory
@@ -119,8 +135,17 @@ def test_precision_and_threads_change_answers_by_rounding_only(coin):
     single = coin.at(points, precision="single")
     assert 0 < np.abs(single - exact).max() < 1e-5
     assert np.abs(coin.at(points, precision="auto") - exact).max() < 1e-5
-    with pytest.raises(ValueError, match="precision"):
-        coin.at(points, precision="half")
+    for ask in (lambda **more: coin.at(points, **more), lambda **more: coin.query(points[:, 1:], TIMES, **more)):
+        for wrong in ("half", None):
+            with pytest.raises(samara.ArgumentError, match=f"precision is .?{wrong}.?, expected"):
+                ask(precision=wrong)
+        for wrong in (1.5, "two", -1, True):
+            with pytest.raises(samara.ArgumentError, match="threads is .*, expected a whole number"):
+                ask(threads=wrong)
+        assert np.array_equal(ask(threads=np.int64(2)), ask())
+    for more in ({"draws": 1.5}, {"seed": 1.5}):
+        with pytest.raises(samara.ArgumentError, match="expected a whole number"):
+            coin.sobol(**more)
 
 
 def test_a_point_outside_the_box_is_a_value_error_that_names_it(coin):
@@ -134,6 +159,7 @@ def test_a_point_outside_the_box_is_a_value_error_that_names_it(coin):
         ({"C_d": 1.0, "v(0)": 0.0}, TIMES, "did you mean \"C_D\""),
         ({"C_D": 1.0, "v(0)": "3 kg"}, TIMES, "kg"),
         ({"C_D": 1.0, "v(0)": np.nan}, TIMES, "finite|nan"),
+        ({"C_D": None, "v(0)": 0.0}, TIMES, "C_D is None, expected a number"),
         ({"C_D": 1.0, "v(0)": 0.0}, None, "times are not given"),
         ({"C_D": 1.0, "v(0)": 1j}, TIMES, "complex"),
         (np.ones((4, 2)) * 1j, TIMES, "complex"),
@@ -211,8 +237,10 @@ def test_eight_threads_at_once_get_the_answers_of_one(coin):
     assert not wrong
 
 
-def test_other_threads_go_on_while_a_batch_is_answered(coin):
+@pytest.mark.parametrize("what", ["a batch is answered", "times are prepared"])
+def test_other_threads_go_on_while(what, coin):
     points = points_of(coin, 400_000)
+    times = np.linspace(0, 0.5, 1_000_000)
     rounds, done = [0], threading.Event()
 
     def count():
@@ -225,7 +253,10 @@ def test_other_threads_go_on_while_a_batch_is_answered(coin):
     time.sleep(0.01)
     before = rounds[0]
     begin = time.perf_counter()
-    coin.at(points, threads=1)
+    if what == "a batch is answered":
+        coin.at(points, threads=1)
+    else:
+        coin.query(np.empty((0, 2)), times)
     elapsed = time.perf_counter() - begin
     during = rounds[0] - before
     done.set()

@@ -20,6 +20,8 @@ STUB = ast.parse((PACKAGE / "_core.pyi").read_text())
 def arguments_of(function):
     """Names of a function of the extension module, by the first line that pybind11 writes of it."""
     head = function.__doc__.splitlines()[0]
+    while "[" in head:
+        head = re.sub(r"\[[^\[\]]*\]", "", head)  # types inside types
     return re.findall(r"(?:^|[(,] ?)(\w+)(?=: |[,)])", head[head.index("("):].split(" -> ")[0])
 
 
