@@ -75,11 +75,13 @@ void add_body_words(CLI::App& command, BodyWords& words, bool required) {
                      "semi-axes of an ellipsoid; radius and thickness of a disc; full sides of a plate");
   command.add_option("--unit", words.unit, "of a mesh file, which says none: mm, cm, m");
   command.add_option("--density", words.density, "of the body, kg/m^3 or with a unit")->required(required);
-  command.add_option("--fluid", words.fluid, "density of the fluid, kg/m^3 or with a unit")->required(required);
+  command.add_option("--fluid", words.fluid, "density of the fluid, kg/m^3 or with a unit")
+      ->required(required);
   command
-      .add_option("--added-mass", words.added_mass,
-                  "by panels, of plates, ellipsoids and meshes, or of the ellipsoid with the same extents; default: "
-                  "panels of a mesh, else ellipsoid")
+      .add_option(
+          "--added-mass", words.added_mass,
+          "by panels, of plates, ellipsoids and meshes, or of the ellipsoid with the same extents; default: "
+          "panels of a mesh, else ellipsoid")
       ->check(CLI::IsMember({"panels", "ellipsoid"}));
 }
 
@@ -157,10 +159,10 @@ void add_info(CLI::App& app, Arguments& arguments) {
 
 void add_stats(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<StatsArguments>();
-  CLI::App* command = app.add_subcommand(
-      "stats",
-      "mean, deviation, Sobol' indices and quantiles of the outputs, over time, of inputs that are uniform over the "
-      "box or distributed otherwise, as CSV or JSON");
+  CLI::App* command = app.add_subcommand("stats",
+                                         "mean, deviation, Sobol' indices and quantiles of the outputs, over "
+                                         "time, of inputs that are uniform over the "
+                                         "box or distributed otherwise, as CSV or JSON");
   command->add_option("BOOK", values->book, "codebook file")->required();
   command
       ->add_option("--set", values->set,

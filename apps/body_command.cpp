@@ -51,7 +51,8 @@ std::string words_of(const models::BodyInFluid& described, const std::map<std::s
     text +=
         fmt::format("body {}          {}\n", "xyz"[k], three(body.principal.axes.col(k), "of that frame"));
   text += fmt::format("half extents    {}, of the proxy ellipsoid\n", three(body.proxy_semi_axes, "m"));
-  const Eigen::Vector3d linear = described.added_mass.diagonal().head<3>(), angular = described.added_mass.diagonal().tail<3>();
+  const Eigen::Vector3d linear = described.added_mass.diagonal().head<3>(),
+                        angular = described.added_mass.diagonal().tail<3>();
   text +=
       fmt::format("added mass      {}\nadded inertia   {}\n", three(linear, "kg"), three(angular, "kg m^2"));
   for (const auto& [name, value] : numbers) text += fmt::format("{} = {:.6g}\n", name, value);

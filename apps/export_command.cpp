@@ -108,7 +108,8 @@ void check_step_file(const fs::path& file, const std::string& book) {
   check_output(file, {book});
   std::error_code ignored;
   if (fs::exists(file, ignored) && io::read_text_file(file).find("<VTKFile") == std::string::npos)
-    throw ArgumentError(fmt::format("{} is in the way, and no file of ParaView: it would be overwritten", file.string()));
+    throw ArgumentError(
+        fmt::format("{} is in the way, and no file of ParaView: it would be overwritten", file.string()));
 }
 
 }  // namespace
@@ -142,7 +143,8 @@ int run(const ExportArguments& arguments) {
   // The list comes last: what it names is there.
   for (const io::VtkStep& step : steps) {
     points.row(0).setConstant(step.time);
-    io::write_text_atomically(output.parent_path() / step.file, io::format_vtu(grid, fields_of(book, points)));
+    io::write_text_atomically(output.parent_path() / step.file,
+                              io::format_vtu(grid, fields_of(book, points)));
   }
   io::write_text_atomically(output, io::format_pvd(steps));
   return kDone;

@@ -107,7 +107,8 @@ class Derived {
   const Labels& labels() const { return labels_; }
 
   /// Appends to what the codebook answers. @param slopes of no column where they are not wanted
-  void add(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values, Eigen::Ref<Eigen::MatrixXd> slopes) {
+  void add(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values,
+           Eigen::Ref<Eigen::MatrixXd> slopes) {
     if (!evaluator_) return;
     const Eigen::VectorXd states = values(states_);
     const std::span<const double> in(states.data(), states_.size());

@@ -126,8 +126,8 @@ void check_frames(const SimulateArguments& arguments, const models::ModelInfo& i
   // A value lies in the trajectory, in two tables, and as text in the answer.
   constexpr double kBytesPerValue = 3.0 * sizeof(double) + 24.0;
   constexpr double kMostBytes = 2e9;
-  const auto columns =
-      static_cast<double>(1 + info.states.size() + info.outputs.size() + (arguments.forces ? 7 * info.force_terms.size() + 1 : 0));
+  const auto columns = static_cast<double>(1 + info.states.size() + info.outputs.size() +
+                                           (arguments.forces ? 7 * info.force_terms.size() + 1 : 0));
   const double most = std::floor(kMostBytes / (kBytesPerValue * columns));
   if (arguments.frames > most) {
     throw ArgumentError(
@@ -156,14 +156,16 @@ models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const
 }
 
 /// Parameters that follow from the body, if one is given.
-std::map<std::string, double> values_of_body(const SimulateArguments& arguments, const models::ModelInfo& info) {
+std::map<std::string, double> values_of_body(const SimulateArguments& arguments,
+                                             const models::ModelInfo& info) {
   const BodyWords& words = arguments.body;
   for (const std::string& text : words.sizes) number_or_quantity("--size", text, "m");
   if (words.body.empty()) {
     if (words.sizes.empty() && words.unit.empty() && words.density.empty() && words.fluid.empty() &&
         words.added_mass.empty())
       return {};
-    throw ArgumentError("--size, --unit, --density, --fluid and --added-mass are of a body: --body was expected");
+    throw ArgumentError(
+        "--size, --unit, --density, --fluid and --added-mass are of a body: --body was expected");
   }
   if (info.name != "kirchhoff_body")
     throw ArgumentError(fmt::format("--body is for the model \"kirchhoff_body\", not for \"{}\"", info.name));

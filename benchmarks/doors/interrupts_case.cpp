@@ -57,8 +57,7 @@ void interrupts_case(const Options& options) {
   const fs::path plan = folder / "plan.toml";
   std::ofstream(plan) << kPlan;
   const Clock::time_point begin = Clock::now();
-  if (wait_for(start(plan, folder / "whole.h5")) != 0)
-    throw std::runtime_error("samara build failed");
+  if (wait_for(start(plan, folder / "whole.h5")) != 0) throw std::runtime_error("samara build failed");
   const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   const std::string whole = content(folder / "whole.h5");
   pgd::Random random(10);

@@ -48,8 +48,8 @@ void windows_case(const Options& options) {
   codebooks::FlowMap map(built.book);
   std::vector<double> times;
   for (int k = 1; k <= 80; ++k) times.push_back(kEnd * k / 80.0);
-  const models::ParametricModel model(plan.parametric_model().shared_model(), {{"inertia_ratio", 1.1}, {"theta(0)", 0.785}},
-                                      {"C_T", "C_R", "A"});
+  const models::ParametricModel model(plan.parametric_model().shared_model(),
+                                      {{"inertia_ratio", 1.1}, {"theta(0)", 0.785}}, {"C_T", "C_R", "A"});
   pgd::Random random(29);
   const auto states = static_cast<Eigen::Index>(map.states().size());
   Eigen::VectorXd lowest = Eigen::VectorXd::Constant(states, HUGE_VAL), highest = -lowest;
@@ -71,11 +71,13 @@ void windows_case(const Options& options) {
     errors.push_back((composed.states - exact).cwiseAbs().colwise().maxCoeff().transpose());
   }
   std::vector<double> shares;
-  for (const Eigen::VectorXd& error : errors) shares.push_back(error.cwiseQuotient(highest - lowest).maxCoeff());
+  for (const Eigen::VectorXd& error : errors)
+    shares.push_back(error.cwiseQuotient(highest - lowest).maxCoeff());
   std::ranges::sort(shares);
   print({kBench, kName, "error", shares.empty() ? NAN : shares.back()});
   print({kBench, kName, "error_median", shares.empty() ? NAN : shares[shares.size() / 2]});
-  print({kBench, kName, "below_1e-2", static_cast<double>(std::ranges::count_if(shares, [](double e) { return e < 1e-2; })) / falls});
+  print({kBench, kName, "below_1e-2",
+         static_cast<double>(std::ranges::count_if(shares, [](double e) { return e < 1e-2; })) / falls});
   print({kBench, kName, "within_box", static_cast<double>(within) / falls});
 }
 

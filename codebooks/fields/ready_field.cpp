@@ -94,7 +94,9 @@ Axis parameter_axis(const Plan& plan, const BoxEntry& entry, double aim) {
   int nodes = 2;
   if (!is_linear || transform != pgd::Transform::none) {
     const double ratio = entry.upper / entry.lower;
-    const auto needed = [&](pgd::Transform by) { return is_linear ? 30 : nodes_for(ratio, by, aim); };
+    // What it is linear in is smooth in what a transform makes of it.
+    const int of_digits = 4 + static_cast<int>(std::ceil(std::max(2.0, 1.0 - std::log10(aim))));
+    const auto needed = [&](pgd::Transform by) { return is_linear ? of_digits : nodes_for(ratio, by, aim); };
     // Over decades of it, a field is smoother in the logarithm.
     const bool is_open = !entry.prescribes_axis() && transform == pgd::Transform::none;
     if (is_open && needed(pgd::Transform::logarithm) < needed(transform))

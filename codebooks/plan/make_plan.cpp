@@ -42,7 +42,8 @@ std::string plan_text(const models::ParametricModel& model, const BuildRequest& 
       "seed = {}\n",
       quoted_toml(builder.kind), quoted_toml(builder.strategy), builder.max_cells, builder.max_calls,
       builder.threads, builder.seed);
-  for (const auto& [key, value] : {std::pair{"max_nodes", builder.max_nodes}, {"max_rank", builder.max_rank},
+  for (const auto& [key, value] : {std::pair{"max_nodes", builder.max_nodes},
+                                   {"max_rank", builder.max_rank},
                                    {"guards", builder.guards}}) {
     if (value) text += fmt::format("{} = {}\n", key, *value);
   }

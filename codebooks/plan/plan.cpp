@@ -259,7 +259,8 @@ std::optional<int> optional_integer_in(const TomlTable& table, const std::string
 void read_builder(const TomlTable& root, Plan& plan) {
   const auto table = root.optional_table("builder");
   if (!table) return;
-  table->expect_keys({"kind", "strategy", "max_calls", "max_cells", "max_nodes", "max_rank", "guards", "threads", "seed"});
+  table->expect_keys(
+      {"kind", "strategy", "max_calls", "max_cells", "max_nodes", "max_rank", "guards", "threads", "seed"});
   plan.builder.kind = one_of(*table, "kind", {"auto", "pgd", "sampling"});
   std::vector<std::string> strategies = {"auto", "newton"};
   const std::vector<std::string>& named = pgd::strategy_names();
@@ -292,13 +293,15 @@ void check_builder_fits_field(const TomlTable& root, const Plan& plan) {
     refuse("max_calls", std::to_string(builder.max_calls),
            "a field is solved without evaluations that could be counted");
   }
-  for (const auto& [key, value] : {std::pair{"max_nodes", builder.max_nodes}, {"max_rank", builder.max_rank},
+  for (const auto& [key, value] : {std::pair{"max_nodes", builder.max_nodes},
+                                   {"max_rank", builder.max_rank},
                                    {"guards", builder.guards}}) {
     if (value) refuse(key, std::to_string(*value), "the builder of fields chooses that by itself");
   }
   for (const BoxEntry& entry : plan.box) {
     if (entry.basis == pgd::Basis::fourier)
-      throw root.table("box").error(entry.name, "has the basis \"fourier\", but a field has no period in a parameter");
+      throw root.table("box").error(entry.name,
+                                    "has the basis \"fourier\", but a field has no period in a parameter");
   }
 }
 
@@ -321,9 +324,9 @@ void check_builder_fits(const TomlTable& root, const Plan& plan) {
                                  plan.builder.max_cells));
   }
   if (plan.builder.max_nodes && *plan.builder.max_nodes > pgd::kMostLejaPoints) {
-    throw root.table("builder").error(
-        "max_nodes", fmt::format("is {}, expected at most {} of the builder \"sampling\"",
-                                 *plan.builder.max_nodes, pgd::kMostLejaPoints));
+    throw root.table("builder").error("max_nodes",
+                                      fmt::format("is {}, expected at most {} of the builder \"sampling\"",
+                                                  *plan.builder.max_nodes, pgd::kMostLejaPoints));
   }
   for (const BoxEntry& entry : plan.box) {
     if (!entry.prescribes_axis()) continue;
@@ -379,8 +382,7 @@ models::BodyDescription read_description(const TomlTable& root, const TomlTable&
     throw root.error("body", table.has("mesh") ? "has a shape and a mesh, expected one of the two"
                                                : "has neither a shape nor a mesh, expected one of them");
   if (table.has("mesh")) {
-    description.shape =
-        (std::filesystem::path(table.file()).parent_path() / table.string("mesh")).string();
+    description.shape = (std::filesystem::path(table.file()).parent_path() / table.string("mesh")).string();
     try {
       description.unit = quantity_to_si("1 " + table.string("unit"), "m");
     } catch (const ArgumentError& error) {
@@ -390,7 +392,8 @@ models::BodyDescription read_description(const TomlTable& root, const TomlTable&
     description.shape = one_of(table, "shape", {"ellipsoid", "disc", "plate"});
     description.sizes = table.quantities("size", "m");
   }
-  if (table.has("mesh") && table.has("size")) throw table.error("size", "is of a shape only: a mesh has its own");
+  if (table.has("mesh") && table.has("size"))
+    throw table.error("size", "is of a shape only: a mesh has its own");
   if (!table.has("mesh") && table.has("unit"))
     throw table.error("unit", "is of a mesh only: what one unit of its file means");
   description.density = table.quantity("density", "kg/m^3");
@@ -404,8 +407,9 @@ void read_body(const TomlTable& root, const Subject& subject, const BodyReader& 
   const auto table = root.optional_table("body");
   if (!table) return;
   if (!subject.model || subject.model->info().name != "kirchhoff_body")
-    throw root.error("body", fmt::format("is of a body for the model \"kirchhoff_body\", the plan is one of {}",
-                                         subject.name));
+    throw root.error(
+        "body",
+        fmt::format("is of a body for the model \"kirchhoff_body\", the plan is one of {}", subject.name));
   if (!body_reader) throw root.error("body", "cannot be read: this program knows no bodies");
   const models::BodyDescription description = read_description(root, *table);
   std::map<std::string, double> parameters;
@@ -415,7 +419,8 @@ void read_body(const TomlTable& root, const Subject& subject, const BodyReader& 
     throw root.error("body", error.what());
   }
   for (const auto& [name, value] : parameters) {
-    const bool is_free = std::ranges::any_of(plan.box, [&](const BoxEntry& entry) { return entry.name == name; });
+    const bool is_free =
+        std::ranges::any_of(plan.box, [&](const BoxEntry& entry) { return entry.name == name; });
     if (is_free || !plan.fixed.emplace(name, value).second) continue;
     plan.of_body[name] = value;
   }

@@ -29,17 +29,17 @@ const Coordinate& coordinate_of(const Codebook& book, const std::string& name) {
   }
   if (book.has_time() && name == book.coordinates().front().name)
     throw ArgumentError(fmt::format("\"{}\" is the time, at which statistics are given, and no input", name));
-  throw ArgumentError(
-      fmt::format("\"{}\" is no input of the codebook{}", name, suggestion(name, known)));
+  throw ArgumentError(fmt::format("\"{}\" is no input of the codebook{}", name, suggestion(name, known)));
 }
 
 void check_distribution(const Coordinate& box, const Distribution& distribution, BookStatistics& result) {
   require_distribution("\"" + box.name + "\"", distribution);
-  const double inside = probability_below(distribution, box.upper) - probability_below(distribution, box.lower);
+  const double inside =
+      probability_below(distribution, box.upper) - probability_below(distribution, box.lower);
   if (inside >= 1.0 - kUnnoticed) return;
-  const std::string sentence =
-      fmt::format("{:.3g} % of the distribution {} of \"{}\" lies outside the codebook's box, from {} to {} {}",
-                  100.0 * (1.0 - inside), to_string(distribution), box.name, box.lower, box.upper, box.unit);
+  const std::string sentence = fmt::format(
+      "{:.3g} % of the distribution {} of \"{}\" lies outside the codebook's box, from {} to {} {}",
+      100.0 * (1.0 - inside), to_string(distribution), box.name, box.lower, box.upper, box.unit);
   if (!(inside >= kLeastInside)) throw ArgumentError(sentence + ": expected less than half");
   result.notes.push_back(sentence + ", and is left out");
 }
@@ -48,8 +48,9 @@ void check_joint(const Codebook& book, const StatisticsRequest& request) {
   const JointNormal& joint = *request.joint;
   const auto count = static_cast<Eigen::Index>(joint.inputs.size());
   if (joint.mean.size() != count || joint.covariance.rows() != count || joint.covariance.cols() != count)
-    throw ArgumentError(fmt::format("{} inputs that are normal together have {} means and a covariance of {} by {}",
-                                    count, joint.mean.size(), joint.covariance.rows(), joint.covariance.cols()));
+    throw ArgumentError(
+        fmt::format("{} inputs that are normal together have {} means and a covariance of {} by {}", count,
+                    joint.mean.size(), joint.covariance.rows(), joint.covariance.cols()));
   if (count == 0) throw ArgumentError("a joint distribution has no inputs, expected at least one");
   std::set<std::string> names;
   for (const std::string& name : joint.inputs) {
@@ -66,10 +67,11 @@ void check_joint(const Codebook& book, const StatisticsRequest& request) {
 void check(const Codebook& book, const StatisticsRequest& request, BookStatistics& result) {
   for (const auto& [name, value] : request.fixed) {
     const Coordinate& box = coordinate_of(book, name);
-    if (!std::isfinite(value)) throw ArgumentError(fmt::format("\"{}\" is {}, expected a finite number", name, value));
+    if (!std::isfinite(value))
+      throw ArgumentError(fmt::format("\"{}\" is {}, expected a finite number", name, value));
     if (value < box.lower || value > box.upper)
-      throw OutsideBoxError(fmt::format("\"{}\" is {}, outside the codebook's box, from {} to {} {}", name, value,
-                                        box.lower, box.upper, box.unit));
+      throw OutsideBoxError(fmt::format("\"{}\" is {}, outside the codebook's box, from {} to {} {}", name,
+                                        value, box.lower, box.upper, box.unit));
     if (request.inputs.contains(name))
       throw ArgumentError(fmt::format("\"{}\" is held, and has a distribution", name));
   }
@@ -79,7 +81,8 @@ void check(const Codebook& book, const StatisticsRequest& request, BookStatistic
     check_distribution(coordinate_of(book, name), distribution, result);
   for (const double share : request.quantiles) {
     if (!(share > 0.0 && share < 1.0))
-      throw ArgumentError(fmt::format("a quantile is asked for at {}, expected a share between 0 and 1", share));
+      throw ArgumentError(
+          fmt::format("a quantile is asked for at {}, expected a share between 0 and 1", share));
   }
   constexpr int kFewest = 100, kMost = 10'000'000;
   if (request.draws < kFewest || request.draws > kMost)
@@ -153,10 +156,13 @@ void take_of_slabs(const Codebook& book, const StatisticsRequest& request, BookS
         OutputStatistics& output = result.outputs[place];
         append(output.mean, s.mean.row(o), from);
         append(output.deviation, s.variance.row(o).cwiseSqrt(), from);
-        append(output.first_order, s.inputs.size(), more, [&](std::size_t k) { return s.first_order[k].row(o); });
+        append(output.first_order, s.inputs.size(), more,
+               [&](std::size_t k) { return s.first_order[k].row(o); });
         append(output.total, s.inputs.size(), more, [&](std::size_t k) { return s.total[k].row(o); });
-        append(output.group_closed, s.subsets.size(), more, [&](std::size_t k) { return s.subsets[k].closed.row(o); });
-        append(output.group_total, s.subsets.size(), more, [&](std::size_t k) { return s.subsets[k].total.row(o); });
+        append(output.group_closed, s.subsets.size(), more,
+               [&](std::size_t k) { return s.subsets[k].closed.row(o); });
+        append(output.group_total, s.subsets.size(), more,
+               [&](std::size_t k) { return s.subsets[k].total.row(o); });
       }
     }
   }
@@ -180,10 +186,11 @@ double share_of(const Codebook& book, const Piece& piece, const StatisticsReques
   for (std::size_t k = book.has_time() ? 1 : 0; k < book.coordinates().size(); ++k) {
     const Coordinate& box = book.coordinates()[k];
     const auto given = request.inputs.find(box.name);
-    const Distribution distribution =
-        given != request.inputs.end() ? given->second
-                                      : Distribution{DistributionKind::uniform, box.lower, box.upper};
-    share *= probability_below(distribution, piece.upper()[k]) - probability_below(distribution, piece.lower()[k]);
+    const Distribution distribution = given != request.inputs.end()
+                                          ? given->second
+                                          : Distribution{DistributionKind::uniform, box.lower, box.upper};
+    share *=
+        probability_below(distribution, piece.upper()[k]) - probability_below(distribution, piece.lower()[k]);
   }
   return share;
 }
@@ -227,7 +234,8 @@ void take_of_cells(const Codebook& book, const StatisticsRequest& request, BookS
   if (book.has_time()) result.times = times_of(book);
   const std::string time = book.has_time() ? book.coordinates().front().name : "";
   const Eigen::Index rows = std::max<Eigen::Index>(result.times.size(), 1);
-  for (OutputStatistics& output : result.outputs) output.mean = output.deviation = Eigen::VectorXd::Zero(rows);
+  for (OutputStatistics& output : result.outputs)
+    output.mean = output.deviation = Eigen::VectorXd::Zero(rows);
   constexpr double kNegligible = 1e-14;
   for (Eigen::Index i = 0; i < rows; ++i) {
     const double t = book.has_time() ? result.times[i] : 0.0;
@@ -266,7 +274,8 @@ void leave_out_unresolved(const Codebook& book, BookStatistics& s) {
     for (Eigen::Index i = 0; i < output.deviation.size(); ++i) {
       // Where the certificate has no number, nothing is resolved.
       if (output.deviation[i] >= kResolved * certified->max_si) continue;
-      for (Eigen::MatrixXd* indices : {&output.first_order, &output.total, &output.group_closed, &output.group_total})
+      for (Eigen::MatrixXd* indices :
+           {&output.first_order, &output.total, &output.group_closed, &output.group_total})
         indices->row(i).setConstant(std::numeric_limits<double>::quiet_NaN());
       ++left_out;
     }
@@ -283,8 +292,8 @@ void take_of_draws(const Codebook& book, const StatisticsRequest& request, BookS
   const InputDraws draws = draw_inputs(book, request);
   const double outside = 1.0 - draws.share_inside;
   if (outside > kUnnoticed) {
-    const std::string sentence =
-        fmt::format("{:.3g} % of the joint distribution of the inputs lies outside the codebook's box", 100.0 * outside);
+    const std::string sentence = fmt::format(
+        "{:.3g} % of the joint distribution of the inputs lies outside the codebook's box", 100.0 * outside);
     if (draws.share_inside < kLeastInside) throw ArgumentError(sentence + ": expected less than half");
     result.notes.push_back(sentence + ", and is left out");
   }

@@ -31,7 +31,7 @@ struct JointNormal {
 struct StatisticsRequest {
   /// By the names of coordinates; those left out are uniform over the box.
   std::map<std::string, Distribution> inputs = {};
-  std::map<std::string, double> fixed = {};  ///< coordinates that are held, SI
+  std::map<std::string, double> fixed = {};           ///< coordinates that are held, SI
   std::vector<std::vector<std::string>> groups = {};  ///< of inputs to give indices of together
   std::vector<double> quantiles = {};                 ///< shares in (0, 1)
   /// With it all statistics come from draws, and there are no indices, which stand for inputs that are independent.

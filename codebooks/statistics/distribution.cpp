@@ -24,8 +24,7 @@ constexpr double kReach = 9.0;
 
 /// As a standard normal variable. x > 0 of log-normal ones.
 double standardised(const Distribution& distribution, double x) {
-  if (distribution.kind == DistributionKind::normal)
-    return (x - distribution.first) / distribution.second;
+  if (distribution.kind == DistributionKind::normal) return (x - distribution.first) / distribution.second;
   return std::log(x / distribution.first) / distribution.second;
 }
 
@@ -52,7 +51,8 @@ std::vector<double> panel_borders(const Distribution& distribution, const pgd::A
     upper = std::min(upper, distribution.second);
   } else {
     // A log-normal one is a bell in the logarithm: where that is wide, in more parts.
-    const double wide = distribution.kind == DistributionKind::log_normal ? std::max(1.0, distribution.second) : 1.0;
+    const double wide =
+        distribution.kind == DistributionKind::log_normal ? std::max(1.0, distribution.second) : 1.0;
     const double step = 1.0 / std::ceil(2.0 * wide);
     for (double z = -kReach; z <= kReach; z += step) borders.push_back(from_standard(distribution, z));
     lower = std::max(lower, borders.front());
@@ -123,9 +123,8 @@ double quantile_of(const Distribution& distribution, double share) {
 pgd::QuadratureRule rule_of(const Distribution& distribution, const pgd::Axis& axis) {
   require_distribution("\"" + axis.name() + "\"", distribution);
   if (axis.is_list())
-    throw ArgumentError(
-        fmt::format("\"{}\" is a list of values, which has no distribution; it can be set to one of them",
-                    axis.name()));
+    throw ArgumentError(fmt::format(
+        "\"{}\" is a list of values, which has no distribution; it can be set to one of them", axis.name()));
   const std::vector<double> borders = panel_borders(distribution, axis);
   // Products of two functions of an element, and a bell over one deviation.
   constexpr int kOfTheBell = 14;
@@ -142,8 +141,8 @@ pgd::QuadratureRule rule_of(const Distribution& distribution, const pgd::Axis& a
     for (Eigen::Index i = 0; i < points; ++i) {
       const double x = pgd::transformed_advance(transform, from, 0.5 * length * (1.0 + panel.nodes[i]));
       rule.nodes[k * points + i] = std::clamp(x, axis.lower(), axis.upper());
-      rule.weights[k * points + i] = 0.5 * length * panel.weights[i] * density(distribution, x) /
-                                     pgd::transform_slope(transform, x);
+      rule.weights[k * points + i] =
+          0.5 * length * panel.weights[i] * density(distribution, x) / pgd::transform_slope(transform, x);
     }
   }
   const double sum = rule.weights.sum();
@@ -152,9 +151,9 @@ pgd::QuadratureRule rule_of(const Distribution& distribution, const pgd::Axis& a
     if (distribution.kind == DistributionKind::normal && distribution.second < least)
       throw ArgumentError(fmt::format("the deviation of {} of \"{}\" is below rounding; a value was expected",
                                       to_string(distribution), axis.name()));
-    throw ArgumentError(fmt::format("none of the distribution {} lies within \"{}\", which goes from {} to {} {}",
-                                    to_string(distribution), axis.name(), axis.lower(), axis.upper(),
-                                    axis.unit()));
+    throw ArgumentError(
+        fmt::format("none of the distribution {} lies within \"{}\", which goes from {} to {} {}",
+                    to_string(distribution), axis.name(), axis.lower(), axis.upper(), axis.unit()));
   }
   rule.weights /= sum;
   return rule;

@@ -90,11 +90,11 @@ InputDraws draw_inputs(const Codebook& book, const StatisticsRequest& request) {
     const Eigen::MatrixXd root = root_of(joint.covariance);
     Eigen::MatrixXd normal(root.cols(), request.draws);
     for (Eigen::Index k = 0; k < normal.rows(); ++k) {
-      normal.row(k) = draws.points.row(find(joint.inputs[static_cast<std::size_t>(k)]))
-                          .unaryExpr([](double share) {
-                            const double inside = std::clamp(share, 1e-15, 1.0 - 1e-15);
-                            return quantile_of({DistributionKind::normal, 0.0, 1.0}, inside);
-                          });
+      normal.row(k) =
+          draws.points.row(find(joint.inputs[static_cast<std::size_t>(k)])).unaryExpr([](double share) {
+            const double inside = std::clamp(share, 1e-15, 1.0 - 1e-15);
+            return quantile_of({DistributionKind::normal, 0.0, 1.0}, inside);
+          });
     }
     const Eigen::MatrixXd values = (root * normal).colwise() + joint.mean;
     for (Eigen::Index k = 0; k < values.rows(); ++k)
@@ -110,9 +110,9 @@ InputDraws draw_inputs(const Codebook& book, const StatisticsRequest& request) {
       continue;
     }
     const auto given = request.inputs.find(box.name);
-    const Distribution distribution =
-        given != request.inputs.end() ? given->second
-                                      : Distribution{DistributionKind::uniform, box.lower, box.upper};
+    const Distribution distribution = given != request.inputs.end()
+                                          ? given->second
+                                          : Distribution{DistributionKind::uniform, box.lower, box.upper};
     const pgd::Axis axis = book.pieces().front().outline().axes[static_cast<std::size_t>(k + first)];
     if (axis.is_list()) {
       row = row.unaryExpr([&](double share) { return value_of_list(axis, share); });
@@ -137,8 +137,7 @@ InputDraws draw_inputs(const Codebook& book, const StatisticsRequest& request) {
 
 void add_from_draws(const Codebook& book, const StatisticsRequest& request, const InputDraws& draws,
                     BookStatistics& statistics) {
-  const Eigen::Index rows = std::max<Eigen::Index>(statistics.times.size(), 1),
-                     count = draws.points.cols(),
+  const Eigen::Index rows = std::max<Eigen::Index>(statistics.times.size(), 1), count = draws.points.cols(),
                      quantiles = static_cast<Eigen::Index>(request.quantiles.size());
   for (OutputStatistics& output : statistics.outputs) {
     output.quantiles.resize(rows, quantiles);

@@ -139,7 +139,8 @@ void cover_by_codebook(const FitRequest& request, FitSource& source) {
   source.cover = std::make_shared<const codebooks::Codebook>(codebooks::load(file));
   warn_of_missed_tolerance(*source.cover, file, source);
   source.family = of_file(request.config, [&] {
-    if (source.series) throw ArgumentError("codebook: [series] integrates, since coefficients change on the way");
+    if (source.series)
+      throw ArgumentError("codebook: [series] integrates, since coefficients change on the way");
     return codebooks::mixed_trajectories(*source.cover, std::move(source.family));
   });
 }
@@ -199,8 +200,9 @@ void open_codebook(const FitRequest& request, FitSource& source) {
   }
   take_over(request, names, box, source);
   if (!source.options.solver.codebook.empty())
-    throw InputError(request.config.empty() ? kConfigText : request.config.string(),
-                     fmt::format("codebook: \"{}\" is one itself; the name of its model was expected", name_of(request)));
+    throw InputError(
+        request.config.empty() ? kConfigText : request.config.string(),
+        fmt::format("codebook: \"{}\" is one itself; the name of its model was expected", name_of(request)));
   warn_of_missed_tolerance(*source.book, name_of(request), source);
   source.family = of_file(request.source, [&] {
     if (request.reference) return codebooks::reference_trajectories(*source.book);

@@ -327,7 +327,7 @@ FitOptions read_options(const TomlTable& root, const ConfigNames& of_model) {
        "cluster_by", "starts",     "max_iterations",  "profiles",  "segments",       "global",      "step",
        "rounds",     "round_body", "averaged_frames", "log_scale", "attitude_scale", "fixed",       "initial",
        "known",      "priors",     "periods",         "box",       "bootstrap",      "noise",       "camera",
-       "stride",     "posterior",  "delay",           "gain",     "codebook",
+       "stride",     "posterior",  "delay",           "gain",      "codebook",
        "series",        // series_config.h
        "prediction"});  // prediction_config.h
   FitOptions options;
@@ -373,7 +373,8 @@ ConfigNames config_names(const codebooks::Codebook& book) {
     if (c.role != pgd::AxisRole::time) names.coordinates[c.name] = c.unit;
   }
   for (const pgd::OutputLabel& output : book.outputs()) names.outputs[output.name] = output.unit;
-  for (const pgd::OutputLabel& output : codebooks::derived_outputs(book)) names.outputs[output.name] = output.unit;
+  for (const pgd::OutputLabel& output : codebooks::derived_outputs(book))
+    names.outputs[output.name] = output.unit;
   return names;
 }
 

@@ -25,8 +25,8 @@ BodyShape shape_of(const std::string& text) {
 
 void require_sizes(const BodyDescription& description, std::size_t count, const char* meaning) {
   if (description.sizes.size() == count) return;
-  throw ArgumentError(fmt::format("{} lengths for the shape \"{}\", expected {}: {}", description.sizes.size(),
-                                  description.shape, count, meaning));
+  throw ArgumentError(fmt::format("{} lengths for the shape \"{}\", expected {}: {}",
+                                  description.sizes.size(), description.shape, count, meaning));
 }
 
 /// Sets the body; @returns its mesh, empty of a disc.
@@ -46,7 +46,8 @@ TriangleMesh describe(const BodyDescription& description, BodyInFluid& result) {
       result.body = disc_body(sizes[0], sizes[1], description.density);
       if (result.by_panels)
         throw ArgumentError(
-            "added mass by panels needs a mesh, which Samara has of plates, ellipsoids and files, not of discs");
+            "added mass by panels needs a mesh, which Samara has of plates, ellipsoids and files, not of "
+            "discs");
       return {};
     case BodyShape::plate:
       require_sizes(description, 3, "the full sides along x, y, z");
@@ -85,12 +86,13 @@ void add_panels(const TriangleMesh& mesh, const ProgressCallback& progress, Body
 BodyInFluid body_in_fluid(const BodyDescription& description, const ProgressCallback& progress) {
   if (!description.added_mass.empty() && description.added_mass != "panels" &&
       description.added_mass != "ellipsoid")
-    throw ArgumentError(fmt::format("added mass by \"{}\", expected \"panels\" or \"ellipsoid\"", description.added_mass));
+    throw ArgumentError(
+        fmt::format("added mass by \"{}\", expected \"panels\" or \"ellipsoid\"", description.added_mass));
   BodyInFluid result;
   result.shape = shape_of(description.shape);
   result.fluid_density = description.fluid_density;
-  result.by_panels = description.added_mass.empty() ? result.shape == BodyShape::mesh
-                                                    : description.added_mass == "panels";
+  result.by_panels =
+      description.added_mass.empty() ? result.shape == BodyShape::mesh : description.added_mass == "panels";
   const TriangleMesh mesh = describe(description, result);
   result.warnings = unit_warnings(result.body, result.fluid_density);
   if (result.by_panels) {
@@ -108,8 +110,7 @@ std::map<std::string, double> kirchhoff_parameters(const BodyInFluid& body) {
                                                 .added_mass = body.added_mass});
 }
 
-std::map<std::string, double> scaling_numbers(const BodyInFluid& described,
-                                              std::optional<double> viscosity) {
+std::map<std::string, double> scaling_numbers(const BodyInFluid& described, std::optional<double> viscosity) {
   const Body& body = described.body;
   const double fluid = described.fluid_density;
   const double length = 2.0 * body.proxy_semi_axes[0], thickness = 2.0 * body.proxy_semi_axes[2];

@@ -283,7 +283,8 @@ void check_columns(const Model& model, Point& point, const Differentiated& of,
 
 void check_derivatives(const Model& model, Point& point, double tolerance, Findings& findings) {
   Differentiated rates;
-  for (const StateInfo& state : model.info().states) rates.names.push_back("the rate of " + quoted(state.name));
+  for (const StateInfo& state : model.info().states)
+    rates.names.push_back("the rate of " + quoted(state.name));
   rates.evaluate = [&](std::span<double> f) { model.rhs(point.t, point.x, point.p, f); };
   check_columns(model, point, rates, point.df_dx, point.df_dp, tolerance, findings);
 }
@@ -301,7 +302,8 @@ void check_outputs(const Model& model, Point& point, double tolerance, Findings&
   model.outputs_with_derivatives(point.t, point.x, point.p, y, by_t, by_x, by_p);
   outputs.evaluate(alone);
   if (y != alone) findings.push_back("the outputs with derivatives are others than without");
-  check_column(outputs, point.t, std::max(point.t, model.scales(point.p).time), "t", by_t, tolerance, findings);
+  check_column(outputs, point.t, std::max(point.t, model.scales(point.p).time), "t", by_t, tolerance,
+               findings);
   check_columns(model, point, outputs, by_x, by_p, tolerance, findings);
 }
 

@@ -93,7 +93,8 @@ Tape::Tape(const ExpressionGraph& graph, const std::vector<int>& roots, int symb
       const int argument = arguments[k];
       if (argument < 0) continue;
       *places[k] = place[static_cast<std::size_t>(argument)];
-      const bool is_first = std::find(arguments.begin(), arguments.begin() + k, argument) == arguments.begin() + k;
+      const bool is_first =
+          std::find(arguments.begin(), arguments.begin() + k, argument) == arguments.begin() + k;
       if (is_first && last[static_cast<std::size_t>(argument)] == node &&
           graph[argument].operation != Operation::symbol)
         free.push_back(place[static_cast<std::size_t>(argument)]);

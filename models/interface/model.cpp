@@ -21,9 +21,9 @@ void Model::forces(double, std::span<const double>, const ParameterValues&, std:
 
 void Model::outputs(double, std::span<const double>, const ParameterValues&, std::span<double>) const {}
 
-void Model::outputs_with_derivatives(double, std::span<const double>, const ParameterValues&, std::span<double>,
-                                     Eigen::Ref<Eigen::VectorXd>, Eigen::Ref<Eigen::MatrixXd>,
-                                     Eigen::Ref<Eigen::MatrixXd>) const {}
+void Model::outputs_with_derivatives(double, std::span<const double>, const ParameterValues&,
+                                     std::span<double>, Eigen::Ref<Eigen::VectorXd>,
+                                     Eigen::Ref<Eigen::MatrixXd>, Eigen::Ref<Eigen::MatrixXd>) const {}
 
 std::optional<double> Model::kinetic_energy(double, std::span<const double>, const ParameterValues&) const {
   return std::nullopt;

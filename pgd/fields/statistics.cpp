@@ -65,7 +65,8 @@ void require_distribution(const Axis& axis, const QuadratureRule& rule) {
     refuse(fmt::format("{} nodes and {} weights, expected one weight a node", rule.nodes.size(),
                        rule.weights.size()));
   for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
-    if (!(rule.weights[i] >= 0.0)) refuse(fmt::format("the weight {}, expected none below 0", rule.weights[i]));
+    if (!(rule.weights[i] >= 0.0))
+      refuse(fmt::format("the weight {}, expected none below 0", rule.weights[i]));
     if (!axis.contains(rule.nodes[i]))
       refuse(fmt::format("the node {}, expected one from {} to {} {}", rule.nodes[i], axis.lower(),
                          axis.upper(), axis.unit()));

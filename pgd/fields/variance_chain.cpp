@@ -19,7 +19,8 @@ constexpr double kRoundOff = 1e-14;
 /// Maps of one coordinate of a sum of products, on terms x terms forms.
 class TermMaps {
  public:
-  TermMaps(const InputMeasure& input, const Eigen::MatrixXd& factor) : mean_(factor.transpose() * input.mean) {
+  TermMaps(const InputMeasure& input, const Eigen::MatrixXd& factor)
+      : mean_(factor.transpose() * input.mean) {
     const Eigen::MatrixXd centred = input.root * (factor.rowwise() - mean_.transpose());
     covariance_ = centred.transpose() * centred;
     means_ = mean_ * mean_.transpose();
@@ -124,7 +125,8 @@ void all_forms(const std::vector<Maps>& maps, const std::vector<InputSubset>& su
 }
 
 /// Root mean square of every term, without weights.
-Eigen::VectorXd term_sizes(const std::vector<InputMeasure>& inputs, const std::vector<Eigen::MatrixXd>& factors) {
+Eigen::VectorXd term_sizes(const std::vector<InputMeasure>& inputs,
+                           const std::vector<Eigen::MatrixXd>& factors) {
   Eigen::VectorXd sizes = Eigen::VectorXd::Ones(factors.front().cols());
   for (std::size_t k = 0; k < inputs.size(); ++k) {
     sizes.array() *= (inputs[k].root * factors[k]).colwise().norm().transpose().array();
@@ -158,8 +160,9 @@ InputMeasure::InputMeasure(const Axis& axis, const QuadratureRule& rule)
   root = shortest(rows);
 }
 
-std::vector<Moments> sum_moments(const std::vector<InputMeasure>& inputs, const std::vector<Eigen::MatrixXd>& factors,
-                                 const Eigen::MatrixXd& rows, const std::vector<InputSubset>& subsets) {
+std::vector<Moments> sum_moments(const std::vector<InputMeasure>& inputs,
+                                 const std::vector<Eigen::MatrixXd>& factors, const Eigen::MatrixXd& rows,
+                                 const std::vector<InputSubset>& subsets) {
   const Eigen::Index rank = rows.cols();
   std::vector<Moments> result(static_cast<std::size_t>(rows.rows()));
   for (Moments& moments : result) moments.parts.resize(subsets.size());

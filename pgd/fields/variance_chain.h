@@ -49,8 +49,9 @@ struct Moments {
 using InputSubset = std::vector<bool>;  ///< per input: is it in the subset
 
 /// Of sum_r rows(j, r) prod_k factors[k](x_k, r) for all rows j.
-std::vector<Moments> sum_moments(const std::vector<InputMeasure>& inputs, const std::vector<Eigen::MatrixXd>& factors,
-                                 const Eigen::MatrixXd& rows, const std::vector<InputSubset>& subsets);
+std::vector<Moments> sum_moments(const std::vector<InputMeasure>& inputs,
+                                 const std::vector<Eigen::MatrixXd>& factors, const Eigen::MatrixXd& rows,
+                                 const std::vector<InputSubset>& subsets);
 
 /// Of a train of nodal values, one core per input.
 Moments train_moments(const std::vector<InputMeasure>& inputs, const std::vector<TrainCore>& cores,

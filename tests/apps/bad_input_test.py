@@ -277,7 +277,7 @@ class BadCalls(Case):
         inputs = {"models": ["constant_rate"], "simulate": ["constant_rate"], "build": [plan], "info": [path], "query": [path],
                   "stats": [path], "validate": [path], "fit": [path, surplus]}
         values = {"--set": "k=2", "--until": "1", "--frames": "3", "--integrator": "rk4", "--step": "0.1", "--at": "1", "--points": "5",
-                  "--seed": "3", "--size": "1"}
+                  "--seed": "3", "--size": "1", "--added-mass": "panels", "--draws": "300"}
         checked = 0
         for command, row in inputs.items():
             options = re.findall(r"^  (?:-\w,)?(--[\w-]+) (?:TEXT|INT|UINT)", run(command, "--help").stdout, re.M)

@@ -7,9 +7,9 @@
 #include <catch2/catch.hpp>
 
 #include "../error_text.h"
-#include "sample_books.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/query/query.h"
+#include "sample_books.h"
 
 using namespace samara;
 using namespace samara::codebooks;
@@ -38,8 +38,10 @@ std::string refusal(const Codebook& book, const StatisticsRequest& request) {
 
 }  // namespace
 
-TEST_CASE("the distribution function and its inverse undo each other, and the rule integrates what lies on the axis",
-          "[codebooks]") {
+TEST_CASE(
+    "the distribution function and its inverse undo each other, and the rule integrates what lies on the "
+    "axis",
+    "[codebooks]") {
   const auto axis = pgd::Axis::chebyshev({"x"}, 0.5, 2.5, 9);
   for (const Distribution& d : {Distribution{kUniform, 0.75, 2.0}, Distribution{kNormal, 1.4, 0.1},
                                 Distribution{kNormal, 2.4, 0.02}, Distribution{kLogNormal, 1.2, 0.3}}) {
@@ -66,15 +68,16 @@ TEST_CASE("the distribution function and its inverse undo each other, and the ru
   }
 }
 
-TEST_CASE("a uniform distribution over all of an axis is what the axis itself integrates, whatever its transform") {
+TEST_CASE(
+    "a uniform distribution over all of an axis is what the axis itself integrates, whatever its transform") {
   using pgd::Axis;
   using pgd::Transform;
   const auto role = pgd::AxisRole::parameter;
-  for (const Axis& axis :
-       {Axis::chebyshev({"x"}, -1.0, 3.0, 12), Axis::chebyshev({"x", "1", role, Transform::logarithm}, 1e-4, 10.0, 24),
-        Axis::chebyshev({"x", "1", role, Transform::reciprocal}, 0.1, 20.0, 24),
-        Axis::chebyshev({"x", "1", role, Transform::square_root}, 0.0, 4.0, 16), Axis::p2({"x"}, 0.0, 1.0, 5),
-        Axis::fourier({"x"}, 0.0, 2.0, 9)}) {
+  for (const Axis& axis : {Axis::chebyshev({"x"}, -1.0, 3.0, 12),
+                           Axis::chebyshev({"x", "1", role, Transform::logarithm}, 1e-4, 10.0, 24),
+                           Axis::chebyshev({"x", "1", role, Transform::reciprocal}, 0.1, 20.0, 24),
+                           Axis::chebyshev({"x", "1", role, Transform::square_root}, 0.0, 4.0, 16),
+                           Axis::p2({"x"}, 0.0, 1.0, 5), Axis::fourier({"x"}, 0.0, 2.0, 9)}) {
     const pgd::QuadratureRule rule = rule_of({kUniform, axis.lower(), axis.upper()}, axis);
     pgd::InterpolationStencil stencil = axis.make_stencil();
     Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(axis.size(), axis.size());
@@ -88,7 +91,8 @@ TEST_CASE("a uniform distribution over all of an axis is what the axis itself in
   }
 }
 
-TEST_CASE("means, deviations, indices and quantiles of normal and uniform inputs are those in closed form", "[codebooks]") {
+TEST_CASE("means, deviations, indices and quantiles of normal and uniform inputs are those in closed form",
+          "[codebooks]") {
   // v = v(0) + C_D t and x = v(0) t + C_D t^2/2; what of the bell lies outside [-1, 2] does not count in doubles.
   const Codebook book = golden_book();
   const double mean = 0.5, deviation = 0.15;
@@ -110,21 +114,24 @@ TEST_CASE("means, deviations, indices and quantiles of normal and uniform inputs
     CHECK(v.quantiles(i, 0) == Approx(v.mean[i]).margin(0.01));
     CHECK(x.mean[i] == Approx(0.5 * t + 0.5 * mean * t * t).margin(1e-12));
   }
-  const BookStatistics held =
-      take_statistics(book, {.inputs = {{"C_D", {kNormal, mean, deviation}}}, .fixed = {{"v(0)", 0.25}},
-                             .quantiles = {0.05, 0.95}});
+  const BookStatistics held = take_statistics(book, {.inputs = {{"C_D", {kNormal, mean, deviation}}},
+                                                     .fixed = {{"v(0)", 0.25}},
+                                                     .quantiles = {0.05, 0.95}});
   CHECK(held.inputs == std::vector<std::string>{"C_D"});
   for (Eigen::Index i = 0; i < held.times.size(); ++i) {
     const double t = held.times[i], reach = -kFivePercent * deviation * t;
-    CHECK(of(held, book, "v").quantiles(i, 0) == Approx(0.25 + mean * t - reach).margin(2e-3 * deviation * t));
-    CHECK(of(held, book, "v").quantiles(i, 1) == Approx(0.25 + mean * t + reach).margin(2e-3 * deviation * t));
+    CHECK(of(held, book, "v").quantiles(i, 0) ==
+          Approx(0.25 + mean * t - reach).margin(2e-3 * deviation * t));
+    CHECK(of(held, book, "v").quantiles(i, 1) ==
+          Approx(0.25 + mean * t + reach).margin(2e-3 * deviation * t));
   }
 }
 
 TEST_CASE("trains and sums of products have the same statistics", "[codebooks]") {
   const StatisticsRequest request{.inputs = {{"C_D", {kNormal, 0.3, 0.4}}, {"v(0)", {kUniform, 0.2, 0.7}}},
                                   .quantiles = {0.1}};
-  const BookStatistics a = take_statistics(golden_book(), request), b = take_statistics(golden_trains(), request);
+  const BookStatistics a = take_statistics(golden_book(), request),
+                       b = take_statistics(golden_trains(), request);
   REQUIRE(a.outputs.size() == b.outputs.size());
   for (std::size_t o = 0; o < a.outputs.size(); ++o) {
     CHECK((a.outputs[o].mean - b.outputs[o].mean).cwiseAbs().maxCoeff() < 1e-12);
@@ -165,12 +172,14 @@ TEST_CASE("of a box in cells, integrals by parts agree with averages of random p
   }
 }
 
-TEST_CASE("inputs that are normal together have the deviation that their covariance gives a sum", "[codebooks]") {
+TEST_CASE("inputs that are normal together have the deviation that their covariance gives a sum",
+          "[codebooks]") {
   const Codebook book = golden_book();
   Eigen::Matrix2d covariance;
   covariance << 0.01, -0.008, -0.008, 0.01;
   const BookStatistics s = take_statistics(
-      book, {.quantiles = {0.05}, .joint = JointNormal{{"C_D", "v(0)"}, Eigen::Vector2d(0.5, 0.5), covariance}});
+      book,
+      {.quantiles = {0.05}, .joint = JointNormal{{"C_D", "v(0)"}, Eigen::Vector2d(0.5, 0.5), covariance}});
   CHECK(s.inputs.empty());
   CHECK_THAT(s.notes.front(), Contains("correlated"));
   const OutputStatistics& v = of(s, book, "v");
@@ -190,7 +199,8 @@ TEST_CASE("a list is held at one of its values, and nothing without meaning is t
   CHECK_THAT(refusal(kinds, {.inputs = {{"plies", {kNormal, 2.0, 1.0}}}}), Contains("list of values"));
   CHECK_THAT(refusal(book, {.inputs = {{"C_d", {}}}}), Contains("did you mean \"C_D\""));
   CHECK_THAT(refusal(book, {.inputs = {{"t", {}}}}), Contains("is the time"));
-  CHECK_THAT(refusal(book, {.inputs = {{"C_D", {kNormal, 5.0, 0.1}}}}), Contains("outside the codebook's box"));
+  CHECK_THAT(refusal(book, {.inputs = {{"C_D", {kNormal, 5.0, 0.1}}}}),
+             Contains("outside the codebook's box"));
   CHECK_THAT(refusal(book, {.inputs = {{"C_D", {kNormal, 0.5, 0.0}}}}), Contains("deviation above 0"));
   CHECK_THAT(refusal(book, {.inputs = {{"C_D", {kUniform, 0.5, 0.5}}}}), Contains("below the largest"));
   CHECK_THAT(refusal(book, {.inputs = {{"C_D", {kNormal, std::nan(""), 1.0}}}}), Contains("finite"));
@@ -210,7 +220,8 @@ TEST_CASE("quantiles of a list of values count each by its weight") {
   // u = v(0) sqrt(m) + t log(C_D) cos(2 angle) plies + k^2/h: with all else held, linear in plies, which are 1, 2, 4.
   const Codebook book = all_kinds();
   const BookStatistics s = take_statistics(
-      book, {.fixed = {{"C_D", 1.5}, {"angle", 0.25}, {"v(0)", 0.5}, {"m", 1.0}, {"k", 0.5}, {"h", 2.0}}, .quantiles = {0.2, 0.5, 0.9}});
+      book, {.fixed = {{"C_D", 1.5}, {"angle", 0.25}, {"v(0)", 0.5}, {"m", 1.0}, {"k", 0.5}, {"h", 2.0}},
+             .quantiles = {0.2, 0.5, 0.9}});
   const Eigen::Index last = s.times.size() - 1;
   for (const auto& [q, plies] : {std::pair{0, 1.0}, {1, 2.0}, {2, 4.0}}) {
     const double value = 0.5 + s.times[last] * std::log(1.5) * std::cos(0.5) * plies + 0.125;

@@ -7,6 +7,7 @@
 
 #include "../../examples/own_model/predator_prey.h"
 #include "../error_text.h"
+#include "../io/temporary_directory.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/build/build.h"
 #include "samara/codebooks/certify/certify.h"
@@ -16,7 +17,6 @@
 #include "samara/codebooks/plan/plan.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/models/laws/registry.h"
-#include "../io/temporary_directory.h"
 
 using namespace samara::codebooks;
 namespace models = samara::models;
@@ -48,7 +48,9 @@ end = 5
 relative = 1e-5
 )";
 
-Plan plan_of_text() { return parse_plan(std::string(kEquations) + kBox, "hunters.toml"); }
+Plan plan_of_text() {
+  return parse_plan(std::string(kEquations) + kBox, "hunters.toml");
+}
 
 /// The same question in C++.
 struct OwnQuestion {
@@ -57,7 +59,8 @@ struct OwnQuestion {
   BuildRequest request;
 
   OwnQuestion() {
-    request.box = {{.name = "growth", .lower = 0.9, .upper = 1.1}, {.name = "hunt", .lower = 0.09, .upper = 0.11}};
+    request.box = {{.name = "growth", .lower = 0.9, .upper = 1.1},
+                   {.name = "hunt", .lower = 0.09, .upper = 0.11}};
     request.end = 5.0;
     request.relative = 1e-5;
   }
@@ -69,7 +72,9 @@ BuildOptions few() {
   return options;
 }
 
-void write(const std::filesystem::path& path, const std::string& text) { std::ofstream(path) << text; }
+void write(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path) << text;
+}
 
 }  // namespace
 
@@ -118,8 +123,12 @@ TEST_CASE("what is written of equations is read again as it was") {
   equations.name = "a \"name\"";
   equations.title = "tabs\tand \\ signs";
   equations.states = {{.name = "x", .unit = "m", .default_initial = 0.1, .description = "d", .scale = 1e-3}};
-  equations.parameters = {
-      {.name = "k", .unit = "1/s", .default_value = 1.0 / 3.0, .lower = 0.0, .lower_inclusive = true, .upper = 7.5}};
+  equations.parameters = {{.name = "k",
+                           .unit = "1/s",
+                           .default_value = 1.0 / 3.0,
+                           .lower = 0.0,
+                           .lower_inclusive = true,
+                           .upper = 7.5}};
   equations.abbreviations = {{"twice", "2*x"}, {"again", "twice + x"}};
   equations.rates = {"-k*again"};
   const std::string text = to_toml(equations);
@@ -158,7 +167,8 @@ TEST_CASE("equations that are wrong are refused with the line of what is wrong")
   CHECK_THAT(changed("growth*prey", "grwoth*prey"),
              Contains("p.toml:10") && Contains("there is no \"grwoth\"; did you mean \"growth\"?"));
   CHECK_THAT(changed("gain*meetings", "gain + meetings"), Contains("p.toml:11") && Contains("equal units"));
-  CHECK_THAT(changed("\"prey*predator\"", "\"prey*\""), Contains("p.toml:9") && Contains("the expression ends"));
+  CHECK_THAT(changed("\"prey*predator\"", "\"prey*\""),
+             Contains("p.toml:9") && Contains("the expression ends"));
   CHECK_THAT(changed("rates.predator", "rates.predators"), Contains("predators"));
   CHECK_THAT(changed("rates.predator = \"gain*meetings - death*predator\"", ""), Contains("predator"));
   CHECK_THAT(changed("default = 0.05", "default = '5 cm'"), Contains("p.toml:7"));
@@ -166,7 +176,8 @@ TEST_CASE("equations that are wrong are refused with the line of what is wrong")
   CHECK_THAT(changed("above = 0", "beyond = 0"), Contains("beyond"));
   CHECK_THAT(changed("name = \"hunters\"", "name = 'vertical_fall'"), Contains("another model"));
   CHECK_THAT(changed("[equations]", "model = 'vertical_fall'\n[equations]"), Contains("one of the two"));
-  CHECK_THAT(changed("states.prey = { initial = 10 }", "states.prey = { initial = inf }"), Contains("p.toml:3"));
+  CHECK_THAT(changed("states.prey = { initial = 10 }", "states.prey = { initial = inf }"),
+             Contains("p.toml:3"));
 }
 
 TEST_CASE("a request that makes no plan is refused") {

@@ -291,7 +291,8 @@ TEST_CASE("a checkpoint that is none, or holds calls of another box, is refused"
   put_content(options.checkpoint, "state");
   CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }), Contains("not an HDF5 file"));
   save_calls(options.checkpoint, "another plan", {{{}, {1.0, 2.0}, {3.0}}}, 2);
-  CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }), EndsWith("--fresh begins anew, and removes it"));
+  CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }),
+             EndsWith("--fresh begins anew, and removes it"));
   save_calls(options.checkpoint, plan, {{{0.0, 0.1}, {1.0, 2.0}, {3.0}}}, 2);
   CHECK_THAT(error_text<samara::InputError>([&] { built(plan, options); }),
              Contains("other coordinates or outputs than the plan"));
@@ -372,16 +373,19 @@ TEST_CASE("a plan of sampling that prescribes nodes, a basis, a strategy or cell
   CHECK_THAT(refused("[1, 2]", "strategy = 'newton'\n"),
              Contains("[builder] strategy: is \"newton\", which is one of the builder \"pgd\""));
   CHECK_THAT(refused("[1, 2]", "max_cells = 5\n"), Contains("[builder] max_cells: is 5"));
-  CHECK_THAT(refused("[1, 2]", "max_nodes = 129\n"), Contains("[builder] max_nodes: is 129, expected at most 128"));
+  CHECK_THAT(refused("[1, 2]", "max_nodes = 129\n"),
+             Contains("[builder] max_nodes: is 129, expected at most 128"));
   CHECK_THAT(refused("[1, 2]", "max_nodes = 5\n"), Contains("expected 7 to 1000"));
 }
 
 TEST_CASE("a plan limits nodes and ranks of either builder, and says how many points it checks itself at") {
   const auto with = [](const std::string& kind, const std::string& limits) {
-    return built("model = \"falling_plate_nd\"\n[fixed]\ninertia_ratio = 1.1\n\"w(0)\" = 0.001\n[box]\n"
-                 "C_T = [0.9, 1.4]\nC_R = [2.5, 3.5]\nA = [1.2, 1.6]\n[time]\nend = 4\n[tolerance]\n"
-                 "relative = 1e-4\n[builder]\nkind = \"" + kind + "\"\n" + limits,
-                 {.certificate_points = 50});
+    return built(
+        "model = \"falling_plate_nd\"\n[fixed]\ninertia_ratio = 1.1\n\"w(0)\" = 0.001\n[box]\n"
+        "C_T = [0.9, 1.4]\nC_R = [2.5, 3.5]\nA = [1.2, 1.6]\n[time]\nend = 4\n[tolerance]\n"
+        "relative = 1e-4\n[builder]\nkind = \"" +
+            kind + "\"\n" + limits,
+        {.certificate_points = 50});
   };
   const auto largest = [](const Codebook& book) {
     std::pair<int, int> nodes_and_rank;
@@ -401,7 +405,8 @@ TEST_CASE("a plan limits nodes and ranks of either builder, and says how many po
   REQUIRE((nodes > 7 && rank > 4));
   CHECK(largest(with("sampling", "max_nodes = 7\n").book).first <= 7);
   CHECK(largest(with("sampling", "max_rank = 4\n").book).second <= 4);
-  const BuildResult plain = with("pgd", ""), few = with("pgd", "max_rank = 4\n"), guarded = with("pgd", "guards = 300\n");
+  const BuildResult plain = with("pgd", ""), few = with("pgd", "max_rank = 4\n"),
+                    guarded = with("pgd", "guards = 300\n");
   REQUIRE(plain.met);
   CHECK_FALSE(few.met);
   CHECK(guarded.met);

@@ -247,21 +247,22 @@ namespace {
 
 /// A pendulum that hangs from a rail which moves, and where its tip is.
 Equations pendulum() {
-  return {.name = "pendulum_of_a_test",
-          .states = {{.name = "angle", .unit = "rad", .default_initial = 0.5},
-                     {.name = "spin", .unit = "rad/s", .default_initial = 0.0}},
-          .parameters = {positive_number("length", "m"), positive_number("gravity", "m/s^2"),
-                         positive_number("rail", "m/s")},
-          .abbreviations = {{"aside", "length*sin(angle)"}},
-          .rates = {"spin", "-gravity/length*sin(angle)"},
-          .outputs = {{{.name = "tip", .unit = "m"}, "aside + rail*t"},
-                      {{.name = "energy", .unit = "m^2/s^2"},
-                       "length^2*spin^2/2 - gravity*length*cos(angle)"}}};
+  return {
+      .name = "pendulum_of_a_test",
+      .states = {{.name = "angle", .unit = "rad", .default_initial = 0.5},
+                 {.name = "spin", .unit = "rad/s", .default_initial = 0.0}},
+      .parameters = {positive_number("length", "m"), positive_number("gravity", "m/s^2"),
+                     positive_number("rail", "m/s")},
+      .abbreviations = {{"aside", "length*sin(angle)"}},
+      .rates = {"spin", "-gravity/length*sin(angle)"},
+      .outputs = {{{.name = "tip", .unit = "m"}, "aside + rail*t"},
+                  {{.name = "energy", .unit = "m^2/s^2"}, "length^2*spin^2/2 - gravity*length*cos(angle)"}}};
 }
 
 }  // namespace
 
-TEST_CASE("outputs that equations derive from their states come with trajectories, and with their derivatives") {
+TEST_CASE(
+    "outputs that equations derive from their states come with trajectories, and with their derivatives") {
   const auto model = equation_model(pendulum());
   for (const std::string& finding : check_model(*model).findings) FAIL_CHECK(finding);
   const std::map<std::string, double> fixed = {{"gravity", 9.81}, {"rail", 0.3}};
@@ -281,7 +282,8 @@ TEST_CASE("outputs that equations derive from their states come with trajectorie
   }
 }
 
-TEST_CASE("trajectories whose outputs use the time are no parts of each other, even where the equations do not") {
+TEST_CASE(
+    "trajectories whose outputs use the time are no parts of each other, even where the equations do not") {
   const std::map<std::string, double> fixed = {{"gravity", 9.81}, {"rail", 0.3}};
   const std::map<std::string, Interval> box = {{"length", {0.5, 1.5}}};
   CHECK_FALSE(reference_trajectories(equation_model(pendulum()), fixed, box)->info().autonomous);

@@ -297,7 +297,9 @@ TEST_CASE("requests for statistics that make no sense are refused") {
   CHECK_THROWS_WITH(statistics(as_train(field), {.free_axis = "X1"}), Contains("did you mean"));
 }
 
-TEST_CASE("a rule for the uniform distribution gives what no rule gives, and rules without meaning are refused", "[pgd]") {
+TEST_CASE(
+    "a rule for the uniform distribution gives what no rule gives, and rules without meaning are refused",
+    "[pgd]") {
   const SeparatedField field = random_field(3, 2, 4, 5);
   StatisticsOptions options;
   for (const Axis& axis : field.axes()) {
@@ -320,8 +322,11 @@ TEST_CASE("a rule for the uniform distribution gives what no rule gives, and rul
   CHECK_THAT(refusal({Eigen::Vector2d(0.1, 0.2), Eigen::Vector2d(0.5, 0.6)}), Contains("sum to 1.1"));
   CHECK_THAT(refusal({Eigen::Vector2d(0.1, 1.2), Eigen::Vector2d(0.5, 0.5)}), Contains("node 1.2"));
   CHECK_THAT(refusal({Eigen::Vector2d(0.1, 0.2), Eigen::Vector2d(-0.5, 1.5)}), Contains("-0.5"));
-  CHECK_THAT(refusal({Eigen::Vector2d(0.1, 0.2), Eigen::Vector3d(0.5, 0.3, 0.2)}), Contains("one weight a node"));
-  CHECK_THAT(error_text<samara::Error>([&] { statistics(field, {.free_axis = "x0", .distributions = {{"x0", {}}}}); }),
+  CHECK_THAT(refusal({Eigen::Vector2d(0.1, 0.2), Eigen::Vector3d(0.5, 0.3, 0.2)}),
+             Contains("one weight a node"));
+  CHECK_THAT(error_text<samara::Error>([&] {
+               statistics(field, {.free_axis = "x0", .distributions = {{"x0", {}}}});
+             }),
              Contains("free axis"));
 }
 
