@@ -314,6 +314,11 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key) const {
 std::optional<std::string> TomlTable::optional_string(const std::string& key) const {
   return if_present(has(key), [&] { return string(key); });
 }
+std::string TomlTable::choice(const std::string& key, const std::vector<std::string>& known) const {
+  const std::string value = optional_string(key).value_or(known.front());
+  if (std::ranges::find(known, value) != known.end()) return value;
+  throw error(key, "is \"" + value + "\"" + suggestion(value, known));
+}
 std::optional<bool> TomlTable::optional_boolean(const std::string& key) const {
   return if_present(has(key), [&] { return boolean(key); });
 }

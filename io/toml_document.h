@@ -73,6 +73,8 @@ class TomlTable {
   std::vector<TomlTable> tables(const std::string& key) const;
 
   std::optional<std::string> optional_string(const std::string& key) const;
+  /// One of `known`, the first where the key is missing. @throws InputError for another, naming the nearest
+  std::string choice(const std::string& key, const std::vector<std::string>& known) const;
   std::optional<bool> optional_boolean(const std::string& key) const;
   std::optional<std::int64_t> optional_integer(const std::string& key) const;
   std::optional<double> optional_number(const std::string& key) const;

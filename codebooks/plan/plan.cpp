@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,15 +10,14 @@
 #include "samara/base/errors.h"
 #include "samara/base/limits.h"
 #include "samara/base/names.h"
-#include "samara/base/units.h"
 #include "samara/codebooks/book/certificate.h"
 #include "samara/codebooks/model/model_file.h"
+#include "samara/codebooks/plan/plan_body.h"
+#include "samara/codebooks/plan/plan_builder.h"
 #include "samara/codebooks/plan/plan_command.h"
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
 #include "samara/models/equations/equation_model.h"
-#include "samara/pgd/nonlinear/march.h"
-#include "samara/pgd/sampling/leja.h"
 #include "samara/pgd/tensors/random.h"
 
 namespace samara::codebooks {
@@ -143,17 +141,11 @@ std::string read_title(const TomlTable& root) {
                                static_cast<unsigned char>(*bad)));
 }
 
-std::string one_of(const TomlTable& table, const std::string& key, const std::vector<std::string>& known) {
-  const std::string value = table.optional_string(key).value_or(known.front());
-  if (std::find(known.begin(), known.end(), value) != known.end()) return value;
-  throw table.error(key, fmt::format("is \"{}\"{}", value, suggestion(value, known)));
-}
-
 /// Basis and transform of a free coordinate.
 void read_axis_kind(const TomlTable& table, BoxEntry& entry) {
-  entry.basis = pgd::basis_from_string(one_of(table, "basis", pgd::parameter_basis_names()));
+  entry.basis = pgd::basis_from_string(table.choice("basis", pgd::parameter_basis_names()));
   entry.transform =
-      pgd::transform_from_string(one_of(table, "transform", {"none", "log", "reciprocal", "square_root"}));
+      pgd::transform_from_string(table.choice("transform", {"none", "log", "reciprocal", "square_root"}));
   const pgd::BasisTraits& basis = pgd::basis_traits(entry.basis);
   if (!basis.tells_resolution && !entry.nodes)
     throw table.error("basis", fmt::format("is \"{}\", whose nodes the builder cannot choose: expected a key "
@@ -243,99 +235,6 @@ void read_tolerance(const TomlTable& root, const Subject& subject, Plan& plan) {
   }
 }
 
-std::int64_t integer_in(const TomlTable& table, const std::string& key, std::int64_t fallback,
-                        std::int64_t lower, std::int64_t upper) {
-  const std::int64_t value = table.optional_integer(key).value_or(fallback);
-  if (value >= lower && value <= upper) return value;
-  throw table.error(key, fmt::format("is {}, expected {} to {}", value, lower, upper));
-}
-
-std::optional<int> optional_integer_in(const TomlTable& table, const std::string& key, std::int64_t lower,
-                                       std::int64_t upper) {
-  if (!table.has(key)) return std::nullopt;
-  return static_cast<int>(integer_in(table, key, lower, lower, upper));
-}
-
-void read_builder(const TomlTable& root, Plan& plan) {
-  const auto table = root.optional_table("builder");
-  if (!table) return;
-  table->expect_keys(
-      {"kind", "strategy", "max_calls", "max_cells", "max_nodes", "max_rank", "guards", "threads", "seed"});
-  plan.builder.kind = one_of(*table, "kind", {"auto", "pgd", "sampling"});
-  std::vector<std::string> strategies = {"auto", "newton"};
-  const std::vector<std::string>& named = pgd::strategy_names();
-  strategies.insert(strategies.end(), named.begin(), named.end());
-  plan.builder.strategy = one_of(*table, "strategy", strategies);
-  plan.builder.max_calls = integer_in(*table, "max_calls", 0, 0, 1'000'000'000'000);
-  plan.builder.max_cells = static_cast<int>(integer_in(*table, "max_cells", 1, 1, 100'000));
-  plan.builder.max_nodes = optional_integer_in(*table, "max_nodes", 7, 1000);
-  plan.builder.max_rank = optional_integer_in(*table, "max_rank", 1, 10'000);
-  plan.builder.guards = optional_integer_in(*table, "guards", 1, 100'000);
-  plan.builder.threads = static_cast<int>(integer_in(*table, "threads", 0, 0, 1024));
-  plan.builder.seed = static_cast<std::uint64_t>(integer_in(*table, "seed", 1, 0, INT64_MAX));
-}
-
-/// Fields are solved by enrichment, which counts no evaluations and does not split the box.
-void check_builder_fits_field(const TomlTable& root, const Plan& plan) {
-  const BuildRequest::Builder& builder = plan.builder;
-  const auto refuse = [&](const char* key, const std::string& is, const char* why) {
-    throw root.table("builder").error(key, fmt::format("is {}, but {}", is, why));
-  };
-  if (builder.kind == "sampling")
-    refuse("kind", "\"sampling\"", "a field has no trajectories to sample: expected \"pgd\" or \"auto\"");
-  if (builder.strategy != "auto" && builder.strategy != "enrichment") {
-    refuse("strategy", fmt::format("\"{}\"", builder.strategy),
-           "a field is solved by enrichment: expected \"enrichment\" or \"auto\"");
-  }
-  if (builder.max_cells != 1)
-    refuse("max_cells", std::to_string(builder.max_cells), "the box of a field is never split");
-  if (builder.max_calls != 0) {
-    refuse("max_calls", std::to_string(builder.max_calls),
-           "a field is solved without evaluations that could be counted");
-  }
-  for (const auto& [key, value] : {std::pair{"max_nodes", builder.max_nodes},
-                                   {"max_rank", builder.max_rank},
-                                   {"guards", builder.guards}}) {
-    if (value) refuse(key, std::to_string(*value), "the builder of fields chooses that by itself");
-  }
-  for (const BoxEntry& entry : plan.box) {
-    if (entry.basis == pgd::Basis::fourier)
-      throw root.table("box").error(entry.name,
-                                    "has the basis \"fourier\", but a field has no period in a parameter");
-  }
-}
-
-/// Sampling finds nodes by itself, on Chebyshev axes. Commands can only be sampled.
-void check_builder_fits(const TomlTable& root, const Plan& plan) {
-  if (plan.field != nullptr) return check_builder_fits_field(root, plan);
-  if (plan.command && plan.builder.kind == "pgd") {
-    throw root.table("builder").error(
-        "kind", "is \"pgd\", which solves the equations of a model: a command can only be sampled");
-  }
-  if (plan.builder.kind != "sampling" && !plan.command) return;
-  if (plan.builder.strategy != "auto") {
-    throw root.table("builder").error(
-        "strategy", fmt::format("is \"{}\", which is one of the builder \"pgd\", not of \"sampling\"",
-                                plan.builder.strategy));
-  }
-  if (plan.builder.max_cells != 1) {
-    throw root.table("builder").error(
-        "max_cells", fmt::format("is {}, but the builder of kind \"sampling\" never splits the box",
-                                 plan.builder.max_cells));
-  }
-  if (plan.builder.max_nodes && *plan.builder.max_nodes > pgd::kMostLejaPoints) {
-    throw root.table("builder").error("max_nodes",
-                                      fmt::format("is {}, expected at most {} of the builder \"sampling\"",
-                                                  *plan.builder.max_nodes, pgd::kMostLejaPoints));
-  }
-  for (const BoxEntry& entry : plan.box) {
-    if (!entry.prescribes_axis()) continue;
-    throw root.table("box").error(
-        entry.name, fmt::format("prescribes {}, but the builder of kind \"sampling\" chooses that by itself",
-                                entry.nodes ? "nodes" : "a basis"));
-  }
-}
-
 /// A command may be called no oftener for the certificate than for the build.
 void check_assurance_is_allowed(const TomlTable& root, const Plan& plan) {
   if (!plan.command || !plan.assurance) return;
@@ -373,57 +272,6 @@ void read_coordinates(const TomlTable& root, const Subject& subject, Plan& plan)
   }
   if (plan.box.empty())
     throw root.error("box", fmt::format("is empty, expected at least one free {}", subject.what_settable));
-}
-
-models::BodyDescription read_description(const TomlTable& root, const TomlTable& table) {
-  table.expect_keys({"shape", "mesh", "size", "unit", "density", "fluid_density", "added_mass"});
-  models::BodyDescription description;
-  if (table.has("shape") == table.has("mesh"))
-    throw root.error("body", table.has("mesh") ? "has a shape and a mesh, expected one of the two"
-                                               : "has neither a shape nor a mesh, expected one of them");
-  if (table.has("mesh")) {
-    description.shape = (std::filesystem::path(table.file()).parent_path() / table.string("mesh")).string();
-    try {
-      description.unit = quantity_to_si("1 " + table.string("unit"), "m");
-    } catch (const ArgumentError& error) {
-      throw table.error("unit", error.what());
-    }
-  } else {
-    description.shape = one_of(table, "shape", {"ellipsoid", "disc", "plate"});
-    description.sizes = table.quantities("size", "m");
-  }
-  if (table.has("mesh") && table.has("size"))
-    throw table.error("size", "is of a shape only: a mesh has its own");
-  if (!table.has("mesh") && table.has("unit"))
-    throw table.error("unit", "is of a mesh only: what one unit of its file means");
-  description.density = table.quantity("density", "kg/m^3");
-  description.fluid_density = table.quantity("fluid_density", "kg/m^3");
-  if (table.has("added_mass")) description.added_mass = one_of(table, "added_mass", {"panels", "ellipsoid"});
-  return description;
-}
-
-/// What a body is, of which [fixed] and [box] say nothing.
-void read_body(const TomlTable& root, const Subject& subject, const BodyReader& body_reader, Plan& plan) {
-  const auto table = root.optional_table("body");
-  if (!table) return;
-  if (!subject.model || subject.model->info().name != "kirchhoff_body")
-    throw root.error(
-        "body",
-        fmt::format("is of a body for the model \"kirchhoff_body\", the plan is one of {}", subject.name));
-  if (!body_reader) throw root.error("body", "cannot be read: this program knows no bodies");
-  const models::BodyDescription description = read_description(root, *table);
-  std::map<std::string, double> parameters;
-  try {
-    parameters = body_reader(description);
-  } catch (const ArgumentError& error) {
-    throw root.error("body", error.what());
-  }
-  for (const auto& [name, value] : parameters) {
-    const bool is_free =
-        std::ranges::any_of(plan.box, [&](const BoxEntry& entry) { return entry.name == name; });
-    if (is_free || !plan.fixed.emplace(name, value).second) continue;
-    plan.of_body[name] = value;
-  }
 }
 
 /// A command may do without time.
@@ -544,11 +392,10 @@ Plan parse_plan(const std::string& text, const std::string& name,
   if (subject.info() != nullptr) plan.model = subject.info()->name;
   plan.title = read_title(root);
   read_coordinates(root, subject, plan);
-  read_body(root, subject, body_reader, plan);
+  read_body(root, body_reader, plan);
   read_time(root, subject, plan);
   read_tolerance(root, subject, plan);
   read_builder(root, plan);
-  check_builder_fits(root, plan);
   check_assurance_is_allowed(root, plan);
   check_complete(root, plan);
   return plan;
