@@ -59,4 +59,27 @@ std::string in_quotes(std::string_view text) {
   return quote.append(shown == text.size() ? "\"" : "...\"");
 }
 
+std::string escaped_for_markup(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
 }  // namespace samara

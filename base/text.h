@@ -33,4 +33,7 @@ std::string lower_case(std::string_view text);
 /// The text in double quotes for a message: cut when it is long, control characters as \x0a.
 std::string in_quotes(std::string_view text);
 
+/// For the texts and attributes of HTML and XML.
+std::string escaped_for_markup(std::string_view text);
+
 }  // namespace samara

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/text.h"
 
 namespace samara::io {
 
@@ -23,26 +24,6 @@ int shape_of(Eigen::Index corners) {
     default:
       throw ArgumentError(fmt::format("cells have {} corners, expected 2, 3 or 4", corners));
   }
-}
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
 }
 
 /// Numbers, column by column, a column a line.
@@ -92,7 +73,8 @@ std::string format_vtu(const VtkGrid& grid, const std::vector<VtkField>& fields)
                       points.cols(), count);
   text += "<PointData>\n";
   for (const VtkField& field : fields)
-    append_array(text, "Float64", fmt::format("Name=\"{}\"", escaped(field.name)), field.values.transpose());
+    append_array(text, "Float64", fmt::format("Name=\"{}\"", escaped_for_markup(field.name)),
+                 field.values.transpose());
   text += "</PointData>\n<Points>\n";
   append_array(text, "Float64", "NumberOfComponents=\"3\"", points);
   text += "</Points>\n<Cells>\n";
@@ -106,7 +88,8 @@ std::string format_vtu(const VtkGrid& grid, const std::vector<VtkField>& fields)
 std::string format_pvd(const std::vector<VtkStep>& steps) {
   std::string text = fmt::format(kHead, "Collection") + "<Collection>\n";
   for (const VtkStep& step : steps)
-    text += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", step.time, escaped(step.file));
+    text += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", step.time,
+                        escaped_for_markup(step.file));
   return text + "</Collection>\n</VTKFile>\n";
 }
 

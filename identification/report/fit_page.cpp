@@ -6,34 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "page_parts.h"
+#include "samara/base/text.h"
 #include "samara/identification/report/fit_report.h"
 
 namespace samara::identification {
 
 namespace {
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
 
 /// JSON that no text inside can end as a script: "<" as an escape, which JSON reads as the same.
 std::string for_script(const std::string& json) {
@@ -59,10 +37,10 @@ std::string fit_html(const FitResult& result) {
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 )";
-  page += fmt::format("<title>Fit of {}</title>\n", escaped(result.model));
+  page += fmt::format("<title>Fit of {}</title>\n", escaped_for_markup(result.model));
   page += fmt::format("<style>\n{}\n{}</style>\n</head>\n<body>\n", page::kChartStyle, page::kStyle);
   page += fmt::format("<h1>Fit of {}</h1>\n<noscript><p>{}</p><p>The rest needs JavaScript.</p></noscript>\n",
-                      escaped(result.model), escaped(result.message));
+                      escaped_for_markup(result.model), escaped_for_markup(result.message));
   page += "<main id=\"report\"></main>\n<pre id=\"errors\" hidden></pre>\n";
   page += fmt::format("<!-- The charts are drawn by uPlot:\n{}-->\n", page::kChartLicence);
   page += fmt::format("<script type=\"application/json\" id=\"fit\">{}</script>\n", for_script(data));
