@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include <unsupported/Eigen/KroneckerProduct>
+
 #include "cases.h"
 #include "samara/pgd/axes/axis.h"
 #include "samara/pgd/linear/sparse_solver.h"
@@ -16,22 +18,7 @@ using pgd::SparseMatrix;
 using pgd::SparseSolverKind;
 
 SparseMatrix kronecker(const SparseMatrix& a, const SparseMatrix& b) {
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(static_cast<std::size_t>(a.nonZeros() * b.nonZeros()));
-  for (int i = 0; i < a.outerSize(); ++i) {
-    for (SparseMatrix::InnerIterator in_a(a, i); in_a; ++in_a) {
-      for (int j = 0; j < b.outerSize(); ++j) {
-        for (SparseMatrix::InnerIterator in_b(b, j); in_b; ++in_b) {
-          entries.emplace_back(static_cast<int>(in_a.row() * b.rows() + in_b.row()),
-                               static_cast<int>(in_a.col() * b.cols() + in_b.col()),
-                               in_a.value() * in_b.value());
-        }
-      }
-    }
-  }
-  SparseMatrix result(a.rows() * b.rows(), a.cols() * b.cols());
-  result.setFromTriplets(entries.begin(), entries.end());
-  return result;
+  return Eigen::kroneckerProduct(a, b);
 }
 
 struct Line {

@@ -1,6 +1,7 @@
 #include "samara/pgd/linear/sparse_solver.h"
 
 #include <catch2/catch.hpp>
+#include <unsupported/Eigen/KroneckerProduct>
 
 #include "samara/base/errors.h"
 #include "samara/pgd/axes/axis.h"
@@ -99,21 +100,7 @@ TEST_CASE("one analysis serves matrices of one pattern") {
 namespace {
 
 SparseMatrix kronecker(const SparseMatrix& a, const SparseMatrix& b) {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < a.outerSize(); ++i) {
-    for (SparseMatrix::InnerIterator in_a(a, i); in_a; ++in_a) {
-      for (int j = 0; j < b.outerSize(); ++j) {
-        for (SparseMatrix::InnerIterator in_b(b, j); in_b; ++in_b) {
-          entries.emplace_back(static_cast<int>(in_a.row() * b.rows() + in_b.row()),
-                               static_cast<int>(in_a.col() * b.cols() + in_b.col()),
-                               in_a.value() * in_b.value());
-        }
-      }
-    }
-  }
-  SparseMatrix result(a.rows() * b.rows(), a.cols() * b.cols());
-  result.setFromTriplets(entries.begin(), entries.end());
-  return result;
+  return Eigen::kroneckerProduct(a, b);
 }
 
 struct Form {
