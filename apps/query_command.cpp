@@ -110,15 +110,16 @@ class Derived {
   void add(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values,
            Eigen::Ref<Eigen::MatrixXd> slopes) {
     if (!evaluator_) return;
+    evaluator_->set(x.subspan(1));
     const Eigen::VectorXd states = values(states_);
     const std::span<const double> in(states.data(), states_.size());
     const Eigen::Index count = std::ssize(labels_);
     const std::span<double> y(values.data() + values.size() - count, labels_.size());
     if (slopes.cols() == 0) {
-      evaluator_->evaluate(x[0], in, x.subspan(1), y);
+      evaluator_->evaluate(x[0], in, y);
     } else {
       const Eigen::MatrixXd by_all = slopes(states_, Eigen::all);
-      evaluator_->evaluate(x[0], in, x.subspan(1), by_all, coordinates_, y, slopes.bottomRows(count));
+      evaluator_->evaluate(x[0], in, by_all, coordinates_, y, slopes.bottomRows(count));
     }
   }
 

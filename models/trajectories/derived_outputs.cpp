@@ -20,17 +20,18 @@ DerivedOutputs::DerivedOutputs(const ParametricModel& model) : model_(model) {
   dy_dp_.resize(outputs, static_cast<Eigen::Index>(info.parameters.size()));
 }
 
-void DerivedOutputs::evaluate(double t, std::span<const double> x, std::span<const double> q,
-                              std::span<double> y) {
+void DerivedOutputs::set(std::span<const double> q) {
   model_.parameter_values(q, p_);
+}
+
+void DerivedOutputs::evaluate(double t, std::span<const double> x, std::span<double> y) const {
   model_.model().outputs(t, x, p_, y);
 }
 
-void DerivedOutputs::evaluate(double t, std::span<const double> x, std::span<const double> q,
+void DerivedOutputs::evaluate(double t, std::span<const double> x,
                               const Eigen::Ref<const Eigen::MatrixXd>& x_slopes,
                               std::span<const int> coordinates, std::span<double> y,
                               Eigen::Ref<Eigen::MatrixXd> y_slopes) {
-  model_.parameter_values(q, p_);
   model_.model().outputs_with_derivatives(t, x, p_, y, dy_dt_, dy_dx_, dy_dp_);
   y_slopes.noalias() = dy_dx_ * x_slopes;
   for (std::size_t k = 0; k < coordinates.size(); ++k) {
@@ -73,6 +74,7 @@ class DerivedSource final : public TrajectorySource {
 
   TrajectoryOutcome evaluate(std::span<const double> q, Eigen::MatrixXd& values,
                              Eigen::MatrixXd* derivatives) override {
+    derived_.set(q);
     TrajectoryOutcome outcome = states_->evaluate(q, values_, derivatives ? &derivatives_ : nullptr);
     const Eigen::Index outputs = std::ssize(places_), states = values_.cols();
     for (Eigen::Index i = 0; i < values_.rows(); ++i) {
@@ -81,9 +83,9 @@ class DerivedSource final : public TrajectorySource {
       if (derivatives) {
         for (Eigen::Index k = 0; k < x_slopes_.cols(); ++k)
           x_slopes_.col(k) = derivatives_.row(i).segment(states * k, states).transpose();
-        derived_.evaluate(t, x_, q, x_slopes_, coordinates_, y_, y_slopes_);
+        derived_.evaluate(t, x_, x_slopes_, coordinates_, y_, y_slopes_);
       } else {
-        derived_.evaluate(t, x_, q, y_);
+        derived_.evaluate(t, x_, y_);
       }
       for (Eigen::Index o = 0; o < outputs; ++o) {
         const auto [is_derived, index] = places_[static_cast<std::size_t>(o)];

@@ -20,13 +20,15 @@ class DerivedOutputs {
 
   int count() const { return static_cast<int>(y_.size()); }
 
-  /// @param t s  @param x all states  @param q the free coordinates of the model  @param y outputs
-  void evaluate(double t, std::span<const double> x, std::span<const double> q, std::span<double> y);
+  /// What follows is at this point. @param q the free coordinates of the model
+  void set(std::span<const double> q);
+
+  /// @param t s  @param x all states  @param y outputs
+  void evaluate(double t, std::span<const double> x, std::span<double> y) const;
   /// @param x_slopes states x n: derivatives of the states by anything  @param y_slopes outputs x n: that of the outputs
   /// @param coordinates which free coordinate of the model each of the n is; -1: the time
-  void evaluate(double t, std::span<const double> x, std::span<const double> q,
-                const Eigen::Ref<const Eigen::MatrixXd>& x_slopes, std::span<const int> coordinates,
-                std::span<double> y, Eigen::Ref<Eigen::MatrixXd> y_slopes);
+  void evaluate(double t, std::span<const double> x, const Eigen::Ref<const Eigen::MatrixXd>& x_slopes,
+                std::span<const int> coordinates, std::span<double> y, Eigen::Ref<Eigen::MatrixXd> y_slopes);
 
  private:
   const ParametricModel& model_;

@@ -112,6 +112,7 @@ py::tuple simulate(const py::object& which, const std::map<std::string, double>&
       problems[static_cast<std::size_t>(i)] =
           fmt::format("{}; values after t = {:.6g} are NaN", trajectory.message, trajectory.reached);
     models::DerivedOutputs derived(model);
+    derived.set(q);
     std::vector<double> all(static_cast<std::size_t>(outputs));
     const std::span<double> x(all.data(), static_cast<std::size_t>(n)),
         y(all.data() + n, all.size() - x.size());
@@ -127,9 +128,9 @@ py::tuple simulate(const py::object& which, const std::map<std::string, double>&
         std::ranges::fill(y, kNaN);
         y_slopes.setConstant(kNaN);
       } else if (sensitivities) {
-        derived.evaluate(time, x, q, x_slopes, coordinates, y, y_slopes);
+        derived.evaluate(time, x, x_slopes, coordinates, y, y_slopes);
       } else {
-        derived.evaluate(time, x, q, y);
+        derived.evaluate(time, x, y);
       }
       std::ranges::copy(all, to + (i * t + row) * outputs);
       if (!sensitivities) continue;
