@@ -4,6 +4,8 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -20,6 +22,7 @@
 #include "samara/identification/report/fit_report.h"
 #include "samara/identification/report/read_fit.h"
 #include "samara/identification/series/series_config.h"
+#include "samara/io/text_file.h"
 #include "samara/models/checks/parameter_warnings.h"
 #include "samara/models/trajectories/reference_trajectories.h"
 #include "samara/models/trajectories/step_trajectories.h"
@@ -105,26 +108,16 @@ void take_over(const FitRequest& request, ConfigNames names, std::map<std::strin
   }
 }
 
-bool has_config(const FitRequest& request) {
-  return !request.config.empty() || !request.config_text.empty();
-}
+/// The config, from its file or from memory.
+struct ConfigText {
+  std::string text;
+  std::string name;  ///< for messages
+};
 
-/// The name of the config for messages, where it came as text.
-constexpr const char* kConfigText = "the config";
-
-FitOptions options_of(const FitRequest& request, const ConfigNames& names) {
-  return request.config.empty() ? parse_fit_config(request.config_text, kConfigText, names)
-                                : read_fit_config(request.config, names);
-}
-
-std::optional<SeriesOptions> series_of_config(const FitRequest& request, const ConfigNames& names) {
-  return request.config.empty() ? parse_series_config(request.config_text, kConfigText, names)
-                                : read_series_config(request.config, names);
-}
-
-PredictionConfig prediction_config_of(const FitRequest& request) {
-  return request.config.empty() ? parse_prediction_config(request.config_text, kConfigText)
-                                : read_prediction_config(request.config);
+std::optional<ConfigText> config_of(const FitRequest& request) {
+  if (!request.config.empty()) return ConfigText{io::read_text_file(request.config), request.config.string()};
+  if (request.config_text.empty()) return std::nullopt;
+  return ConfigText{request.config_text, "the config"};
 }
 
 void warn_of_missed_tolerance(const codebooks::Codebook& book, const std::string& name, FitSource& source) {
@@ -151,19 +144,20 @@ void open_model(const FitRequest& request, FitSource& source) {
     throw ArgumentError(fmt::format(
         "--reference says how to fit a codebook; the model \"{}\" is integrated anyway", model->info().name));
   }
-  if (!has_config(request)) {
+  const std::optional<ConfigText> config = config_of(request);
+  if (!config) {
     throw ArgumentError(fmt::format("the fit of the model \"{}\" needs --config with a [box] of what is free",
                                     model->info().name));
   }
   const ConfigNames names = config_names(model->info());
-  source.options = options_of(request, names);
+  source.options = parse_fit_config(config->text, config->name, names);
   take_over(request, names, source.options.unknowns.box, source);
   std::map<std::string, double> values = fixed_of_model(source.options);
   for (const auto& [name, interval] : source.options.unknowns.box)
     values.emplace(name, 0.5 * (interval.lower + interval.upper));
   source.warnings.add_all(WarningKind::source, models::parameter_warnings(*model, values));
   source.model = model;
-  source.series = series_of_config(request, names);
+  source.series = parse_series_config(config->text, config->name, names);
   source.family = of_file(request.config, [&] {
     const FitOptions& options = source.options;
     const std::vector<std::string> measurement = measurement_names(options);
@@ -183,10 +177,15 @@ void open_codebook(const FitRequest& request, FitSource& source) {
   source.book = request.book ? request.book
                              : std::make_shared<const codebooks::Codebook>(codebooks::load(request.source));
   const ConfigNames names = config_names(*source.book);
-  if (has_config(request)) {
-    source.options = options_of(request, names);
-    if (series_of_config(request, names)) {
-      throw InputError(request.config.empty() ? kConfigText : request.config.string(),
+  if (const std::optional<ConfigText> config = config_of(request)) {
+    source.options = parse_fit_config(config->text, config->name, names);
+    if (!source.options.solver.codebook.empty()) {
+      throw InputError(config->name,
+                       fmt::format("codebook: \"{}\" is one itself; the name of its model was expected",
+                                   name_of(request)));
+    }
+    if (parse_series_config(config->text, config->name, names)) {
+      throw InputError(config->name,
                        fmt::format("[series] needs equations whose coefficients may change, and \"{}\" is a "
                                    "codebook; the name of its model, \"{}\", was expected",
                                    name_of(request), source.book->model().name));
@@ -199,10 +198,6 @@ void open_codebook(const FitRequest& request, FitSource& source) {
         narrowed == source.options.unknowns.box.end() ? models::Interval{c.lower, c.upper} : narrowed->second;
   }
   take_over(request, names, box, source);
-  if (!source.options.solver.codebook.empty())
-    throw InputError(
-        request.config.empty() ? kConfigText : request.config.string(),
-        fmt::format("codebook: \"{}\" is one itself; the name of its model was expected", name_of(request)));
   warn_of_missed_tolerance(*source.book, name_of(request), source);
   source.family = of_file(request.source, [&] {
     if (request.reference) return codebooks::reference_trajectories(*source.book);
@@ -250,7 +245,8 @@ FitSource open_fit_source(const FitRequest& request) {
   FitSource source;
   if (request.book && request.model)
     throw ArgumentError("a fit of a codebook and of a model: one was expected");
-  if (has_config(request)) source.prediction = prediction_config_of(request);
+  if (const std::optional<ConfigText> config = config_of(request))
+    source.prediction = parse_prediction_config(config->text, config->name);
   if (request.model || (!request.book && is_model(request.source))) {
     open_model(request, source);
   } else {

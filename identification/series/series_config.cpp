@@ -54,10 +54,6 @@ std::optional<SeriesOptions> read_series(const TomlTable& root, const ConfigName
 
 }  // namespace
 
-std::optional<SeriesOptions> read_series_config(const std::filesystem::path& path, const ConfigNames& names) {
-  return read_series(TomlTable::read(path), names);
-}
-
 std::optional<SeriesOptions> parse_series_config(std::string_view text, const std::string& name,
                                                  const ConfigNames& names) {
   return read_series(TomlTable::parse(text, name), names);

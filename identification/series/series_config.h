@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,10 +17,9 @@
 ///     smoothness = { C_R = 0.2 }                      # their size; else the captures choose
 namespace samara::identification {
 
-/// Empty if the file has no table [series].
+/// Empty if the text of the config has no table [series].
+/// @param name stands for the file in messages
 /// @throws InputError as read_fit_config()
-std::optional<SeriesOptions> read_series_config(const std::filesystem::path& path, const ConfigNames& names);
-/// The same from a text. @param name stands for the file in messages.
 std::optional<SeriesOptions> parse_series_config(std::string_view text, const std::string& name,
                                                  const ConfigNames& names);
 
