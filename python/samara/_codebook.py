@@ -149,7 +149,8 @@ class Codebook:
             return answer
         values, slopes = answer if gradient else (answer, None)
         chosen = [o for n in outputs for o in self._outputs if o.name == n] if outputs else self._outputs
-        return _labels.labelled(labels, q, self.parameters, frames, self._coordinates[0], values, slopes, chosen)
+        answer = _labels.Answer(q, self.parameters, frames, self._coordinates[0], values, slopes, chosen)
+        return answer.labelled(labels)
 
     def at(
         self,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Sequence
+from dataclasses import dataclass
 from types import ModuleType
 from typing import Any, Optional
 
@@ -21,34 +22,30 @@ def optional(name: str) -> ModuleType:
         raise MissingPackageError(f"{name} is not installed, and this answer needs it", name=name) from None
 
 
-def labelled(
-    kind: str,
-    q: NDArray[np.float64],
-    parameters: Sequence[Any],
-    frames: Optional[NDArray[np.float64]],
-    time: Any,
-    values: NDArray[np.float64],
-    slopes: Optional[NDArray[np.float64]],
-    outputs: Sequence[Any],
-) -> Any:
-    """The answer of ``Codebook.query``: values (.., [times,] outputs), slopes (.., [times,] outputs, parameters)."""
-    if frames is not None and frames.ndim == 0:
-        frames = frames.reshape(1)
-        values = values[..., None, :]
-        slopes = None if slopes is None else slopes[..., None, :, :]
-    make = _frame if kind == "pandas" else _dataset
-    return make(q, parameters, frames, time, values, slopes, outputs)
+@dataclass
+class Answer:
+    """Of ``Codebook.query``: values (.., [times,] outputs), slopes (.., [times,] outputs, parameters)."""
+
+    q: NDArray[np.float64]
+    parameters: Sequence[Any]
+    frames: Optional[NDArray[np.float64]]
+    time: Any
+    values: NDArray[np.float64]
+    slopes: Optional[NDArray[np.float64]]
+    outputs: Sequence[Any]
+
+    def labelled(self, kind: str) -> Any:
+        """As a DataFrame ("pandas") or a Dataset ("xarray")."""
+        if self.frames is not None and self.frames.ndim == 0:
+            self.frames = self.frames.reshape(1)
+            self.values = self.values[..., None, :]
+            self.slopes = None if self.slopes is None else self.slopes[..., None, :, :]
+        return _frame(self) if kind == "pandas" else _dataset(self)
 
 
-def _frame(
-    q: NDArray[np.float64],
-    parameters: Sequence[Any],
-    frames: Optional[NDArray[np.float64]],
-    time: Any,
-    values: NDArray[np.float64],
-    slopes: Optional[NDArray[np.float64]],
-    outputs: Sequence[Any],
-) -> Any:
+def _frame(answer: Answer) -> Any:
+    q, parameters, frames, time = answer.q, answer.parameters, answer.frames, answer.time
+    values, slopes, outputs = answer.values, answer.slopes, answer.outputs
     pandas = optional("pandas")
     shape = values.shape[:-1]
     columns = {}
@@ -68,15 +65,9 @@ def _frame(
     return frame
 
 
-def _dataset(
-    q: NDArray[np.float64],
-    parameters: Sequence[Any],
-    frames: Optional[NDArray[np.float64]],
-    time: Any,
-    values: NDArray[np.float64],
-    slopes: Optional[NDArray[np.float64]],
-    outputs: Sequence[Any],
-) -> Any:
+def _dataset(answer: Answer) -> Any:
+    q, parameters, frames, time = answer.q, answer.parameters, answer.frames, answer.time
+    values, slopes, outputs = answer.values, answer.slopes, answer.outputs
     xarray = optional("xarray")
     count = q.ndim - 1
     samples = ("sample",) if count == 1 else tuple(f"sample_{k}" for k in range(count))
