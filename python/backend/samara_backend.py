@@ -40,12 +40,30 @@ def cmake(*arguments):
     subprocess.run(["cmake", *map(str, arguments)], check=True, stdout=sys.stderr)
 
 
+def information_files():
+    """What every wheel says of itself, path in the wheel -> bytes."""
+    information = f"{NAME}.dist-info"
+    return {f"{information}/METADATA": metadata().encode(),
+            f"{information}/LICENSE": (ROOT / "LICENSE").read_bytes(),
+            f"{information}/WHEEL": f"Wheel-Version: 1.0\nGenerator: samara\nRoot-Is-Purelib: false\nTag: {TAG}\n".encode()}
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    """Without a build: pip asks for it first, and may then find that a requirement is missing."""
+    for path, data in information_files().items():
+        target = pathlib.Path(metadata_directory) / path
+        target.parent.mkdir(exist_ok=True)
+        target.write_bytes(data)
+    return f"{NAME}.dist-info"
+
+
+prepare_metadata_for_build_editable = prepare_metadata_for_build_wheel
+
+
 def write_wheel(folder, files):
     """@param files: path in the wheel -> bytes"""
     information = f"{NAME}.dist-info"
-    files = {**files, f"{information}/METADATA": metadata().encode(),
-             f"{information}/LICENSE": (ROOT / "LICENSE").read_bytes(),
-             f"{information}/WHEEL": f"Wheel-Version: 1.0\nGenerator: samara\nRoot-Is-Purelib: false\nTag: {TAG}\n".encode()}
+    files = {**files, **information_files()}
     record = ""
     name = f"{NAME}-{TAG}.whl"
     with zipfile.ZipFile(os.path.join(folder, name), "w", zipfile.ZIP_DEFLATED) as wheel:

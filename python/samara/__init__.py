@@ -7,7 +7,7 @@
     book = samara.build("plan.toml")                      # or samara.Codebook.open("coin.h5")
     v, dv = book.query({"C_D": 1.15, "v(0)": "10 cm/s"}, times=[0.1, 0.2], gradient=True)
     result = samara.fit(book, ["coin.toml"], "fit.toml")
-    print(result.coefficients["C_D"])
+    print(result["C_D"])
 
 Numbers are in SI; where one is expected, a text with a unit will do. Errors are Python's own kinds, too: see ``samara.Error``.
 """
@@ -17,7 +17,7 @@ from ._errors import ArgumentError, Error, InputError, MissingPackageError, NoRe
 from ._building import build, separate
 from ._codebook import Codebook
 from ._contents import Axis, Build, Certificate, Coordinate, Group, Output, OutputError, Piece, Statistics
-from ._fitting import CaptureFit, Coefficients, Coefficient, FitResult, Unknown, fit
+from ._fitting import CaptureFit, Coefficient, FitResult, Unknown, fit
 from ._models import Model, ModelInfo, Parameter, Simulation, State, models, simulate
 
 __all__ = [
@@ -28,7 +28,6 @@ __all__ = [
     "Certificate",
     "Codebook",
     "Coefficient",
-    "Coefficients",
     "Coordinate",
     "Error",
     "FitResult",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pathlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Optional, Union
 
@@ -41,39 +41,6 @@ class Coefficient:
     at_bound: bool
     determined: bool
     verdict: str
-
-
-class Coefficients(Mapping[str, Coefficient]):
-    """Coefficients by name, or by place."""
-
-    def __init__(self, coefficients: Sequence[Coefficient]) -> None:
-        self._all = tuple(coefficients)
-
-    def __getitem__(self, key: Union[str, int]) -> Coefficient:
-        if isinstance(key, int):
-            return self._all[key]
-        for c in self._all:
-            if c.name == key:
-                return c
-        raise KeyError(key)
-
-    def __iter__(self) -> Iterator[Any]:
-        return iter(c.name for c in self._all)
-
-    def __len__(self) -> int:
-        return len(self._all)
-
-    def __repr__(self) -> str:
-        return "\n".join(f"{c.name}{_html.unit(c.unit)}: {c.verdict}" for c in self._all)
-
-    def to_frame(self) -> Any:
-        """A pandas.DataFrame with a row for each, by name."""
-        pandas = optional("pandas")
-        rows = [{**vars(c), "interval_lower": c.interval[0] if c.interval else np.nan,
-                 "interval_upper": c.interval[1] if c.interval else np.nan} for c in self._all]
-        columns = ["name", "unit", "value", "standard_error", "interval_lower", "interval_upper", "verdict",
-                   "naive_standard_error", "lower", "upper", "at_bound", "determined"]
-        return pandas.DataFrame(rows, columns=columns).set_index("name")
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,12 +86,10 @@ class FitResult:
         series = fit.series_json()
         self.series: Optional[dict[str, Any]] = None if series is None else json.loads(series)
         """Coefficients that change in time, where the config asks for some."""
-        self._coefficients = Coefficients(
-            [
-                self._coefficient(c, widened)
-                for c, widened in zip(self.raw["coefficients"], fit.widened_errors)
-            ]
-        )
+        self._coefficients = {
+            c["name"]: self._coefficient(c, widened)
+            for c, widened in zip(self.raw["coefficients"], fit.widened_errors)
+        }
         self._unknowns: Optional[tuple[Unknown, ...]] = None
 
     @property
@@ -144,9 +109,23 @@ class FitResult:
     def warnings(self) -> tuple[str, ...]:
         return tuple(self.raw["warnings"])
 
+    def __getitem__(self, name: str) -> Coefficient:
+        """One coefficient by name; ``coefficients`` is the table of all."""
+        return self._coefficients[name]
+
     @property
-    def coefficients(self) -> Coefficients:
-        return self._coefficients
+    def coefficients(self) -> Any:
+        """A pandas.DataFrame with a row for each coefficient, by name: value, standard error, interval, verdict .. as in
+        ``Coefficient``. NaN where there is nothing to give.
+
+        :raises MissingPackageError: (an ``ImportError``) without pandas; ``result["C_D"]`` needs none
+        """
+        rows = [{**vars(c), "interval_lower": c.interval[0] if c.interval else np.nan,
+                 "interval_upper": c.interval[1] if c.interval else np.nan} for c in self._coefficients.values()]
+        columns = ["name", "unit", "value", "standard_error", "interval_lower", "interval_upper", "verdict",
+                   "naive_standard_error", "lower", "upper", "at_bound", "determined"]
+        table = optional("pandas").DataFrame(rows, columns=columns).set_index("name")
+        return table.astype({"standard_error": float, "naive_standard_error": float})
 
     @property
     def covariance(self) -> NDArray[np.float64]:
@@ -259,7 +238,7 @@ class FitResult:
         return f"<samara.FitResult {self.status}: {values}>"
 
     def _repr_html_(self) -> str:
-        return _html.fit(self)
+        return _html.fit(self, self._coefficients.values())
 
     def _coefficient(self, c: dict[str, Any], widened: Optional[float]) -> Coefficient:
         interval = None if widened is None else (c["value"] - 2.0 * widened, c["value"] + 2.0 * widened)

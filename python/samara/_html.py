@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ._codebook import Codebook
-    from ._fitting import FitResult
+    from ._fitting import Coefficient, FitResult
 
 
 def unit(text: str) -> str:
@@ -64,10 +64,10 @@ def codebook(book: "Codebook", outlines: list[dict[str, Any]]) -> str:
     )
 
 
-def fit(result: "FitResult") -> str:
+def fit(result: "FitResult", coefficients: Iterable["Coefficient"]) -> str:
     rows = (
         (c.name, c.unit, f"{c.value:.6g}", "" if c.standard_error is None else f"{c.standard_error:.2g}", c.verdict)
-        for c in result.coefficients.values()
+        for c in coefficients
     )
     warnings = "".join(f"<li>{html.escape(w)}</li>" for w in result.warnings)
     return (

@@ -29,11 +29,10 @@ def test_a_fit_is_that_of_the_command(coin_path, result, tmp_path):
     told = json.loads(command("fit", coin_path, COIN / "coin.toml", "--config", COIN / "fit.toml", "--profiles", "--json").stdout)
     assert without_times(result.raw) == without_times(told)
     assert result.is_usable and result.status == "converged"
-    C = result.coefficients["C_D"]
+    C = result["C_D"]
     assert (C.value, C.standard_error, C.verdict) == tuple(
         told["coefficients"][0][k] for k in ("value", "standard_error", "verdict"))
     assert list(C.interval) == told["profiles"][0]["interval"]
-    assert result.coefficients[0] is C and list(result.coefficients) == ["C_D"]
     np.testing.assert_array_equal(result.covariance, told["covariance"])
     assert len(result.captures) == 10 and set(result.captures[0].own) == {"v(0)", "offset of x"}
     config = tomllib.loads((COIN / "fit.toml").read_text())
@@ -113,18 +112,18 @@ def test_an_interval_is_as_open_as_its_profile():
         x = np.exp(-0.02 * t) + noise * np.random.default_rng(1).normal(size=21)
         fitted = samara.fit(own, {"t[s]": t, "x[m]": x}, {"box": {"k": [0.0, 2.0]}, "loss": {"kind": "none"}, "starts": 1},
                             profiles=True)
-        interval = fitted.coefficients["k"].interval
+        interval = fitted["k"].interval
         assert tuple(map(np.isinf, interval)) == is_open, interval
         for end, found in zip(interval, fitted.profiles["k"]["interval"]):
             assert np.isinf(end) if found is None else end == found
-        assert interval[0] < fitted.coefficients["k"].value < interval[1]
+        assert interval[0] < fitted["k"].value < interval[1]
 
 
 def test_scipy_finds_the_coefficients_of_the_fit(result):
     optimize = pytest.importorskip("scipy.optimize")
     found = optimize.least_squares(result.residuals, result.middle, result.jacobian, result.bounds, x_scale="jac",
                                    xtol=1e-12, ftol=1e-12, gtol=1e-12)
-    C = result.coefficients["C_D"]
+    C = result["C_D"]
     assert abs(found.x[0] - C.value) < 0.01 * C.standard_error
 
 
@@ -143,10 +142,10 @@ def test_tables_in_memory_are_fitted_as_their_files(coin, tmp_path):
     config = {"outputs": ["x"], "loss": {"kind": "huber", "scale": "1 mm"}}
     memory = samara.fit(coin, tables, config)
     files = samara.fit(coin, sorted(tmp_path.glob("*.csv")), config)
-    assert memory.coefficients["C_D"].value == pytest.approx(files.coefficients["C_D"].value, rel=1e-9)
-    assert memory.coefficients["C_D"].standard_error == pytest.approx(files.coefficients["C_D"].standard_error, rel=1e-6)
+    assert memory["C_D"].value == pytest.approx(files["C_D"].value, rel=1e-9)
+    assert memory["C_D"].standard_error == pytest.approx(files["C_D"].standard_error, rel=1e-6)
     assert [c.id for c in memory.captures] == ["drop0", "drop1", "drop2"]
-    assert memory.coefficients["C_D"].value == pytest.approx(1.3, abs=0.02)
+    assert memory["C_D"].value == pytest.approx(1.3, abs=0.02)
 
 
 def test_frames_are_captures_and_coefficients_become_one(coin):
@@ -155,10 +154,13 @@ def test_frames_are_captures_and_coefficients_become_one(coin):
     x = coin.query({"C_D": [1.3, 1.3], "v(0)": [0.0, 0.1]}, t, outputs=["x"])[..., 0]
     frames = [pandas.DataFrame({"t[s]": t, "x[m]": row, "drop": str(k)}) for k, row in enumerate(x)]
     fitted = samara.fit(coin, frames, {"outputs": ["x"], "cluster_by": ["drop"]})
-    table = fitted.coefficients.to_frame()
+    table = fitted.coefficients
     assert table.loc["C_D", "value"] == pytest.approx(1.3, rel=1e-6)
     assert fitted.raw["clusters"] == 2
-    assert set(table.columns) >= {"interval_lower", "interval_upper", "verdict"}
+    assert list(table.index) == ["C_D"]
+    row, one = table.loc["C_D"], fitted["C_D"]
+    assert (row.unit, row.verdict, row.determined) == (one.unit, one.verdict, one.determined)
+    assert (row.interval_lower, row.interval_upper) == one.interval and row.standard_error == one.standard_error
 
 
 def test_a_model_in_python_is_fitted():
@@ -168,8 +170,8 @@ def test_a_model_in_python_is_fitted():
     fitted = samara.fit(model(), tables, {"box": {"stiffness": [4.0, 10.0], "damping": [0.0, 1.0]}, "outputs": ["place"],
                                           "loss": {"kind": "none"}, "starts": 1})
     assert fitted.is_usable, str(fitted)
-    assert fitted.coefficients["stiffness"].value == pytest.approx(7.0, abs=2e-3)
-    assert fitted.coefficients["damping"].value == pytest.approx(0.3, abs=2e-3)
+    assert fitted["stiffness"].value == pytest.approx(7.0, abs=2e-3)
+    assert fitted["damping"].value == pytest.approx(0.3, abs=2e-3)
     r = fitted.residuals(fitted.answer)
     assert 0.5 * r @ r == pytest.approx(fitted.raw["cost"], rel=1e-9)
 
@@ -187,7 +189,7 @@ def test_what_a_model_raises_comes_back_from_its_fit_and_its_residuals():
     table = {"t[s]": t, "x[m]": np.exp(-2 * t)}
     config = {"box": {"k": [1.0, 4.0]}, "loss": {"kind": "none"}, "starts": 1}
     fitted = samara.fit(own, table, config)
-    assert fitted.coefficients["k"].value == pytest.approx(2.0, rel=1e-6)
+    assert fitted["k"].value == pytest.approx(2.0, rel=1e-6)
     limit[0] = 3.0
     for call in (lambda: fitted.residuals([3.5]), lambda: fitted.jacobian([3.5]), lambda: fitted.log_posterior([3.5], True)):
         with pytest.raises(ZeroDivisionError, match="too stiff"):

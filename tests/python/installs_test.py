@@ -56,6 +56,14 @@ def test_pip_installs_it_offline(tmp_path):
     assert used.returncode == 0 and str(tmp_path) in used.stdout, used.stderr
 
 
+def test_metadata_come_without_a_build(tmp_path):
+    import samara_backend as backend
+
+    name = backend.prepare_metadata_for_build_wheel(tmp_path)
+    written = (tmp_path / name / "METADATA").read_text()
+    assert "\nRequires-Dist: numpy>=1.24\n" in written and written == backend.metadata()
+
+
 def test_an_import_loads_no_optional_package():
     code = "import sys, samara; print([m for m in ('pandas', 'xarray', 'matplotlib', 'scipy', 'IPython') if m in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "[]"
