@@ -4,12 +4,11 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/normal.hpp>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/sobol_points.h"
+#include "samara/identification/statistics/quantiles.h"
 
 namespace samara::identification {
 
@@ -63,8 +62,7 @@ bool is_clustered(const FitResult& fitted, double ratio) {
   if (fitted.clusters < 2 || ratio <= 1.0) return false;
   if (fitted.whiteness && fitted.whiteness->p_value && *fitted.whiteness->p_value < kLevel) return true;
   const int freedom = fitted.clusters - 1;
-  const boost::math::chi_squared scatter(freedom);
-  return ratio * freedom > boost::math::quantile(scatter, 1.0 - kLevel);
+  return ratio * freedom > chi_squared_quantile(freedom, 1.0 - kLevel);
 }
 
 /// With unit diagonal; no correlation where the fit has none to tell.
@@ -130,10 +128,9 @@ Eigen::MatrixXd KnownSoFar::draws(int count, std::uint64_t seed) const {
   Eigen::MatrixXd result = values.replicate(1, count);
   if (count == 1) return result;
   const Eigen::MatrixXd unit = codebooks::sobol_points(size, count - 1, seed);
-  const boost::math::normal normal;
   constexpr double kInside = 1e-12;
-  const Eigen::MatrixXd scores = unit.unaryExpr(
-      [&](double u) { return boost::math::quantile(normal, std::clamp(u, kInside, 1.0 - kInside)); });
+  const Eigen::MatrixXd scores =
+      unit.unaryExpr([&](double u) { return normal_quantile(std::clamp(u, kInside, 1.0 - kInside)); });
   const Eigen::MatrixXd factor = Eigen::LLT<Eigen::MatrixXd>(correlation).matrixL();
   result.rightCols(count - 1) += errors.asDiagonal() * (factor * scores);
   for (Eigen::Index draw = 1; draw < count; ++draw)

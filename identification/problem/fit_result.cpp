@@ -4,12 +4,11 @@
 #include <cmath>
 #include <functional>
 
-#include <boost/math/distributions/normal.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/identification/statistics/cluster_errors.h"
+#include "samara/identification/statistics/quantiles.h"
 
 namespace samara::identification {
 
@@ -41,8 +40,7 @@ namespace {
 /// Student's quantile at 97.5 % over the normal one.
 double student_factor(double degrees_of_freedom) {
   constexpr double kUpper = 0.975;
-  return boost::math::quantile(boost::math::students_t(degrees_of_freedom), kUpper) /
-         boost::math::quantile(boost::math::normal(), kUpper);
+  return student_quantile(degrees_of_freedom, kUpper) / normal_quantile(kUpper);
 }
 
 double widening(const FitResult& result, const Coefficient& c) {

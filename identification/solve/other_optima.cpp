@@ -4,14 +4,13 @@
 #include <cmath>
 #include <limits>
 
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
 
 #include "samara/base/names.h"
 #include "samara/identification/solve/motion_terms.h"
 #include "samara/identification/solve/uncertainty.h"
 #include "samara/identification/statistics/loss.h"
+#include "samara/identification/statistics/quantiles.h"
 
 namespace samara::identification {
 
@@ -60,11 +59,8 @@ bool same_optimum(const FitResult& result, const FitPoint& one, const FitPoint& 
 
 /// The excess of a cost below which it is as good as the best one.
 double threshold(double excess_error, double dispersion, int clusters) {
-  if (clusters >= 2) {
-    const boost::math::students_t student(clusters - 1);
-    return boost::math::quantile(student, kConfidence) * excess_error;
-  }
-  return 0.5 * dispersion * boost::math::quantile(boost::math::chi_squared(1), kConfidence);
+  if (clusters >= 2) return student_quantile(clusters - 1, kConfidence) * excess_error;
+  return 0.5 * dispersion * chi_squared_quantile(1, kConfidence);
 }
 
 std::string values_text(const FitResult& result, const OtherOptimum& optimum) {

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
+#include "samara/identification/statistics/quantiles.h"
 
 namespace samara::identification {
 
@@ -25,9 +24,8 @@ constexpr double kBetterMargin = 0.01;
 
 /// The deviance at the ends of the interval.
 double deviance_quantile(const ProfileOptions& options) {
-  if (std::isinf(options.degrees_of_freedom))
-    return quantile(boost::math::chi_squared(1), options.confidence);
-  return quantile(boost::math::fisher_f(1, options.degrees_of_freedom), options.confidence);
+  if (std::isinf(options.degrees_of_freedom)) return chi_squared_quantile(1, options.confidence);
+  return fisher_quantile(1, options.degrees_of_freedom, options.confidence);
 }
 
 struct Node {

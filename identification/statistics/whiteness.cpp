@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <boost/math/distributions/binomial.hpp>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/identification/smoothing/medians.h"
+#include "samara/identification/statistics/quantiles.h"
 
 namespace samara::identification {
 
@@ -88,8 +87,7 @@ void check(std::span<const double> times, std::span<const double> residuals, int
 /// More rejections than independent residuals would give in 99 of 100 cases.
 bool too_many(int rejected, int tested) {
   if (rejected == 0) return false;
-  const boost::math::binomial distribution(tested, kLevel);
-  return cdf(complement(distribution, rejected - 1)) < 0.01;
+  return binomial_tail(tested, kLevel, rejected - 1) < 0.01;
 }
 
 /// By a power of two: correlations stay as they are, and squares are numbers whatever the residuals.
@@ -143,10 +141,7 @@ SeriesWhiteness series_whiteness(std::span<const double> times, std::span<const 
     ++used;
   }
   result.lags = used;
-  if (result.count >= kFewest && used > 0) {
-    const boost::math::chi_squared distribution(used);
-    result.p_value = cdf(complement(distribution, result.statistic));
-  }
+  if (result.count >= kFewest && used > 0) result.p_value = chi_squared_tail(used, result.statistic);
   return result;
 }
 
@@ -165,7 +160,7 @@ Whiteness pool_whiteness(std::vector<SeriesWhiteness> series) {
   }
   if (result.tested > 0) {
     result.median_lag1 = median(lag1);
-    result.p_value = cdf(complement(boost::math::chi_squared(lags), statistic));
+    result.p_value = chi_squared_tail(lags, statistic);
   }
   result.sentence = sentence_of(result);
   return result;

@@ -1,0 +1,19 @@
+#pragma once
+
+/// Quantiles and tails of the distributions that statements about a fit rest on.
+namespace samara::identification {
+
+/// @param share in (0, 1)
+double normal_quantile(double share);
+/// @param freedom degrees of freedom, above 0
+double student_quantile(double freedom, double share);
+double chi_squared_quantile(double freedom, double share);
+/// Of Fisher's F with that many degrees of freedom above and below.
+double fisher_quantile(double above, double below, double share);
+
+/// How likely a larger value is.
+double chi_squared_tail(double freedom, double value);
+/// How likely more than `count` of `trials` are, each with the same chance.
+double binomial_tail(int trials, double chance, int count);
+
+}  // namespace samara::identification
