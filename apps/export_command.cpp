@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
+#include "samara/base/unit_labels.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/io/atomic_file.h"

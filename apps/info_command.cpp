@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/names.h"
+#include "samara/base/unit_labels.h"
 #include "samara/codebooks/file/load.h"
 #include "terminal.h"
 

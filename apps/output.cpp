@@ -10,6 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/unit_labels.h"
 #include "samara/codebooks/build/effort.h"
 #include "samara/io/atomic_file.h"
 #include "terminal.h"
@@ -95,10 +96,6 @@ void warn_of_missed_tolerance(const codebooks::Codebook& book, const std::string
   } else if (!book.certificate()->met) {
     warn(fmt::format("{} missed its tolerance: {}", path, miss_of(book)));
   }
-}
-
-std::string unit_suffix(const std::string& unit) {
-  return unit == "1" ? std::string() : fmt::format(" {}", unit);
 }
 
 Json to_json(const codebooks::Certificate& c, const codebooks::Codebook& book) {

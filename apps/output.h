@@ -35,7 +35,4 @@ std::string miss_of(const codebooks::Codebook& book);
 /// On stderr, if the codebook has no certificate or does not meet it.
 void warn_of_missed_tolerance(const codebooks::Codebook& book, const std::string& path);
 
-/// " m/s", or nothing for a dimensionless quantity.
-std::string unit_suffix(const std::string& unit);
-
 }  // namespace samara::apps

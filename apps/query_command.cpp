@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <numeric>
-#include <optional>
-#include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -9,13 +7,12 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
-#include "samara/codebooks/certify/certify.h"
+#include "samara/base/unit_labels.h"
 #include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/file/load.h"
+#include "samara/codebooks/query/derived_query.h"
 #include "samara/codebooks/query/place_query.h"
-#include "samara/codebooks/query/query.h"
 #include "samara/io/csv.h"
-#include "samara/models/trajectories/derived_outputs.h"
 #include "terminal.h"
 
 namespace samara::apps {
@@ -91,64 +88,21 @@ Points points_of(const Codebook& book, const Coordinates& coordinates, const Que
   return points;
 }
 
-/// What the model derives from the states, where the codebook holds all of them.
-class Derived {
- public:
-  explicit Derived(const Codebook& book) : coordinates_(static_cast<std::size_t>(book.coordinate_count())) {
-    labels_ = codebooks::derived_outputs(book);
-    if (labels_.empty()) return;
-    model_.emplace(codebooks::model_of(book));
-    for (const models::StateInfo& state : model_->model().info().states)
-      states_.push_back(book.output_index(state.name));
-    evaluator_.emplace(*model_);
-    std::iota(coordinates_.begin(), coordinates_.end(), -1);  // time first
-  }
-
-  const Labels& labels() const { return labels_; }
-
-  /// Appends to what the codebook answers. @param slopes of no column where they are not wanted
-  void add(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values,
-           Eigen::Ref<Eigen::MatrixXd> slopes) {
-    if (!evaluator_) return;
-    evaluator_->set(x.subspan(1));
-    const Eigen::VectorXd states = values(states_);
-    const std::span<const double> in(states.data(), states_.size());
-    const Eigen::Index count = std::ssize(labels_);
-    const std::span<double> y(values.data() + values.size() - count, labels_.size());
-    if (slopes.cols() == 0) {
-      evaluator_->evaluate(x[0], in, y);
-    } else {
-      const Eigen::MatrixXd by_all = slopes(states_, Eigen::all);
-      evaluator_->evaluate(x[0], in, by_all, coordinates_, y, slopes.bottomRows(count));
-    }
-  }
-
- private:
-  std::vector<Eigen::Index> states_;  ///< where they stand among the outputs
-  std::vector<int> coordinates_;
-  std::optional<models::ParametricModel> model_;
-  std::optional<models::DerivedOutputs> evaluator_;
-  Labels labels_;
-};
-
 /// Values, then gradients (output by output, coordinate by coordinate).
 template <class AnyQuery>
-Eigen::MatrixXd answer(AnyQuery query, int own, Derived& derived, const Points& points, bool gradient) {
-  const int outputs = own + static_cast<int>(derived.labels().size());
+Eigen::MatrixXd answer(AnyQuery query, Eigen::Index outputs, const Points& points, bool gradient) {
   const auto coordinates = points.x.cols();
   Eigen::MatrixXd table(points.x.rows(), outputs + (gradient ? outputs * coordinates : 0));
   Eigen::VectorXd values(outputs);
-  Eigen::MatrixXd slopes(outputs, gradient ? coordinates : 0);
+  Eigen::MatrixXd slopes(outputs, coordinates);
   std::vector<double> x(static_cast<std::size_t>(coordinates));
   for (Eigen::Index i = 0; i < points.x.rows(); ++i) {
     for (Eigen::Index k = 0; k < coordinates; ++k) x[static_cast<std::size_t>(k)] = points.x(i, k);
     if (gradient) {
-      query.values(x, values.head(own), slopes.topRows(own));
-      derived.add(x, values, slopes);
+      query.values(x, values, slopes);
       table.row(i).tail(outputs * coordinates) = slopes.reshaped<Eigen::RowMajor>().transpose();
     } else {
-      query.values(x, values.head(own));
-      derived.add(x, values, slopes);
+      query.values(x, values);
     }
     table.row(i).head(outputs) = values.transpose();
   }
@@ -247,13 +201,12 @@ int run(const QueryArguments& arguments) {
   const Points points = points_of(book, coordinates, arguments);
   for (const std::string& name : points.clamped)
     warn(fmt::format("{} was moved to the border of the box", name));
-  const int own = book.output_count();
-  Derived derived(book);
-  Labels outputs = book.outputs();
-  outputs.insert(outputs.end(), derived.labels().begin(), derived.labels().end());
-  const Eigen::MatrixXd table =
-      in_mesh ? answer(codebooks::PlaceQuery(book), own, derived, points, arguments.gradient)
-              : answer(codebooks::Query(book), own, derived, points, arguments.gradient);
+  codebooks::DerivedQuery query(book);
+  const Labels outputs = query.outputs();
+  const Eigen::Index count = std::ssize(outputs);
+  const Eigen::MatrixXd table = in_mesh
+                                    ? answer(codebooks::PlaceQuery(book), count, points, arguments.gradient)
+                                    : answer(std::move(query), count, points, arguments.gradient);
   write(arguments, book, coordinates, outputs, points, table);
   return kDone;
 }

@@ -128,6 +128,11 @@ codebooks::StatisticsRequest request_of(const StatsArguments& arguments, const C
       group.emplace_back(trimmed(std::string_view(text).substr(from, comma - from)));
       from = comma + 1;
     }
+    if (group.size() < 2)
+      throw ArgumentError(
+          fmt::format("--group \"{}\": a single input, whose indices are given anyway; two or more, as in "
+                      "A,B, were expected",
+                      text));
     request.groups.push_back(std::move(group));
   }
   request.quantiles = arguments.quantiles;

@@ -89,4 +89,8 @@ std::string unit_quotient(std::string_view a, std::string_view b) {
   return combine(a, b, -1);
 }
 
+std::string unit_suffix(std::string_view unit) {
+  return unit == "1" ? std::string() : " " + std::string(unit);
+}
+
 }  // namespace samara

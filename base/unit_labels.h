@@ -15,4 +15,7 @@ bool reads_as_unit(std::string_view text);
 std::string unit_product(std::string_view a, std::string_view b);
 std::string unit_quotient(std::string_view a, std::string_view b);
 
+/// What follows a number: " m/s", and nothing where the unit is "1".
+std::string unit_suffix(std::string_view unit);
+
 }  // namespace samara

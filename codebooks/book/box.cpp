@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/unit_labels.h"
 
 namespace samara::codebooks {
 
@@ -21,7 +22,7 @@ void require_inside(std::span<const Coordinate> coordinates, std::span<const dou
     }
     if (x[k] < c.lower || x[k] > c.upper) {
       throw OutsideBoxError(fmt::format("{} = {}{} is outside the codebook's box [{}, {}]", c.name, x[k],
-                                        c.unit == "1" ? "" : " " + c.unit, c.lower, c.upper));
+                                        unit_suffix(c.unit), c.lower, c.upper));
     }
   }
 }

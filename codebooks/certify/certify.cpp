@@ -12,15 +12,12 @@
 #include <tbb/task_arena.h>
 
 #include "samara/base/errors.h"
-#include "samara/base/names.h"
 #include "samara/base/parallel.h"
 #include "samara/base/require.h"
 #include "samara/codebooks/certify/field_answers.h"
 #include "samara/codebooks/certify/measure.h"
 #include "samara/codebooks/certify/point_errors.h"
-#include "samara/models/fields/field_model.h"
 #include "samara/models/integrators/integrate.h"
-#include "samara/models/laws/registry.h"
 #include "samara/pgd/sampling/error_climb.h"
 
 namespace samara::codebooks {
@@ -281,34 +278,6 @@ Certificate certify(const Codebook& book, const FieldReference& reference, const
 Certificate certify(const Codebook& book, const models::ParametricModel& model,
                     const CertifyOptions& options) {
   return measure(book, model, options, Extent::all_points).certificate;
-}
-
-models::ParametricModel model_of(const Codebook& book) {
-  if (book.is_of_command()) {
-    throw ArgumentError(
-        fmt::format("the codebook was sampled from a command ({}), which has no model to integrate",
-                    book.model().equations));
-  }
-  if (book.build().builder == "fit") {
-    throw ArgumentError(fmt::format(
-        "the codebook holds a series, the {}: it has no equations that could be integrated, and cannot "
-        "be certified again",
-        book.model().name));
-  }
-  if (book.space() || models::find_field_model(book.model().name) != nullptr) {
-    throw ArgumentError(fmt::format(
-        "the codebook holds a field of space, the {}: it has no trajectories of a few states to integrate",
-        book.model().name));
-  }
-  std::vector<std::string> free;
-  for (std::size_t k = 1; k < book.coordinates().size(); ++k) free.push_back(book.coordinates()[k].name);
-  auto model = known_model(book.model());
-  if (!model)
-    throw ArgumentError(
-        fmt::format("there is no model \"{}\" here, which the codebook is of{}; the library of a model of "
-                    "one's own must be loaded (--model-library)",
-                    book.model().name, suggestion(book.model().name, models::model_names())));
-  return models::ParametricModel(std::move(model), book.model().fixed, free);
 }
 
 }  // namespace samara::codebooks

@@ -6,8 +6,7 @@
 #include <string>
 
 #include "samara/base/progress.h"
-#include "samara/codebooks/book/codebook.h"
-#include "samara/models/interface/parametric_model.h"
+#include "samara/codebooks/book/book_model.h"
 
 namespace samara::codebooks {
 
@@ -28,10 +27,5 @@ struct CertifyOptions {
 /// @throws ArgumentError if points < 1, or the model does not fit the codebook's coordinates.
 Certificate certify(const Codebook& book, const models::ParametricModel& model,
                     const CertifyOptions& options);
-
-/// The model a codebook is a solution of, with the codebook's coordinates free.
-/// @throws ArgumentError if this library does not know the model, or the codebook holds what was sampled from
-/// a command or a series of coefficients, which have no equations.
-models::ParametricModel model_of(const Codebook& book);
 
 }  // namespace samara::codebooks

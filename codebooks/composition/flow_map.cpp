@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/unit_labels.h"
 #include "samara/codebooks/book/box.h"
 #include "samara/codebooks/certify/certify.h"
 #include "samara/codebooks/composition/reduced_attitude.h"
@@ -285,9 +286,8 @@ void FlowMap::Impl::answer_from(const Window& at, double t, Eigen::VectorXd& x, 
 
 std::string FlowMap::Impl::left_box(double t, std::size_t state, double value) const {
   const bool is_reduced = attitude && attitude->turns(static_cast<int>(state));
-  const std::string& unit = units[state];
-  return fmt::format("the flow map left the box at t = {:.6g}: {} = {:.6g}{}{}{} is outside [{}, {}]", t,
-                     states[state], value, unit == "1" ? "" : " ", unit == "1" ? "" : unit,
+  return fmt::format("the flow map left the box at t = {:.6g}: {} = {:.6g}{}{} is outside [{}, {}]", t,
+                     states[state], value, unit_suffix(units[state]),
                      !is_reduced                  ? ""
                      : attitude->is_without_yaw() ? ", without yaw,"
                                                   : ", with qw made one,",

@@ -6,12 +6,12 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/SparseLU>
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
 #include "samara/models/integrators/linear_system.h"
+#include "samara/pgd/linear/sparse_solver.h"
 
 namespace samara::codebooks {
 
@@ -106,11 +106,13 @@ Eigen::MatrixXd steady_solution(const ParametricProblem& problem) {
   const Eigen::VectorXd lift = sum_of(problem.lift());
   const Eigen::VectorXd load = sum_of(problem.source()) - matrix * lift;
   const std::vector<int> unknown = problem.unknown_nodes(space.name());
-  const Eigen::SparseLU<SparseMatrix> solver(between(matrix, unknown));
-  if (solver.info() != Eigen::Success)
+  const SparseMatrix inner = between(matrix, unknown);
+  const auto solver = pgd::make_sparse_solver(pgd::SparseSolverKind::automatic, inner);
+  Eigen::VectorXd answer(inner.cols());
+  if (!solver->factorize(inner) || !solver->solve(load(unknown), answer))
     throw NoResultError("the matrix of the problem is singular at this point");
   Eigen::VectorXd whole = lift;
-  whole(unknown) += solver.solve(Eigen::VectorXd(load(unknown)));
+  whole(unknown) += answer;
   return whole;
 }
 

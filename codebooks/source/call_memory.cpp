@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/unit_labels.h"
 
 namespace samara::codebooks {
 
@@ -26,9 +27,9 @@ std::string not_finite(const SampledSource& source, const Eigen::VectorXd& value
                        const std::vector<double>& times) {
   std::size_t row = 0;
   while (std::isfinite(values[static_cast<Eigen::Index>(row)])) ++row;
-  const std::string when =
-      times.empty() ? std::string()
-                    : fmt::format(" at t = {:.6g} {}", times[row / source.outputs.size()], source.time_unit);
+  const std::string when = times.empty() ? std::string()
+                                         : fmt::format(" at t = {:.6g}{}", times[row / source.outputs.size()],
+                                                       unit_suffix(source.time_unit));
   return fmt::format("{}{} is {}, expected a finite number", source.outputs[row % source.outputs.size()].name,
                      when, values[static_cast<Eigen::Index>(row)]);
 }

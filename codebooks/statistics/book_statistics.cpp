@@ -10,6 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/unit_labels.h"
 #include "samara/codebooks/book/book_slice.h"
 #include "samara/codebooks/statistics/input_draws.h"
 #include "samara/pgd/fields/statistics.h"
@@ -38,8 +39,8 @@ void check_distribution(const Coordinate& box, const Distribution& distribution,
       probability_below(distribution, box.upper) - probability_below(distribution, box.lower);
   if (inside >= 1.0 - kUnnoticed) return;
   const std::string sentence = fmt::format(
-      "{:.3g} % of the distribution {} of \"{}\" lies outside the codebook's box, from {} to {} {}",
-      100.0 * (1.0 - inside), to_string(distribution), box.name, box.lower, box.upper, box.unit);
+      "{:.3g} % of the distribution {} of \"{}\" lies outside the codebook's box, from {} to {}{}",
+      100.0 * (1.0 - inside), to_string(distribution), box.name, box.lower, box.upper, unit_suffix(box.unit));
   if (!(inside >= kLeastInside)) throw ArgumentError(sentence + ": expected less than half");
   result.notes.push_back(sentence + ", and is left out");
 }
@@ -70,8 +71,8 @@ void check(const Codebook& book, const StatisticsRequest& request, BookStatistic
     if (!std::isfinite(value))
       throw ArgumentError(fmt::format("\"{}\" is {}, expected a finite number", name, value));
     if (value < box.lower || value > box.upper)
-      throw OutsideBoxError(fmt::format("\"{}\" is {}, outside the codebook's box, from {} to {} {}", name,
-                                        value, box.lower, box.upper, box.unit));
+      throw OutsideBoxError(fmt::format("\"{}\" is {}, outside the codebook's box, from {} to {}{}", name,
+                                        value, box.lower, box.upper, unit_suffix(box.unit)));
     if (request.inputs.contains(name))
       throw ArgumentError(fmt::format("\"{}\" is held, and has a distribution", name));
   }
@@ -282,9 +283,9 @@ void leave_out_unresolved(const Codebook& book, BookStatistics& s) {
     if (left_out == 0) continue;
     s.notes.push_back(fmt::format(
         "Sobol' indices of {} are left out at {} of {} {}: its deviation there is below {:g} times the "
-        "certificate's largest error, {:.3g} {}",
+        "certificate's largest error, {:.3g}{}",
         output.name, left_out, output.deviation.size(), book.has_time() ? "times" : "rows", kResolved,
-        certified->max_si, output.unit));
+        certified->max_si, unit_suffix(output.unit)));
   }
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/names.h"
+#include "samara/base/unit_labels.h"
 #include "samara/identification/captures/capture_suspicions.h"
 #include "samara/identification/problem/camera.h"
 #include "samara/identification/problem/measurement.h"
@@ -185,7 +186,7 @@ void add_misfit_warnings(const FitProblem& problem, FitResult& result) {
     const double scale = problem.outputs[o].scale;
     const OutputRms& residual = result.residuals[o];
     if (!(residual.rms > kMany * scale)) continue;
-    const std::string unit = residual.unit == "1" ? "" : " " + residual.unit;
+    const std::string unit = unit_suffix(residual.unit);
     result.warnings.add(
         WarningKind::model,
         fmt::format(

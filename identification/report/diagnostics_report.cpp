@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/unit_labels.h"
+
 namespace samara::identification {
 
 namespace {
@@ -194,7 +196,7 @@ std::string better_baseline(std::span<const PredictionScore> group) {
   const PredictionScore& model = group.front();
   const auto best = std::ranges::find_if(group, &PredictionScore::best);
   if (best == group.end() || model.best || model.count == 0) return {};
-  const std::string unit = model.unit == "1" ? "" : " " + model.unit;
+  const std::string unit = unit_suffix(model.unit);
   return fmt::format("the {} predicts {} better than the model: median {:.4g}{}, not {:.4g}{}\n",
                      best->predictor, model.quantity, best->median, unit, model.median, unit);
 }
@@ -237,7 +239,7 @@ void add_prediction_table(const FitResult& result, std::back_insert_iterator<std
 
 void add_noise_text(const FitResult& result, std::back_insert_iterator<std::string> out) {
   for (const NoiseLevel& level : result.noise) {
-    const std::string unit = level.unit == "1" ? "" : " " + level.unit;
+    const std::string unit = unit_suffix(level.unit);
     const std::string outputs = fmt::format("{}", fmt::join(level.outputs, ", "));
     if (level.estimated) {
       fmt::format_to(out, "noise of {}: {:.3g} +- {:.1g}{}, estimated\n", outputs, level.value,

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "samara/base/names.h"
+#include "samara/base/unit_labels.h"
 #include "samara/identification/report/diagnostics_report.h"
 #include "samara/identification/report/fit_setup.h"
 
@@ -96,10 +97,6 @@ Json json_of(const OtherOptimum& optimum) {
           {"cost", number(optimum.cost)},
           {"excess", number(optimum.excess)},
           {"excess_error", number(optimum.excess_error)}};
-}
-
-std::string unit_text(const std::string& unit) {
-  return unit == "1" ? "" : fmt::format(" {}", unit);
 }
 
 std::string error_text(const std::optional<double>& error) {
@@ -216,7 +213,7 @@ std::string fit_text(const FitResult& result) {
   if (!result.captures.empty()) add_capture_table(result, out);
   if (!result.residuals.empty()) fmt::format_to(out, "\n");
   for (const OutputRms& r : result.residuals) {
-    fmt::format_to(out, "rms of {}: {:.4g}{}\n", r.output, r.rms, unit_text(r.unit));
+    fmt::format_to(out, "rms of {}: {:.4g}{}\n", r.output, r.rms, unit_suffix(r.unit));
   }
   if (result.residual_count > 0) fmt::format_to(out, "{} values compared\n", result.residual_count);
   if (result.join_defect) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "samara/base/unit_labels.h"
 #include "samara/identification/report/diagnostics_report.h"
 #include "samara/identification/report/fit_report.h"
 
@@ -100,7 +101,7 @@ std::string series_text(const CoefficientSeries& series) {
   for (std::size_t k = 0; k < series.fit.residuals.size(); ++k) {
     const OutputRms& r = series.fit.residuals[k];
     fmt::format_to(out, "rms of {}: {:.4g}{}, with constant coefficients {:.4g}\n", r.output, r.rms,
-                   r.unit == "1" ? "" : " " + r.unit, series.constant.residuals[k].rms);
+                   unit_suffix(r.unit), series.constant.residuals[k].rms);
   }
   for (const Warning& warning : series.warnings) fmt::format_to(out, "warning: {}\n", warning.sentence);
   return text;

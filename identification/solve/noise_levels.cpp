@@ -7,6 +7,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/unit_labels.h"
 #include "samara/base/units.h"
 #include "samara/identification/problem/box_bounds.h"
 #include "samara/identification/problem/noise_scales.h"
@@ -48,10 +49,6 @@ double solve_scale(LossKind loss, const std::vector<double>& errors, double targ
     (sum(middle) > target ? lower : upper) = middle;
   }
   return std::sqrt(lower * upper);
-}
-
-std::string unit_text(const std::string& unit) {
-  return unit == "1" ? "" : " " + unit;
 }
 
 }  // namespace
@@ -183,7 +180,7 @@ void NoiseLevels::report(const FitProblem& problem, FitResult& result) const {
     const NoiseLevel& found = level.result;
     const std::string names = join(found.outputs);
     const std::string kept =
-        fmt::format("its loss scale stays at {:.3g}{}", level.start, unit_text(found.unit));
+        fmt::format("its loss scale stays at {:.3g}{}", level.start, unit_suffix(found.unit));
     if (level.state == State::exact) {
       result.warnings.add(
           WarningKind::noise,
@@ -199,7 +196,7 @@ void NoiseLevels::report(const FitProblem& problem, FitResult& result) const {
       result.warnings.add(WarningKind::noise,
                           fmt::format("the noise level of {}, {:.3g}{}, is {:.2g} times the scatter of its "
                                       "frames about a smooth curve: most of it is what the model misses",
-                                      names, found.value, unit_text(found.unit),
+                                      names, found.value, unit_suffix(found.unit),
                                       found.value * efficient_bend(loss_) / level.start));
     }
   }

@@ -5,6 +5,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/number_text.h"
+#include "samara/base/unit_labels.h"
 
 namespace samara::models {
 
@@ -112,7 +113,7 @@ bool in_meaning(const ParameterInfo& parameter, double value) {
 }
 
 std::string meaning_text(const ParameterInfo& parameter) {
-  const std::string unit = parameter.unit == "1" ? "" : " " + parameter.unit;
+  const std::string unit = unit_suffix(parameter.unit);
   const bool below = std::isfinite(parameter.lower);
   if (below && std::isfinite(parameter.upper)) {
     return (parameter.lower_inclusive ? "from " : "above ") + number_text(parameter.lower) +

@@ -6,6 +6,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/number_text.h"
+#include "samara/base/unit_labels.h"
 
 namespace samara::models {
 
@@ -38,7 +39,7 @@ FreeCoordinate find_coordinate(const ModelInfo& info, const std::string& name) {
 }
 
 std::string with_unit(double value, const std::string& unit) {
-  return number_text(value) + (unit == "1" ? "" : " " + unit);
+  return number_text(value) + unit_suffix(unit);
 }
 
 /// @throws ArgumentError if the value is not finite or outside the parameter's meaning.

@@ -77,6 +77,11 @@ class Codebook:
         return self._outputs
 
     @property
+    def derived(self) -> tuple[Output, ...]:
+        """What the model derives from the states (``[outputs]`` of a model as text): asked for by name, with derivatives."""
+        return tuple(Output(**o) for o in self._description["derived"])
+
+    @property
     def certificate(self) -> Optional[Certificate]:
         """None of a slice, and of a file without one."""
         return self._certificate
@@ -108,12 +113,10 @@ class Codebook:
     ) -> Any:
         """Trajectories: values (.., times, outputs), and with ``gradient`` also (.., times, outputs, parameters).
 
-        A codebook has the states of its model; what a model derives from them, ``simulate`` gives.
-
         :param parameters: by name, SI or with a unit, broadcast against each other; or an array (.., parameters), SI
         :param times: s, or texts with a unit, (times,); one number for no such dimension; none of a codebook without time
         :param gradient: exact derivatives by the parameters; with it the answer is a pair
-        :param outputs: names, in the order wanted, or one; all by default
+        :param outputs: names, in the order wanted, or one, ``derived`` ones included; all that are stored by default
         :param labels: ``"pandas"``: a tidy frame, a row for each sample and time; ``"xarray"``: a Dataset
         :param out: an array to write the values to, of their shape. Times run fastest in memory: one that an earlier call
             returned is written to directly, another one by a copy
@@ -148,7 +151,8 @@ class Codebook:
         if labels is None:
             return answer
         values, slopes = answer if gradient else (answer, None)
-        chosen = [o for n in outputs for o in self._outputs if o.name == n] if outputs else self._outputs
+        known = (*self._outputs, *(self.derived if outputs else ()))
+        chosen = [o for n in outputs for o in known if o.name == n] if outputs else self._outputs
         answer = _labels.Answer(q, self.parameters, frames, self._coordinates[0], values, slopes, chosen)
         return answer.labelled(labels)
 
@@ -291,6 +295,8 @@ class Codebook:
         threads: Optional[int],
         precision: Precision,
     ) -> tuple[NDArray[np.float64], ...]:
+        if outputs and not {o.name for o in self._outputs}.issuperset(outputs):
+            return self._derived_trajectories(q, frames, gradient, outputs, out, precision)
         # Times run fastest in what the library writes: a view has the axes in the order of the answer.
         room = None if out is None or out.ndim < 2 else out.swapaxes(-1, -2)
         is_ours = room is not None and room.flags.c_contiguous
@@ -305,6 +311,24 @@ class Codebook:
         if not gradient:
             return (result,)
         return result, answer[1].swapaxes(-1, -3)
+
+    def _derived_trajectories(
+        self,
+        q: NDArray[np.float64],
+        frames: NDArray[np.float64],
+        gradient: bool,
+        outputs: Sequence[str],
+        out: Optional[NDArray[np.float64]],
+        precision: Precision,
+    ) -> tuple[NDArray[np.float64], ...]:
+        """Point by point: what a model derives from its states is not stored."""
+        points = np.empty((*q.shape[:-1], frames.size, q.shape[-1] + 1))
+        points[..., 0] = frames
+        points[..., 1:] = q[..., None, :]
+        answer = self._book.at(points, outputs, {}, precision, int(gradient), out)
+        if not gradient:
+            return (answer,)
+        return answer[0], answer[1].swapaxes(-1, -2)[..., 1:]
 
 
 def _checked(threads: Any, precision: Any) -> tuple[Optional[int], Precision]:

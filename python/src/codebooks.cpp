@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -24,6 +25,7 @@
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/plan/plan.h"
+#include "samara/codebooks/query/derived_query.h"
 #include "samara/codebooks/statistics/book_statistics.h"
 #include "samara/io/text_file.h"
 #include "samara/models/added_mass/body_in_fluid.h"
@@ -61,12 +63,51 @@ py::ssize_t product(const Shape& shape) {
   return count;
 }
 
+/// Whether one of the names is of no stored output, and may be of one that the model derives.
+bool asks_for_derived(const Codebook& book, const Names& outputs) {
+  return std::ranges::any_of(outputs, [&](const std::string& name) {
+    return std::ranges::find(book.outputs(), name, &pgd::OutputLabel::name) == book.outputs().end();
+  });
+}
+
+/// As at(), of outputs that are derived, too; each call prepares them.
+py::object derived_at(const Book& book, const Array& points, const codebooks::QueryOptions& options, int order,
+                      const py::object& out) {
+  codebooks::DerivedQuery query(*book, options);
+  if (order > 1)
+    throw ArgumentError("hessian is of stored outputs; outputs without what the model derives were expected");
+  const auto d = static_cast<py::ssize_t>(query.coordinates().size());
+  const auto m = static_cast<py::ssize_t>(query.outputs().size());
+  const Shape leading = leading_shape(points, d, "points");
+  py::array_t<double> values = room_for(joined(leading, {m}), out);
+  py::array_t<double> gradients(order > 0 ? joined(leading, {d, m}) : Shape{0});
+  const double* const from = points.data();
+  double* const to = values.mutable_data();
+  double* const slopes = gradients.mutable_data();
+  {
+    const py::gil_scoped_release release;
+    for (py::ssize_t i = 0; i < product(leading); ++i) {
+      const std::span<const double> x(from + i * d, static_cast<std::size_t>(d));
+      Eigen::Map<Eigen::VectorXd> y(to + i * m, m);
+      if (order == 0) {
+        query.values(x, y);
+      } else {
+        query.values(x, y, Eigen::Map<Eigen::MatrixXd>(slopes + i * m * d, m, d));
+      }
+    }
+  }
+  if (order == 0) return values;
+  return py::make_tuple(values, gradients);
+}
+
 /// Points (.., coordinates) to values (.., outputs), with gradients (.., coordinates, outputs) and second derivatives
 /// (.., coordinates, coordinates, outputs) as far as `order` asks for them.
 py::object at(const Book& book, const Array& points, const Names& outputs, const Held& held,
               const std::string& precision, int order, const py::object& out,
               const std::optional<int>& threads) {
-  auto query = book.query(Choice{outputs, held, precision_of(precision)});
+  const Choice choice{outputs, held, precision_of(precision)};
+  if (asks_for_derived(*book, outputs)) return derived_at(book, points, choice.options(), order, out);
+  auto query = book.query(choice);
   const auto d = static_cast<py::ssize_t>(query->coordinates().size());
   const py::ssize_t m = query->output_count();
   const Shape leading = leading_shape(points, d, "points");
@@ -198,16 +239,18 @@ py::list outlines(const Codebook& book) {
 /// What `samara info --json` says, but for the sizes of the file.
 py::dict describe(const Book& handle) {
   const Codebook& book = *handle;
-  py::list coordinates, outputs;
+  py::list coordinates, outputs, derived;
   for (const codebooks::Coordinate& c : book.coordinates()) coordinates.append(as_dict(c));
   for (const pgd::OutputLabel& o : book.outputs())
     outputs.append(py::dict(py::arg("name") = o.name, py::arg("unit") = o.unit));
+  for (const pgd::OutputLabel& o : codebooks::derived_outputs(book))
+    derived.append(py::dict(py::arg("name") = o.name, py::arg("unit") = o.unit));
   const codebooks::ModelDescription& model = book.model();
   const codebooks::BuildRecord& build = book.build();
   const codebooks::Provenance& provenance = book.provenance();
   return py::dict(
       py::arg("title") = book.title(), py::arg("coordinates") = coordinates, py::arg("outputs") = outputs,
-      py::arg("model") = py::dict(py::arg("name") = model.name, py::arg("title") = model.title,
+      py::arg("derived") = derived, py::arg("model") = py::dict(py::arg("name") = model.name, py::arg("title") = model.title,
                                   py::arg("equations") = model.equations, py::arg("frames") = model.frames,
                                   py::arg("source") = model.source, py::arg("fixed") = model.fixed),
       py::arg("build") =

@@ -218,6 +218,7 @@ class Answers(Case):
                                 ("k=normal(30, 1)", "outside the codebook's box"), ("q=3", "unknown name"),
                                 ("k=4..2", "below the largest"), ("k=normal(3, 1e-17)", "below rounding")]:
             self.check_error(run("stats", plan, "--set", wrong), 2, sentence)
+        self.check_error(run("stats", plan, "--group", "k"), 2, "--group \"k\"", "a single input")
 
     def test_stats_take_the_covariance_of_a_fit(self):
         coin = book("coin", COIN_PLAN)

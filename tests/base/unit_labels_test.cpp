@@ -29,6 +29,11 @@ TEST_CASE("a label that does not read as a unit stays as it is") {
   CHECK(unit_product("as measured, in V", "1") == "as measured, in V");
 }
 
+TEST_CASE("a number without a unit is followed by nothing") {
+  CHECK(unit_suffix("m/s") == " m/s");
+  CHECK(unit_suffix("1").empty());
+}
+
 TEST_CASE("a unit is told from other texts, whether its symbols are known or not") {
   for (const char* unit : {"1", "kg/m^3", "1/s", "J/kg/K", "W/(m K)", "m^-1", "lb", "furlong/h"}) {
     INFO(unit);

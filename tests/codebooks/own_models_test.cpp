@@ -15,6 +15,7 @@
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/codebooks/plan/plan.h"
+#include "samara/codebooks/query/derived_query.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/models/laws/registry.h"
 
@@ -195,6 +196,54 @@ TEST_CASE("a request that makes no plan is refused") {
   CHECK_THAT(refused([](BuildRequest& r) { r.end = 0.0; }), Contains("end"));
   CHECK_THAT(refused([](BuildRequest& r) { r.relative = 2.0; }), Contains("relative"));
   CHECK_THAT(refused([](BuildRequest& r) { r.builder.kind = "magic"; }), Contains("magic"));
+}
+
+TEST_CASE("what a model derives is asked for by name, in any order, with derivatives and held coordinates") {
+  const std::string outputs = R"toml(outputs.all = "prey + predator"
+outputs.hunted = { value = "hunt*prey*predator*(1 + 0.1 [1/s]*t)", unit = "1/s" }
+)toml";
+  const Codebook book = build(parse_plan(kEquations + outputs + kBox, "hunters.toml"), few()).book;
+  DerivedQuery everything(book);
+  std::vector<std::string> names;
+  for (const auto& label : everything.outputs()) names.push_back(label.name + " " + label.unit);
+  CHECK(names == std::vector<std::string>{"prey 1", "predator 1", "all 1", "hunted 1/s"});
+  const std::vector<double> point = {2.3, 1.04, 0.093};  // t, growth, hunt
+  Eigen::VectorXd y(4);
+  everything.values(point, y);
+  CHECK(y[2] == Approx(y[0] + y[1]).epsilon(1e-14));
+  CHECK(y[3] == Approx(0.093 * y[0] * y[1] * 1.23).epsilon(1e-14));
+
+  DerivedQuery some(book, {.outputs = {"hunted", "prey"}});
+  Eigen::VectorXd z(2), above(2), below(2);
+  Eigen::MatrixXd slopes(2, 3);
+  some.values(point, z, slopes);
+  CHECK(z[0] == y[3]);
+  CHECK(z[1] == y[0]);
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::vector<double> moved = point;
+    const double step = 1e-6 * point[k];
+    moved[k] += step;
+    some.values(moved, above);
+    moved[k] -= 2.0 * step;
+    some.values(moved, below);
+    for (Eigen::Index o = 0; o < 2; ++o) {
+      const double difference = (above[o] - below[o]) / (2.0 * step);
+      CHECK(slopes(o, static_cast<Eigen::Index>(k)) == Approx(difference).epsilon(1e-6).margin(1e-6));
+    }
+  }
+
+  DerivedQuery held(book, {.outputs = {"hunted"}, .fixed = {{"t", 2.3}, {"hunt", 0.093}}});
+  REQUIRE(held.coordinates().size() == 1);
+  Eigen::VectorXd one(1);
+  Eigen::MatrixXd by_growth(1, 1);
+  held.values(std::vector{1.04}, one, by_growth);
+  CHECK(one[0] == Approx(z[0]).epsilon(1e-13));
+  CHECK(by_growth(0, 0) == Approx(slopes(0, 1)).epsilon(1e-12));
+
+  using Names = std::vector<std::string>;
+  CHECK_THROWS_WITH(DerivedQuery(book, {.outputs = Names{"all", "prey", "all"}}), Contains("chosen twice"));
+  CHECK_THROWS_WITH(DerivedQuery(book, {.outputs = Names{"al"}}), Contains("\"al\""));
+  CHECK_THROWS_AS(some.values(std::vector{2.3, 1.2, 0.093}, z), samara::OutsideBoxError);
 }
 
 TEST_CASE("models that are added are known by their names, and take nobody else's") {

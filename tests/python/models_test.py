@@ -248,6 +248,39 @@ share = "cos(angle)"
     assert not np.allclose(all_three.sensitivities[1, :, 2, 0], 0)
 
 
+def test_what_a_model_derives_is_asked_of_its_codebook(tmp_path):
+    book = samara.build({
+        "equations": {
+            "name": "pendulum",
+            "states": {"angle": {"unit": "rad", "initial": 0.5}, "spin": {"unit": "rad/s"}},
+            "parameters": {"length": {"unit": "m", "above": 0}},
+            "rates": {"angle": "spin", "spin": "-9.81 [m/s^2]/length*sin(angle)"},
+            "outputs": {"tip": {"value": "length*sin(angle)", "unit": "m"}},
+        },
+        "box": {"length": [0.8, 1.4]}, "time": {"end": 2}, "tolerance": {"relative": 1e-5}}, progress=False)
+    assert [(o.name, o.unit) for o in book.derived] == [("tip", "m")]
+    lengths, times = np.array([[0.9, 1.0, 1.3], [0.8, 1.1, 1.2]]), np.linspace(0, 2, 9)
+    values, slopes = book.query({"length": lengths}, times, outputs=["tip", "angle"], gradient=True)
+    assert values.shape == (2, 3, 9, 2) and slopes.shape == (2, 3, 9, 2, 1)
+    stored, stored_slopes = book.query({"length": lengths}, times, outputs="angle", gradient=True)
+    np.testing.assert_allclose(values[..., 1], stored[..., 0], rtol=0, atol=1e-13)
+    np.testing.assert_allclose(values[..., 0], lengths[..., None] * np.sin(stored[..., 0]), rtol=0, atol=1e-13)
+    expected = np.sin(stored[..., 0]) + lengths[..., None] * np.cos(stored[..., 0]) * stored_slopes[..., 0, 0]
+    np.testing.assert_allclose(slopes[..., 0, 0], expected, rtol=0, atol=1e-12)
+    out = np.empty((9, 1))
+    assert book.query({"length": 1.1}, times, outputs=["tip"], out=out) is out
+    np.testing.assert_array_equal(out, book.query({"length": 1.1}, times, outputs=["tip"]))
+    one = book.query({"length": 1.1}, times[3], outputs="tip")
+    assert one.shape == (1,) and one[0] == out[3, 0]
+    pandas = pytest.importorskip("pandas")
+    table = book.query({"length": [1.0, 1.1]}, times, outputs=["tip"], labels="pandas")
+    assert isinstance(table, pandas.DataFrame) and len(table) == 18 and "tip" in table.columns
+    with pytest.raises(samara.ArgumentError, match="hessian"):
+        book.at([1.0, 1.1], outputs=["tip"], hessian=True)
+    with pytest.raises(samara.ArgumentError, match="tpi"):
+        book.query({"length": 1.1}, times, outputs=["tpi"])
+
+
 def test_wrong_calls_are_value_errors():
     for call, text in [
         (lambda: samara.simulate("vertical_fall", {"C_d": 1.0}, [0.0, 1.0]), "C_D"),
