@@ -1,9 +1,285 @@
-#include "samara/models/laws/falling_plate.h"
+#include <numbers>
+
+#include "samara/models/added_mass/planar_sections.h"
+#include "samara/models/batch/lane_sine.h"
+#include "samara/models/laws/planar_plate.h"
 
 namespace samara::models::laws {
 
+namespace {
+
+struct FallingPlate {
+  static constexpr int kStates = kPlanarStates;
+  static constexpr int kParameters = 15;
+  enum Parameter {
+    kSemiChord,
+    kSemiThickness,
+    kDensity,
+    kFluidDensity,
+    kG,
+    kCT,
+    kCR,
+    kA,
+    kB,
+    kMu1,
+    kMu2,
+    kSpeedFloor,
+    kReDrag,
+    kReLift,
+    kNu
+  };
+
+  static ModelInfo info() {
+    return {
+        .name = "falling_plate",
+        .title = "Falling elliptic plate in its plane, per unit span",
+        .equations =
+            "(m + m11) vx' = (m + m22) w vy - fluid_density G vy - (m - m_f) g sin(theta) - Fx,  "
+            "(m + m22) vy' = -(m + m11) w vx + fluid_density G vx - (m - m_f) g cos(theta) - Fy,  "
+            "(I + I_a) w' = (m11 - m22) vx vy - pi fluid_density a^4 (mu1 U/a + mu2 |w|) w,  theta' = w,  "
+            "x' = vx cos(theta) - vy sin(theta),  y' = vx sin(theta) + vy cos(theta),  "
+            "G = (-2 C_T a vx vy/v + 2 C_R a^2 w)/(1 + Re_lift/Re),  "
+            "(Fx, Fy) = fluid_density a (1 + Re_drag/Re) (A - B (vx^2 - vy^2)/v^2) v (vx, vy),  "
+            "v = sqrt(vx^2 + vy^2 + speed_floor^2),  Re = 2 a v/nu,  U = sqrt(|density/fluid_density - 1| g "
+            "b),  "
+            "m = pi density a b,  m_f = pi fluid_density a b,  I = m (a^2 + b^2)/4,  "
+            "m11 = pi fluid_density b^2,  m22 = pi fluid_density a^2,  "
+            "I_a = pi/8 fluid_density (a^2 - b^2)^2,  a = semi_chord,  b = semi_thickness",
+        .frames =
+            "vx, vy in body axes: x' along the chord, y' along the normal, theta the angle of x' above the "
+            "horizontal; x, y in the world, y upward; forces and masses per metre of span",
+        .source =
+            "A. Andersen, U. Pesavento, Z. J. Wang, Unsteady aerodynamics of fluttering and tumbling "
+            "plates, J. Fluid Mech. 541 (2005) 65-90, and Analysis of transitions .., ibid. 91-104; "
+            "dissertation, eqs. (2.14)-(2.20), corrected (L of (2.20) is the semi-chord)",
+        .validity =
+            "motion in a plane, thin plates, Reynolds numbers of about 1e2 to 1e4 (the coefficients are "
+            "fitted there); quasi-steady: no wake memory; still, unbounded fluid. In U, |q| is taken as "
+            "sqrt(q^2 + 1e-24)",
+        .symmetries = {"translation of x", "translation of y", "turn of the body by pi",
+                       "reflection: vx, w, theta and x change sign"},
+        .states = planar_states(),
+        .parameters = parameters(),
+        .affine_in = {"C_T", "C_R", "A", "B", "mu1", "mu2"},
+        .force_terms = planar_force_terms(),
+        .per_span = true,
+    };
+  }
+
+  static Parameters parameters() {
+    Parameters list = {
+        positive("semi_chord", "m", "half the chord, a"),
+        positive("semi_thickness", "m", "half the thickness, b"),
+        positive("density", "kg/m^3", "density of the solid"),
+        water(),
+        gravity(),
+    };
+    append(list, elliptic_plate_coefficients());
+    list.push_back(derived("speed_floor", "m/s", "1e-6 U", kSpeedFloorMeaning, false));
+    append(list, {Re_drag("Re = 2 a v/nu"), Re_lift(), viscosity_of_water()});
+    return list;
+  }
+
+  template <class S>
+  static S characteristic_speed(const S* p) {
+    return buoyant_speed(p[kDensity], p[kFluidDensity], p[kG], p[kSemiThickness]);
+  }
+
+  template <class S>
+  static EllipticPlate<S> plate(const S* p) {
+    const S pi = S(std::numbers::pi);
+    const S& a = p[kSemiChord];
+    const S& b = p[kSemiThickness];
+    const S& fluid = p[kFluidDensity];
+    const S& solid = p[kDensity];
+    const S a2 = a * a;
+    const S mass = pi * solid * a * b;
+    const added_mass::SectionAddedMass<S> added = added_mass::ellipse_section(a, b, fluid);
+    const S lift = S(2.0) * fluid * a;
+    const S drag = fluid * a;
+    const S damping = pi * fluid * a2 * a;
+    return {.mass_x = mass + added.m11,
+            .mass_y = mass + added.m22,
+            .inertia = S(0.25) * mass * (a2 + b * b) + added.I_a,
+            .weight = pi * a * b * (solid - fluid) * p[kG],
+            .flow = {.lift_T = lift * p[kCT],
+                     .lift_R = lift * a * p[kCR],
+                     .drag_chord = drag * (p[kA] - p[kB]),
+                     .drag_normal = drag * (p[kA] + p[kB]),
+                     .drag_floor = drag * p[kA],
+                     .damping = damping * characteristic_speed(p) * p[kMu1],
+                     .damping_abs = damping * a * p[kMu2],
+                     .speed_floor = p[kSpeedFloor],
+                     .Re = reynolds_speeds(p[kReDrag], p[kReLift], p[kNu], S(2.0) * a)}};
+  }
+
+  template <class S>
+  static void rhs(const S&, const S* x, const S* p, S* dxdt) {
+    plate(p).rhs(x, dxdt);
+  }
+
+  template <class S>
+  static void forces(const S&, const S* x, const S* p, LawWrench<S>* terms) {
+    to_wrenches(plate(p).forces(x), {x[kVx], x[kVy], x[kOmega]}, terms);
+  }
+
+  template <class S>
+  static S kinetic_energy(const S&, const S* x, const S* p) {
+    return plate(p).kinetic_energy(x);
+  }
+
+  template <class S>
+  static void complete(const char* given, S* p) {
+    if (!given[kMu2]) p[kMu2] = p[kMu1];
+    if (!given[kSpeedFloor]) p[kSpeedFloor] = S(1e-6) * characteristic_speed(p);
+  }
+
+  static Scales scales(const double* p) {
+    const double speed = characteristic_speed(p);
+    return {.length = p[kSemiChord], .time = p[kSemiChord] / speed, .velocity = speed};
+  }
+};
+
+/// The plate in a fluid that accelerates: the equations of falling_plate for the velocity relative to it, with the
+/// pressure gradient and the inertia of that acceleration.
+struct FallingPlateInGusts {
+  static constexpr int kStates = kPlanarStates;
+  enum Parameter {
+    kStart = FallingPlate::kParameters,
+    kGust,
+    kRate = kGust + 2,
+    kMaterial = kRate + 2,
+    kSpin = kMaterial + 2,
+    kParameters
+  };
+  static constexpr std::size_t kTerms =
+      kPlanarTerms + 1;  ///< the last one is that of the fluid's acceleration
+
+  static ModelInfo info() {
+    ModelInfo info = FallingPlate::info();
+    info.name = "falling_plate_in_gusts";
+    info.title = "Falling elliptic plate in its plane, in a fluid that changes in time, per unit span";
+    info.equations =
+        "(m + m11) ux' = (m + m22) w uy - fluid_density G uy - (m - m_f) g sin(theta) - Fx + ax,  "
+        "(m + m22) uy' = -(m + m11) w ux + fluid_density G ux - (m - m_f) g cos(theta) - Fy + ay,  "
+        "(I + I_a) w' = (m11 - m22) ux uy - pi fluid_density a^4 (mu1 U/a + mu2 |w_r|) w_r,  "
+        "(vx, vy)' = (ux, uy)' + d(R^T w_air)/dt,  "
+        "(ux, uy) = (vx, vy) - R^T w_air,  w_r = w - gust_spin,  "
+        "(ax, ay) = R^T (m_f (gust_material_x, gust_material_y) - m (gust_rate_x, gust_rate_y)),  "
+        "w_air = (gust_x, gust_y) + (t - gust_start) (gust_rate_x, gust_rate_y),  "
+        "R^T (X, Y) = (X cos(theta) + Y sin(theta), -X sin(theta) + Y cos(theta)),  "
+        "theta' = w,  x' = vx cos(theta) - vy sin(theta),  y' = vx sin(theta) + vy cos(theta),  "
+        "G, F, v, Re, U and the masses as for falling_plate, with ux, uy, w_r in place of vx, vy, w";
+    info.validity +=
+        ". The fluid is the same over the chord. Realisations (samara simulate --realisations) set the gust "
+        "step by "
+        "step; by itself it is one ramp in time";
+    info.symmetries = {"translation of x", "translation of y", "turn of the body by pi"};
+    append(info.parameters,
+           {any_value("gust_start", "s", 0.0, "time at which the velocity is (gust_x, gust_y)"),
+            any_value("gust_x", "m/s", 0.0, "velocity of the fluid at gust_start"),
+            any_value("gust_y", "m/s", 0.0, "velocity of the fluid at gust_start, upward"),
+            any_value("gust_rate_x", "m/s^2", 0.0, "its rate along the path of the plate"),
+            any_value("gust_rate_y", "m/s^2", 0.0, "its rate along the path of the plate"),
+            any_value("gust_material_x", "m/s^2", 0.0, "its rate along the path of the fluid"),
+            any_value("gust_material_y", "m/s^2", 0.0, "its rate along the path of the fluid"),
+            any_value("gust_spin", "rad/s", 0.0, "angular velocity of the fluid, in the sense of theta")});
+    info.force_terms.push_back({.name = "ambient acceleration",
+                                .description =
+                                    "pressure gradient of the undisturbed fluid, less the mass times "
+                                    "the rate of its velocity along the path; takes or gives power"});
+    return info;
+  }
+
+  /// A vector along the chord and the normal.
+  template <class S>
+  struct Along {
+    S x, y;
+  };
+
+  template <class S>
+  struct Air {
+    Along<S> velocity, rate, material;  ///< in body axes
+
+    Air(const S& t, const S& s, const S& c, const S* p) {
+      const auto turned = [&](const S& X, const S& Y) { return Along<S>{X * c + Y * s, Y * c - X * s}; };
+      const S dt = t - p[kStart];
+      velocity = turned(p[kGust] + dt * p[kRate], p[kGust + 1] + dt * p[kRate + 1]);
+      rate = turned(p[kRate], p[kRate + 1]);
+      material = turned(p[kMaterial], p[kMaterial + 1]);
+    }
+  };
+
+  template <class S>
+  static std::array<PlanarForce<S>, kTerms> terms_of(const EllipticPlate<S>& plate, const PlanarMotion<S>& u,
+                                                     const Air<S>& air, const S& s, const S& c, const S* p) {
+    const PlanarForces<S> flow = flow_forces(plate.flow, {u.vx, u.vy, u.w - p[kSpin]});
+    std::array<PlanarForce<S>, kTerms> terms;
+    for (std::size_t k = 0; k < flow.size(); ++k) terms[k] = flow[k];
+    terms[kInertia] = {plate.mass_y * u.w * u.vy, -plate.mass_x * u.w * u.vx,
+                       (plate.mass_x - plate.mass_y) * u.vx * u.vy};
+    terms[kWeight] = {-plate.weight * s, -plate.weight * c};
+    const S area = S(std::numbers::pi) * p[FallingPlate::kSemiChord] * p[FallingPlate::kSemiThickness];
+    const S mass = p[FallingPlate::kDensity] * area;
+    const S displaced = p[FallingPlate::kFluidDensity] * area;
+    terms[kPlanarTerms] = {displaced * air.material.x - mass * air.rate.x,
+                           displaced * air.material.y - mass * air.rate.y};
+    return terms;
+  }
+
+  template <class S>
+  static PlanarMotion<S> relative(const Air<S>& air, const S* x) {
+    return {x[kVx] - air.velocity.x, x[kVy] - air.velocity.y, x[kOmega]};
+  }
+
+  template <class S>
+  static void rhs(const S& t, const S* x, const S* p, S* dxdt) {
+    const auto [s, c] = sine_and_cosine(x[kTheta]);
+    const EllipticPlate<S> plate = FallingPlate::plate(p);
+    const Air<S> air(t, s, c, p);
+    const PlanarForce<S> sum = total(terms_of(plate, relative(air, x), air, s, c, p));
+    const S& w = x[kOmega];
+    dxdt[kVx] = sum.x / plate.mass_x + air.rate.x + w * air.velocity.y;
+    dxdt[kVy] = sum.y / plate.mass_y + air.rate.y - w * air.velocity.x;
+    dxdt[kOmega] = sum.torque / plate.inertia;
+    dxdt[kTheta] = w;
+    dxdt[kX] = x[kVx] * c - x[kVy] * s;
+    dxdt[kY] = x[kVx] * s + x[kVy] * c;
+  }
+
+  template <class S>
+  static void forces(const S& t, const S* x, const S* p, LawWrench<S>* terms) {
+    const auto [s, c] = sine_and_cosine(x[kTheta]);
+    const Air<S> air(t, s, c, p);
+    const PlanarMotion<S> u = relative(air, x);
+    to_wrenches(terms_of(FallingPlate::plate(p), u, air, s, c, p), u, terms);
+  }
+
+  template <class S>
+  static S kinetic_energy(const S& t, const S* x, const S* p) {
+    const auto [s, c] = sine_and_cosine(x[kTheta]);
+    const Air<S> air(t, s, c, p);
+    const PlanarMotion<S> u = relative(air, x);
+    const S motion[] = {u.vx, u.vy, u.w};
+    return FallingPlate::plate(p).kinetic_energy(motion);
+  }
+
+  template <class S>
+  static void complete(const char* given, S* p) {
+    FallingPlate::complete(given, p);
+  }
+
+  static Scales scales(const double* p) { return FallingPlate::scales(p); }
+};
+
+}  // namespace
+
 std::shared_ptr<const Model> falling_plate() {
   return std::make_shared<LawModel<FallingPlate>>();
+}
+
+std::shared_ptr<const Model> falling_plate_in_gusts() {
+  return std::make_shared<LawModel<FallingPlateInGusts>>();
 }
 
 }  // namespace samara::models::laws

@@ -7,7 +7,8 @@
 #include "samara/base/names.h"
 #include "samara/models/fields/field_model.h"
 
-// The models that ship with Samara, one line each: laws/<name>.cpp defines the function <name>().
+// The models that ship with Samara, one line each: laws/<name>.cpp defines the function <name>(); the plate in gusts
+// stands beside the plate.
 #define SAMARA_LAWS(LAW)         \
   LAW(coefficient_body)          \
   LAW(constant_rate)             \

@@ -58,6 +58,7 @@ struct Ensemble {
   /// Of the first realisations, as many as asked for: times x all states; NaN after their end.
   std::vector<Eigen::MatrixXd> kept;
   StepShares steps;
+  long first = 0;           ///< number of the first realisation
   bool antithetic = false;  ///< realisations 2 i and 2 i + 1 are a pair
   bool cancelled = false;   ///< by the progress callback; what is here is complete
   double relative_error =

@@ -39,7 +39,7 @@ struct RealisationRecord {
   StepCounts steps;
 };
 
-/// Flies realisations first to last - 1 side by side. Keeps what the first `keep` of the ensemble do.
+/// Flies realisations first to last - 1 side by side. Keeps the trajectories of those with numbers below `keep`.
 /// @returns their records, in order; empty if it was cancelled
 std::vector<RealisationRecord> fly_realisations(const RealisationPlan& plan, long first, long last, long keep,
                                                 SharedProgress& progress);

@@ -23,6 +23,9 @@ constexpr long kWave = 8 * kGroup;
 
 void check_options(const RealiseOptions& options) {
   require(options.realisations >= 1, "realisations", options.realisations, "at least 1");
+  require(options.first >= 0, "first", options.first, "0 or more");
+  require(!options.antithetic || options.first % 2 == 0, "first", options.first,
+          "an even number, for antithetic pairs");
   require(!options.antithetic || options.realisations % 2 == 0, "realisations", options.realisations,
           "an even number, for antithetic pairs");
   require(options.keep >= 0, "keep", options.keep, "0 or more");
@@ -162,7 +165,8 @@ bool run_wave(const RealisationPlan& plan, long first, long last, const RealiseO
     parallel_for(tasks, [&](long task) {
       const long from = first + task * kGroup;
       const long to = std::min(last, from + kGroup);
-      std::vector<RealisationRecord> records = fly_realisations(plan, from, to, options.keep, progress);
+      std::vector<RealisationRecord> records = fly_realisations(
+          plan, options.first + from, options.first + to, options.first + options.keep, progress);
       if (records.empty()) return;
       EnsembleSums of_task = sums_of(plan, records);
       results[static_cast<std::size_t>(task)] = {.records = std::move(records), .sums = std::move(of_task)};
@@ -235,8 +239,10 @@ Ensemble run_from(Ensemble ensemble, EnsembleSums sums, const RealisationPlan& p
 Ensemble realise(const ParametricModel& model, std::span<const double> point, const AirSource& air,
                  std::span<const double> times, const RealiseOptions& options) {
   const RealisationPlan plan = plan_of(model, point, air, times, options);
-  return run_from({}, EnsembleSums(times.size(), static_cast<Eigen::Index>(plan.states.size())), plan,
-                  options);
+  Ensemble ensemble;
+  ensemble.first = options.first;
+  return run_from(std::move(ensemble),
+                  EnsembleSums(times.size(), static_cast<Eigen::Index>(plan.states.size())), plan, options);
 }
 
 Ensemble resume(const Ensemble& begun, const ParametricModel& model, std::span<const double> point,
@@ -245,6 +251,8 @@ Ensemble resume(const Ensemble& begun, const ParametricModel& model, std::span<c
   if (!begun.sums) throw ArgumentError("an ensemble that was not made by realise() cannot be resumed");
   require(begun.realisations() % kWave == 0, "realisations of the ensemble to resume", begun.realisations(),
           "a multiple of 256");
+  require(begun.first == options.first, "first", options.first,
+          fmt::format("{}, as it was begun", begun.first));
   Ensemble ensemble = begun;
   ensemble.cancelled = false;
   const auto states = static_cast<Eigen::Index>(plan.states.size());

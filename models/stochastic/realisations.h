@@ -23,15 +23,17 @@ namespace samara::models {
 
 struct RealiseOptions {
   long realisations = 1000;
+  long first = 0;  ///< number of the first one: any may be seen again by itself
   double step =
       1e-3;         ///< upper bound [s]; steps end on the times asked for, and one is an update of the gust
   int threads = 0;  ///< 0: as many as the machine has
   std::vector<std::string> states = {};  ///< whose statistics are kept; empty: those of the place
   std::optional<double> ground = {};     ///< height at which a body has landed [m]; it must start above
   long keep = 0;                         ///< trajectories of that many first realisations are kept
-  bool antithetic = false;  ///< realisations in pairs of opposite noise: their number must be even
+  bool antithetic =
+      false;  ///< realisations in pairs of opposite noise: their number and `first` must be even
   /// Stop as soon as the standard error of the mean displacement at the last time (at the landing, with a ground) is
-  /// within this share of its root mean square; looked at every 256 realisations. 0: do not.
+  /// within this share of its root mean square; looked at every 256 realisations; 0: do not.
   double relative_error = 0.0;
   long max_steps = 100000000;      ///< most steps of a realisation
   ProgressCallback progress = {};  ///< asked between two times; cancels after the last 256 that were finished
