@@ -5,6 +5,7 @@
 
 #include "assignments.h"
 #include "bodies.h"
+#include "cloud_command.h"
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
@@ -175,6 +176,7 @@ std::map<std::string, double> values_of_body(const SimulateArguments& arguments,
 }  // namespace
 
 int run(const SimulateArguments& arguments) {
+  check_cloud_words(arguments);
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.model, arguments.coefficients});
   const auto model = codebooks::open_model(arguments.model);
   const models::ModelInfo& info = model->info();
@@ -197,6 +199,7 @@ int run(const SimulateArguments& arguments) {
   if (steered.book) steered.check_time(end);
   check_frames(arguments, info);
   const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(arguments.frames, 0.0, end);
+  if (!arguments.cloud.realisations.empty()) return fly_cloud(arguments, parametric, times);
   const auto family =
       models::integrator_trajectories(steered.model, steered.values, {}, integrator_of(arguments, info));
   const models::FamilyTrajectory trajectory =
