@@ -69,7 +69,11 @@ void StepCounts::add(double h, double time_scale) {
   if (time_scale <= 0.0) {
     bin = 0;
   } else if (std::isfinite(time_scale)) {
-    bin = std::clamp(static_cast<int>(std::floor(kPerOctave * std::log2(time_scale))) - kLeast, 0, kBins - 1);
+    int octave = 0;  // time_scale = (0.5 to 1) 2^octave
+    const double mantissa = std::frexp(time_scale, &octave);
+    bin =
+        std::clamp(kPerOctave * (octave - 1) + static_cast<int>(kPerOctave * (2.0 * mantissa - 1.0)) - kLeast,
+                   0, kBins - 1);
   }
   ++by_scale_[static_cast<std::size_t>(bin)];
 }
@@ -86,7 +90,8 @@ double StepCounts::scale_below(double share) const {
   for (int bin = 0; bin < kBins - 1; ++bin) {
     below += by_scale_[static_cast<std::size_t>(bin)];
     if (static_cast<double>(below) >= share * static_cast<double>(steps_) && below > 0)
-      return std::exp2(static_cast<double>(bin + kLeast) / kPerOctave);
+      return std::ldexp(1.0 + static_cast<double>(bin % kPerOctave) / kPerOctave,
+                        (bin + kLeast - bin % kPerOctave) / kPerOctave);
   }
   return std::numeric_limits<double>::infinity();
 }
