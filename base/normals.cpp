@@ -11,23 +11,27 @@ namespace samara {
 
 namespace {
 
-constexpr std::size_t kLanes = 8;
-using Words = std::array<std::uint32_t, kLanes>;
-using Numbers = std::array<double, kLanes>;
+constexpr int kLanes = 8;
 
 /// Ten rounds of Philox 4x32 in place.
-void mix(std::array<Words, 4>& c, std::uint32_t key_0, std::uint32_t key_1) {
-  for (int round = 0; round < 10; ++round) {
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      const std::uint64_t first = std::uint64_t{0xD2511F53} * c[0][i];
-      const std::uint64_t second = std::uint64_t{0xCD9E8D57} * c[2][i];
-      c[0][i] = static_cast<std::uint32_t>(second >> 32) ^ c[1][i] ^ key_0;
-      c[2][i] = static_cast<std::uint32_t>(first >> 32) ^ c[3][i] ^ key_1;
-      c[1][i] = static_cast<std::uint32_t>(second);
-      c[3][i] = static_cast<std::uint32_t>(first);
+void mix(std::uint32_t (&c)[4][kLanes], std::uint32_t key_0, std::uint32_t key_1) {
+  for (int i = 0; i < kLanes; ++i) {
+    std::uint32_t c_0 = c[0][i], c_1 = c[1][i], c_2 = c[2][i], c_3 = c[3][i];
+    std::uint32_t k_0 = key_0, k_1 = key_1;
+    for (int round = 0; round < 10; ++round) {
+      const std::uint64_t first = std::uint64_t{0xD2511F53} * c_0;
+      const std::uint64_t second = std::uint64_t{0xCD9E8D57} * c_2;
+      c_0 = static_cast<std::uint32_t>(second >> 32) ^ c_1 ^ k_0;
+      c_2 = static_cast<std::uint32_t>(first >> 32) ^ c_3 ^ k_1;
+      c_1 = static_cast<std::uint32_t>(second);
+      c_3 = static_cast<std::uint32_t>(first);
+      k_0 += 0x9E3779B9;
+      k_1 += 0xBB67AE85;
     }
-    key_0 += 0x9E3779B9;
-    key_1 += 0xBB67AE85;
+    c[0][i] = c_0;
+    c[1][i] = c_1;
+    c[2][i] = c_2;
+    c[3][i] = c_3;
   }
 }
 
@@ -79,18 +83,26 @@ Direction direction_of(double u) {
                 z * (2.48015872894767294178e-05 +
                      z * (-2.75573143513906633035e-07 +
                           z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)))));
-  const auto turn = static_cast<std::int32_t>(quarters);
-  const double along = (turn & 1) != 0 ? sine : cosine, across = (turn & 1) != 0 ? cosine : sine;
-  return {((turn + 1) & 2) != 0 ? -along : along, (turn & 2) != 0 ? -across : across};
+  // Quarter turns 0 to 4, told apart in doubles: machines select by those.
+  const bool is_odd = quarters == 1.0 || quarters == 3.0;
+  const double along = is_odd ? sine : cosine, across = is_odd ? cosine : sine;
+  const double sign_along = quarters == 1.0 || quarters == 2.0 ? -1.0 : 1.0;
+  const double sign_across = quarters == 2.0 || quarters == 3.0 ? -1.0 : 1.0;
+  return {sign_along * along, sign_across * across};
 }
 
 /// Box and Muller.
-void make_normal(const Words& first, const Words& second, Numbers& z, Numbers& other) {
-  for (std::size_t i = 0; i < kLanes; ++i) {
-    const double radius = std::sqrt(-2.0 * log_of(open_uniform(first[i])));
+void make_normal(const std::uint32_t* first, const std::uint32_t* second, double* z, double* other) {
+  double cosines[kLanes], sines[kLanes], radii[kLanes];
+  for (int i = 0; i < kLanes; ++i) {
+    radii[i] = std::sqrt(-2.0 * log_of(open_uniform(first[i])));
     const Direction direction = direction_of(open_uniform(second[i]));
-    z[i] = radius * direction.cosine;
-    other[i] = radius * direction.sine;
+    cosines[i] = direction.cosine;
+    sines[i] = direction.sine;
+  }
+  for (int i = 0; i < kLanes; ++i) {
+    z[i] = radii[i] * cosines[i];
+    other[i] = radii[i] * sines[i];
   }
 }
 
@@ -98,20 +110,20 @@ void make_normal(const Words& first, const Words& second, Numbers& z, Numbers& o
 
 void normals_from(std::uint64_t seed, const RandomPlace& first, std::span<std::array<double, 4>> steps) {
   for (std::size_t from = 0; from < steps.size(); from += kLanes) {
-    std::array<Words, 4> words;
-    for (std::size_t i = 0; i < kLanes; ++i) {
-      const std::uint64_t step = first.step + from + i;
+    std::uint32_t words[4][kLanes];
+    for (int i = 0; i < kLanes; ++i) {
+      const std::uint64_t step = first.step + from + static_cast<std::uint64_t>(i);
       words[0][i] = static_cast<std::uint32_t>(step);
       words[1][i] = static_cast<std::uint32_t>(step >> 32) | std::uint32_t{first.stream} << 16;
       words[2][i] = static_cast<std::uint32_t>(first.realisation);
       words[3][i] = static_cast<std::uint32_t>(first.realisation >> 32);
     }
     mix(words, static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32));
-    std::array<Numbers, 4> z;
+    double z[4][kLanes];
     make_normal(words[0], words[1], z[0], z[1]);
     make_normal(words[2], words[3], z[2], z[3]);
-    for (std::size_t i = 0; i < std::min(kLanes, steps.size() - from); ++i)
-      steps[from + i] = {z[0][i], z[1][i], z[2][i], z[3][i]};
+    const std::size_t count = std::min(std::size_t{kLanes}, steps.size() - from);
+    for (std::size_t i = 0; i < count; ++i) steps[from + i] = {z[0][i], z[1][i], z[2][i], z[3][i]};
   }
 }
 
