@@ -32,8 +32,7 @@ void Moments::add(const Eigen::VectorXd& x) {
   ++count_;
   const Eigen::VectorXd before = x - mean_;
   mean_ += before / static_cast<double>(count_);
-  // Symmetric to the bit.
-  squares_ += (1.0 - 1.0 / static_cast<double>(count_)) * (before * before.transpose());
+  squares_.selfadjointView<Eigen::Lower>().rankUpdate(before, 1.0 - 1.0 / static_cast<double>(count_));
 }
 
 void Moments::merge(const Moments& other) {
@@ -41,14 +40,16 @@ void Moments::merge(const Moments& other) {
   const auto n = static_cast<double>(count_), m = static_cast<double>(other.count_);
   const Eigen::VectorXd apart = other.mean_ - mean_;
   mean_ += m / (n + m) * apart;
-  squares_ += other.squares_ + n * m / (n + m) * (apart * apart.transpose());
+  squares_ += other.squares_;
+  squares_.selfadjointView<Eigen::Lower>().rankUpdate(apart, n * m / (n + m));
   count_ += other.count_;
 }
 
 Eigen::MatrixXd Moments::covariance() const {
   if (count_ < 2)
     return Eigen::MatrixXd::Constant(mean_.size(), mean_.size(), std::numeric_limits<double>::quiet_NaN());
-  return squares_ / static_cast<double>(count_ - 1);
+  const Eigen::MatrixXd all = squares_.selfadjointView<Eigen::Lower>();
+  return all / static_cast<double>(count_ - 1);
 }
 
 void TimeSums::merge(const TimeSums& other) {
