@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "samara/base/require.h"
 #include "samara/base/streams.h"
 #include "samara/models/wind/mode_sums.h"
@@ -12,7 +14,6 @@ namespace samara::models::wind {
 
 namespace {
 
-constexpr int kMostModes = 100000;
 constexpr int kSpectrumCells = 2048;
 /// Deviation of the frequency of a mode, over sigma k.
 constexpr double kSweeping = 0.4;
@@ -50,7 +51,7 @@ ModeSpectrum::ModeSpectrum(const VonKarmanSpectrum& spectrum, const ModeOptions&
     : spectrum_(spectrum), options_(options) {
   if (options_.lowest == 0.0) options_.lowest = 0.02 / spectrum.length();
   require(options_.modes >= 1 && options_.modes <= kMostModes, "the number of modes", options_.modes,
-          "1 to 100000");
+          fmt::format("1 to {}", kMostModes));
   require_positive(options_.lowest, "the lowest wave number [rad/m]");
   require_positive(options_.highest, "the highest wave number [rad/m]");
   require(options_.highest > options_.lowest, "the highest wave number [rad/m]", options_.highest,

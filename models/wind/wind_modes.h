@@ -25,6 +25,8 @@
 ///   const WindModes wind(spectrum, seed, realisation);
 namespace samara::models::wind {
 
+inline constexpr int kMostModes = 100000;
+
 struct ModeOptions {
   int modes = 200;
   /// Band of wave numbers [rad/m]. Outside it there is nothing: [0.02/L, 200/L] holds 96 % of the variance, but of the
@@ -38,7 +40,7 @@ struct ModeOptions {
 /// What all realisations share. Immutable.
 class ModeSpectrum {
  public:
-  /// @throws ArgumentError unless there are 1 to 100000 modes, 0 < lowest < highest are finite, and U_c is finite.
+  /// @throws ArgumentError unless there are 1 to kMostModes modes, 0 < lowest < highest are finite, and U_c is finite.
   ModeSpectrum(const VonKarmanSpectrum& spectrum, const ModeOptions& options);
 
   const VonKarmanSpectrum& spectrum() const { return spectrum_; }
