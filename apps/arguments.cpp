@@ -85,9 +85,47 @@ void add_body_words(CLI::App& command, BodyWords& words, bool required) {
       ->check(CLI::IsMember({"panels", "ellipsoid"}));
 }
 
+void add_cloud_words(CLI::App& command, CloudWords& words) {
+  constexpr const char* kGroup = "Realisations in turbulence";
+  const auto option = [&](const char* name, auto& value, const std::string& text) {
+    return command.add_option(name, value, text)->group(kGroup);
+  };
+  option("--realisations", words.realisations,
+         "how many flights of the same release: their statistics take the place of the trajectory");
+  option("--seed", words.seed,
+         "of the noise, or of the turbulence of --wind: the same seed gives the same flights")
+      ->capture_default_str();
+  option(
+      "--turbulence", words.turbulence,
+      "uniform or decaying, then deviation=0.3 (of a component) or k=.., and scale=1 (of the eddies) or "
+      "epsilon=.., and the stream that carries it, stream_x=.., stream_y=.., stream_z=..; SI or with units");
+  option("--C0", words.C_0,
+         "constant of the structure function; default: by the Reynolds number of the turbulence");
+  option("--body-radius", words.radius,
+         "of the disc over which the body averages the fluid, m or with a unit; default: the body's own; 0: "
+         "a point");
+  command.add_flag("--rotation", words.rotation, "eddies larger than the body turn it, too (not validated)")
+      ->group(kGroup);
+  option("--ground", words.ground, "height at which a body has landed, m or with a unit");
+  option("--states", words.states, "whose statistics are wanted; default: the place");
+  option("--keep", words.keep, "trajectories of that many first realisations go into the file")
+      ->check(whole_number());
+  option("--first", words.first, "number of the first realisation: any can be seen again by itself")
+      ->capture_default_str();
+  command.add_flag("--antithetic", words.antithetic, "in pairs of opposite noise")->group(kGroup);
+  option("--relative-error", words.relative_error,
+         "stop once the mean displacement is known within this share of its root mean square");
+  option("--threads", words.threads, "0: as many as the machine has")->check(whole_number());
+  option("--picture", words.picture, "SVG of paths, mean and landing places");
+  command
+      .add_flag("--json", words.json,
+                "print one JSON object with means, covariances, landings and their errors")
+      ->group(kGroup);
+}
+
 void add_simulate(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<SimulateArguments>();
-  CLI::App* command = app.add_subcommand("simulate", "one trajectory, as CSV");
+  CLI::App* command = app.add_subcommand("simulate", "one trajectory, as CSV; or many in turbulence");
   command
       ->add_option("MODEL", values->model,
                    "name of a model (samara models), or file with equations (MODEL.toml)")
@@ -107,7 +145,8 @@ void add_simulate(CLI::App& app, Arguments& arguments) {
                    "attitude stays a rotation)")
       ->check(CLI::IsMember({"cvodes", "adaptive", "rk4", "rkmk"}))
       ->capture_default_str();
-  command->add_option("--step", values->step, "of rk4 and rkmk, s or with a unit; frames divide it further");
+  command->add_option("--step", values->step,
+                      "of rk4, rkmk and realisations, s or with a unit; frames divide it further");
   command->add_flag("--forces", values->forces,
                     "add what every force term does: TERM.Fx, TERM.Fy, .. (force), TERM.T.. (torque) in body "
                     "axes, TERM.power, and the kinetic energy where the model has one");
@@ -115,12 +154,11 @@ void add_simulate(CLI::App& app, Arguments& arguments) {
       "--coefficients", values->coefficients,
       "codebook of a series (samara fit --series) that parameters follow in time; what else it "
       "holds, such as the start, counts where --set says nothing");
-  CLI::Option* wind =
-      command->add_option("--wind", values->wind, "of immersed_body: file of a wind (WIND.toml)");
-  command->add_option("--seed", values->seed, "of the turbulence of --wind; default 1")
-      ->check(whole_number<std::uint64_t>())
-      ->needs(wind);
-  command->add_option("-o,--output", values->output, "CSV file; stdout if not given");
+  command->add_option("--wind", values->wind,
+                      "of bodies in space: file of a wind (WIND.toml), with its turbulence drawn by --seed");
+  add_cloud_words(*command, values->cloud);
+  command->add_option("-o,--output", values->output,
+                      "CSV file, of realisations also HDF5 (.h5); stdout if not given");
   on_call(command, arguments.simulate, values);
 }
 

@@ -25,6 +25,24 @@ struct BodyWords {
       added_mass;  ///< "panels" or "ellipsoid"; empty: by panels of a mesh, of the ellipsoid of a shape
 };
 
+/// Many realisations of one motion in a random flow.
+struct CloudWords {
+  std::string realisations;  ///< empty: a single trajectory is asked for
+  std::string seed = "1";
+  std::string first = "0";
+  std::vector<std::string> turbulence;  ///< kind and NAME=VALUE; empty: none
+  std::string C_0, radius;              ///< empty: the default
+  bool rotation = false;
+  std::vector<std::string> states;
+  std::string ground;  ///< empty: none
+  int keep = 0;
+  bool antithetic = false;
+  std::string relative_error;  ///< empty: all realisations
+  int threads = 0;
+  std::string picture;
+  bool json = false;
+};
+
 struct SimulateArguments {
   std::string model;
   BodyWords body;
@@ -36,7 +54,7 @@ struct SimulateArguments {
   bool forces = false;
   std::string coefficients;  ///< codebook of a series that parameters follow
   std::string wind;          ///< file of a wind; empty: the model's own
-  std::optional<std::uint64_t> seed;
+  CloudWords cloud;
   std::string output;
 };
 

@@ -5,6 +5,7 @@
 
 #include "assignments.h"
 #include "bodies.h"
+#include "cloud_command.h"
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
@@ -176,6 +177,7 @@ std::map<std::string, double> values_of_body(const SimulateArguments& arguments,
 }  // namespace
 
 int run(const SimulateArguments& arguments) {
+  check_cloud_words(arguments);
   if (!arguments.output.empty())
     check_output(arguments.output, {arguments.model, arguments.coefficients, arguments.wind});
   const auto still = codebooks::open_model(arguments.model);
@@ -188,9 +190,9 @@ int run(const SimulateArguments& arguments) {
   for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
   std::map<std::string, double> values = parse_assignments(arguments.set, units);
   values.merge(values_of_body(arguments, info));  // what is set by itself stays
-  const auto model = arguments.wind.empty()
-                         ? still
-                         : model_in_wind(arguments.wind, arguments.seed.value_or(1), still, values);
+  const bool in_one_wind = !arguments.wind.empty() && arguments.cloud.realisations.empty();
+  const auto model =
+      in_one_wind ? model_in_wind(arguments.wind, seed_of(arguments.cloud), still, values) : still;
   SteeredModel steered{.book = nullptr, .model = model, .values = std::move(values)};
   if (!arguments.coefficients.empty()) {
     steered = steered_model(arguments.coefficients, model, steered.values);
@@ -202,6 +204,7 @@ int run(const SimulateArguments& arguments) {
   if (steered.book) steered.check_time(end);
   check_frames(arguments, info);
   const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(arguments.frames, 0.0, end);
+  if (!arguments.cloud.realisations.empty()) return fly_cloud(arguments, parametric, times);
   const auto family =
       models::integrator_trajectories(steered.model, steered.values, {}, integrator_of(arguments, info));
   const models::FamilyTrajectory trajectory =

@@ -30,6 +30,13 @@ class Lanes {
     kernel_.advance(t.data(), h, steps, x_.data(), p_.data());
   }
 
+  /// A completed parameter of one lane, for what changes it between steps.
+  double parameter(int index, int lane) const { return p_[place(static_cast<std::size_t>(index), lane)]; }
+  void set_parameter(int index, int lane, double value) {
+    p_[place(static_cast<std::size_t>(index), lane)] = value;
+  }
+
+  double state(int index, int lane) const { return x_[place(static_cast<std::size_t>(index), lane)]; }
   void read(int lane, std::span<double> state) const { read(lane, 0, state); }
   /// d(state)/d(direction), directions counted as at construction.
   void read_tangent(int lane, int direction, std::span<double> tangent) const {

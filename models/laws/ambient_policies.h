@@ -12,7 +12,8 @@
 ///   static std::vector<ParameterInfo> parameters();
 ///   template <class S>
 ///   Ambient<S> at(const S& t, const Vector3<S>& position, const Vector3<S>& v, const S* p) const;
-/// where v is the velocity of the body in world axes.
+/// where v is the velocity of the body in world axes. One whose fluid turns as a whole (Ambient::rotation) says so by
+///   static constexpr bool kTurns = true;
 namespace samara::models::laws {
 
 /// World axes.
@@ -21,6 +22,7 @@ struct Ambient {
   Vector3<S> velocity;       ///< w_air [m/s]
   Vector3<S> path_rate;      ///< its rate along the body's path, dw_air/dt + (v . grad) w_air [m/s^2]
   Vector3<S> material_rate;  ///< its rate along its own path, D w_air/Dt [m/s^2]
+  Vector3<S> rotation = {};  ///< angular velocity of eddies larger than the body [rad/s]
 };
 
 struct StillFluid {
@@ -61,5 +63,48 @@ struct LinearWind {
     return {wind + position.z * shear, v.z * shear, wind.z * shear};
   }
 };
+
+/// A velocity that changes linearly in time from `gust_start` on, the same everywhere: what a driver sets for every
+/// step of a body in gusts (models/stochastic/gust_layout.h), so that its added mass and the pressure gradient act on
+/// them.
+struct GustRamp {
+  static constexpr int kParameters = 13;
+  static constexpr bool kTurns = true;
+
+  static std::vector<ParameterInfo> parameters() {
+    std::vector<ParameterInfo> list = {
+        parameter("gust_start", "s", "time at which the velocity is (gust_x, gust_y, gust_z)")};
+    for (const char* name : {"gust_x", "gust_y", "gust_z"})
+      list.push_back(parameter(name, "m/s", "velocity of the fluid at gust_start"));
+    for (const char* name : {"gust_rate_x", "gust_rate_y", "gust_rate_z"})
+      list.push_back(parameter(name, "m/s^2", "its rate along the path of the body"));
+    for (const char* name : {"gust_material_x", "gust_material_y", "gust_material_z"})
+      list.push_back(parameter(name, "m/s^2", "its rate along the path of the fluid"));
+    for (const char* name : {"gust_spin_x", "gust_spin_y", "gust_spin_z"})
+      list.push_back(parameter(name, "rad/s", "angular velocity of the fluid, world axes"));
+    return list;
+  }
+
+  template <class S>
+  Ambient<S> at(const S& t, const Vector3<S>&, const Vector3<S>&, const S* p) const {
+    const Vector3<S> rate = vector3(p + 4);
+    return {vector3(p + 1) + (t - p[0]) * rate, rate, vector3(p + 7), vector3(p + 10)};
+  }
+
+ private:
+  static ParameterInfo parameter(const char* name, const char* unit, const char* description) {
+    return {.name = name, .unit = unit, .default_value = 0.0, .description = description};
+  }
+};
+
+/// The angular velocity w [body axes] of a body with axes R, relative to the fluid.
+template <class Flow, class S, class Axes>
+Vector3<S> relative_rate(const Axes& R, const Vector3<S>& w, const Ambient<S>& ambient) {
+  if constexpr (requires { Flow::kTurns; }) {
+    return w - R.to_body(ambient.rotation);
+  } else {
+    return w;
+  }
+}
 
 }  // namespace samara::models::laws

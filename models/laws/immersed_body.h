@@ -62,9 +62,9 @@ struct ImmersedBody : EllipsoidBody {
   }
 
   template <class S>
-  static std::array<Load<S>, kTerms> loads(const Pose<S>& pose, const Vector3<S>& u_r,
+  static std::array<Load<S>, kTerms> loads(const Pose<S>& pose, const Vector3<S>& u_r, const Vector3<S>& w_r,
                                            const Ambient<S>& ambient, const S* p) {
-    const QuasiSteadyLoads<S> flow = quasi_steady_loads(quasi_steady(p), u_r, pose.w);
+    const QuasiSteadyLoads<S> flow = quasi_steady_loads(quasi_steady(p), u_r, w_r);
     std::array<Load<S>, kTerms> all;
     all[kInertial] = inertial_load(u_r, pose.w, p[kKappa], p);
     all[kDrag] = flow.drag;
@@ -89,8 +89,9 @@ struct ImmersedBody : EllipsoidBody {
     const Pose<S> pose(x);
     const Ambient<S> air = ambient(flow, pose, t, x, p);
     const Vector3<S> w_air = pose.R.to_body(air.velocity);
+    const Vector3<S> w_r = relative_rate<Flow>(pose.R, pose.w, air);
     Load<S> sum;
-    for (const Load<S>& load : loads(pose, pose.u - w_air, air, p)) sum = sum + load;
+    for (const Load<S>& load : loads(pose, pose.u - w_air, w_r, air, p)) sum = sum + load;
     pose_rates(pose, x, dxdt);
     const Vector3<S> u_r_rate = diagonal_solve(total_mass(p), sum.force);
     store(u_r_rate + pose.R.to_body(air.path_rate) + cross(w_air, pose.w), dxdt + kUx);
@@ -102,7 +103,8 @@ struct ImmersedBody : EllipsoidBody {
     const Pose<S> pose(x);
     const Ambient<S> air = ambient(flow, pose, t, x, p);
     const Vector3<S> u_r = pose.u - pose.R.to_body(air.velocity);
-    const std::array<Load<S>, kTerms> all = loads(pose, u_r, air, p);
+    const Vector3<S> w_r = relative_rate<Flow>(pose.R, pose.w, air);
+    const std::array<Load<S>, kTerms> all = loads(pose, u_r, w_r, air, p);
     for (std::size_t k = 0; k < all.size(); ++k) terms[k] = wrench(all[k], u_r, pose.w);
   }
 
@@ -151,5 +153,7 @@ template <>
 ModelInfo ImmersedBodyIn<StillFluid>::info() const;
 template <>
 ModelInfo ImmersedBodyIn<LinearWind>::info() const;
+template <>
+ModelInfo ImmersedBodyIn<GustRamp>::info() const;
 
 }  // namespace samara::models::laws

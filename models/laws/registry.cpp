@@ -7,20 +7,24 @@
 #include "samara/base/names.h"
 #include "samara/models/fields/field_model.h"
 
-// The models that ship with Samara, one line each: laws/<name>.cpp defines the function <name>().
+// The models that ship with Samara, one line each: laws/<name>.cpp defines the function <name>(); the plate in gusts
+// stands beside the plate.
 #define SAMARA_LAWS(LAW)         \
   LAW(coefficient_body)          \
   LAW(constant_rate)             \
   LAW(coupled_triple)            \
   LAW(falling_plate)             \
+  LAW(falling_plate_in_gusts)    \
   LAW(falling_plate_linear_drag) \
   LAW(falling_plate_nd)          \
   LAW(falling_rectangle)         \
   LAW(immersed_body)             \
+  LAW(immersed_body_in_gusts)    \
   LAW(immersed_body_in_wind)     \
   LAW(kirchhoff_body)            \
   LAW(quadratic_drag_fall)       \
   LAW(sphere_flight)             \
+  LAW(sphere_flight_in_gusts)    \
   LAW(sphere_flight_turned_spin) \
   LAW(vertical_fall)
 

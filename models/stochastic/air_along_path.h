@@ -20,7 +20,10 @@ struct BodyMotion {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< over the ground [m/s]
   Eigen::Matrix3d attitude = Eigen::Matrix3d::Identity();  ///< R_WB; identity for bodies without one
   Eigen::Vector3d air = Eigen::Vector3d::Zero();           ///< what it was told the velocity is here [m/s]
-  /// In which the body takes up a change of the air, |(m + M) u_r| / |F|; asked for by AirAlongPath::needs_response,
+  /// What a sudden change of the air changes of its velocity, (m + M)^-1 (m_f + M) in world axes: the identity for a
+  /// body as heavy as the fluid, about zero for a heavy one.
+  Eigen::Matrix3d follows = Eigen::Matrix3d::Zero();
+  /// In which drag takes up the rest of such a change, |(m + M) u_r|/|F|; asked for by AirAlongPath::needs_response,
   /// otherwise 0 [s]
   double response_time = 0.0;
 };

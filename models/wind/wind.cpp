@@ -100,9 +100,9 @@ class AirInWind final : public AirAlongPath {
       here = flow_.mean_over(outline, t, position);
     }
     AirSeen air{.velocity = here.velocity, .gradient = here.gradient};
-    // In which the smallest waves pass the body.
+    // In which half of the shortest wave passes the body: over a tenth of it a ramp is within 1 % of the wave.
     const double passing = std::hypot((body.velocity - convection_).norm(), sweeping_) * highest_;
-    if (passing > 0.0) air.time_scale = 1.0 / passing;
+    if (passing > 0.0) air.time_scale = std::numbers::pi / passing;
     return air;
   }
 

@@ -50,3 +50,13 @@ TEST_CASE("uniform numbers of a stream fill the interval from 0 to 1, without 1"
   CHECK(most < 1.0);
   CHECK(most > 0.999);
 }
+
+TEST_CASE("blocks of random numbers have the published known answers of Philox 4x32-10") {
+  using Block = std::array<std::uint32_t, 4>;
+  constexpr std::uint32_t ones = 0xffffffff;
+  CHECK(samara::philox_block({0, 0, 0, 0}, {0, 0}) == Block{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8});
+  CHECK(samara::philox_block({ones, ones, ones, ones}, {ones, ones}) ==
+        Block{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd});
+  CHECK(samara::philox_block({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}) ==
+        Block{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1});
+}

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "arguments.h"
+#include "samara/models/interface/parametric_model.h"
+#include "samara/models/stochastic/air_along_path.h"
+
+namespace samara::apps {
+
+/// The fluid that realisations fly through.
+struct NamedAir {
+  std::shared_ptr<const models::AirSource> source;
+  std::string description;  ///< for the files and the summary
+};
+
+/// Whether the call says what fluid it is.
+bool has_air(const SimulateArguments& arguments);
+
+/// @param model of the body, which a wind averages over its outline
+/// @param body_radius [m] over which the body averages the fluid of --turbulence
+/// @throws ArgumentError for words that do not make a flow; InputError for a bad file of a wind.
+NamedAir air_of(const SimulateArguments& arguments, const models::ParametricModel& model, std::uint64_t seed,
+                double body_radius);
+
+}  // namespace samara::apps

@@ -1,0 +1,266 @@
+#include "samara/models/stochastic/realisations.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/base/require.h"
+#include "samara/models/integrators/trajectory_tools.h"
+#include "samara/models/stochastic/realisation_pack.h"
+
+namespace samara::models {
+
+namespace {
+
+/// Realisations of one task, and tasks between two looks at the whole: both fixed, so that sums do not depend on the
+/// machine or its threads.
+constexpr long kGroup = 32;
+constexpr long kWave = 8 * kGroup;
+
+void check_options(const RealiseOptions& options) {
+  require(options.realisations >= 1, "realisations", options.realisations, "at least 1");
+  require(options.first >= 0, "first", options.first, "0 or more");
+  require(!options.antithetic || options.first % 2 == 0, "first", options.first,
+          "an even number, for antithetic pairs");
+  require(!options.antithetic || options.realisations % 2 == 0, "realisations", options.realisations,
+          "an even number, for antithetic pairs");
+  require(options.keep >= 0, "keep", options.keep, "0 or more");
+  check_step(options.step);
+  check_max_steps(options.max_steps);
+  require_not_negative(options.relative_error, "relative_error");
+  if (options.ground)
+    require(std::isfinite(*options.ground), "ground [m]", *options.ground, "a finite height");
+}
+
+/// Indices of the chosen states.
+std::vector<int> chosen_states(const ModelInfo& info, const std::vector<std::string>& names,
+                               const GustLayout& layout) {
+  if (names.empty()) return layout.position();
+  std::vector<std::string> all;
+  for (const StateInfo& state : info.states) all.push_back(state.name);
+  std::vector<int> indices;
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(all, name);
+    if (found == all.end())
+      throw ArgumentError(
+          fmt::format("model \"{}\" has no state \"{}\"{}", info.name, name, suggestion(name, all)));
+    indices.push_back(static_cast<int>(found - all.begin()));
+  }
+  return indices;
+}
+
+RealisationPlan plan_of(const ParametricModel& model, std::span<const double> point, const AirSource& air,
+                        std::span<const double> times, const RealiseOptions& options) {
+  check_options(options);
+  check_times(times);
+  require(!times.empty(), "number of times", times.size(), "at least 1");
+  model.check(point);
+  GustLayout layout(model.model());
+  for (const std::string& name : layout.parameter_names()) {
+    const bool is_free = std::ranges::count(model.free(), name, &FreeCoordinate::name) > 0;
+    if (is_free || model.fixed().contains(name))
+      throw ArgumentError(fmt::format("{} was given a value; realisations set it step by step", name));
+  }
+  if (are_too_many(times, options.step, options.max_steps)) {
+    throw ArgumentError(
+        fmt::format("steps of {} s to t = {} s are more than {}; a longer step or fewer times were expected",
+                    options.step, times.back(), options.max_steps));
+  }
+  RealisationPlan plan = {.model = model,
+                          .point = point,
+                          .air = air,
+                          .times = {times.begin(), times.end()},
+                          .step = options.step,
+                          .ground = options.ground,
+                          .antithetic = options.antithetic,
+                          .states = chosen_states(model.model().info(), options.states, layout),
+                          .layout = layout,
+                          .follows = {}};
+  std::vector<double> x(static_cast<std::size_t>(model.state_count()));
+  model.initial(point, x);
+  const double height = x[static_cast<std::size_t>(layout.position().back())];
+  if (options.ground && !(height > *options.ground)) {
+    throw ArgumentError(fmt::format(
+        "ground [m] is {}, expected below the start, which is at a height of {} m", *options.ground, height));
+  }
+  ParameterValues all;
+  all.value = model.parameters(point);
+  all.given.assign(all.value.size(), 1);
+  plan.follows = layout.follows(model.model(), x, all);
+  return plan;
+}
+
+/// Of the realisations of one task.
+EnsembleSums sums_of(const RealisationPlan& plan, std::vector<RealisationRecord>& records) {
+  EnsembleSums sums(plan.times.size(), static_cast<Eigen::Index>(plan.states.size()));
+  const std::size_t together = plan.antithetic ? 2 : 1;
+  // The mean of those of a pair that count: add(record, n) adds what one has, and tells whether it counts.
+  const auto by_pairs = [&](Spread& to, Eigen::Index size, const auto& value) {
+    for (std::size_t first = 0; first < records.size(); first += together) {
+      Eigen::VectorXd sum = Eigen::VectorXd::Zero(size);
+      double count = 0.0;
+      for (std::size_t n = first; n < std::min(first + together, records.size()); ++n) {
+        const Eigen::VectorXd one = value(records[n]);
+        if (one.size() == 0 || !one.allFinite()) continue;
+        sum += one;
+        count += 1.0;
+      }
+      if (count > 0.0) to.add(sum / count);
+    }
+  };
+  for (std::size_t k = 0; k < plan.times.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const auto at_time = [&](const RealisationRecord& record) -> Eigen::VectorXd {
+      return record.chosen.row(row);
+    };
+    TimeSums& at = sums.at[k];
+    for (const RealisationRecord& record : records) {
+      const Eigen::VectorXd x = at_time(record);
+      if (x.allFinite()) at.single.add(x);
+    }
+    by_pairs(at.independent, static_cast<Eigen::Index>(plan.states.size()), at_time);
+    at.close_group();
+  }
+  by_pairs(sums.half_turns, 1, [](const RealisationRecord& record) -> Eigen::VectorXd {
+    return Eigen::VectorXd::Constant(1, record.half_turns);
+  });
+  // With a ground those that have not come down say nothing of the landing.
+  const auto displacement = [&](const RealisationRecord& record) -> Eigen::VectorXd {
+    if (plan.ground && record.status != RealisationStatus::landed) return {};
+    return record.displacement;
+  };
+  by_pairs(sums.displacement, 3, displacement);
+  for (const RealisationRecord& record : records) {
+    const Eigen::VectorXd way = displacement(record);
+    if (way.size() > 0) sums.way.add(Eigen::VectorXd::Constant(1, way.squaredNorm()));
+    sums.steps.merge(record.steps);
+  }
+  return sums;
+}
+
+struct TaskResult {
+  std::vector<RealisationRecord> records;
+  EnsembleSums sums;
+};
+
+void take_up(Ensemble& ensemble, std::vector<RealisationRecord>& records, const GustLayout& layout) {
+  for (RealisationRecord& record : records) {
+    ensemble.status.push_back(record.status);
+    if (layout.has_attitude()) ensemble.half_turns.push_back(record.half_turns);
+    if (record.status == RealisationStatus::landed) ensemble.landings.push_back(record.landing);
+    if (record.all.size() > 0) ensemble.kept.push_back(std::move(record.all));
+  }
+}
+
+/// Runs realisations `first` to `last` - 1 in tasks. @returns false if cancelled; then nothing is changed
+bool run_wave(const RealisationPlan& plan, long first, long last, const RealiseOptions& options,
+              SharedProgress& progress, Ensemble& ensemble, EnsembleSums& sums) {
+  const long tasks = (last - first + kGroup - 1) / kGroup;
+  std::vector<std::optional<TaskResult>> results(static_cast<std::size_t>(tasks));
+  arena_of(options.threads).execute([&] {
+    parallel_for(tasks, [&](long task) {
+      const long from = first + task * kGroup;
+      const long to = std::min(last, from + kGroup);
+      std::vector<RealisationRecord> records = fly_realisations(
+          plan, options.first + from, options.first + to, options.first + options.keep, progress);
+      if (records.empty()) return;
+      EnsembleSums of_task = sums_of(plan, records);
+      results[static_cast<std::size_t>(task)] = {.records = std::move(records), .sums = std::move(of_task)};
+      progress.count();
+    });
+  });
+  if (std::ranges::any_of(results, [](const auto& result) { return !result; })) return false;
+  for (std::optional<TaskResult>& result : results) {
+    sums.merge(result->sums);
+    take_up(ensemble, result->records, plan.layout);
+  }
+  return true;
+}
+
+/// The statistics, from the sums.
+void conclude(const RealisationPlan& plan, const EnsembleSums& sums, Ensemble& ensemble) {
+  const ModelInfo& info = plan.model.model().info();
+  const auto times = static_cast<Eigen::Index>(plan.times.size());
+  const auto states = static_cast<Eigen::Index>(plan.states.size());
+  ensemble.times = Eigen::Map<const Eigen::VectorXd>(plan.times.data(), times);
+  ensemble.states.clear();
+  ensemble.units.clear();
+  for (const int state : plan.states) {
+    ensemble.states.push_back(info.states[static_cast<std::size_t>(state)].name);
+    ensemble.units.push_back(info.states[static_cast<std::size_t>(state)].unit);
+  }
+  ensemble.flying.resize(times);
+  ensemble.mean.resize(times, states);
+  ensemble.mean_error.resize(times, states);
+  ensemble.covariance.clear();
+  ensemble.covariance_error.clear();
+  for (Eigen::Index k = 0; k < times; ++k) {
+    const TimeSums& at = sums.at[static_cast<std::size_t>(k)];
+    ensemble.flying[k] = at.single.count();
+    ensemble.mean.row(k) = at.single.mean();
+    if (at.single.count() == 0) ensemble.mean.row(k).setConstant(std::numeric_limits<double>::quiet_NaN());
+    ensemble.mean_error.row(k) = at.independent.error_of_mean();
+    ensemble.covariance.push_back(at.single.covariance());
+    ensemble.covariance_error.push_back(at.groups.error_of_mean().reshaped(states, states));
+  }
+  ensemble.mean_half_turns = {sums.half_turns.mean()[0], sums.half_turns.error_of_mean()[0]};
+  const auto steps = static_cast<double>(std::max(1L, sums.steps.steps()));
+  ensemble.steps = {.beyond_tenth = static_cast<double>(sums.steps.beyond_tenth()) / steps,
+                    .beyond_third = static_cast<double>(sums.steps.beyond_third()) / steps,
+                    .shortest = sums.steps.scale_below(0.05)};
+  ensemble.antithetic = plan.antithetic;
+  ensemble.relative_error = sums.relative_error();
+  ensemble.sums = std::make_shared<EnsembleSums>(sums);
+}
+
+Ensemble run_from(Ensemble ensemble, EnsembleSums sums, const RealisationPlan& plan,
+                  const RealiseOptions& options) {
+  const auto left = static_cast<double>(options.realisations - ensemble.realisations());
+  SharedProgress progress(options.progress, "realising", std::max(1.0, std::ceil(left / kGroup)));
+  while (ensemble.realisations() < options.realisations) {
+    const long first = ensemble.realisations();
+    if (options.relative_error > 0.0 && first > 0 && sums.relative_error() <= options.relative_error) break;
+    if (!run_wave(plan, first, std::min(options.realisations, first + kWave), options, progress, ensemble,
+                  sums)) {
+      ensemble.cancelled = true;
+      break;
+    }
+  }
+  conclude(plan, sums, ensemble);
+  return ensemble;
+}
+
+}  // namespace
+
+Ensemble realise(const ParametricModel& model, std::span<const double> point, const AirSource& air,
+                 std::span<const double> times, const RealiseOptions& options) {
+  const RealisationPlan plan = plan_of(model, point, air, times, options);
+  Ensemble ensemble;
+  ensemble.first = options.first;
+  return run_from(std::move(ensemble),
+                  EnsembleSums(times.size(), static_cast<Eigen::Index>(plan.states.size())), plan, options);
+}
+
+Ensemble resume(const Ensemble& begun, const ParametricModel& model, std::span<const double> point,
+                const AirSource& air, std::span<const double> times, const RealiseOptions& options) {
+  const RealisationPlan plan = plan_of(model, point, air, times, options);
+  if (!begun.sums) throw ArgumentError("an ensemble that was not made by realise() cannot be resumed");
+  require(begun.realisations() % kWave == 0, "realisations of the ensemble to resume", begun.realisations(),
+          "a multiple of 256");
+  require(begun.first == options.first, "first", options.first,
+          fmt::format("{}, as it was begun", begun.first));
+  Ensemble ensemble = begun;
+  ensemble.cancelled = false;
+  const auto states = static_cast<Eigen::Index>(plan.states.size());
+  if (begun.times.size() != static_cast<Eigen::Index>(times.size()) ||
+      !std::ranges::equal(begun.times, times) || begun.mean.cols() != states)
+    throw ArgumentError(
+        "the ensemble to resume has other times or states; those it was begun with were expected");
+  return run_from(std::move(ensemble), *begun.sums, plan, options);
+}
+
+}  // namespace samara::models

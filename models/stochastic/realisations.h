@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "samara/base/progress.h"
+#include "samara/models/interface/parametric_model.h"
+#include "samara/models/stochastic/air_along_path.h"
+#include "samara/models/stochastic/ensemble.h"
+
+/// Many realisations of one motion in a fluid that is random: where a leaf lands, and how sure that is.
+///
+///   const ParametricModel leaf(find_model("immersed_body_in_gusts"), values, {});
+///   const Ensemble cloud = realise(leaf, {}, *fluid_seen_in(uniform_turbulence(0.3, 0.2), 7), times, {.ground = 0.0});
+///
+/// Bodies fly side by side in the lanes of SIMD registers, packs of them shared between threads. A realisation has the
+/// same bits alone, among others, on any number of threads and after resume(); with the lanes of another processor it
+/// may differ in the last digits of sines and cosines.
+namespace samara::models {
+
+struct RealiseOptions {
+  long realisations = 1000;
+  long first = 0;  ///< number of the first one: any may be seen again by itself
+  double step =
+      1e-3;         ///< upper bound [s]; steps end on the times asked for, and one is an update of the gust
+  int threads = 0;  ///< 0: as many as the machine has
+  std::vector<std::string> states = {};  ///< whose statistics are kept; empty: those of the place
+  std::optional<double> ground = {};     ///< height at which a body has landed [m]; it must start above
+  long keep = 0;                         ///< trajectories of that many first realisations are kept
+  bool antithetic =
+      false;  ///< realisations in pairs of opposite noise: their number and `first` must be even
+  /// Stop as soon as the standard error of the mean displacement at the last time (at the landing, with a ground) is
+  /// within this share of its root mean square; looked at every 256 realisations; 0: do not.
+  double relative_error = 0.0;
+  long max_steps = 100000000;      ///< most steps of a realisation
+  ProgressCallback progress = {};  ///< asked between two times; cancels after the last 256 that were finished
+};
+
+/// @param model with the parameters of gusts (gust_layout.h), none of them fixed or free
+/// @param point its free coordinates (SI)
+/// @param times not decreasing, from 0 on; those of the statistics
+/// @throws ArgumentError if the model cannot fly through gusts, or a point, a time or an option is outside its meaning.
+Ensemble realise(const ParametricModel& model, std::span<const double> point, const AirSource& air,
+                 std::span<const double> times, const RealiseOptions& options = {});
+
+/// Goes on from an ensemble that was cancelled or stopped early, up to options.realisations: the result is that of an
+/// undisturbed run, to the bit. All else is to be as it was.
+/// @throws ArgumentError as above, or if it was not made by realise() or does not end on a multiple of 256.
+Ensemble resume(const Ensemble& begun, const ParametricModel& model, std::span<const double> point,
+                const AirSource& air, std::span<const double> times, const RealiseOptions& options = {});
+
+}  // namespace samara::models

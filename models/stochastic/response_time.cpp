@@ -1,0 +1,45 @@
+#include "samara/models/stochastic/response_time.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace samara::models {
+
+ResponseTime::ResponseTime(const Model& model, const GustLayout& layout) : model_(model), layout_(layout) {
+  const ModelInfo& info = model.info();
+  for (const ForceTermInfo& term : info.force_terms) {
+    is_of_fluid_.push_back(term.name != "inertia" && term.name != "gravity and buoyancy" &&
+                           term.name != "ambient acceleration");
+  }
+  p_.value.resize(info.parameters.size());
+  p_.given.assign(info.parameters.size(), 1);
+  x_.resize(info.states.size());
+  terms_.resize(info.force_terms.size());
+}
+
+double ResponseTime::operator()(const Lanes& lanes, int lane, double t, const Eigen::Vector3d& air) {
+  if (terms_.empty()) return 0.0;
+  lanes.read(lane, x_);
+  for (std::size_t j = 0; j < p_.value.size(); ++j) p_.value[j] = lanes.parameter(static_cast<int>(j), lane);
+  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+  layout_.write([&](int j, double value) { p_.value[static_cast<std::size_t>(j)] = value; }, t, air, none,
+                none, none);
+  model_.forces(t, x_, p_, terms_);
+  const std::vector<int>& rotation = layout_.rotation();
+  double power = 0.0;
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (!is_of_fluid_[k]) continue;
+    power += terms_[k].power;
+    for (std::size_t i = 0; i < rotation.size(); ++i) {
+      const auto axis = static_cast<Eigen::Index>(rotation.size() == 1 ? 2 : i);
+      power -= terms_[k].torque[axis] * x_[static_cast<std::size_t>(rotation[i])];
+    }
+  }
+  for (const int i : rotation) x_[static_cast<std::size_t>(i)] = 0.0;
+  const std::optional<double> energy = model_.kinetic_energy(t, x_, p_);
+  if (!energy) return 0.0;
+  return power != 0.0 ? 2.0 * *energy / std::abs(power) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace samara::models

@@ -1,0 +1,230 @@
+#include <memory>
+#include <numbers>
+
+#include <catch2/catch.hpp>
+
+#include "../bodies_in_flow.h"
+#include "samara/base/errors.h"
+#include "samara/base/streams.h"
+#include "samara/models/laws/ambient_flow.h"
+#include "samara/models/laws/registry.h"
+#include "samara/models/stochastic/gust_layout.h"
+#include "samara/models/stochastic/realisations.h"
+#include "samara/models/stochastic/turbulent_flow.h"
+
+using namespace samara::models;
+using Catch::Matchers::WithinAbs;
+using Catch::Matchers::WithinRel;
+
+namespace {
+
+using Parameters = std::map<std::string, double>;
+
+const Parameters kLeaf = {{"a", 0.035},   {"b", 0.02},   {"c", 1e-4},   {"density", 1200.0}, {"C_D90", 0.61},
+                          {"C_D0", 0.05}, {"C_T", 1.81}, {"C_R", 1.21}, {"C_w", 2.0}};
+const Parameters kPlate = {{"semi_chord", 0.02}, {"semi_thickness", 0.002}, {"density", 1500.0}, {"mu1", 0.0},
+                           {"mu2", 0.2},         {"speed_floor", 1e-4}};
+
+Parameters joined(Parameters values, const Parameters& more) {
+  for (const auto& [name, value] : more) values[name] = value;
+  return values;
+}
+
+Parameters ramp(const Eigen::Vector3d& velocity, const Eigen::Vector3d& rate,
+                const Eigen::Vector3d& material) {
+  Parameters values;
+  const char* axes[] = {"x", "y", "z"};
+  for (int i = 0; i < 3; ++i) {
+    values[std::string("gust_") + axes[i]] = velocity[i];
+    values[std::string("gust_rate_") + axes[i]] = rate[i];
+    values[std::string("gust_material_") + axes[i]] = material[i];
+  }
+  return values;
+}
+
+Eigen::MatrixXd states_of(const std::string& model, const Parameters& values,
+                          const std::vector<double>& times) {
+  const ParametricModel fixed(find_model(model), values, {});
+  return integrate(fixed, {}, times, {.relative_tolerance = 1e-12, .max_steps = 1000000}).states;
+}
+
+/// w_air = w_0 + a t
+class Accelerating final : public AmbientFlow {
+ public:
+  AmbientSample sample(double t, const Eigen::Vector3d&) const override {
+    return {.velocity = velocity + t * rate, .rate = rate};
+  }
+  double length() const override { return 1.0; }
+  Eigen::Vector3d velocity = {1.0, -0.5, 0.3};
+  Eigen::Vector3d rate = {4.0, 2.0, -3.0};
+};
+
+/// Starts from rest and jumps about from step to step, by numbers that a test may draw again.
+class JumpyAir final : public AirSource {
+ public:
+  static Eigen::Vector3d velocity(std::uint64_t number, std::uint64_t step) {
+    if (step == 0) return Eigen::Vector3d::Zero();
+    const auto z = samara::normals_at(9, {.realisation = number, .step = step});
+    return {z[0], z[1], z[2]};
+  }
+  std::unique_ptr<AirAlongPath> realisation(std::uint64_t number, bool) const override {
+    return std::make_unique<Path>(number);
+  }
+
+ private:
+  class Path final : public AirAlongPath {
+   public:
+    explicit Path(std::uint64_t number) : number_(number) {}
+    AirSeen start(const BodyMotion&) override { return {}; }
+    AirSeen step(const BodyMotion&, double) override { return {.velocity = velocity(number_, ++step_)}; }
+
+   private:
+    std::uint64_t number_, step_ = 0;
+  };
+};
+
+/// Largest distance of the velocity of bodies from the air they were told of, over 200 steps of 3 realisations.
+double distance_from_air(const std::string& name, const Parameters& values) {
+  const ParametricModel model(find_model(name), values, {});
+  std::vector<double> times;
+  for (int k = 0; k <= 200; ++k) times.push_back(1e-3 * k);
+  const Ensemble cloud =
+      realise(model, {}, JumpyAir(), times, {.realisations = 3, .step = 1.001e-3, .keep = 3});
+  const GustLayout layout(model.model());
+  double worst = 0.0;
+  for (std::size_t n = 0; n < cloud.kept.size(); ++n) {
+    for (Eigen::Index k = 0; k < cloud.times.size(); ++k) {
+      BodyMotion body;
+      layout.read([&](int i) { return cloud.kept[n](k, i); }, body);
+      Eigen::Vector3d air = JumpyAir::velocity(n, static_cast<std::uint64_t>(k));
+      if (layout.space() == GustLayout::Space::plane) air.y() = 0.0;
+      worst = std::max(worst, (body.velocity - air).norm());
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("a body in a ramp of gusts moves as in a flow that accelerates") {
+  const std::vector<double> times = {0.1, 0.4};
+  const Accelerating flow;
+  BodyState start;
+  start.q = Eigen::Quaterniond(0.9, 0.3, -0.2, 0.1).normalized();
+  start.w = {3.0, -2.0, 1.0};
+  const Eigen::MatrixXd in_flow =
+      motion(immersed_body_in(std::make_shared<Accelerating>()), kLeaf, start, times);
+  const Eigen::MatrixXd in_gusts =
+      motion(find_model("immersed_body_in_gusts"), joined(kLeaf, ramp(flow.velocity, flow.rate, flow.rate)),
+             start, times);
+  CHECK((in_flow - in_gusts).cwiseAbs().maxCoeff() < 1e-8);
+}
+
+TEST_CASE("a fluid that accelerates acts as a weight the other way on bodies in it") {
+  // In the frame of the fluid gravity is g - a: with a = 2 upward, 11.81.
+  constexpr double a = 2.0;
+  const std::vector<double> times = {0.1, 0.3};
+  SECTION("plate") {
+    const Parameters gust = {{"gust_rate_y", a}, {"gust_material_y", a}};
+    Eigen::MatrixXd heavy = states_of("falling_plate", joined(kPlate, {{"g", 9.81 + a}}), times);
+    const Eigen::MatrixXd lifted = states_of("falling_plate_in_gusts", joined(kPlate, gust), times);
+    for (Eigen::Index k = 0; k < 2; ++k) {
+      const double t = times[static_cast<std::size_t>(k)], theta = heavy(k, 3);
+      heavy.row(k) += Eigen::RowVectorXd{
+          {a * t * std::sin(theta), a * t * std::cos(theta), 0.0, 0.0, 0.0, 0.5 * a * t * t}};
+    }
+    CHECK((heavy - lifted).cwiseAbs().maxCoeff() < 1e-8);
+  }
+  SECTION("sphere") {
+    const Parameters gust = {{"gust_rate_z", a}, {"gust_material_z", a}, {"wy(0)", 50.0}};
+    Eigen::MatrixXd heavy = states_of("sphere_flight", {{"g", 9.81 + a}, {"wy(0)", 50.0}}, times);
+    const Eigen::MatrixXd lifted = states_of("sphere_flight_in_gusts", gust, times);
+    for (Eigen::Index k = 0; k < 2; ++k) {
+      const double t = times[static_cast<std::size_t>(k)];
+      heavy(k, 2) += 0.5 * a * t * t;
+      heavy(k, 5) += a * t;
+    }
+    CHECK((heavy - lifted).cwiseAbs().maxCoeff() < 1e-8);
+  }
+}
+
+TEST_CASE("a steady gust only carries a plate along") {
+  const std::vector<double> times = {0.2, 0.5};
+  Eigen::MatrixXd still = states_of("falling_plate", kPlate, times);
+  const double theta_0 = 0.4;
+  const Eigen::MatrixXd carried =
+      states_of("falling_plate_in_gusts",
+                joined(kPlate, {{"gust_x", 0.7},
+                                {"gust_y", -0.2},
+                                {"vx(0)", 0.7 * std::cos(theta_0) - 0.2 * std::sin(theta_0)},
+                                {"vy(0)", -0.7 * std::sin(theta_0) - 0.2 * std::cos(theta_0)}}),
+                times);
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    const double t = times[static_cast<std::size_t>(k)];
+    CHECK_THAT(carried(k, 3), WithinAbs(still(k, 3), 1e-8));
+    CHECK_THAT(carried(k, 4), WithinAbs(still(k, 4) + 0.7 * t, 1e-8));
+    CHECK_THAT(carried(k, 5), WithinAbs(still(k, 5) - 0.2 * t, 1e-8));
+  }
+}
+
+TEST_CASE("a body that turns with the fluid feels no damping, and one at rest is turned by it") {
+  const auto model = find_model("immersed_body_in_gusts");
+  BodyState with_it;
+  with_it.w = {5.0, -3.0, 0.0};
+  const Parameters spin = {{"gust_spin_x", 5.0}, {"gust_spin_y", -3.0}};
+  std::vector<Wrench> terms(model->info().force_terms.size());
+  model->forces(0.0, with_it.vector(), parameter_values(*model, joined(kLeaf, spin)), terms);
+  CHECK(terms[4].torque.norm() < 1e-18);
+  model->forces(0.0, BodyState().vector(), parameter_values(*model, joined(kLeaf, spin)), terms);
+  const Eigen::Vector3d turning = terms[4].torque;
+  model->forces(0.0, with_it.vector(), parameter_values(*model, kLeaf), terms);
+  CHECK((turning + terms[4].torque).norm() < 1e-12 * turning.norm());
+  CHECK(turning.x() > 0.0);
+}
+
+TEST_CASE("a body as heavy as the fluid follows it at every step, whatever its added mass") {
+  CHECK(distance_from_air(
+            "immersed_body_in_gusts",
+            joined(kLeaf, {{"density", 1.2}, {"M_z", 3e-5}, {"M_x", 1e-7}, {"qw(0)", 0.9}, {"qx(0)", 0.4}})) <
+        1e-12);
+  CHECK(distance_from_air("sphere_flight_in_gusts",
+                          {{"mass", 4e-5}, {"displaced_mass", 4e-5}, {"added_mass", 7e-5}}) < 1e-12);
+  CHECK(distance_from_air("falling_plate_in_gusts", joined(kPlate, {{"density", 998.2}})) < 1e-12);
+}
+
+TEST_CASE("a body far heavier than the fluid keeps its velocity") {
+  const Parameters heavy = {{"mass", 1e6}, {"g", 0.0}, {"vx(0)", 2.0}};
+  const ParametricModel model(find_model("sphere_flight_in_gusts"), heavy, {});
+  const std::vector<double> times = {0.5};
+  const Ensemble cloud =
+      realise(model, {}, JumpyAir(), times, {.realisations = 4, .states = {"vx", "vy", "vz"}, .keep = 4});
+  for (const Eigen::MatrixXd& path : cloud.kept) {
+    CHECK_THAT(path(0, 3), WithinAbs(2.0, 1e-7));
+    CHECK_THAT(path(0, 4), WithinAbs(0.0, 1e-7));
+  }
+}
+
+TEST_CASE("what follows a gust at once is what pressure and added mass carry") {
+  const auto model = find_model("immersed_body_in_gusts");
+  const ParameterValues p = parameter_values(*model, kLeaf);
+  BodyState state;
+  state.q = Eigen::Quaterniond(0.9, 0.3, -0.2, 0.1).normalized();
+  const Eigen::Matrix3d follows = GustLayout(*model).follows(*model, state.vector(), p);
+  const double m = parameter(*model, p, "mass"), m_f = parameter(*model, p, "displaced_mass");
+  const char* added[] = {"M_x", "M_y", "M_z"};
+  for (int i = 0; i < 3; ++i) {
+    const double M = parameter(*model, p, added[i]);
+    CHECK_THAT(follows(i, i), WithinRel((m_f + M) / (m + M), 1e-9));
+    CHECK_THAT(follows(i, (i + 1) % 3), WithinAbs(0.0, 1e-12));
+  }
+}
+
+TEST_CASE("models that gusts cannot reach are refused with what they lack") {
+  const ParametricModel still(find_model("immersed_body"), kLeaf, {});
+  const std::vector<double> times = {0.1};
+  CHECK_THROWS_WITH(realise(still, {}, JumpyAir(), times),
+                    Catch::Matchers::Contains("model \"immersed_body\" has no parameter gust_start"));
+  const ParametricModel held(find_model("immersed_body_in_gusts"), joined(kLeaf, {{"gust_x", 1.0}}), {});
+  CHECK_THROWS_WITH(realise(held, {}, JumpyAir(), times),
+                    Catch::Matchers::Contains("gust_x was given a value"));
+}

@@ -1,0 +1,344 @@
+#include "samara/models/stochastic/realisations.h"
+
+#include <cstring>
+#include <mutex>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+#include "samara/base/errors.h"
+#include "samara/base/streams.h"
+#include "samara/models/batch/batch.h"
+#include "samara/models/laws/registry.h"
+#include "samara/models/stochastic/fluid_seen.h"
+
+using namespace samara::models;
+using Catch::Matchers::Contains;
+using Catch::Matchers::WithinAbs;
+using Catch::Matchers::WithinRel;
+
+namespace {
+
+ParametricModel leaf(double height = 1.0) {
+  return {find_model("immersed_body_in_gusts"),
+          {{"a", 0.035},
+           {"b", 0.02},
+           {"c", 1e-4},
+           {"density", 1200.0},
+           {"C_D90", 0.61},
+           {"C_D0", 0.05},
+           {"C_T", 1.81},
+           {"C_R", 1.21},
+           {"C_w", 2.0},
+           {"qw(0)", 0.9},
+           {"qx(0)", 0.3},
+           {"qy(0)", 0.2},
+           {"z(0)", height}},
+          {}};
+}
+
+ParametricModel plate() {
+  return {find_model("falling_plate_in_gusts"),
+          {{"semi_chord", 0.02}, {"semi_thickness", 0.002}, {"density", 1500.0}, {"w(0)", 40.0}},
+          {}};
+}
+
+std::shared_ptr<const AirSource> breeze(std::uint64_t seed = 7) {
+  return fluid_seen_in(uniform_turbulence(0.1, 0.2, {0.5, 0.0, 0.0}), seed, {.C_0 = 6.0, .radius = 0.026});
+}
+
+const std::vector<double> kTimes = {0.0, 0.1, 0.2};
+
+bool same_bits(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return a.size() == b.size() &&
+         std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
+}
+
+bool same_bits(const Ensemble& a, const Ensemble& b) {
+  bool same = same_bits(a.mean, b.mean) && same_bits(a.mean_error, b.mean_error) && a.status == b.status &&
+              a.half_turns == b.half_turns && a.kept.size() == b.kept.size() &&
+              a.landings.size() == b.landings.size();
+  for (std::size_t k = 0; same && k < a.covariance.size(); ++k)
+    same = same_bits(a.covariance[k], b.covariance[k]) &&
+           same_bits(a.covariance_error[k], b.covariance_error[k]);
+  for (std::size_t n = 0; same && n < a.kept.size(); ++n) same = same_bits(a.kept[n], b.kept[n]);
+  for (std::size_t n = 0; same && n < a.landings.size(); ++n)
+    same = a.landings[n].t == b.landings[n].t && a.landings[n].position == b.landings[n].position;
+  return same;
+}
+
+/// The toy of a thousand copies: one generator behind all realisations, in the order in which they come.
+class SharedGenerator final : public AirSource {
+ public:
+  std::unique_ptr<AirAlongPath> realisation(std::uint64_t, bool) const override {
+    const std::scoped_lock lock(mutex_);
+    return std::make_unique<Path>(generator_);
+  }
+
+ private:
+  class Path final : public AirAlongPath {
+   public:
+    explicit Path(std::mt19937& generator) : generator_(generator) {}
+    AirSeen start(const BodyMotion&) override { return {}; }
+    AirSeen step(const BodyMotion&, double) override {
+      std::normal_distribution<double> normal;
+      return {.velocity = {normal(generator_), normal(generator_), normal(generator_)}};
+    }
+
+   private:
+    std::mt19937& generator_;
+  };
+
+  mutable std::mutex mutex_;
+  mutable std::mt19937 generator_{1};
+};
+
+/// Another: every realisation has a twin.
+class Twins final : public AirSource {
+ public:
+  explicit Twins(std::shared_ptr<const AirSource> real) : real_(std::move(real)) {}
+  std::unique_ptr<AirAlongPath> realisation(std::uint64_t number, bool mirrored) const override {
+    return real_->realisation(number / 2, mirrored);
+  }
+
+ private:
+  std::shared_ptr<const AirSource> real_;
+};
+
+/// Scatter of the means of 50 disjoint groups of 20 over the standard error that one of 1000 claims, for x, y, z.
+double scatter_over_claim(const AirSource& air) {
+  const std::vector<double> end = {0.2};
+  const Ensemble all = realise(leaf(), {}, air, end, {.realisations = 1000, .keep = 1000});
+  double ratio = 0.0;
+  for (int s = 0; s < 3; ++s) {
+    Eigen::ArrayXd means(50);
+    for (int group = 0; group < 50; ++group) {
+      double sum = 0.0;
+      for (int n = 0; n < 20; ++n) sum += all.kept[static_cast<std::size_t>(20 * group + n)](0, s);
+      means[group] = sum / 20.0;
+    }
+    const double scatter = std::sqrt((means - means.mean()).square().sum() / 49.0);
+    ratio += scatter / (all.mean_error(0, s) * std::sqrt(50.0)) / 3.0;
+  }
+  return ratio;
+}
+
+}  // namespace
+
+TEST_CASE("in still air all realisations are the trajectory of Runge and Kutta") {
+  const auto still = fluid_seen_in(uniform_turbulence(0.0, 1.0), 1);
+  const Ensemble cloud = realise(leaf(), {}, *still, kTimes, {.realisations = 9, .keep = 9});
+  const BatchTrajectories alone = integrate_batch(leaf(), Eigen::MatrixXd(1, 0), kTimes, {.step = 1e-3});
+  for (const Eigen::MatrixXd& path : cloud.kept)
+    CHECK((path - alone.states.transpose()).cwiseAbs().maxCoeff() < 1e-12);
+  CHECK(cloud.standard_deviation(2, 0) < 1e-12);
+  CHECK(cloud.mean.row(0) == Eigen::RowVector3d(0.0, 0.0, 1.0));
+}
+
+TEST_CASE("a realisation has the same bits alone, in any pack, on any number of threads and after a resume") {
+  for (const ParametricModel& model : {leaf(), plate()}) {
+    const auto air = breeze();
+    const Ensemble all = realise(model, {}, *air, kTimes, {.realisations = 600, .threads = 1, .keep = 600});
+    CHECK(same_bits(all, realise(model, {}, *air, kTimes, {.realisations = 600, .threads = 2, .keep = 600})));
+    const Ensemble ten = realise(model, {}, *air, kTimes, {.realisations = 10, .keep = 10});
+    for (std::size_t n = 0; n < 10; ++n) CHECK(same_bits(ten.kept[n], all.kept[n]));
+    for (const long n : {17L, 333L}) {
+      const Ensemble alone = realise(model, {}, *air, kTimes, {.realisations = 1, .first = n, .keep = 1});
+      CHECK(same_bits(alone.kept[0], all.kept[static_cast<std::size_t>(n)]));
+    }
+    // Cancelled once 256 of them are done.
+    const Ensemble begun =
+        realise(model, {}, *air, kTimes, {.realisations = 600, .keep = 600, .relative_error = 1e9});
+    CHECK(begun.realisations() == 256);
+    const Ensemble resumed = resume(begun, model, {}, *air, kTimes, {.realisations = 600, .keep = 600});
+    CHECK(same_bits(all, resumed));
+  }
+}
+
+TEST_CASE("one generator behind all realisations is found out") {
+  const SharedGenerator shared;
+  const RealiseOptions options = {.realisations = 40, .threads = 1, .keep = 40};
+  CHECK_FALSE(
+      same_bits(realise(leaf(), {}, shared, kTimes, options), realise(leaf(), {}, shared, kTimes, options)));
+}
+
+TEST_CASE("noise is independent between realisations, components, steps and streams") {
+  constexpr int kNumbers = 40000;
+  const double allowed = 4.0 / std::sqrt(kNumbers);
+  std::array<double, 6> sums = {};
+  double squares = 0.0, fourth = 0.0;
+  for (std::uint64_t n = 0; n < kNumbers; ++n) {
+    const auto here = samara::normals_at(5, {.realisation = n, .step = 3, .stream = 1});
+    const auto next = samara::normals_at(5, {.realisation = n + 1, .step = 3, .stream = 1});
+    const auto later = samara::normals_at(5, {.realisation = n, .step = 4, .stream = 1});
+    const auto other = samara::normals_at(5, {.realisation = n, .step = 3, .stream = 2});
+    sums[0] += here[0] * next[0];
+    sums[1] += here[0] * here[1];
+    sums[2] += here[1] * here[2];
+    sums[3] += here[0] * later[0];
+    sums[4] += here[0] * other[0];
+    sums[5] += here[0];
+    squares += here[0] * here[0];
+    fourth += std::pow(here[2], 4);
+  }
+  for (const double sum : sums) CHECK(std::abs(sum / kNumbers) < allowed);
+  CHECK_THAT(squares / kNumbers, WithinAbs(1.0, std::sqrt(2.0) * allowed));
+  CHECK_THAT(fourth / kNumbers, WithinAbs(3.0, std::sqrt(96.0) * allowed));
+}
+
+TEST_CASE(
+    "standard errors are what groups of realisations scatter by, and lie where realisations are copies") {
+  CHECK_THAT(scatter_over_claim(*breeze()), WithinAbs(1.0, 0.2));
+  CHECK_FALSE(std::abs(scatter_over_claim(Twins(breeze())) - 1.0) < 0.2);
+}
+
+TEST_CASE("a linear body has the share of the fluid's energy that its response time leaves") {
+  // Drag c v with c = 1/2 rho A C_D Re_drag nu/diameter, in units where the fluid has sigma = 1, T = 1.
+  const auto air =
+      fluid_seen_in(uniform_turbulence(1.5, 4.0 * 1.5 / (3.0 * 6.0)), 3, {.C_0 = 6.0, .crossing = false});
+  for (const double tau : {0.01, 0.1, 1.0, 10.0}) {
+    const ParametricModel body(find_model("sphere_flight_in_gusts"),
+                               {{"diameter", 1.0},
+                                {"C_D", 1e-9},
+                                {"C_M", 0.0},
+                                {"Re_drag", 1e9},
+                                {"nu", 1.0},
+                                {"fluid_density", 8.0 / std::numbers::pi},
+                                {"mass", tau},
+                                {"displaced_mass", 0.0},
+                                {"added_mass", 0.0},
+                                {"inertia", 1.0},
+                                {"g", 0.0}},
+                               {});
+    std::vector<double> times;
+    for (int k = 0; k < 20; ++k) times.push_back(5.0 * (1.0 + tau) + 2.0 * k * (1.0 + tau));
+    const double step = tau < 0.05 ? 0.02 : 0.1;
+    const Ensemble cloud =
+        realise(body, {}, *air, times, {.realisations = 1024, .step = step, .states = {"vx", "vy", "vz"}});
+    double energy = 0.0;
+    for (const Eigen::MatrixXd& covariance : cloud.covariance) energy += covariance.trace() / 60.0;
+    CHECK_THAT(energy, WithinRel(1.0 / (1.0 + tau), 0.015));
+  }
+}
+
+TEST_CASE("antithetic pairs are mirror images, and their errors come from pairs") {
+  // A body that the fluid moves and no weight: pairs cancel to the last digit.
+  const ParametricModel ball(find_model("sphere_flight_in_gusts"), {{"g", 0.0}, {"C_M", 0.0}}, {});
+  const auto air = fluid_seen_in(uniform_turbulence(1.5, 0.5), 3, {.C_0 = 6.0});
+  const Ensemble pairs = realise(ball, {}, *air, kTimes, {.realisations = 64, .keep = 2, .antithetic = true});
+  CHECK((pairs.kept[0] + pairs.kept[1]).cwiseAbs().maxCoeff() < 1e-14);
+  CHECK(pairs.standard_deviation(2, 0) > 1e-3);
+  CHECK(pairs.mean_error(2, 0) < 1e-14);
+  CHECK_THROWS_WITH(realise(ball, {}, *air, kTimes, {.realisations = 7, .antithetic = true}),
+                    Contains("realisations is 7; an even number"));
+}
+
+TEST_CASE("leaves land where they cross the ground, and their landings have errors") {
+  std::vector<double> times;
+  for (int k = 0; k <= 30; ++k) times.push_back(0.1 * k);
+  const Ensemble cloud =
+      realise(leaf(1.0), {}, *breeze(), times, {.realisations = 320, .ground = 0.0, .keep = 1});
+  CHECK(cloud.count(RealisationStatus::landed) == 320);
+  CHECK(cloud.flying[0] == 320);
+  CHECK(cloud.flying[30] == 0);
+  CHECK(std::isnan(cloud.mean(30, 0)));
+  const LandingStatistics landing = landing_statistics(cloud);
+  CHECK(landing.landed == 320);
+  double mean = 0.0, square = 0.0;
+  for (const Landing& one : cloud.landings) {
+    CHECK_THAT(one.position.z(), WithinAbs(0.0, 1e-12));
+    mean += one.position.x() / 320.0;
+  }
+  for (const Landing& one : cloud.landings) square += std::pow(one.position.x() - mean, 2) / 319.0;
+  CHECK_THAT(landing.mean.x(), WithinRel(mean, 1e-12));
+  CHECK_THAT(landing.covariance(0, 0), WithinRel(square, 1e-10));
+  CHECK_THAT(landing.mean_error.x(), WithinRel(std::sqrt(square / 320.0), 1e-10));
+  // Ten groups: their scatter is that of a variance of 320 normal numbers, within what ten tell.
+  CHECK_THAT(landing.covariance_error(0, 0), WithinRel(square * std::sqrt(2.0 / 320.0), 0.8));
+  CHECK(landing.quantiles(0, 0) < landing.quantiles(2, 0));
+  CHECK(landing.quantiles(2, 0) < landing.quantiles(4, 0));
+  CHECK_THAT(cloud.relative_error,
+             WithinRel(landing.mean_error.norm() /
+                           std::sqrt(landing.mean.squaredNorm() + landing.covariance.trace() + 1.0),
+                       0.01));
+  CHECK_THROWS_WITH(realise(leaf(-1.0), {}, *breeze(), times, {.ground = 0.0}),
+                    Contains("expected below the start"));
+}
+
+TEST_CASE("a tumbling plate's turns are counted") {
+  const ParametricModel spinner(find_model("falling_plate_in_gusts"),
+                                {{"semi_chord", 0.02},
+                                 {"semi_thickness", 0.002},
+                                 {"density", 1500.0},
+                                 {"mu1", 0.0},
+                                 {"mu2", 0.0},
+                                 {"C_T", 0.0},
+                                 {"C_R", 0.0},
+                                 {"A", 0.0},
+                                 {"B", 0.0},
+                                 {"theta(0)", 0.0},
+                                 {"g", 1e-6},
+                                 {"w(0)", 100.0}},
+                                {});
+  const std::vector<double> times = {1.0};
+  const auto still = fluid_seen_in(uniform_turbulence(0.0, 1.0), 1);
+  const Ensemble cloud = realise(spinner, {}, *still, times, {.realisations = 3});
+  for (const int turns : cloud.half_turns) CHECK(turns == 32);  // 100 rad are 31.8 half turns
+  CHECK(cloud.mean_half_turns.value == 32.0);
+}
+
+TEST_CASE("a realisation that leaves the flow or is not finite ends with that, and harms no other") {
+  const auto with_end = turbulent_flow(
+      [](double, const Eigen::Vector3d&) {
+        return AmbientSample{.velocity = {1.0, 0.0, 0.0}};
+      },
+      [](double, const Eigen::Vector3d& x) {
+        return Turbulence{.k = x.z() < 0.5 ? -1.0 : 0.1, .epsilon = 0.1, .inside = x.x() < 0.05};
+      },
+      1.0);
+  const std::vector<double> times = {0.0, 0.2, 2.0};
+  const Ensemble cloud =
+      realise(leaf(), {}, *fluid_seen_in(with_end, 5, {.C_0 = 6.0}), times, {.realisations = 64});
+  const long left = cloud.count(RealisationStatus::left_flow),
+             broken = cloud.count(RealisationStatus::not_finite);
+  CHECK(left + broken == 64);
+  CHECK(left > 0);
+  CHECK(broken > 0);
+  CHECK(cloud.flying[0] == 64);
+  CHECK(cloud.flying[2] == 0);
+}
+
+TEST_CASE("steps longer than the air changes in are counted") {
+  const std::vector<double> times = {0.2};
+  const auto air = fluid_seen_in(uniform_turbulence(0.1, 0.2), 5, {.C_0 = 6.0, .crossing = false});
+  const double T = 4.0 * 0.1 / (3.0 * 6.0 * 0.2);  // 0.111 s
+  const Ensemble fine = realise(leaf(), {}, *air, times, {.realisations = 4, .step = 1e-3});
+  CHECK(fine.steps.beyond_tenth == 0.0);
+  CHECK_THAT(fine.steps.shortest, WithinRel(T, 0.2));
+  CHECK(realise(leaf(), {}, *air, times, {.realisations = 4, .step = 0.0201}).steps.beyond_tenth == 1.0);
+  CHECK(realise(leaf(), {}, *air, times, {.realisations = 4, .step = 0.0201}).steps.beyond_third == 0.0);
+  CHECK(realise(leaf(), {}, *air, times, {.realisations = 4, .step = 0.041}).steps.beyond_third == 1.0);
+}
+
+TEST_CASE("an ensemble stops when its mean is known well enough, or when it is cancelled") {
+  const std::vector<double> times = {0.3};
+  const Ensemble met = realise(leaf(), {}, *breeze(), times, {.realisations = 4096, .relative_error = 0.02});
+  CHECK(met.realisations() < 4096);
+  CHECK(met.relative_error <= 0.02);
+  CHECK_FALSE(met.cancelled);
+  const Ensemble cancelled =
+      realise(leaf(), {}, *breeze(), times,
+              {.realisations = 512, .progress = [](const samara::Progress&) { return false; }});
+  CHECK(cancelled.cancelled);
+  CHECK(cancelled.realisations() < 512);
+}
+
+TEST_CASE("options of realisations outside their meaning are refused") {
+  CHECK_THROWS_WITH(realise(leaf(), {}, *breeze(), kTimes, {.realisations = 0}),
+                    Contains("realisations is 0"));
+  CHECK_THROWS_WITH(realise(leaf(), {}, *breeze(), kTimes, {.step = 0.0}), Contains("step"));
+  CHECK_THROWS_WITH(realise(leaf(), {}, *breeze(), kTimes, {.states = {"speed"}}),
+                    Contains("no state \"speed\""));
+  CHECK_THROWS_WITH(realise(leaf(), {}, *breeze(), {}, {}), Contains("number of times is 0"));
+  CHECK_THROWS_AS(resume({}, leaf(), {}, *breeze(), kTimes), samara::ArgumentError);
+}
