@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
+#include "samara/base/text.h"
 #include "samara/codebooks/model/wind_file.h"
 #include "samara/io/csv.h"
 #include "terminal.h"
@@ -23,8 +24,10 @@ constexpr std::array kDirections = {"along", "across", "vertical"};
 
 Eigen::Vector3d point_of(const std::string& text) {
   std::vector<double> numbers;
-  for (const auto part : std::views::split(text, ','))
-    numbers.push_back(number_or_quantity("--at", std::string(part.begin(), part.end()), "m"));
+  for (const auto part : std::views::split(text, ',')) {
+    const std::string number(trimmed({part.begin(), part.end()}));
+    numbers.push_back(number_or_quantity("--at", number, "m"));
+  }
   if (numbers.size() != 3) {
     throw ArgumentError(fmt::format(
         "--at is \"{}\", {} numbers; 3 were expected: along the wind, across it, up", text, numbers.size()));
@@ -70,6 +73,11 @@ std::string csv_of(const wind::WindSeries& series) {
   return io::format_csv(header, rows);
 }
 
+/// To four digits, without the sign of what rounds to zero.
+double shown(double mean) {
+  return std::round(1e4 * mean) / 1e4 + 0.0;
+}
+
 /// Correlation of the along-wind parts of two points at equal times.
 double correlation(const Eigen::MatrixXd& along, Eigen::Index i, Eigen::Index j) {
   const Eigen::ArrayXd a = along.col(i).array() - along.col(i).mean(),
@@ -85,7 +93,7 @@ std::string words_of(const wind::WindSeries& series, const wind::SeriesStatistic
   for (Eigen::Index i = 0; i < options.points.cols(); ++i) {
     for (Eigen::Index c = 0; c < 3; ++c) {
       text += fmt::format("{:<7}{:<10}{:>11.4f}{:>12.4f}{:>20.4f}\n", i + 1,
-                          kDirections[static_cast<std::size_t>(c)], statistics.mean(c, i),
+                          kDirections[static_cast<std::size_t>(c)], shown(statistics.mean(c, i)),
                           statistics.deviation(c, i), statistics.target(c, i));
     }
   }
