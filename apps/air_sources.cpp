@@ -9,7 +9,9 @@
 
 #include "assignments.h"
 #include "samara/base/errors.h"
+#include "samara/codebooks/model/wind_file.h"
 #include "samara/models/stochastic/fluid_seen.h"
+#include "winds.h"
 
 namespace samara::apps {
 
@@ -66,13 +68,32 @@ void check(const TurbulenceWords& words, const std::string& name, const char* un
   }
 }
 
+NamedAir wind_of(const SimulateArguments& arguments, const models::ParametricModel& model,
+                 std::uint64_t seed) {
+  const CloudWords& words = arguments.cloud;
+  const std::string stray = !words.turbulence.empty() ? "--turbulence"
+                            : !words.C_0.empty()      ? "--C0"
+                            : words.rotation          ? "--rotation"
+                                                      : "";
+  if (!stray.empty())
+    throw ArgumentError(fmt::format("{} says another air than --wind: one was expected", stray));
+  const codebooks::WindFile file = codebooks::read_wind(arguments.wind);
+  std::optional<double> radius;
+  if (!words.radius.empty()) radius = number_or_quantity("--body-radius", words.radius, "m");
+  const BodyOutline body = outline_of(model, radius);
+  return {.source = models::wind::wind_air(file.wind, body.length, body.semi_axes, seed),
+          .description = "wind of " + arguments.wind};
+}
+
 }  // namespace
 
 bool has_air(const SimulateArguments& arguments) {
-  return !arguments.cloud.turbulence.empty();
+  return !arguments.cloud.turbulence.empty() || !arguments.wind.empty();
 }
 
-NamedAir air_of(const SimulateArguments& arguments, std::uint64_t seed, double body_radius) {
+NamedAir air_of(const SimulateArguments& arguments, const models::ParametricModel& model, std::uint64_t seed,
+                double body_radius) {
+  if (!arguments.wind.empty()) return wind_of(arguments, model, seed);
   const TurbulenceWords words = words_of(arguments.cloud.turbulence);
   check(words, "k", "m^2/s^2", true);
   check(words, "deviation", "m/s", true);

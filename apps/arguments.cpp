@@ -92,7 +92,9 @@ void add_cloud_words(CLI::App& command, CloudWords& words) {
   };
   option("--realisations", words.realisations,
          "how many flights of the same release: their statistics take the place of the trajectory");
-  option("--seed", words.seed, "of the noise: the same seed gives the same flights")->capture_default_str();
+  option("--seed", words.seed,
+         "of the noise, or of the turbulence of --wind: the same seed gives the same flights")
+      ->capture_default_str();
   option(
       "--turbulence", words.turbulence,
       "uniform or decaying, then deviation=0.3 (of a component) or k=.., and scale=1 (of the eddies) or "
@@ -152,10 +154,34 @@ void add_simulate(CLI::App& app, Arguments& arguments) {
       "--coefficients", values->coefficients,
       "codebook of a series (samara fit --series) that parameters follow in time; what else it "
       "holds, such as the start, counts where --set says nothing");
+  command->add_option("--wind", values->wind,
+                      "of bodies in space: file of a wind (WIND.toml), with its turbulence drawn by --seed");
   add_cloud_words(*command, values->cloud);
   command->add_option("-o,--output", values->output,
                       "CSV file, of realisations also HDF5 (.h5); stdout if not given");
   on_call(command, arguments.simulate, values);
+}
+
+void add_wind(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<WindArguments>();
+  CLI::App* command =
+      app.add_subcommand("wind", "what a file of a wind means; series of its turbulence at points");
+  command->add_option("WIND", values->file, "file of a wind (WIND.toml)")->required();
+  CLI::Option* at =
+      command
+          ->add_option("--at", values->at,
+                       "a point, along the wind, across it and up, m or with units: \"0, 5 m, 30 m\"; "
+                       "may be repeated")
+          ->allow_extra_args(false);
+  command->add_option("--until", values->until, "duration of the series, s or with a unit; default 600 s")
+      ->needs(at);
+  command->add_option("--step", values->step, "of the series, s or with a unit; default 0.05 s")->needs(at);
+  command->add_option("--seed", values->seed, "default 1")->check(whole_number<std::uint64_t>())->needs(at);
+  command->add_option("--realisation", values->realisation, "number of the series of that seed; default 0")
+      ->check(whole_number<std::uint64_t>())
+      ->needs(at);
+  at->needs(command->add_option("-o,--output", values->output, "CSV file of the series")->needs(at));
+  on_call(command, arguments.wind, values);
 }
 
 void add_build(CLI::App& app, Arguments& arguments) {
@@ -440,6 +466,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_fit(app, arguments);
   add_body(app, arguments);
   add_design(app, arguments);
+  add_wind(app, arguments);
   for (CLI::App* command : app.get_subcommands({})) refuse_empty(*command);
   check_command(app, argc, argv);
   try {

@@ -53,7 +53,18 @@ struct SimulateArguments {
   std::string step;  ///< empty: none was given
   bool forces = false;
   std::string coefficients;  ///< codebook of a series that parameters follow
+  std::string wind;          ///< file of a wind; empty: the model's own
   CloudWords cloud;
+  std::string output;
+};
+
+struct WindArguments {
+  std::string file;
+  std::vector<std::string> at;  ///< points; none: say what the wind is
+  std::string until;            ///< empty: 600 s, as are those below
+  std::string step;             ///< 0.05 s
+  std::optional<std::uint64_t> seed;
+  std::optional<std::uint64_t> realisation;
   std::string output;
 };
 
@@ -167,6 +178,7 @@ struct Arguments {
   std::optional<FitArguments> fit;
   std::optional<BodyArguments> body;
   std::optional<DesignArguments> design;
+  std::optional<WindArguments> wind;
 };
 
 /// Prints help to stdout and mistakes to stderr itself.

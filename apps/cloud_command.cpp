@@ -94,7 +94,7 @@ double radius_of(const SimulateArguments& arguments, const models::ParametricMod
 
 void check_outputs(const SimulateArguments& arguments) {
   for (const std::string* path : {&arguments.output, &arguments.cloud.picture}) {
-    if (!path->empty()) check_output(*path, {arguments.model});
+    if (!path->empty()) check_output(*path, {arguments.model, arguments.wind});
   }
   if (arguments.output.empty()) return;
   const std::string ending = std::filesystem::path(arguments.output).extension();
@@ -123,6 +123,10 @@ void warn_of_steps(const models::Ensemble& cloud, double step) {
 
 }  // namespace
 
+std::uint64_t seed_of(const CloudWords& words) {
+  return whole_from("--seed", words.seed, std::uint64_t{0});
+}
+
 void check_cloud_words(const SimulateArguments& arguments) {
   const CloudWords& words = arguments.cloud;
   if (words.realisations.empty()) {
@@ -132,10 +136,10 @@ void check_cloud_words(const SimulateArguments& arguments) {
     return;
   }
   whole_from("--realisations", words.realisations, 1L);
-  whole_from("--seed", words.seed, std::uint64_t{0});
+  seed_of(words);
   if (!has_air(arguments)) {
     throw ArgumentError(fmt::format(
-        "--realisations is {} without a flow that differs between them: --turbulence was expected",
+        "--realisations is {} without a flow that differs between them: --turbulence or --wind was expected",
         words.realisations));
   }
   if (arguments.integrator != "cvodes" && arguments.integrator != "rk4")
@@ -151,9 +155,9 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
               const Eigen::VectorXd& times) {
   const models::RealiseOptions options = options_of(arguments, model);
   check_outputs(arguments);
-  const auto seed = whole_from("--seed", arguments.cloud.seed, std::uint64_t{0});
+  const std::uint64_t seed = seed_of(arguments.cloud);
   const models::GustLayout layout(model.model());
-  const NamedAir air = air_of(arguments, seed, radius_of(arguments, model));
+  const NamedAir air = air_of(arguments, model, seed, radius_of(arguments, model));
   catch_interrupts();
   models::Ensemble cloud = models::realise(model, {}, *air.source,
                                            {times.data(), static_cast<std::size_t>(times.size())}, options);

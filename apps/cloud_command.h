@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include <Eigen/Core>
 
 #include "arguments.h"
@@ -10,6 +12,9 @@ namespace samara::apps {
 
 /// @throws ArgumentError for words of realisations without --realisations, or words of single trajectories with it.
 void check_cloud_words(const SimulateArguments& arguments);
+
+/// Of --seed. @throws ArgumentError unless it is a whole number from 0 on.
+std::uint64_t seed_of(const CloudWords& words);
 
 /// @returns the exit code
 int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel& model,

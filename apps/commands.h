@@ -16,5 +16,6 @@ int run(const ValidateArguments& arguments);
 int run(const FitArguments& arguments);
 int run(const BodyArguments& arguments);
 int run(const DesignArguments& arguments);
+int run(const WindArguments& arguments);
 
 }  // namespace samara::apps

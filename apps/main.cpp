@@ -24,6 +24,7 @@ int dispatch(const Arguments& arguments) {
   if (arguments.validate) return run(*arguments.validate);
   if (arguments.fit) return run(*arguments.fit);
   if (arguments.design) return run(*arguments.design);
+  if (arguments.wind) return run(*arguments.wind);
   return run(*arguments.body);
 }
 

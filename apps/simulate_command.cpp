@@ -14,6 +14,7 @@
 #include "samara/models/trajectories/integrator_trajectories.h"
 #include "steered_model.h"
 #include "terminal.h"
+#include "winds.h"
 
 namespace samara::apps {
 
@@ -177,9 +178,10 @@ std::map<std::string, double> values_of_body(const SimulateArguments& arguments,
 
 int run(const SimulateArguments& arguments) {
   check_cloud_words(arguments);
-  if (!arguments.output.empty()) check_output(arguments.output, {arguments.model, arguments.coefficients});
-  const auto model = codebooks::open_model(arguments.model);
-  const models::ModelInfo& info = model->info();
+  if (!arguments.output.empty())
+    check_output(arguments.output, {arguments.model, arguments.coefficients, arguments.wind});
+  const auto still = codebooks::open_model(arguments.model);
+  const models::ModelInfo& info = still->info();
   if (arguments.forces && info.force_terms.empty()) {
     throw ArgumentError(fmt::format("--forces: model \"{}\" does not list its force by terms", info.name));
   }
@@ -188,6 +190,9 @@ int run(const SimulateArguments& arguments) {
   for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
   std::map<std::string, double> values = parse_assignments(arguments.set, units);
   values.merge(values_of_body(arguments, info));  // what is set by itself stays
+  const bool in_one_wind = !arguments.wind.empty() && arguments.cloud.realisations.empty();
+  const auto model =
+      in_one_wind ? model_in_wind(arguments.wind, seed_of(arguments.cloud), still, values) : still;
   SteeredModel steered{.book = nullptr, .model = model, .values = std::move(values)};
   if (!arguments.coefficients.empty()) {
     steered = steered_model(arguments.coefficients, model, steered.values);
