@@ -15,7 +15,7 @@ enum class BorderKind {
   wall,      ///< no slip on a wall that moves along itself at `velocity`
   slip,      ///< no flow across, no shear
   inflow,    ///< velocity given, uniform or by `profile`
-  outflow,   ///< pressure 0; what arrives is carried out (convective); scalars have no gradient
+  outflow,   ///< pressure 0; what arrives is carried out; scalars have no gradient
 };
 
 struct Border {

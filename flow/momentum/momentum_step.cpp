@@ -197,7 +197,7 @@ void MomentumStep::solve_implicit(int d, double step) {
   }
 }
 
-/// Outflow faces: u_t + u u_x = 0, from the start of the step.
+/// Outflow faces: u_t + u u_x = -p_x towards the 0 of the border, half a cell away.
 void MomentumStep::carry_out(FlowState& state, double step) const {
   for (int d = 0; d < grid_.dimensions; ++d) {
     if (borders_.high(d).kind != BorderKind::outflow) continue;
@@ -212,7 +212,8 @@ void MomentumStep::carry_out(FlowState& state, double step) const {
           const auto c = static_cast<std::size_t>(grid_.at(i, j, k));
           const double* const before = state.u_before[at].data() + c;
           const double speed = std::max(extrapolated_[at][c], 0.0);
-          state.u[at][c] = before[0] - step / grid_.spacing * speed * (before[0] - before[-s]);
+          const double fall = -2.0 * state.p[c - static_cast<std::size_t>(s)];
+          state.u[at][c] = before[0] - step / grid_.spacing * (speed * (before[0] - before[-s]) + fall);
         }
       }
     }

@@ -47,30 +47,25 @@ PressureSolve Projection::project(FlowState& state, double step, double toleranc
     for (Index i = 0; i < grid_.cells[0]; ++i) b[i] *= -per_step;
   });
   const PressureSolve report = solver_->solve(source_, state.p_change, tolerance * per_step);
-  fill_margins(grid_, borders_, state.p_change);
   for (int d = 0; d < grid_.dimensions; ++d) {
     const auto at = static_cast<std::size_t>(d);
     const Index s = grid_.stride[at];
-    const bool outflow = borders_.high(d).kind == BorderKind::outflow;
     Range faces = cells;
     if (!borders_.periodic(d)) faces.begin[at] = 1;
-    if (outflow) faces.end[at] += 1;
-    // Beyond an outflow the pressure is the opposite of that inside: 0 on the border.
-    if (outflow) {
-      Range last = cells;
-      last.begin[at] = grid_.cells[at] - 1;
-      for_rows(grid_, last, [&](Index row, int) {
-        for (Index i = 0; i < last.width(); ++i)
-          state.p_change[static_cast<std::size_t>(row + i + s)] =
-              -state.p_change[static_cast<std::size_t>(row + i)];
-      });
-    }
     for_rows(grid_, faces, [&](Index row, int) {
       double* const u = state.u[at].data() + row;
       const double* const a = open_.face[at].data() + row;
       const double* const inverse = open_.inverse_volume[at].data() + row;
       const double* const q = state.p_change.data() + row;
       for (Index i = 0; i < faces.width(); ++i) u[i] -= gradient * a[i] * inverse[i] * (q[i] - q[i - s]);
+    });
+    if (borders_.high(d).kind != BorderKind::outflow) continue;
+    faces.begin[at] = grid_.cells[at];
+    faces.end[at] = faces.begin[at] + 1;
+    for_rows(grid_, faces, [&](Index row, int) {
+      double* const u = state.u[at].data() + row;
+      const double* const inside = state.p_change.data() + row - s;
+      for (Index i = 0; i < faces.width(); ++i) u[i] += 2.0 * gradient * inside[i];
     });
   }
   for_rows(grid_, cells, [&](Index row, int) {

@@ -220,6 +220,7 @@ PressureSolve MultigridSolver::solve(Field& b, Field& x, double tolerance) {
     report.residual = largest_residual();
   }
   if (!matrix.fixes_level) remove_mean(x);
+  matrix.fill_margins(x);
   report.converged = report.residual <= tolerance;
   return report;
 }

@@ -27,7 +27,7 @@ class PressureSolver {
  public:
   virtual ~PressureSolver() = default;
   /// A x = b to a largest residual of `tolerance`, from x as it is. b is made to sum to 0 first where nothing fixes the
-  /// level; the mean of x is then 0.
+  /// level; the mean of x is then 0. Margins of x are filled at periodic borders; elsewhere they must be 0, and stay so.
   virtual PressureSolve solve(Field& b, Field& x, double tolerance) = 0;
 };
 
