@@ -93,9 +93,12 @@ Shape ellipsoid_of(const Eigen::Vector3d& axes, int dimensions, const char* kind
 Shape box_of(const Eigen::Vector3d& sides, int dimensions, const char* kind) {
   Eigen::Vector3d half = 0.5 * sides;
   if (dimensions == 2) half.z() = 0.0;
-  return {kind, dimensions,
-          [half, dimensions](const Eigen::Vector3d& x) { return box_distance(half, dimensions, x); }, half,
-          sides.head(dimensions).minCoeff()};
+  return {kind,
+          dimensions,
+          [half, dimensions](const Eigen::Vector3d& x) { return box_distance(half, dimensions, x); },
+          half,
+          sides.head(dimensions).minCoeff(),
+          {sides.x(), sides.y(), sides.z()}};
 }
 
 }  // namespace
@@ -132,7 +135,8 @@ Shape polygon_section(const Eigen::Matrix2Xd& corners) {
           2,
           [about_centre](const Eigen::Vector3d& x) { return polygon_distance(about_centre, x); },
           {half.x(), half.y(), 0.0},
-          2.0 * std::abs(area) / perimeter};
+          2.0 * std::abs(area) / perimeter,
+          {corners.data(), corners.data() + corners.size()}};
 }
 
 Shape ellipsoid_shape(const Eigen::Vector3d& semi_axes) {

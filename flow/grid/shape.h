@@ -17,6 +17,7 @@ struct Shape {
   std::function<double(const Eigen::Vector3d&)> distance;
   Eigen::Vector3d half = Eigen::Vector3d::Zero();  ///< half the extents along its axes
   double thickness = 0.0;                          ///< where it is thinnest
+  std::vector<double> sizes = {};                  ///< as given, corners of a polygon one after the other
 };
 
 // All throw ArgumentError if a size is not positive and finite.

@@ -6,6 +6,7 @@
 #include "samara/flow/grid/borders.h"
 #include "samara/flow/grid/openness.h"
 #include "samara/flow/grid/rows.h"
+#include "samara/flow/grid/turbulence_model.h"
 #include "samara/flow/momentum/momentum_step.h"
 #include "samara/flow/turbulence/monotone_transport.h"
 #include "samara/flow/turbulence/wall_law.h"
@@ -22,8 +23,6 @@
 /// only adds, and decay is exact. Nothing is clipped; the guard nu_T <= `largest_eddy_viscosity` counts where it acts,
 /// and a developed flow must not need it.
 namespace samara::flow {
-
-enum class TurbulenceModel { none, k_epsilon, kato_launder };
 
 /// k and eps after a time without production: k = k0 (1 + (C_2 - 1) eps0 t/k0)^(-1/(C_2 - 1)), eps = eps0 (k/k0)^C_2.
 void decay(double& k, double& epsilon, double time);
