@@ -24,6 +24,8 @@ int dispatch(const Arguments& arguments) {
   if (arguments.validate) return run(*arguments.validate);
   if (arguments.fit) return run(*arguments.fit);
   if (arguments.design) return run(*arguments.design);
+  if (arguments.flow) return run(*arguments.flow);
+  if (arguments.picture) return run(*arguments.picture);
   return run(*arguments.body);
 }
 

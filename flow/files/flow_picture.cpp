@@ -131,14 +131,15 @@ void draw_streamline(const StoredFlow& flow, Canvas& canvas, const CentreField& 
     const Eigen::Vector2d first = velocity_at(flow, canvas, u, v, place);
     if (first.norm() < 1e-4) return;
     const Eigen::Vector2d second = velocity_at(flow, canvas, u, v, place + way * kStep * first.normalized());
-    const Eigen::Vector2d direction = first.normalized() + second;
-    if (direction.norm() < 1e-4) return;
+    if (second.norm() < 1e-4 || (first.normalized() + second.normalized()).norm() < 1e-4) return;
     const Eigen::Vector2d next =
         place + way * kStep * (first.normalized() + second.normalized()).normalized();
     const int i = static_cast<int>(std::floor(next.x())), j = static_cast<int>(std::floor(next.y()));
     if (i < 0 || j < 0 || i >= flow.grid.cells[0] || j >= flow.grid.cells[1] || !canvas.is_open(i, j)) return;
     canvas.draw(place, next);
     place = next;
+    // A closed line is drawn once.
+    if (step > 20 && (place - start).norm() < 0.6) return;
   }
 }
 
@@ -177,7 +178,7 @@ io::Picture draw_flow(const StoredFlow& flow, const PictureOptions& options) {
   }
   canvas.draw_bar(low, high, fmt::format("{} [{}]", shown.name, shown.unit));
   canvas.image.write_text(kMargin, kMargin,
-                          fmt::format("C_D {:.3f}  S {:.3f}  Re {:.3g}  {}", flow.summary.drag,
+                          fmt::format("C_D {:.3f}  St {:.3f}  Re {:.3g}  {}", flow.summary.drag,
                                       flow.summary.strouhal, flow.summary.reynolds, flow.summary.status),
                           kInk);
   return canvas.image;

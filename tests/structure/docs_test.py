@@ -40,6 +40,9 @@ class Excerpts(unittest.TestCase):
     def test_strategies(self):
         self.assertIn(f"```cpp\n{text('examples/nonlinear/strategies.cpp')}```", text("docs/strategies.md"))
 
+    def test_flow(self):
+        self.assertIn(f"```toml\n{text('examples/flow/square.toml')}```", text("docs/flow.md"))
+
     def test_profile(self):
         self.assertIn(f"```cpp\n{text('examples/profile/profile.cpp')}```", text("docs/fits.md"))
 
