@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "flow_arguments.h"
 #include "output.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
@@ -216,8 +217,8 @@ void add_body(CLI::App& app, Arguments& arguments) {
 void add_info(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<InfoArguments>();
   CLI::App* command =
-      app.add_subcommand("info", "axes, ranks, size, certificate and provenance of a codebook");
-  command->add_option("BOOK", values->book, "codebook file")->required();
+      app.add_subcommand("info", "axes, ranks, size, certificate and provenance of a codebook; loads and checks of a flow");
+  command->add_option("BOOK", values->book, "codebook file, or flow file")->required();
   command->add_flag("--json", values->json, "print one JSON object");
   on_call(command, arguments.info, values);
 }
@@ -272,7 +273,7 @@ void add_export(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<ExportArguments>();
   CLI::App* command =
       app.add_subcommand("export", "a field of space at chosen parameters, for other programs");
-  command->add_option("BOOK", values->book, "codebook file with a coordinate of space")->required();
+  command->add_option("BOOK", values->book, "codebook file with a coordinate of space, or flow file")->required();
   command->add_option("--to", values->to, "for whom: paraview (VTK files)")
       ->required()
       ->check(CLI::IsMember({"paraview"}));
@@ -281,7 +282,7 @@ void add_export(CLI::App& app, Arguments& arguments) {
   command
       ->add_option("-o,--output", values->output,
                    "file to write: NAME.vtu for one time, NAME.pvd for several, with NAME_0000.vtu and so on "
-                   "beside it")
+                   "beside it; of a flow NAME.xdmf, which refers to the flow file")
       ->required();
   on_call(command, arguments.exported, values);
 }
@@ -467,6 +468,8 @@ Arguments parse(int argc, const char* const* argv) {
   add_body(app, arguments);
   add_design(app, arguments);
   add_wind(app, arguments);
+  add_flow(app, arguments);
+  add_picture(app, arguments);
   for (CLI::App* command : app.get_subcommands({})) refuse_empty(*command);
   check_command(app, argc, argv);
   try {

@@ -163,6 +163,21 @@ struct DesignArguments {
   bool json = false;
 };
 
+struct FlowArguments {
+  std::string plan;
+  std::string output;
+  bool resume = false;
+  bool fresh = false;
+};
+
+struct PictureArguments {
+  std::string flow;
+  std::string field = "k";
+  int scale = 0;  ///< 0: chosen by the size of the grid
+  bool no_streamlines = false;
+  std::string output;
+};
+
 /// One of the commands, or nothing but an exit code (help, version, a wrong call).
 struct Arguments {
   std::optional<int> exit_code;
@@ -179,6 +194,8 @@ struct Arguments {
   std::optional<BodyArguments> body;
   std::optional<DesignArguments> design;
   std::optional<WindArguments> wind;
+  std::optional<FlowArguments> flow;
+  std::optional<PictureArguments> picture;
 };
 
 /// Prints help to stdout and mistakes to stderr itself.

@@ -17,5 +17,7 @@ int run(const FitArguments& arguments);
 int run(const BodyArguments& arguments);
 int run(const DesignArguments& arguments);
 int run(const WindArguments& arguments);
+int run(const FlowArguments& arguments);
+int run(const PictureArguments& arguments);
 
 }  // namespace samara::apps

@@ -9,6 +9,7 @@
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/flow/files/flow_xdmf.h"
 #include "samara/io/atomic_file.h"
 #include "samara/io/text_file.h"
 #include "samara/io/vtk_file.h"
@@ -113,11 +114,28 @@ void check_step_file(const fs::path& file, const std::string& book) {
         fmt::format("{} is in the way, and no file of ParaView: it would be overwritten", file.string()));
 }
 
+/// XDMF, which names the flow file as it lies from there.
+void export_flow(const ExportArguments& arguments, const fs::path& output) {
+  if (output.extension() != ".xdmf")
+    throw ArgumentError(
+        fmt::format("the output is \"{}\", expected a name in .xdmf for a flow", output.string()));
+  if (!arguments.set.empty() || !arguments.at.empty())
+    throw ArgumentError("a flow has no parameters and no times, expected neither --set nor --at");
+  const fs::path from = fs::absolute(output).parent_path();
+  io::write_text_atomically(
+      output, flow::format_xdmf(flow::load_flow(arguments.book),
+                                fs::absolute(arguments.book).lexically_relative(from).string()));
+}
+
 }  // namespace
 
 int run(const ExportArguments& arguments) {
   const fs::path output = arguments.output;
   check_output(arguments.output, {arguments.book});
+  if (flow::is_flow_file(arguments.book)) {
+    export_flow(arguments, output);
+    return kDone;
+  }
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
   const int space = space_of(book, arguments.book);

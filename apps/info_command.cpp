@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "commands.h"
+#include "flow_output.h"
 #include "output.h"
 #include "samara/base/names.h"
 #include "samara/base/unit_labels.h"
@@ -209,6 +210,15 @@ std::string describe(const Codebook& book, const std::string& path) {
 }  // namespace
 
 int run(const InfoArguments& arguments) {
+  if (flow::is_flow_file(arguments.book)) {
+    const flow::StoredFlow stored = flow::load_flow(arguments.book);
+    if (arguments.json) {
+      print(to_json(stored));
+    } else {
+      print(to_table(stored, arguments.book));
+    }
+    return kDone;
+  }
   const Codebook book = codebooks::load(arguments.book);
   if (arguments.json) {
     print(to_json(book, arguments.book));

@@ -25,6 +25,8 @@ int dispatch(const Arguments& arguments) {
   if (arguments.fit) return run(*arguments.fit);
   if (arguments.design) return run(*arguments.design);
   if (arguments.wind) return run(*arguments.wind);
+  if (arguments.flow) return run(*arguments.flow);
+  if (arguments.picture) return run(*arguments.picture);
   return run(*arguments.body);
 }
 

@@ -16,6 +16,7 @@ if(samara_has_io)
   # The MPI flavour may be installed too (SUNDIALS pulls it in); FindHDF5 with this switch finds the serial one.
   set(HDF5_PREFER_PARALLEL OFF)
   find_package(HDF5 REQUIRED COMPONENTS C HL)
+  find_package(ZLIB REQUIRED)
 endif()
 if(samara_has_identification)
   find_package(Ceres 2.1 REQUIRED)

@@ -10,8 +10,9 @@ MAY_INCLUDE = {
     "models": {"base"},
     "io": {"base"},
     "codebooks": {"base", "pgd", "models", "io"},
+    "flow": {"base", "pgd", "models", "io", "codebooks"},
     "identification": {"base", "pgd", "models", "io", "codebooks"},
-    "python": {"base", "pgd", "models", "io", "codebooks", "identification"},
+    "python": {"base", "pgd", "models", "io", "codebooks", "flow", "identification"},
 }
 
 # The sub-rooms of a room, from the lowest upwards: each may include those that stand before it.
@@ -24,6 +25,7 @@ SUB_ROOMS = {
     "codebooks": [
         "model", "book", "file", "plan", "source", "query/kernels", "query", "statistics", "certify", "fields", "build", "composition", "capi",
     ],
+    "flow": ["grid", "pressure", "momentum", "turbulence", "march", "files"],
     "identification": [
         "smoothing", "captures/exports", "captures", "statistics", "problem", "report",
         "solve/starts", "solve", "fit", "design", "series", "files",

@@ -43,6 +43,9 @@ class Excerpts(unittest.TestCase):
     def test_wind_of_the_meadow(self):
         self.assertIn(f"```toml\n{text('examples/meadow/wind.toml')}```", text("docs/flow.md"))
 
+    def test_flow(self):
+        self.assertIn(f"```toml\n{text('examples/flow/square.toml')}```", text("docs/flow.md"))
+
     def test_profile(self):
         self.assertIn(f"```cpp\n{text('examples/profile/profile.cpp')}```", text("docs/fits.md"))
 

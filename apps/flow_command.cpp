@@ -1,0 +1,75 @@
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "flow_output.h"
+#include "interrupts.h"
+#include "samara/base/errors.h"
+#include "samara/flow/files/flow_file.h"
+#include "samara/flow/files/flow_plan.h"
+#include "samara/io/file_lock.h"
+#include "terminal.h"
+
+namespace samara::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A run may take hours: that its result cannot be written should be known before, and no other file is lost to it.
+void check_flow_target(const FlowArguments& arguments) {
+  check_output(arguments.output, {arguments.plan});
+  std::error_code ignored;
+  if (fs::is_regular_file(arguments.output, ignored) && !flow::is_flow_file(arguments.output))
+    throw ArgumentError(
+        fmt::format("the output \"{}\" is a file, and no flow: it would be lost", arguments.output));
+}
+
+/// What an earlier run has left is taken up, unless the user wants to begin anew.
+flow::FlowOptions flow_options(const FlowArguments& arguments, const flow::FlowPlan& plan) {
+  flow::FlowOptions options;
+  options.end = plan.end;
+  options.max_time = plan.max_time;
+  options.max_memory = plan.max_memory;
+  options.seed = plan.seed;
+  options.threads = plan.threads;
+  options.checkpoint = arguments.output + ".checkpoint";
+  options.resume = !arguments.fresh;
+  std::error_code ignored;
+  if (arguments.resume && !fs::exists(options.checkpoint, ignored))
+    throw ArgumentError(fmt::format("--resume: there is no {} to go on from", options.checkpoint.string()));
+  if (arguments.fresh) fs::remove(options.checkpoint, ignored);
+  options.progress = progress_line();
+  return options;
+}
+
+}  // namespace
+
+int run(const FlowArguments& arguments) {
+  catch_interrupts();
+  check_flow_target(arguments);
+  const flow::FlowPlan plan = flow::read_flow_plan(arguments.plan);
+  const io::FileLock lock(arguments.output + ".lock", fmt::format("computes {}", arguments.output));
+  const flow::FlowOptions options = flow_options(arguments, plan);
+  const flow::FlowResult result = flow::solve_flow(plan.flow, options);
+  clear_progress();
+  for (const std::string& warning : result.warnings) warn(warning);
+  if (result.status == flow::FlowStatus::cancelled) {
+    warn(fmt::format("interrupted; {} is kept: the same line goes on from there",
+                     options.checkpoint.string()));
+    return kInterrupted;
+  }
+  if (result.status == flow::FlowStatus::diverged)
+    throw NoResultError(fmt::format("the flow diverged: {}; no file is written", result.message));
+  flow::save_flow(result, plan, arguments.output);
+  std::error_code ignored;
+  fs::remove(options.checkpoint, ignored);
+  print(to_table(flow::load_flow(arguments.output), arguments.output));
+  if (result.status != flow::FlowStatus::max_time) return kDone;
+  warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
+  return kToleranceMissed;
+}
+
+}  // namespace samara::apps

@@ -1,0 +1,22 @@
+#include <fmt/format.h>
+
+#include "commands.h"
+#include "output.h"
+#include "samara/flow/files/flow_picture.h"
+#include "samara/io/atomic_file.h"
+#include "terminal.h"
+
+namespace samara::apps {
+
+int run(const PictureArguments& arguments) {
+  check_output(arguments.output, {arguments.flow});
+  const flow::StoredFlow stored = flow::load_flow(arguments.flow);
+  flow::PictureOptions options;
+  options.field = arguments.field;
+  options.pixels_per_cell = arguments.scale;
+  options.streamlines = !arguments.no_streamlines;
+  io::write_text_atomically(arguments.output, io::format_png(flow::draw_flow(stored, options)));
+  return kDone;
+}
+
+}  // namespace samara::apps

@@ -1,0 +1,130 @@
+#include "samara/flow/files/flow_plan.h"
+
+#include <array>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/io/text_file.h"
+#include "samara/io/toml_document.h"
+
+namespace samara::flow {
+
+namespace {
+
+using io::TomlTable;
+
+double positive(const TomlTable& table, const std::string& key, double value) {
+  if (value > 0.0) return value;
+  throw table.error(key, fmt::format("is {}, expected a positive number", value));
+}
+
+double positive_number(const TomlTable& table, const std::string& key) {
+  return positive(table, key, table.number(key));
+}
+
+Shape read_polygon(const TomlTable& table) {
+  const std::vector<double> x = table.numbers("x"), y = table.numbers("y");
+  if (x.size() != y.size())
+    throw table.error("y", fmt::format("has {} numbers, expected {}, one for each of x", y.size(), x.size()));
+  Eigen::Matrix2Xd corners(2, static_cast<Eigen::Index>(x.size()));
+  for (std::size_t i = 0; i < x.size(); ++i) corners.col(static_cast<Eigen::Index>(i)) << x[i], y[i];
+  return polygon_section(corners);
+}
+
+/// Sizes are in body lengths, so that a plate needs its thickness only.
+Shape read_shape(const TomlTable& flow, int dimensions) {
+  const TomlTable table = flow.table("shape");
+  const std::vector<std::string> kinds =
+      dimensions == 2 ? std::vector<std::string>{"plate", "rectangle", "ellipse", "polygon"}
+                      : std::vector<std::string>{"box", "ellipsoid"};
+  if (!table.has("kind")) throw table.error("kind", "is missing");
+  const std::string kind = table.choice("kind", kinds);
+  try {
+    if (kind == "plate") {
+      table.expect_keys({"kind", "thickness"});
+      return rectangle_section(1.0, positive_number(table, "thickness"));
+    }
+    if (kind == "rectangle") {
+      table.expect_keys({"kind", "length", "thickness"});
+      return rectangle_section(positive_number(table, "length"), positive_number(table, "thickness"));
+    }
+    if (kind == "ellipse") {
+      table.expect_keys({"kind", "length", "thickness"});
+      return ellipse_section(0.5 * positive_number(table, "length"),
+                             0.5 * positive_number(table, "thickness"));
+    }
+    if (kind == "polygon") {
+      table.expect_keys({"kind", "x", "y"});
+      return read_polygon(table);
+    }
+    table.expect_keys({"kind", "length", "thickness", "width"});
+    const Eigen::Vector3d sides(positive_number(table, "length"), positive_number(table, "thickness"),
+                                positive_number(table, "width"));
+    return kind == "box" ? box_shape(sides) : ellipsoid_shape(0.5 * sides);
+  } catch (const ArgumentError& error) {
+    throw flow.error("shape", error.what());
+  }
+}
+
+std::int64_t whole(const TomlTable& table, const std::string& key, std::int64_t otherwise, std::int64_t least,
+                   std::int64_t largest) {
+  const std::int64_t value = table.optional_integer(key).value_or(otherwise);
+  if (value < least || value > largest)
+    throw table.error(key, fmt::format("is {}, expected {} to {}", value, least, largest));
+  return value;
+}
+
+double number_or(const TomlTable& table, const std::string& key, double otherwise) {
+  return positive(table, key, table.optional_number(key).value_or(otherwise));
+}
+
+FlowPlan read(const TomlTable& root, std::string text) {
+  root.expect_keys({"title", "flow"});
+  FlowPlan plan;
+  plan.text = std::move(text);
+  plan.title = root.optional_string("title").value_or("");
+  const TomlTable table = root.table("flow");
+  table.expect_keys({"dimensions", "shape", "angle_of_attack", "reynolds", "intensity", "turbulence",
+                     "cells_per_length", "advection", "end", "max_time", "max_memory", "seed", "threads",
+                     "extent"});
+  FlowCase& flow = plan.flow;
+  const auto dimensions = static_cast<int>(whole(table, "dimensions", 2, 2, 3));
+  flow.shape = read_shape(table, dimensions);
+  flow.angle_of_attack = table.optional_quantity("angle_of_attack", "rad").value_or(0.0);
+  flow.reynolds = positive_number(table, "reynolds");
+  flow.intensity = number_or(table, "intensity", flow.intensity);
+  if (flow.intensity > 1.0)
+    throw table.error("intensity", fmt::format("is {}, expected at most 1", flow.intensity));
+  const std::string turbulence = table.choice("turbulence", {"k-epsilon", "k-epsilon-kato-launder", "none"});
+  flow.turbulence = turbulence == "none"        ? TurbulenceModel::none
+                    : turbulence == "k-epsilon" ? TurbulenceModel::k_epsilon
+                                                : TurbulenceModel::kato_launder;
+  flow.cells_per_length = static_cast<int>(whole(table, "cells_per_length", flow.cells_per_length, 4, 1000));
+  flow.central = table.choice("advection", {"van-leer", "central"}) == "central";
+  if (const auto extent = table.optional_table("extent")) {
+    extent->expect_keys({"before", "behind", "side"});
+    flow.extent.before = number_or(*extent, "before", flow.extent.before);
+    flow.extent.behind = number_or(*extent, "behind", flow.extent.behind);
+    flow.extent.side = number_or(*extent, "side", flow.extent.side);
+  }
+  plan.end = table.choice("end", {"mean", "steady"}) == "mean" ? FlowEnd::mean : FlowEnd::steady;
+  plan.max_time = number_or(table, "max_time", plan.max_time);
+  plan.max_memory = number_or(table, "max_memory", plan.max_memory);
+  plan.seed = static_cast<std::uint64_t>(whole(table, "seed", 1, 0, INT64_MAX));
+  plan.threads = static_cast<int>(whole(table, "threads", 0, 0, 1024));
+  return plan;
+}
+
+}  // namespace
+
+FlowPlan read_flow_plan(const std::filesystem::path& path) {
+  return parse_flow_plan(io::read_text_file(path), path.string());
+}
+
+FlowPlan parse_flow_plan(const std::string& text, const std::string& name) {
+  return read(TomlTable::parse(text, name), text);
+}
+
+}  // namespace samara::flow

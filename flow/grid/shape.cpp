@@ -1,0 +1,176 @@
+#include "samara/flow/grid/shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/require.h"
+
+namespace samara::flow {
+
+namespace {
+
+/// Distance from an ellipsoid: its nearest point is a_i^2 y_i/(t + a_i^2) where t solves sum (a_i y_i/(t + a_i^2))^2 = 1
+/// (D. Eberly, Distance from a point to an ellipse, an ellipsoid, or a hyperellipsoid). The largest root is bracketed,
+/// and the sum falls along it.
+double ellipsoid_distance(const Eigen::Vector3d& axes, int dimensions, const Eigen::Vector3d& point) {
+  Eigen::Vector3d y = Eigen::Vector3d::Zero();
+  for (int d = 0; d < dimensions; ++d) y(d) = std::abs(point(d));
+  const double least = axes.head(dimensions).minCoeff();
+  const auto sum_at = [&](double t) {
+    double sum = 0.0;
+    for (int d = 0; d < dimensions; ++d) {
+      const double term = axes(d) * y(d) / (t + axes(d) * axes(d));
+      sum += term * term;
+    }
+    return sum;
+  };
+  double low = -least * least, high = low;
+  for (int d = 0; d < dimensions; ++d) high += axes(d) * y(d);
+  for (int d = 0; d < dimensions; ++d) high = std::max(high, axes(d) * y.norm());
+  for (int halving = 0; halving < 200 && high - low > 1e-15 * (std::abs(high) + least * least); ++halving) {
+    const double middle = 0.5 * (low + high);
+    (sum_at(middle) > 1.0 ? low : high) = middle;
+  }
+  const double t = 0.5 * (low + high);
+  double squared = 0.0, on_surface = 0.0;
+  bool leaves_plane = false;
+  for (int d = 0; d < dimensions; ++d) {
+    // Inside, near the plane of the longer axes, the nearest point leaves that plane along the shortest.
+    const double scale = t + axes(d) * axes(d);
+    if (scale < 1e-12 * least * least) {
+      leaves_plane = true;
+      continue;
+    }
+    const double nearest = axes(d) * y(d) / scale;
+    squared += std::pow(t * y(d) / scale, 2);
+    on_surface += nearest * nearest;
+  }
+  if (leaves_plane) squared += least * least * std::max(0.0, 1.0 - on_surface);
+  return t >= 0.0 ? std::sqrt(squared) : -std::sqrt(squared);
+}
+
+double box_distance(const Eigen::Vector3d& half, int dimensions, const Eigen::Vector3d& point) {
+  double squared = 0.0;
+  double inside = -std::numeric_limits<double>::infinity();
+  for (int d = 0; d < dimensions; ++d) {
+    const double beyond = std::abs(point(d)) - half(d);
+    inside = std::max(inside, beyond);
+    squared += std::pow(std::max(beyond, 0.0), 2);
+  }
+  return inside > 0.0 ? std::sqrt(squared) : inside;
+}
+
+/// To the nearest edge; inside where a ray crosses an odd number of edges.
+double polygon_distance(const Eigen::Matrix2Xd& corners, const Eigen::Vector3d& point) {
+  const Eigen::Vector2d p = point.head<2>();
+  double squared = std::numeric_limits<double>::infinity();
+  bool inside = false;
+  for (Eigen::Index i = 0, before = corners.cols() - 1; i < corners.cols(); before = i++) {
+    const Eigen::Vector2d a = corners.col(before), b = corners.col(i);
+    const double along = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+    squared = std::min(squared, (p - a - along * (b - a)).squaredNorm());
+    if ((a.y() > p.y()) != (b.y() > p.y())) {
+      const double crossing = a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+      if (p.x() < crossing) inside = !inside;
+    }
+  }
+  return inside ? -std::sqrt(squared) : std::sqrt(squared);
+}
+
+Shape ellipsoid_of(const Eigen::Vector3d& axes, int dimensions, const char* kind) {
+  Eigen::Vector3d half = axes;
+  if (dimensions == 2) half.z() = 0.0;
+  return {kind, dimensions,
+          [axes, dimensions](const Eigen::Vector3d& x) { return ellipsoid_distance(axes, dimensions, x); },
+          half, 2.0 * axes.head(dimensions).minCoeff()};
+}
+
+Shape box_of(const Eigen::Vector3d& sides, int dimensions, const char* kind) {
+  Eigen::Vector3d half = 0.5 * sides;
+  if (dimensions == 2) half.z() = 0.0;
+  return {kind,
+          dimensions,
+          [half, dimensions](const Eigen::Vector3d& x) { return box_distance(half, dimensions, x); },
+          half,
+          sides.head(dimensions).minCoeff(),
+          {sides.x(), sides.y(), sides.z()}};
+}
+
+}  // namespace
+
+Shape ellipse_section(double semi_x, double semi_y) {
+  require_positive(semi_x, "semi_x", "ellipse_section");
+  require_positive(semi_y, "semi_y", "ellipse_section");
+  return ellipsoid_of({semi_x, semi_y, 1.0}, 2, "ellipse");
+}
+
+Shape rectangle_section(double side_x, double side_y) {
+  require_positive(side_x, "side_x", "rectangle_section");
+  require_positive(side_y, "side_y", "rectangle_section");
+  return box_of({side_x, side_y, 0.0}, 2, "rectangle");
+}
+
+Shape polygon_section(const Eigen::Matrix2Xd& corners) {
+  require(corners.cols() >= 3, "corners", corners.cols(), "at least 3", "polygon_section");
+  if (!corners.allFinite()) throw ArgumentError("polygon_section: a corner is not finite");
+  double area = 0.0;
+  for (Eigen::Index i = 0, before = corners.cols() - 1; i < corners.cols(); before = i++)
+    area += 0.5 * (corners(0, before) * corners(1, i) - corners(0, i) * corners(1, before));
+  const Eigen::Vector2d low = corners.rowwise().minCoeff(), high = corners.rowwise().maxCoeff();
+  require(std::abs(area) > 1e-9 * (high - low).squaredNorm(), "area of the corners", area, "not 0",
+          "polygon_section");
+  const Eigen::Vector2d centre = 0.5 * (low + high);
+  const Eigen::Matrix2Xd about_centre = corners.colwise() - centre;
+  const Eigen::Vector2d half = 0.5 * (high - low);
+  // Twice the area over the perimeter: the side of a square, the thickness of a strip.
+  double perimeter = 0.0;
+  for (Eigen::Index i = 0, before = corners.cols() - 1; i < corners.cols(); before = i++)
+    perimeter += (corners.col(i) - corners.col(before)).norm();
+  return {"polygon",
+          2,
+          [about_centre](const Eigen::Vector3d& x) { return polygon_distance(about_centre, x); },
+          {half.x(), half.y(), 0.0},
+          2.0 * std::abs(area) / perimeter,
+          {corners.data(), corners.data() + corners.size()}};
+}
+
+Shape ellipsoid_shape(const Eigen::Vector3d& semi_axes) {
+  for (int d = 0; d < 3; ++d) require_positive(semi_axes(d), "semi-axis", "ellipsoid_shape");
+  return ellipsoid_of(semi_axes, 3, "ellipsoid");
+}
+
+Shape box_shape(const Eigen::Vector3d& sides) {
+  for (int d = 0; d < 3; ++d) require_positive(sides(d), "side", "box_shape");
+  return box_of(sides, 3, "box");
+}
+
+PlacedShape::PlacedShape(Shape shape, const Eigen::Vector3d& place, double angle_of_attack)
+    : shape_(std::move(shape)),
+      place_(place),
+      cosine_(std::cos(angle_of_attack)),
+      sine_(std::sin(angle_of_attack)) {
+  if (!place.allFinite() || !std::isfinite(angle_of_attack))
+    throw ArgumentError(
+        fmt::format("the place ({}, {}, {}) or the angle of attack {} of a body is not finite", place.x(),
+                    place.y(), place.z(), angle_of_attack));
+}
+
+double PlacedShape::distance(const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d r = point - place_;
+  return shape_.distance({cosine_ * r.x() - sine_ * r.y(), sine_ * r.x() + cosine_ * r.y(), r.z()});
+}
+
+Eigen::Vector3d PlacedShape::half_extent() const {
+  const Eigen::Vector3d& h = shape_.half;
+  const double c = std::abs(cosine_), s = std::abs(sine_);
+  if (shape_.kind == "ellipse" || shape_.kind == "ellipsoid")
+    return {std::hypot(c * h.x(), s * h.y()), std::hypot(s * h.x(), c * h.y()), h.z()};
+  return {c * h.x() + s * h.y(), s * h.x() + c * h.y(), h.z()};
+}
+
+}  // namespace samara::flow

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+/// Bodies in a flow, as signed distances: positive in the fluid, negative inside, 0 on the surface.
+namespace samara::flow {
+
+/// A shape in its own axes about its own centre. A section of the plane is a cylinder along z.
+struct Shape {
+  std::string kind;
+  int dimensions = 2;  ///< 2: a section, whose distance does not look at z
+  std::function<double(const Eigen::Vector3d&)> distance;
+  Eigen::Vector3d half = Eigen::Vector3d::Zero();  ///< half the extents along its axes
+  double thickness = 0.0;                          ///< where it is thinnest
+  std::vector<double> sizes = {};                  ///< as given, corners of a polygon one after the other
+};
+
+// All throw ArgumentError if a size is not positive and finite.
+
+/// Ellipse with semi-axes along x and y; a circle where they are equal.
+Shape ellipse_section(double semi_x, double semi_y);
+/// Rectangle with full sides along x and y. A plate is a thin one.
+Shape rectangle_section(double side_x, double side_y);
+/// A simple polygon, corners in either order [2 x n]. @throws ArgumentError also for fewer than three corners, or no area
+Shape polygon_section(const Eigen::Matrix2Xd& corners);
+/// Ellipsoid with semi-axes along x, y, z.
+Shape ellipsoid_shape(const Eigen::Vector3d& semi_axes);
+/// Box with full sides along x, y, z.
+Shape box_shape(const Eigen::Vector3d& sides);
+
+/// A shape at a place, turned about z: at the angle of attack alpha the chord (the shape's x axis) points along
+/// (cos alpha, -sin alpha), nose up in a stream along +x; at 90 deg a plate is broadside on.
+class PlacedShape {
+ public:
+  PlacedShape(Shape shape, const Eigen::Vector3d& place, double angle_of_attack);
+
+  double distance(const Eigen::Vector3d& point) const;
+  const Shape& shape() const { return shape_; }
+  const Eigen::Vector3d& place() const { return place_; }
+  /// Half the extents of a box along the axes of the domain that holds it.
+  Eigen::Vector3d half_extent() const;
+  /// Extent across the stream, along y.
+  double height() const { return 2.0 * half_extent().y(); }
+
+ private:
+  Shape shape_;
+  Eigen::Vector3d place_;
+  double cosine_, sine_;
+};
+
+}  // namespace samara::flow

@@ -1,0 +1,73 @@
+#include "samara/flow/march/flow_case.h"
+
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/require.h"
+
+namespace samara::flow {
+
+namespace {
+
+constexpr double kMostBlockage = 0.25;
+
+std::array<int, 3> cells_of(const FlowCase& flow) {
+  const auto cells = [&](double length) {
+    return static_cast<int>(std::lround(length * flow.cells_per_length));
+  };
+  const int across = 2 * cells(flow.extent.side);
+  return {cells(flow.extent.before) + cells(flow.extent.behind), across,
+          flow.shape.dimensions == 3 ? across : 1};
+}
+
+}  // namespace
+
+double blockage(const FlowCase& flow) {
+  const PlacedShape body(flow.shape, Eigen::Vector3d::Zero(), flow.angle_of_attack);
+  const double height = body.height() / (2.0 * flow.extent.side);
+  return flow.shape.dimensions == 2 ? height : height * flow.shape.half.z() / flow.extent.side;
+}
+
+double memory_of(const FlowCase& flow) {
+  const std::array<int, 3> cells = cells_of(flow);
+  // Fields of doubles: two velocities with their factors, discharges and openness, averages, the levels of the pressure.
+  const double fields = flow.shape.dimensions == 3 ? 75.0 : 52.0;
+  return 8.0 * fields * cells[0] * cells[1] * cells[2];
+}
+
+void check_case(const FlowCase& flow, double max_memory) {
+  require_positive(flow.reynolds, "reynolds", "flow");
+  require(flow.intensity > 0.0 && flow.intensity <= 1.0, "intensity", flow.intensity,
+          "more than 0, at most 1", "flow");
+  require(std::isfinite(flow.angle_of_attack), "angle_of_attack", flow.angle_of_attack, "a number", "flow");
+  require(flow.cells_per_length >= 4, "cells_per_length", flow.cells_per_length, "at least 4", "flow");
+  for (const double length : {flow.extent.before, flow.extent.behind, flow.extent.side})
+    require(length > 0.5 && length <= 1000.0, "extent", length, "more than 0.5 and at most 1000 body lengths",
+            "flow");
+  const double share = blockage(flow);
+  if (share > kMostBlockage)
+    throw ArgumentError(
+        fmt::format("flow: the body takes {:.0f} % of the stream's width, expected at most {:.0f} %: a side "
+                    "of at least {:.3g} body lengths",
+                    100.0 * share, 100.0 * kMostBlockage, flow.extent.side * share / kMostBlockage));
+  if (const double bytes = memory_of(flow); bytes > max_memory)
+    throw ArgumentError(fmt::format("flow: the case takes {:.2g} GB, expected at most max_memory, {:.2g} GB",
+                                    1e-9 * bytes, 1e-9 * max_memory));
+  const double thickness = flow.shape.thickness, spacing = 1.0 / flow.cells_per_length;
+  if (thickness < 2.0 * spacing * (1.0 - 1e-9))
+    throw ArgumentError(
+        fmt::format("flow: the body is {:.4g} thin at {} cells per length, expected two cells across it: "
+                    "cells_per_length at least {:.0f}",
+                    thickness, flow.cells_per_length, std::ceil(2.0 / thickness - 1e-9)));
+}
+
+MacGrid grid_of(const FlowCase& flow) {
+  const double n = flow.cells_per_length;
+  const double before = std::round(flow.extent.before * n) / n, side = std::round(flow.extent.side * n) / n;
+  return MacGrid(flow.shape.dimensions, cells_of(flow), 1.0 / n, {-before, -side, -side});
+}
+
+}  // namespace samara::flow

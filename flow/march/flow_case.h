@@ -1,0 +1,37 @@
+#pragma once
+
+#include "samara/flow/grid/mac_grid.h"
+#include "samara/flow/grid/shape.h"
+#include "samara/flow/grid/turbulence_model.h"
+
+namespace samara::flow {
+
+/// How far the domain reaches from the body's centre, in body lengths.
+struct Extent {
+  double before = 10.0, behind = 15.0;
+  double side = 8.0;  ///< to each side; in space above and below too
+};
+
+/// A body held in a uniform stream along x with free sides. Lengths are in body lengths l, velocities in U.
+struct FlowCase {
+  Shape shape;
+  double angle_of_attack = 0.0;  ///< rad
+  double reynolds = 0.0;         ///< U l/nu
+  double intensity = 0.02;       ///< u'/U of the stream
+  TurbulenceModel turbulence = TurbulenceModel::k_epsilon;
+  Extent extent = {};
+  int cells_per_length = 16;
+  bool central = false;  ///< central differences for advection instead of van Leer's: laminar verification
+};
+
+/// Share of the stream's width that the body takes.
+double blockage(const FlowCase& flow);
+/// Memory that the solution of the case takes [bytes].
+double memory_of(const FlowCase& flow);
+/// @throws ArgumentError, naming value and expectation, for what cannot be solved: no positive Reynolds number, an
+/// intensity outside (0, 1], a blockage above 25 %, a body at the border or thinner than two cells, more than `max_memory`
+void check_case(const FlowCase& flow, double max_memory);
+/// Of the whole case.
+MacGrid grid_of(const FlowCase& flow);
+
+}  // namespace samara::flow

@@ -1,0 +1,140 @@
+#include "samara/flow/march/flow_march.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/require.h"
+#include "samara/flow/grid/rows.h"
+
+namespace samara::flow {
+
+namespace {
+
+FlowSetup checked(FlowSetup setup) {
+  setup.borders.check(setup.grid.dimensions);
+  require_positive(setup.viscosity, "viscosity", "FlowMarch");
+  require_positive(setup.courant, "courant", "FlowMarch");
+  require(setup.courant <= 0.5, "courant", setup.courant, "at most 0.5", "FlowMarch");
+  require_positive(setup.divergence, "divergence", "FlowMarch");
+  if (!setup.body) return setup;
+  const PlacedShape& body = *setup.body;
+  if (body.shape().dimensions != setup.grid.dimensions)
+    throw ArgumentError(fmt::format("the body is one of {} dimensions, in a flow of {}",
+                                    body.shape().dimensions, setup.grid.dimensions));
+  const double thickness = body.shape().thickness;
+  if (thickness < 2.0 * setup.grid.spacing * (1.0 - 1e-9))
+    throw ArgumentError(fmt::format(
+        "the body is {:.4g} thin, less than two cells of {:.4g}: expected cells of at most {:.4g}", thickness,
+        setup.grid.spacing, 0.5 * thickness));
+  const Eigen::Vector3d half = body.half_extent();
+  for (int d = 0; d < setup.grid.dimensions; ++d) {
+    const double low = body.place()(d) - half(d) - setup.grid.origin(d);
+    const double high = setup.grid.origin(d) + setup.grid.length(d) - body.place()(d) - half(d);
+    // The control volumes beside the body reach that far.
+    const double least = 4.0 * setup.grid.spacing;
+    if (std::min(low, high) < least)
+      throw ArgumentError(
+          fmt::format("the body comes within {:.4g} of a border, expected at least {:.4g}, four cells",
+                      std::min(low, high), least));
+  }
+  return setup;
+}
+
+}  // namespace
+
+FlowMarch::FlowMarch(FlowSetup setup)
+    : setup_(checked(std::move(setup))),
+      open_(measure_openness(setup_.grid, setup_.borders, setup_.body)),
+      momentum_(setup_.grid, setup_.borders, open_, setup_.scheme, setup_.viscosity, setup_.body_force),
+      projection_(setup_.grid, setup_.borders, open_, setup_.pressure),
+      state_(setup_.grid),
+      sums_(setup_.grid) {
+  if (setup_.turbulence != TurbulenceModel::none)
+    turbulence_ = std::make_unique<KEpsilon>(setup_.grid, setup_.borders, open_, setup_.viscosity,
+                                             setup_.turbulence, setup_.largest_eddy_viscosity);
+}
+
+void FlowMarch::set_velocity(const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& velocity) {
+  const MacGrid& grid = setup_.grid;
+  for (int d = 0; d < grid.dimensions; ++d) {
+    const auto at = static_cast<std::size_t>(d);
+    std::array<int, 3> end = grid.cells;
+    end[at] += 1;
+    for (int k = 0; k < end[2]; ++k) {
+      for (int j = 0; j < end[1]; ++j) {
+        for (int i = 0; i < end[0]; ++i)
+          state_.u[at][static_cast<std::size_t>(grid.at(i, j, k))] =
+              velocity(grid.face_centre(d, i, j, k))(d);
+      }
+    }
+    for (const Index c : open_.closed_faces[at]) state_.u[at][static_cast<std::size_t>(c)] = 0.0;
+  }
+  set_border_faces(grid, setup_.borders, state_.u);
+  fill_margins(grid, setup_.borders, state_.u);
+  // The potential that makes it free of divergence is no pressure.
+  projection_.project(state_, 1.0, setup_.divergence);
+  std::fill(state_.p.begin(), state_.p.end(), 0.0);
+  std::fill(state_.p_change.begin(), state_.p_change.end(), 0.0);
+  state_.u_before = state_.u;
+  state_.last_step = 0.0;
+}
+
+void FlowMarch::set_turbulence(double k, double epsilon) {
+  require_positive(k, "k", "set_turbulence");
+  require_positive(epsilon, "epsilon", "set_turbulence");
+  if (turbulence_) turbulence_->set(k, epsilon);
+}
+
+double FlowMarch::allowed_step() {
+  const MacGrid& grid = setup_.grid;
+  const double rate = sums_.maximum(grid, [&](Index row) {
+    double largest = 0.0;
+    for (Index c = row; c < row + grid.cells[0]; ++c) {
+      const auto at = static_cast<std::size_t>(c);
+      double out = 0.0;
+      for (int d = 0; d < grid.dimensions; ++d) {
+        const auto direction = static_cast<std::size_t>(d);
+        const Index s = grid.stride[direction];
+        const double* const u = state_.u[direction].data() + c;
+        const double* const a = open_.face[direction].data() + c;
+        out += std::max(a[s] * u[s], 0.0) + std::max(-a[0] * u[0], 0.0);
+      }
+      largest = std::max(largest, out * open_.inverse_cell[at]);
+    }
+    return largest;
+  });
+  return std::min(setup_.largest_step, setup_.courant * grid.spacing / std::max(rate, 1e-12));
+}
+
+StepReport FlowMarch::advance(double step) {
+  StepReport report;
+  report.step = step;
+  if (turbulence_) turbulence_->prepare(state_.u);
+  momentum_.predict(state_, step, turbulence_ ? &turbulence_->eddy_viscosity() : nullptr,
+                    turbulence_ ? &turbulence_->conductance() : nullptr);
+  report.pressure = projection_.project(state_, step, setup_.divergence);
+  if (turbulence_) turbulence_->advance(state_.u, step);
+  state_.time += step;
+  state_.last_step = step;
+  ++state_.steps;
+  report.finite =
+      std::isfinite(report.pressure.residual) && (!turbulence_ || turbulence_->not_positive() == 0);
+  return report;
+}
+
+BodyLoads FlowMarch::loads() const {
+  const Eigen::Vector3d place = setup_.body ? setup_.body->place() : Eigen::Vector3d::Zero();
+  return surface_loads(setup_.grid, open_, momentum_, state_, place);
+}
+
+Eigen::Vector3d FlowMarch::force_by_box(int margin_cells) const {
+  if (!setup_.body) return Eigen::Vector3d::Zero();
+  return box_force(setup_.grid, open_, momentum_, state_,
+                   control_box(setup_.grid, *setup_.body, margin_cells), state_.last_step);
+}
+
+}  // namespace samara::flow

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "samara/flow/march/field_average.h"
+#include "samara/flow/march/flow_march.h"
+#include "samara/flow/march/load_history.h"
+
+namespace samara::flow {
+
+/// All that changes while solve_flow() works.
+struct FlowRun {
+  FlowRun(FlowSetup setup, std::string case_text)
+      : march(std::move(setup)),
+        average(march.grid(), march.turbulence() != nullptr),
+        text(std::move(case_text)) {}
+
+  FlowMarch march;
+  FieldAverage average;
+  std::string text;  ///< of the case: a checkpoint of another one is refused
+  PeriodCounter counter;
+  std::vector<PeriodMeans> discarded, averaged;
+  std::vector<LoadRecord> history;
+  bool averaging = false, finite = true;
+  double change = 0.0;  ///< per time, when it was looked at last
+  double worst_disagreement = 0.0;
+};
+
+}  // namespace samara::flow

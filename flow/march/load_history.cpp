@@ -1,0 +1,94 @@
+#include "samara/flow/march/load_history.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace samara::flow {
+
+namespace {
+
+/// 97.5 % quantile of Student's distribution.
+double student_quantile(std::size_t freedom) {
+  constexpr std::array kQuantiles = {12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228,
+                                     2.201,  2.179, 2.160, 2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086};
+  return freedom <= kQuantiles.size() ? kQuantiles[freedom - 1] : 1.96 + 2.5 / static_cast<double>(freedom);
+}
+
+double drag_of_last(const std::vector<PeriodMeans>& periods, std::size_t end, std::size_t count) {
+  double sum = 0.0, length = 0.0;
+  for (std::size_t i = end - count; i < end; ++i) {
+    sum += periods[i].length * periods[i].drag;
+    length += periods[i].length;
+  }
+  return sum / length;
+}
+
+}  // namespace
+
+std::optional<PeriodMeans> PeriodCounter::add(const LoadRecord& record) {
+  sums_.length += record.step;
+  sums_.drag += record.step * record.drag;
+  sums_.lift += record.step * record.lift;
+  sums_.moment += record.step * record.moment;
+  sums_.drag_squared += record.step * record.drag * record.drag;
+  sums_.lift_squared += record.step * record.lift * record.lift;
+
+  seen_ += record.step;
+  const double share = std::min(1.0, record.step / std::min(kMemory, seen_));
+  mean_ += share * (record.lift - mean_);
+  const double deviation = record.lift - mean_;
+  deviation_squared_ += share * (deviation * deviation - deviation_squared_);
+
+  bool ends;
+  if (sheds()) {
+    ends = below_ > 0.0 && deviation >= 0.0;
+    if (deviation < -0.3 * std::sqrt(deviation_squared_)) below_ = 1.0;
+    // A drift of the lift alone passes its mean once, and then never again.
+    ends = ends || sums_.length > kLongest;
+  } else {
+    ends = sums_.length >= 5.0;
+  }
+  if (!ends) return std::nullopt;
+  below_ = 0.0;
+  PeriodMeans means = sums_;
+  for (double* sum : {&means.drag, &means.lift, &means.moment, &means.drag_squared, &means.lift_squared})
+    *sum /= means.length;
+  sums_ = {};
+  return means;
+}
+
+std::vector<double> PeriodCounter::state() const {
+  return {sums_.length,       sums_.drag, sums_.lift,         sums_.moment, sums_.drag_squared,
+          sums_.lift_squared, mean_,      deviation_squared_, seen_,        below_};
+}
+
+void PeriodCounter::set_state(const std::vector<double>& state) {
+  sums_ = {state.at(0), state.at(1), state.at(2), state.at(3), state.at(4), state.at(5)};
+  mean_ = state.at(6);
+  deviation_squared_ = state.at(7);
+  seen_ = state.at(8);
+  below_ = state.at(9);
+}
+
+bool is_settled(const std::vector<PeriodMeans>& periods) {
+  constexpr std::size_t kPeriods = 5, kBefore = 2;
+  constexpr double kMoves = 0.02;
+  if (periods.size() < kPeriods + kBefore) return false;
+  const double now = drag_of_last(periods, periods.size(), kPeriods);
+  const double before = drag_of_last(periods, periods.size() - kBefore, kPeriods);
+  return std::abs(now - before) < kMoves * std::abs(now);
+}
+
+MeanWithError mean_drag(const std::vector<PeriodMeans>& periods) {
+  if (periods.empty()) return {};
+  MeanWithError mean{drag_of_last(periods, periods.size(), periods.size()), INFINITY};
+  if (periods.size() < 2) return mean;
+  double squared = 0.0;
+  for (const PeriodMeans& period : periods) squared += std::pow(period.drag - mean.value, 2);
+  const auto count = static_cast<double>(periods.size());
+  mean.half_width = student_quantile(periods.size() - 1) * std::sqrt(squared / (count - 1.0) / count);
+  return mean;
+}
+
+}  // namespace samara::flow

@@ -1,0 +1,268 @@
+#include "samara/flow/march/solve_flow.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/require.h"
+#include "samara/base/streams.h"
+#include "samara/flow/march/flow_checkpoint.h"
+#include "samara/flow/march/flow_run.h"
+
+namespace samara::flow {
+
+namespace {
+
+constexpr double kSteady = 1e-4;     // of l/U^2 du/dt
+constexpr double kDragKnown = 0.01;  // half the 95 % interval over the mean
+constexpr std::size_t kLeastPeriods = 5;
+constexpr int kStepsBetweenChecks = 20;
+constexpr int kBoxMargin = 3;  // cells
+constexpr auto kBetweenCheckpoints = std::chrono::seconds(60);
+
+FlowSetup setup_of(const FlowCase& flow) {
+  FlowSetup setup{.grid = grid_of(flow), .borders = {}};
+  const std::array<double, 2> stream = stream_turbulence(flow.intensity, 1.0, 1.0);
+  Border& inflow = setup.borders.side[0];
+  inflow.kind = BorderKind::inflow;
+  inflow.velocity = {1.0, 0.0, 0.0};
+  inflow.k = stream[0];
+  inflow.epsilon = stream[1];
+  setup.borders.side[1].kind = BorderKind::outflow;
+  setup.body.emplace(flow.shape, Eigen::Vector3d::Zero(), flow.angle_of_attack);
+  setup.viscosity = 1.0 / flow.reynolds;
+  setup.scheme = flow.central ? AdvectionScheme::central : AdvectionScheme::van_leer;
+  setup.turbulence = flow.turbulence;
+  return setup;
+}
+
+/// The stream, with a kick across it behind the body.
+void start(FlowRun& run, std::uint64_t seed) {
+  Stream random(seed, 0);
+  const double side = random.uniform() < 0.5 ? -1.0 : 1.0;
+  const double offset = 0.5 * (random.uniform() - 0.5);
+  run.march.set_velocity([&](const Eigen::Vector3d& x) {
+    const bool kicked = x.x() > 0.75 && x.x() < 2.25 && std::abs(x.y() - offset) < 0.75;
+    return Eigen::Vector3d(1.0, kicked ? 0.2 * side : 0.0, 0.0);
+  });
+  const Border& inflow = run.march.setup().borders.side[0];
+  run.march.set_turbulence(inflow.k, inflow.epsilon);
+}
+
+/// One step, its loads, and what ends with it.
+void take_step(FlowRun& run) {
+  const StepReport report = run.march.advance();
+  run.finite = report.finite;
+  const BodyLoads loads = run.march.loads();
+  LoadRecord record{run.march.state().time, report.step, 2.0 * loads.force.x(), 2.0 * loads.force.y(),
+                    2.0 * loads.moment};
+  run.finite = run.finite && std::isfinite(record.drag) && std::isfinite(record.lift);
+  run.history.push_back(record);
+  if (run.averaging) run.average.add(run.march, report.step);
+  if (const std::optional<PeriodMeans> period = run.counter.add(record)) {
+    (run.averaging ? run.averaged : run.discarded).push_back(*period);
+    if (!run.averaging) run.averaging = is_settled(run.discarded);
+  }
+}
+
+/// Largest change of the velocity and of k per time in the last step; k by the change of its field since `before`.
+double change_rate(const FlowRun& run, const Field& k_before) {
+  const FlowState& state = run.march.state();
+  double largest = 0.0;
+  for (int d = 0; d < run.march.grid().dimensions; ++d) {
+    const auto at = static_cast<std::size_t>(d);
+    for (std::size_t c = 0; c < state.u[at].size(); ++c)
+      largest = std::max(largest, std::abs(state.u[at][c] - state.u_before[at][c]));
+  }
+  if (run.march.turbulence() != nullptr) {
+    for (std::size_t c = 0; c < k_before.size(); ++c)
+      largest = std::max(largest, std::abs(run.march.turbulence()->k[c] - k_before[c]));
+  }
+  return largest / state.last_step;
+}
+
+bool mean_is_known(const FlowRun& run) {
+  if (run.averaged.size() < kLeastPeriods) return false;
+  const MeanWithError drag = mean_drag(run.averaged);
+  return drag.half_width < kDragKnown * std::abs(drag.value);
+}
+
+double disagreement(const FlowRun& run) {
+  const Eigen::Vector3d surface = run.march.loads().force;
+  return (run.march.force_by_box(kBoxMargin) - surface).norm() / std::max(surface.norm(), 1e-6);
+}
+
+/// What the end of a run is called.
+void finish(FlowRun& run, FlowStatus status, std::string message, FlowResult& result) {
+  result.status = status;
+  result.message = std::move(message);
+  result.time = run.march.state().time;
+  result.steps = run.march.state().steps;
+}
+
+/// Steps until one of the ends of FlowStatus.
+void march_to_end(FlowRun& run, const FlowOptions& options, FlowResult& result) {
+  auto last_checkpoint = std::chrono::steady_clock::now();
+  Field k_before;
+  while (true) {
+    const FlowState& state = run.march.state();
+    if (state.time >= options.max_time) {
+      const MeanWithError drag = mean_drag(run.averaged.empty() ? run.discarded : run.averaged);
+      return finish(
+          run, FlowStatus::max_time,
+          options.end == FlowEnd::steady
+              ? fmt::format("the flow still changes by {:.2g} per l/U at max_time, {:.4g} l/U", run.change,
+                            options.max_time)
+              : fmt::format("the mean drag is known to {:.2g} % at max_time, {:.4g} l/U, expected {:.2g} %",
+                            100.0 * drag.half_width / std::abs(drag.value), options.max_time,
+                            100.0 * kDragKnown),
+          result);
+    }
+    const bool checks = (state.steps + 1) % kStepsBetweenChecks == 0;
+    if (checks && run.march.turbulence() != nullptr) k_before = run.march.turbulence()->k;
+    take_step(run);
+    if (!run.finite)
+      return finish(run, FlowStatus::diverged,
+                    fmt::format("a value is not finite at {:.4g} l/U, step {}", state.time, state.steps),
+                    result);
+    if (checks) {
+      run.change = change_rate(run, k_before);
+      run.worst_disagreement = std::max(run.worst_disagreement, disagreement(run));
+      if (run.change < kSteady)
+        return finish(run, FlowStatus::steady, fmt::format("nothing changes after {:.4g} l/U", state.time),
+                      result);
+    }
+    if (options.end == FlowEnd::mean && mean_is_known(run))
+      return finish(run, FlowStatus::averaged,
+                    fmt::format("mean over {} periods, {:.4g} l/U", run.averaged.size(), run.average.time()),
+                    result);
+    if (options.progress && !options.progress({run.averaging ? "averaging" : "developing",
+                                               std::min(1.0, state.time / options.max_time)}))
+      return finish(run, FlowStatus::cancelled, fmt::format("cancelled at {:.4g} l/U", state.time), result);
+    const auto now = std::chrono::steady_clock::now();
+    if (!options.checkpoint.empty() && now - last_checkpoint > kBetweenCheckpoints) {
+      save_checkpoint(run, options.checkpoint);
+      last_checkpoint = now;
+    }
+  }
+}
+
+/// Behind the centre on the axis y = 0, z = 0: where the mean velocity turns downstream for good.
+double bubble_end(const MacGrid& grid, const FaceField& velocity) {
+  const int j = grid.cells[1] / 2, k = grid.dimensions == 3 ? grid.cells[2] / 2 : 0;
+  const auto on_axis = [&](int i) {
+    return 0.5 * (velocity[0][static_cast<std::size_t>(grid.at(i, j, k))] +
+                  velocity[0][static_cast<std::size_t>(grid.at(i, j - 1, k))]);
+  };
+  for (int i = grid.cells[0] - 1; i > 0 && grid.face_centre(0, i, j, k).x() > 0.0; --i) {
+    const double before = on_axis(i), after = on_axis(i + 1);
+    if (before < 0.0 && after >= 0.0)
+      return grid.face_centre(0, i, j, k).x() + grid.spacing * before / (before - after);
+  }
+  return 0.0;
+}
+
+void summarise(FlowRun& run, FlowResult& result) {
+  FlowMarch& march = run.march;
+  // A steady flow is its own mean.
+  if (result.status == FlowStatus::steady || run.average.time() == 0.0) {
+    run.average = FieldAverage(march.grid(), march.turbulence() != nullptr);
+    run.average.add(march, 1.0);
+  } else {
+    result.averaged_time = run.average.time();
+  }
+  result.velocity = run.average.velocity();
+  result.pressure = run.average.pressure();
+  result.k_resolved = run.average.k_resolved();
+  if (march.turbulence() != nullptr) {
+    result.k_modelled = run.average.k_modelled();
+    result.epsilon = run.average.epsilon();
+  }
+  result.bubble_end = bubble_end(march.grid(), result.velocity);
+
+  const LoadRecord& last = run.history.back();
+  const std::vector<PeriodMeans>& periods = run.averaged;
+  if (result.status == FlowStatus::steady || periods.empty()) {
+    result.drag = {last.drag, 0.0};
+    result.lift = last.lift;
+    result.moment = last.moment;
+  } else {
+    double length = 0.0, drag_squared = 0.0, lift_squared = 0.0;
+    for (const PeriodMeans& period : periods) {
+      length += period.length;
+      result.lift += period.length * period.lift;
+      result.moment += period.length * period.moment;
+      drag_squared += period.length * period.drag_squared;
+      lift_squared += period.length * period.lift_squared;
+    }
+    result.drag = mean_drag(periods);
+    result.lift /= length;
+    result.moment /= length;
+    result.drag_rms = std::sqrt(std::max(0.0, drag_squared / length - result.drag.value * result.drag.value));
+    result.lift_rms = std::sqrt(std::max(0.0, lift_squared / length - result.lift * result.lift));
+    if (run.counter.sheds()) result.strouhal = static_cast<double>(periods.size()) / length;
+  }
+  FlowChecks& checks = result.checks;
+  checks.divergence = march.divergence();
+  checks.force_disagreement = std::max(run.worst_disagreement, disagreement(run));
+  if (KEpsilon* const turbulence = march.turbulence()) {
+    checks.energy_defect = turbulence->budget().defect();
+    checks.guarded_cells = turbulence->guarded();
+    checks.production = turbulence->total_production();
+    const std::array<double, 3> wall = turbulence->wall_range();
+    checks.y_plus_low = wall[0];
+    checks.y_plus_high = wall[1];
+    checks.viscous_share = wall[2];
+  }
+}
+
+void warn(const FlowCase& flow, FlowResult& result) {
+  if (flow.turbulence != TurbulenceModel::none && flow.reynolds < 1e3)
+    result.warnings.push_back(fmt::format(
+        "k-epsilon is a model of high Reynolds numbers, and this is {:.3g}: expected turbulence = \"none\"",
+        flow.reynolds));
+  if (flow.turbulence != TurbulenceModel::none && flow.reynolds > 1e4 && result.checks.viscous_share > 0.5)
+    result.warnings.push_back(
+        fmt::format("{:.0f} % of the wall's cells lie in the viscous layer, where its law does not hold",
+                    100.0 * result.checks.viscous_share));
+  if (result.checks.guarded_cells > 0)
+    result.warnings.push_back(
+        fmt::format("the guard of the eddy viscosity acts in {} cells", result.checks.guarded_cells));
+}
+
+}  // namespace
+
+std::string to_string(FlowStatus status) {
+  constexpr std::array kNames = {"steady", "averaged", "max_time", "diverged", "cancelled"};
+  return kNames.at(static_cast<std::size_t>(status));
+}
+
+FlowResult solve_flow(const FlowCase& flow, const FlowOptions& options) {
+  check_case(flow, options.max_memory);
+  require_positive(options.max_time, "max_time", "solve_flow");
+  FlowResult result;
+  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  arena.execute([&] {
+    FlowRun run(setup_of(flow), case_text(flow, options));
+    if (!(options.resume && load_checkpoint(run, options.checkpoint))) start(run, options.seed);
+    march_to_end(run, options, result);
+    if (result.status == FlowStatus::cancelled && !options.checkpoint.empty())
+      save_checkpoint(run, options.checkpoint);
+    result.grid = run.march.grid();
+    result.body = run.march.openness();
+    result.history = run.history;
+    if (result.status != FlowStatus::diverged) summarise(run, result);
+  });
+  result.checks.blockage = blockage(flow);
+  warn(flow, result);
+  return result;
+}
+
+}  // namespace samara::flow

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "samara/base/progress.h"
+#include "samara/flow/grid/mac_grid.h"
+#include "samara/flow/grid/openness.h"
+#include "samara/flow/march/flow_case.h"
+#include "samara/flow/march/load_history.h"
+
+/// The flow about a body that is held in a stream: a steady one, or the mean of an unsteady one.
+///
+///   const FlowResult flow = solve_flow({.shape = rectangle_section(1, 1), .reynolds = 22000});
+///   flow.drag.value;      // C_D, with flow.drag.half_width
+///   flow.k_resolved;      // of what sheds; beside k_modelled
+///
+/// Square cylinders come out with C_D 20 % low and a bubble twice too long: that is the model (docs/flow.md).
+namespace samara::flow {
+
+enum class FlowEnd {
+  mean,    ///< of whole periods, once the drag has settled, until its mean is known to 1 % (95 %)
+  steady,  ///< when nothing changes any more
+};
+
+enum class FlowStatus {
+  steady,    ///< nothing changes: max |du/dt| l/U^2, |dk/dt| l/U^3 < 1e-4
+  averaged,  ///< the mean is known
+  max_time,  ///< neither was reached by then; the fields are means over what there was
+  diverged,  ///< a value is not finite, or k or eps not positive: no fields
+  cancelled,
+};
+
+/// "steady", "averaged", "max_time", "diverged", "cancelled"
+std::string to_string(FlowStatus status);
+
+struct FlowOptions {
+  FlowEnd end = FlowEnd::mean;
+  double max_time = 200.0;  ///< l/U
+  int threads = 0;          ///< 0: all cores; the result does not depend on it
+  std::uint64_t seed = 1;   ///< of the kick behind the body, without which symmetric bodies shed late
+  ProgressCallback progress = {};
+  std::filesystem::path checkpoint = {};  ///< state of the solver every minute; empty: none
+  bool resume = false;                    ///< from the checkpoint, if it is there, to the same bits
+  double max_memory = 2e9;                ///< bytes
+};
+
+/// What the run says of its own quality.
+struct FlowChecks {
+  double divergence = 0.0;          ///< largest |h div u|/U after the last step
+  double force_disagreement = 0.0;  ///< largest difference of the forces by surface and by box, over the drag
+  double energy_defect = 0.0;       ///< of the budget of k in the last step
+  long clipped_cells = 0;           ///< where k or eps had to be cut: none ever is, so none but 0 is given
+  long guarded_cells = 0;           ///< where the guard of nu_T acted in the last step
+  double production = 0.0;          ///< integral of G after the last step
+  double y_plus_low = 0.0, y_plus_high = 0.0;
+  double viscous_share = 0.0;  ///< of the wall's cells with y+ < 11.5
+  double blockage = 0.0;
+};
+
+struct FlowResult {
+  FlowResult() : grid(2, {1, 1, 1}, 1.0, Eigen::Vector3d::Zero()), body(grid) {}
+
+  MacGrid grid;
+  Openness body;
+  FaceField velocity;                     ///< means, on faces [U]
+  Field pressure;                         ///< [density U^2]; 0 at the outflow
+  Field k_modelled, k_resolved, epsilon;  ///< [U^2], [U^3/l]; the first and last are empty without a model
+  MeanWithError drag;
+  double lift = 0.0, moment = 0.0;        ///< means
+  double drag_rms = 0.0, lift_rms = 0.0;  ///< deviations
+  double strouhal = 0.0;                  ///< f l/U; 0: nothing sheds
+  double bubble_end = 0.0;     ///< behind the body's centre, where the mean u on the axis turns; 0: none
+  double averaged_time = 0.0;  ///< l/U
+  FlowStatus status = FlowStatus::cancelled;
+  std::string message = "solve_flow was not called";
+  std::vector<std::string> warnings;
+  std::vector<LoadRecord> history;
+  FlowChecks checks;
+  double time = 0.0;
+  long steps = 0;
+};
+
+/// @throws ArgumentError as check_case() does; InputError for a checkpoint of another case or version
+FlowResult solve_flow(const FlowCase& flow, const FlowOptions& options = {});
+
+}  // namespace samara::flow

@@ -1,0 +1,160 @@
+#include "samara/flow/turbulence/monotone_transport.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "samara/flow/grid/line_solver.h"
+#include "samara/flow/momentum/momentum_flux.h"
+
+namespace samara::flow {
+
+namespace {
+
+/// body(place of the border's face, place of the cell inside) for all cells at an upper or lower border.
+template <class Body>
+void for_border(const MacGrid& grid, int side, const Body& body) {
+  const auto across = static_cast<std::size_t>(side / 2);
+  Range layer = all_cells(grid);
+  if (side % 2 == 0) {
+    layer.end[across] = 1;
+  } else {
+    layer.begin[across] = grid.cells[across] - 1;
+  }
+  const Index to_face = side % 2 == 0 ? 0 : grid.stride[across];
+  for (int k = layer.begin[2]; k < layer.end[2]; ++k) {
+    for (int j = layer.begin[1]; j < layer.end[1]; ++j) {
+      for (int i = layer.begin[0]; i < layer.end[0]; ++i) body(grid.at(i, j, k) + to_face, grid.at(i, j, k));
+    }
+  }
+}
+
+}  // namespace
+
+MonotoneTransport::MonotoneTransport(const MacGrid& grid, const Borders& borders, const Openness& open)
+    : grid_(grid),
+      borders_(borders),
+      open_(open),
+      discharge_(grid.faces()),
+      before_(grid.field()),
+      ratio_(grid.field()),
+      turn_(grid.field()),
+      sums_(grid) {}
+
+double MonotoneTransport::set_velocity(const FaceField& velocity) {
+  for (int d = 0; d < grid_.dimensions; ++d) {
+    const auto at = static_cast<std::size_t>(d);
+    const double* const a = open_.face[at].data();
+    const double* const u = velocity[at].data();
+    double* const q = discharge_[at].data();
+    for_rows(grid_, all_cells(grid_), [&](Index row, int) {
+      for (Index c = row; c <= row + grid_.cells[0]; ++c) q[c] = a[c] * u[c];
+    });
+    if (d == 0) continue;
+    Range last = all_cells(grid_);
+    last.begin[at] = grid_.cells[at];
+    last.end[at] = grid_.cells[at] + 1;
+    for_rows(grid_, last, [&](Index row, int) {
+      for (Index c = row; c < row + grid_.cells[0]; ++c) q[c] = a[c] * u[c];
+    });
+  }
+  return sums_.maximum(grid_, [&](Index row) {
+    double largest = 0.0;
+    for (Index c = row; c < row + grid_.cells[0]; ++c) {
+      double out = 0.0;
+      for (int d = 0; d < grid_.dimensions; ++d) {
+        const double* const q = discharge_[static_cast<std::size_t>(d)].data() + c;
+        out += std::max(q[grid_.stride[static_cast<std::size_t>(d)]], 0.0) + std::max(-q[0], 0.0);
+      }
+      largest = std::max(largest, out * open_.inverse_cell[static_cast<std::size_t>(c)]);
+    }
+    return largest;
+  }) / grid_.spacing;
+}
+
+double MonotoneTransport::flux(const double* s, const double* discharge, Index c, Index across) const {
+  const double mass = discharge[c];
+  const bool onward = mass > 0.0;
+  const double up = onward ? s[c - 2 * across] : s[c + across];
+  const double middle = onward ? s[c - across] : s[c];
+  const double down = onward ? s[c] : s[c - across];
+  return mass * van_leer_value(up, middle, down);
+}
+
+double MonotoneTransport::advect(Field& s, double step, const std::array<double, 6>& given,
+                                 double returning) {
+  fill_margins(grid_, borders_, s, given);
+  for (int side = 1; side < 2 * grid_.dimensions; side += 2) {
+    if (borders_.side[static_cast<std::size_t>(side)].kind != BorderKind::outflow) continue;
+    const auto across = static_cast<std::size_t>(side / 2);
+    for_border(grid_, side, [&](Index face, Index) {
+      if (discharge_[across][static_cast<std::size_t>(face)] >= 0.0) return;
+      for (Index m = 0; m < MacGrid::kMargin; ++m)
+        s[static_cast<std::size_t>(face + m * grid_.stride[across])] = returning;
+    });
+  }
+  std::swap(s, before_);
+  const double* const old = before_.data();
+  const double per_spacing = 1.0 / grid_.spacing;
+  for_rows(grid_, all_cells(grid_), [&](Index row, int) {
+    double* const now = s.data();
+    const Index end = row + grid_.cells[0];
+    for (Index c = row; c < end; ++c) now[c] = 0.0;
+    for (int d = 0; d < grid_.dimensions; ++d) {
+      const auto at = static_cast<std::size_t>(d);
+      const Index across = grid_.stride[at];
+      const double* const q = discharge_[at].data();
+      for (Index c = row; c < end; ++c) now[c] += flux(old, q, c + across, across) - flux(old, q, c, across);
+    }
+    const double* const inverse = open_.inverse_cell.data();
+    for (Index c = row; c < end; ++c) now[c] = old[c] - step * per_spacing * inverse[c] * now[c];
+  });
+  double entered = 0.0;
+  for (int side = 0; side < 2 * grid_.dimensions; ++side) {
+    if (borders_.periodic(side / 2)) continue;
+    const auto across = static_cast<std::size_t>(side / 2);
+    const double inward = side % 2 == 0 ? 1.0 : -1.0;
+    for_border(grid_, side, [&](Index face, Index) {
+      entered += inward * flux(old, discharge_[across].data(), face, grid_.stride[across]);
+    });
+  }
+  return entered * step * per_spacing;
+}
+
+double MonotoneTransport::diffuse(Field& s, double step, double viscosity, const Field* eddy, double sigma,
+                                  const std::array<double, 6>& given) {
+  const double scale = step / (grid_.spacing * grid_.spacing);
+  const double* const inverse = open_.inverse_cell.data();
+  double entered = 0.0;
+  for (int d = 0; d < grid_.dimensions; ++d) {
+    const auto at = static_cast<std::size_t>(d);
+    const Index across = grid_.stride[at];
+    const double* const a = open_.face[at].data();
+    const double* const turbulent = eddy != nullptr ? eddy->data() : nullptr;
+    const auto coupling = [=](Index c) {
+      const double eddies = turbulent != nullptr ? 0.5 * (turbulent[c] + turbulent[c - across]) / sigma : 0.0;
+      return scale * a[c] * (viscosity + eddies);
+    };
+    LineEnds ends{borders_.periodic(d), {}, {}};
+    const auto end_of = [&](int side) -> LineEnd {
+      const bool wall = borders_.side[static_cast<std::size_t>(side)].kind == BorderKind::wall;
+      const double value = given[static_cast<std::size_t>(side)];
+      if (!wall || value < 0.0) return {};
+      return {.factor = 2.0, .value = value};
+    };
+    ends.low = end_of(2 * d);
+    ends.high = end_of(2 * d + 1);
+    solve_all_lines(
+        grid_, all_cells(grid_), d, ends, s, ratio_, turn_, coupling, [=](Index c) { return inverse[c]; },
+        [](Index) { return 0.0; });
+    for (const int side : {2 * d, 2 * d + 1}) {
+      const LineEnd& end = side % 2 == 0 ? ends.low : ends.high;
+      if (end.factor == 0.0) continue;
+      for_border(grid_, side, [&](Index face, Index cell) {
+        entered += end.factor * coupling(face) * (end.value - s[static_cast<std::size_t>(cell)]);
+      });
+    }
+  }
+  return entered;
+}
+
+}  // namespace samara::flow

@@ -1,0 +1,152 @@
+"""Flows by the command: solved from a plan, told, drawn, exported, and what is refused."""
+
+import json
+import os
+import struct
+import xml.etree.ElementTree
+import zlib
+
+import h5py
+import numpy
+
+from samara_case import FOLDER, Case, main, run, write
+
+PLAN = """title = "small"
+[flow]
+shape = { kind = "ellipse", length = 1, thickness = 1 }
+reynolds = 30
+turbulence = "none"
+cells_per_length = 6
+extent = { before = 3, behind = 6, side = 3 }
+end = "steady"
+max_time = 80
+"""
+
+
+def flow():
+    path = FOLDER / "wake.h5"
+    if not path.exists():
+        result = run("flow", write("wake.toml", PLAN), "-o", path)
+        assert result.returncode == 0, result.stderr
+        assert "flow, steady" in result.stdout
+    return path
+
+
+def pixels(path):
+    """Of a PNG of 8 bits with no filters: height x width x 3."""
+    data = path.read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    at, packed, size = 8, b"", None
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        content = data[at + 8:at + 8 + length]
+        checksum, = struct.unpack(">I", data[at + 8 + length:at + 12 + length])
+        assert checksum == zlib.crc32(kind + content)
+        if kind == b"IHDR":
+            size = struct.unpack(">II", content[:8])
+        if kind == b"IDAT":
+            packed += content
+        at += 12 + length
+    rows = numpy.frombuffer(zlib.decompress(packed), dtype=numpy.uint8).reshape(size[1], 1 + 3 * size[0])
+    assert not rows[:, 0].any()
+    return rows[:, 1:].reshape(size[1], size[0], 3)
+
+
+class Flows(Case):
+    def test_a_plan_becomes_a_file_that_h5py_reads(self):
+        with h5py.File(flow()) as file:
+            self.assertEqual(file.attrs["format"], b"samara-flow")
+            u, x, y = file["centre/u"][:], file["axes/x"][:], file["axes/y"][:]
+            faces = file["fields/u"][:]
+            self.assertEqual(u.shape, (len(y), len(x)))
+            self.assertLess(numpy.abs(u - 0.5 * (faces[:, 1:] + faces[:, :-1])).max(), 1e-14)
+            # What flows in flows out, and the body's shadow is slow.
+            self.assertAlmostEqual(faces[:, 0].sum(), faces[:, -1].sum(), delta=1e-4)
+            behind = u[len(y) // 2, numpy.searchsorted(x, 0.8)]
+            self.assertLess(behind, 0.3)
+            self.assertEqual(file["centre/u"].dims[1][0].name, "/axes/x")
+            drag = file["loads"].attrs["C_D"]
+            self.assertAlmostEqual(file["loads/drag"][-1], drag, delta=1e-3)
+            # 1.75 without borders; the sides are near.
+            self.assertAlmostEqual(drag, 2.1, delta=0.35)
+
+    def test_info_tells_it_to_people_and_programs(self):
+        words = run("info", flow())
+        self.assertIn("flow, steady", words.stdout)
+        told = json.loads(run("info", flow(), "--json").stdout)
+        self.assertEqual(told["status"], "steady")
+        self.assertLess(told["checks"]["force_disagreement"], 1e-10)
+        self.assertIn(f"C_D {told['C_D']:.4f}", words.stdout)
+
+    def test_a_picture_shows_the_body_the_colours_and_the_lines(self):
+        path = FOLDER / "speed.png"
+        result = run("picture", flow(), "--field", "speed", "--scale", "8", "--no-streamlines", "-o", path)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        plain = pixels(path)
+        self.assertEqual(run("picture", flow(), "--field", "speed", "--scale", "8", "-o", path).returncode, 0)
+        lines = pixels(path)
+        height, width = 36 * 8, 54 * 8
+        # The body's centre lies 3 lengths of 6 cells behind the left border and in the middle.
+        row, column = 14 + 28 + height // 2, 14 + 18 * 8
+        self.assertEqual(plain[row, column].tolist(), [110, 110, 110])
+        grey = (plain[42:42 + height, 14:14 + width] == 110).all(axis=2).sum()
+        self.assertAlmostEqual(grey / 64 / 36, numpy.pi / 4, delta=0.12)
+        self.assertGreater((lines != plain).any(axis=2).sum(), 5000)
+        # The bar: yellow at its top, dark violet at its end.
+        bar = 14 + width + 20 + 12
+        for row, colour in [(43, [253, 231, 37]), (41 + height, [68, 1, 84])]:
+            self.assertLess(numpy.abs(plain[row, bar].astype(int) - colour).max(), 5)
+        self.check_error(run("picture", flow(), "--field", "kk", "-o", path), 2, 'no field "kk"', "u, v, p")
+
+    def test_paraview_is_given_where_the_numbers_are(self):
+        path = FOLDER / "wake.xdmf"
+        self.assertEqual(run("export", flow(), "--to", "paraview", "-o", path).returncode, 0)
+        root = xml.etree.ElementTree.parse(path).getroot()
+        with h5py.File(flow()) as file:
+            for item in root.iter("DataItem"):
+                if item.attrib["Format"] != "HDF":
+                    continue
+                name, dataset = item.text.split(":")
+                self.assertEqual(name, "wake.h5")
+                self.assertEqual(" ".join(map(str, file[dataset].shape)), item.attrib["Dimensions"])
+        self.check_error(run("export", flow(), "--to", "paraview", "-o", FOLDER / "wake.vtu"), 2, "expected a name in .xdmf")
+
+    def test_a_mean_that_is_not_reached_is_marked_and_has_exit_code_4(self):
+        plan = write("short.toml", PLAN.replace("max_time = 80", "max_time = 1"))
+        result = run("flow", plan, "-o", FOLDER / "short.h5")
+        self.assertEqual(result.returncode, 4)
+        self.assertIn("short.h5 is written and marked: the flow still changes by", result.stderr)
+        self.assertIn("flow, max_time", run("info", FOLDER / "short.h5").stdout)
+
+    def test_what_cannot_be_a_flow_is_refused_in_a_sentence(self):
+        out = FOLDER / "never.h5"
+        for change, code, parts in [
+            (("reynolds = 30", "reynolds = -1"), 3, ["bad.toml:4", "[flow] reynolds: is -1"]),
+            (("reynolds = 30", "reynolds = nan"), 3, ["bad.toml:4", "reynolds"]),
+            (("thickness = 1 }", "thickness = 0.1 }"), 2, ["0.1 thin", "cells_per_length at least 20"]),
+            (("side = 3", "side = 1.5"), 2, ["33 % of the stream's width"]),
+            (("cells_per_length = 6", "cells_per_length = 900"), 2, ["expected at most max_memory, 2 GB"]),
+            (('"ellipse"', '"elipse"'), 3, ["elipse", "ellipse"]),
+            (("end = ", "ende = "), 3, ["ende", "end"]),
+        ]:
+            with self.subTest(change=change):
+                self.check_error(run("flow", write("bad.toml", PLAN.replace(*change)), "-o", out), code, *parts)
+                self.assertFalse(out.exists())
+
+    def test_a_damaged_flow_file_is_refused(self):
+        damaged = FOLDER / "damaged.h5"
+        data = bytearray(flow().read_bytes())
+        data[len(data) // 2] ^= 0xFF
+        damaged.write_bytes(data)
+        result = run("picture", damaged, "--field", "u", "-o", FOLDER / "damaged.png")
+        self.check_error(result, 3, "damaged.h5")
+
+    def test_no_other_file_is_lost_to_a_flow(self):
+        other = write("other.txt", "mine")
+        self.check_error(run("flow", write("again.toml", PLAN), "-o", other), 2, "is a file, and no flow")
+        self.assertEqual(other.read_text(), "mine")
+        self.assertFalse(os.path.exists(str(other) + ".checkpoint"))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,47 @@
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "flow_cases.h"
+
+using namespace samara::flow;
+using namespace flow_cases;
+
+TEST_CASE("what the body takes is what a box around it loses, to rounding", "[flow]") {
+  const bool turbulent = GENERATE(false, true);
+  const bool space = GENERATE(false, true);
+  const MacGrid grid = space ? MacGrid(3, {40, 28, 24}, 0.125, Eigen::Vector3d::Zero())
+                             : MacGrid(2, {120, 80, 1}, 0.0625, Eigen::Vector3d::Zero());
+  Shape shape = space ? box_shape({1.0, 0.3, 0.7}) : rectangle_section(1.0, 0.3);
+  Eigen::Vector3d place(2.1, 1.7, 1.53);
+  if (!space) place.z() = 0.0;
+  FlowMarch march({.grid = grid,
+                   .borders = stream(),
+                   .body = PlacedShape(std::move(shape), place, 0.6),
+                   .viscosity = turbulent ? 5e-5 : 5e-3,
+                   .turbulence = turbulent ? TurbulenceModel::k_epsilon : TurbulenceModel::none});
+  march.set_velocity([](const Eigen::Vector3d&) { return Eigen::Vector3d(1.0, 0.0, 0.0); });
+  march.set_turbulence(6e-4, 3.4e-5);
+  for (int s = 0; s < 10; ++s) march.advance();
+  const Eigen::Vector3d surface = march.loads().force;
+  INFO("force " << surface.transpose());
+  CHECK(surface.x() > 0.1);
+  for (const int margin : {1, 5}) {
+    const Eigen::Vector3d box = march.force_by_box(margin);
+    CHECK((box - surface).norm() < 1e-10 * surface.norm());
+  }
+  // Trap: pressure beside the body alone is not the force.
+  CHECK((march.loads().pressure - surface).norm() > 1e-3 * surface.norm());
+}
+
+TEST_CASE("a stream without a body stays uniform", "[flow]") {
+  FlowMarch march({.grid = MacGrid(2, {40, 30, 1}, 0.1, Eigen::Vector3d::Zero()),
+                   .borders = stream(),
+                   .viscosity = 0.01});
+  march.set_velocity([](const Eigen::Vector3d&) { return Eigen::Vector3d(1.0, 0.0, 0.0); });
+  for (int s = 0; s < 20; ++s) march.advance();
+  for (int j = 0; j < 30; ++j) {
+    for (int i = 0; i <= 40; ++i)
+      CHECK(march.state().u[0][static_cast<std::size_t>(march.grid().at(i, j))] == Approx(1.0).margin(1e-12));
+  }
+}

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <cmath>
+
+#include "samara/flow/march/flow_march.h"
+
+/// Flows that several tests march.
+namespace flow_cases {
+
+using namespace samara::flow;
+
+inline constexpr double kPi = 3.14159265358979323846;
+
+inline Borders all_periodic() {
+  Borders borders;
+  for (Border& border : borders.side) border.kind = BorderKind::periodic;
+  return borders;
+}
+
+/// A stream along x with free sides.
+inline Borders stream(double speed = 1.0) {
+  Borders borders;
+  borders.side[0].kind = BorderKind::inflow;
+  borders.side[0].velocity = {speed, 0.0, 0.0};
+  borders.side[1].kind = BorderKind::outflow;
+  return borders;
+}
+
+/// Taylor and Green's vortices of wave number 2 pi in a unit square, carried by a stream along the diagonal.
+struct TaylorGreen {
+  double viscosity = 0.01, stream = 0.0;
+
+  double fading(double t) const { return std::exp(-8.0 * kPi * kPi * viscosity * t); }
+  Eigen::Vector3d velocity(const Eigen::Vector3d& x, double t) const {
+    const double a = 2.0 * kPi * (x.x() - stream * t), b = 2.0 * kPi * (x.y() - stream * t), f = fading(t);
+    return {stream + f * std::sin(a) * std::cos(b), stream - f * std::cos(a) * std::sin(b), 0.0};
+  }
+  double pressure(const Eigen::Vector3d& x, double t) const {
+    const double a = 4.0 * kPi * (x.x() - stream * t), b = 4.0 * kPi * (x.y() - stream * t), f = fading(t);
+    return 0.25 * f * f * (std::cos(a) + std::cos(b));
+  }
+};
+
+struct TaylorGreenErrors {
+  double u = 0.0, p = 0.0, divergence = 0.0;
+};
+
+/// Largest errors at time 0.5 on n^2 cells; steps are proportional to the cells.
+inline TaylorGreenErrors taylor_green_errors(int n, double stream) {
+  const TaylorGreen exact{0.01, stream};
+  FlowMarch march({.grid = MacGrid(2, {n, n, 1}, 1.0 / n, Eigen::Vector3d::Zero()),
+                   .borders = all_periodic(),
+                   .viscosity = exact.viscosity,
+                   .scheme = AdvectionScheme::central,
+                   .divergence = 1e-11});
+  march.set_velocity([&](const Eigen::Vector3d& x) { return exact.velocity(x, 0.0); });
+  const int steps = 4 * n / 2;
+  const double step = 0.5 / steps;
+  TaylorGreenErrors errors;
+  for (int s = 0; s < steps; ++s) {
+    march.advance(step);
+    errors.divergence = std::max(errors.divergence, march.divergence());
+  }
+  const MacGrid& grid = march.grid();
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const auto c = static_cast<std::size_t>(grid.at(i, j));
+      for (int d = 0; d < 2; ++d) {
+        const double u = march.state().u[static_cast<std::size_t>(d)][c];
+        errors.u = std::max(errors.u, std::abs(u - exact.velocity(grid.face_centre(d, i, j), 0.5)(d)));
+      }
+      const double p = exact.pressure(grid.centre(i, j), 0.5 - 0.5 * step);
+      errors.p = std::max(errors.p, std::abs(march.state().p[c] - p));
+    }
+  }
+  return errors;
+}
+
+/// Extrema on the middle lines of a cavity whose lid moves along x: least u, largest and least v.
+struct CavityExtrema {
+  double u_min, v_max, v_min;
+};
+
+inline CavityExtrema cavity_extrema(int n, double reynolds, double steady) {
+  Borders borders;
+  for (Border& border : borders.side) border.kind = BorderKind::wall;
+  borders.side[3].velocity = {1.0, 0.0, 0.0};
+  FlowMarch march({.grid = MacGrid(2, {n, n, 1}, 1.0 / n, Eigen::Vector3d::Zero()),
+                   .borders = borders,
+                   .viscosity = 1.0 / reynolds,
+                   .scheme = AdvectionScheme::central,
+                   .divergence = 1e-7});
+  march.set_velocity([](const Eigen::Vector3d&) { return Eigen::Vector3d(0.0, 0.0, 0.0); });
+  const MacGrid& grid = march.grid();
+  const double step = 0.45 / n;
+  double change = 1.0;
+  while (change > steady && march.state().time < 200.0) {
+    march.advance(step);
+    if (march.state().steps % 20 != 0) continue;
+    change = 0.0;
+    for (int d = 0; d < 2; ++d) {
+      const auto at = static_cast<std::size_t>(d);
+      for (std::size_t c = 0; c < march.state().u[at].size(); ++c)
+        change = std::max(change, std::abs(march.state().u[at][c] - march.state().u_before[at][c]) / step);
+    }
+  }
+  // Parabolas through the three values about an extremum on the middle line.
+  const auto extremum = [&](int d, double sign) {
+    const auto at = static_cast<std::size_t>(d);
+    const auto value = [&](int i) {
+      return sign *
+             march.state().u[at][static_cast<std::size_t>(d == 0 ? grid.at(n / 2, i) : grid.at(i, n / 2))];
+    };
+    int best = 1;
+    for (int i = 1; i + 1 < n; ++i) {
+      if (value(i) > value(best)) best = i;
+    }
+    const double below = value(best - 1), middle = value(best), above = value(best + 1);
+    const double curvature = below - 2.0 * middle + above, slope = 0.5 * (above - below);
+    return sign * (middle - 0.5 * slope * slope / curvature);
+  };
+  return {extremum(0, -1.0), extremum(1, 1.0), extremum(1, -1.0)};
+}
+
+}  // namespace flow_cases

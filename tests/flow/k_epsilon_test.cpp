@@ -1,0 +1,205 @@
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "flow_cases.h"
+#include "samara/base/streams.h"
+
+using namespace samara::flow;
+using namespace flow_cases;
+
+namespace {
+
+/// Homogeneous shear of rate 1 from k = 1, eps = 0.3, with production frozen over a step as the solver has it.
+double sheared_energy(double until, double step) {
+  double k = 1.0, epsilon = 0.3;
+  for (long s = 0; s < std::lround(until / step); ++s) {
+    produce(k, epsilon, step * 0.09 * k * k / epsilon);
+    decay(k, epsilon, step);
+  }
+  return k;
+}
+
+double largest(const Field& field) {
+  return *std::max_element(field.begin(), field.end());
+}
+
+/// k and U in the channel between y+ = 50 and its centre, in wall units, distances in half widths.
+struct Channel {
+  double centre_speed, centre_k, k_at_03;
+};
+
+Channel channel(double reynolds, int n) {
+  const double kappa = 0.41, wall = 50.0 / reynolds;
+  const double speed = std::log(9.8 * 50.0) / kappa;
+  Borders borders = all_periodic();
+  borders.side[2] = {.kind = BorderKind::wall, .k = 1.0 / 0.3, .epsilon = 1.0 / (kappa * wall)};
+  borders.side[3] = {.kind = BorderKind::slip};
+  const double h = (1.0 - wall) / n;
+  FlowMarch march({.grid = MacGrid(2, {4, n, 1}, h, {0.0, wall, 0.0}),
+                   .borders = borders,
+                   .viscosity = 1.0 / reynolds,
+                   .body_force = {1.0, 0.0, 0.0},
+                   .turbulence = TurbulenceModel::k_epsilon,
+                   .largest_eddy_viscosity = 10.0});
+  march.set_velocity(
+      [&](const Eigen::Vector3d& x) { return Eigen::Vector3d(std::log(x.y() / wall) / kappa, 0.0, 0.0); });
+  march.set_turbulence(2.0, 5.0);
+  const double step = 0.45 * h / 8.0;
+  while (march.state().time < 6.0) march.advance(step);
+  const auto row = [&](double y) { return static_cast<int>((y - wall) / h); };
+  const auto at = [&](int j) { return static_cast<std::size_t>(march.grid().at(1, j)); };
+  const Field& k = march.turbulence()->k;
+  const int j = row(0.3);
+  const double along = (0.3 - march.grid().centre(0, j).y()) / h;
+  const int other = along > 0 ? j + 1 : j - 1;
+  return {speed + march.state().u[0][at(n - 1)], k[at(n - 1)],
+          k[at(j)] + std::abs(along) * (k[at(other)] - k[at(j)])};
+}
+
+}  // namespace
+
+TEST_CASE("turbulence decays exactly, in any number of steps", "[flow]") {
+  for (const int steps : {1, 7, 100}) {
+    double k = 1.5, epsilon = 1.0;
+    for (int s = 0; s < steps; ++s) decay(k, epsilon, 10.0 / steps);
+    CHECK(k == Approx(0.17725536585951804).epsilon(1e-12));
+    CHECK(epsilon == Approx(0.01656592204294562).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("homogeneous shear grows as its equations have it, to first order", "[flow]") {
+  // By an integrator at 1e-10.
+  CHECK(sheared_energy(10.0, 0.0005) == Approx(5.35098462).epsilon(1e-3));
+  CHECK(sheared_energy(30.0, 0.0005) == Approx(488.0560919).epsilon(2e-3));
+  const double coarse = sheared_energy(10.0, 0.02) - 5.35098462,
+               fine = sheared_energy(10.0, 0.01) - 5.35098462;
+  CHECK(coarse / fine == Approx(2.0).epsilon(0.05));
+}
+
+TEST_CASE("transport keeps a step within its bounds and conserves it, at the largest step", "[flow]") {
+  const int n = 48;
+  const MacGrid grid(2, {n, n, 1}, 1.0 / n, Eigen::Vector3d::Zero());
+  const Borders borders = all_periodic();
+  const Openness open = measure_openness(grid, borders, {});
+  FaceField velocity = grid.faces();
+  // Of a stream function: free of divergence to rounding.
+  const auto stream_function = [](double x, double y) {
+    return std::sin(2 * kPi * x) * std::sin(2 * kPi * y) / (2 * kPi) + 0.7 * y - 0.9 * x;
+  };
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const auto c = static_cast<std::size_t>(grid.at(i, j));
+      const double h = grid.spacing, x = i * h, y = j * h;
+      velocity[0][c] = (stream_function(x, y + h) - stream_function(x, y)) / h;
+      velocity[1][c] = -(stream_function(x + h, y) - stream_function(x, y)) / h;
+    }
+  }
+  fill_margins(grid, borders, velocity);
+  MonotoneTransport transport(grid, borders, open);
+  const double step = 0.5 / transport.set_velocity(velocity);
+  Field s = grid.field();
+  for (int j = 10; j < 30; ++j) {
+    for (int i = 10; i < 30; ++i) s[static_cast<std::size_t>(grid.at(i, j))] = 1.0;
+  }
+  const std::array<double, 6> none = {-1, -1, -1, -1, -1, -1};
+  const auto inside = [&](auto&& f) {
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < n; ++i) f(s[static_cast<std::size_t>(grid.at(i, j))]);
+    }
+  };
+  Field eddy = grid.field(3e-3);
+  for (int t = 0; t < 150; ++t) {
+    transport.advect(s, step, none, 0.0);
+    if (t >= 100) transport.diffuse(s, step, 1e-3, &eddy, 1.3, none);
+    double sum = 0.0, least = 1.0, most = 0.0;
+    inside([&](double value) {
+      sum += value;
+      least = std::min(least, value);
+      most = std::max(most, value);
+    });
+    REQUIRE(std::abs(sum - 400.0) < 1e-12 * 400.0 * 10);
+    REQUIRE(least >= -1e-13);
+    REQUIRE(most <= 1.0 + 1e-13);
+  }
+}
+
+TEST_CASE("a stream without a body does nothing but decay", "[flow]") {
+  FlowMarch march({.grid = MacGrid(2, {16, 12, 1}, 0.1, Eigen::Vector3d::Zero()),
+                   .borders = all_periodic(),
+                   .viscosity = 1e-4,
+                   .turbulence = TurbulenceModel::k_epsilon,
+                   .largest_eddy_viscosity = 10.0});
+  march.set_velocity([](const Eigen::Vector3d&) { return Eigen::Vector3d(1.0, 0.3, 0.0); });
+  march.set_turbulence(1.5, 1.0);
+  while (march.state().time < 2.0) march.advance();
+  double k = 1.5, epsilon = 1.0;
+  decay(k, epsilon, march.state().time);
+  for (int j = 0; j < 12; ++j) {
+    for (int i = 0; i < 16; ++i) {
+      const auto c = static_cast<std::size_t>(march.grid().at(i, j));
+      CHECK(march.turbulence()->k[c] == Approx(k).epsilon(1e-10));
+      CHECK(march.turbulence()->epsilon[c] == Approx(epsilon).epsilon(1e-10));
+    }
+  }
+  CHECK(march.turbulence()->total_production() == Approx(0.0).margin(1e-12));
+}
+
+TEST_CASE("the developed channel has the profiles of its equations", "[flow]") {
+  // One-dimensional equations between y+ = 50 and the centre, by an independent solver.
+  const Channel computed = channel(590.0, 32);
+  CHECK(computed.centre_speed == Approx(21.0747).epsilon(4e-3));
+  CHECK(computed.centre_k == Approx(0.9057).epsilon(0.02));
+  CHECK(computed.k_at_03 == Approx(2.2594).epsilon(0.02));
+}
+
+TEST_CASE(
+    "turbulence about a square: made beside it, in the wake and not on the axis before it, and never clipped",
+    "[flow]") {
+  Borders borders = stream();
+  const std::array<double, 2> inflow = stream_turbulence(0.02, 1.0, 1.0);
+  borders.side[0].k = inflow[0];
+  borders.side[0].epsilon = inflow[1];
+  const int n = 8;
+  FlowMarch march({.grid = MacGrid(2, {12 * n, 8 * n, 1}, 1.0 / n, {-4.0, -4.0, 0.0}),
+                   .borders = borders,
+                   .body = PlacedShape(rectangle_section(1.0, 1.0), Eigen::Vector3d::Zero(), 0.0),
+                   .viscosity = 1.0 / 22000,
+                   .turbulence = TurbulenceModel::k_epsilon});
+  march.set_velocity([](const Eigen::Vector3d& x) {
+    const bool kicked = std::abs(x.x() - 1.5) < 0.75 && std::abs(x.y()) < 0.75;
+    return Eigen::Vector3d(1.0, kicked ? 0.2 : 0.0, 0.0);
+  });
+  march.set_turbulence(inflow[0], inflow[1]);
+  double worst_budget = 0.0;
+  while (march.state().time < 8.0) {
+    REQUIRE(march.advance().finite);
+    worst_budget = std::max(worst_budget, march.turbulence()->budget().defect());
+    REQUIRE(march.turbulence()->not_positive() == 0);
+  }
+  const KEpsilon& turbulence = *march.turbulence();
+  CHECK(worst_budget < 1e-8);
+  CHECK(turbulence.guarded() == 0);
+  CHECK(march.turbulence()->total_production() > 0.01);
+  const MacGrid& grid = march.grid();
+  const Field& k = turbulence.k;
+  // Where the largest is.
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  double most = 0.0, before = 0.0;
+  for (int j = 0; j < grid.cells[1]; ++j) {
+    for (int i = 0; i < grid.cells[0]; ++i) {
+      const auto c = static_cast<std::size_t>(grid.at(i, j));
+      const Eigen::Vector3d x = grid.centre(i, j);
+      if (x.x() < -1.0) before = std::max(before, k[c]);
+      if (march.openness().inverse_cell[c] == 0.0 || k[c] <= most) continue;
+      most = k[c];
+      place = x;
+    }
+  }
+  CHECK(most > 0.05);
+  CHECK(most < 0.4);
+  CHECK(place.x() > -0.6);
+  CHECK(std::abs(place.y()) > 0.1);
+  CHECK(before < 0.1 * most);
+  CHECK(largest(turbulence.eddy_viscosity()) < 0.2);
+}

@@ -1,0 +1,74 @@
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "flow_cases.h"
+
+using namespace samara::flow;
+using namespace flow_cases;
+
+namespace {
+
+/// Open area of a unit square's grid with a body in it.
+double open_area_of(const MacGrid& grid, const Openness& open) {
+  double sum = 0.0;
+  for (int j = 0; j < grid.cells[1]; ++j) {
+    for (int i = 0; i < grid.cells[0]; ++i) sum += open.cell[static_cast<std::size_t>(grid.at(i, j))];
+  }
+  return sum * grid.spacing * grid.spacing;
+}
+
+}  // namespace
+
+TEST_CASE("open cells leave out the area of the body", "[flow]") {
+  const MacGrid grid(2, {64, 64, 1}, 1.0 / 64, Eigen::Vector3d::Zero());
+  const Eigen::Vector3d middle(0.5, 0.5, 0.0);
+  const Borders borders;
+  const auto area = [&](Shape shape, double angle) {
+    return 1.0 -
+           open_area_of(grid, measure_openness(grid, borders, PlacedShape(std::move(shape), middle, angle)));
+  };
+  CHECK(area(rectangle_section(0.5, 0.25), 0.0) == Approx(0.125).margin(1e-12));
+  CHECK(area(rectangle_section(0.5, 0.25), 0.5 * kPi) == Approx(0.125).margin(1e-12));
+  CHECK(area(rectangle_section(0.5, 0.25), 0.4) == Approx(0.125).epsilon(0.005));
+  CHECK(area(ellipse_section(0.3, 0.1), 0.7) == Approx(0.03 * kPi).epsilon(0.005));
+  Eigen::Matrix2Xd corners(2, 4);
+  corners << -0.2, 0.2, 0.2, -0.2, -0.1, -0.1, 0.1, 0.1;
+  CHECK(area(polygon_section(corners), 0.4) == Approx(area(rectangle_section(0.4, 0.2), 0.4)).margin(1e-12));
+}
+
+TEST_CASE("distances from an ellipsoid are those to the nearest of many points on it", "[flow]") {
+  const Eigen::Vector3d axes(1.0, 0.4, 0.2);
+  const Shape shape = ellipsoid_shape(axes);
+  const std::vector<Eigen::Vector3d> points = {{1.5, 0.3, 0.2}, {0.1, 0.05, 0.05}, {0.5, 0.0, 0.0},
+                                               {0.0, 0.0, 0.0}, {0.0, 0.7, 0.4},   {0.9, 0.0, 0.0}};
+  for (const Eigen::Vector3d& point : points) {
+    double nearest = 1e30;
+    for (int a = 0; a <= 800; ++a) {
+      for (int b = 0; b < 800; ++b) {
+        const double polar = kPi * a / 800, around = 2 * kPi * b / 800;
+        const Eigen::Vector3d on(axes.x() * std::cos(polar), axes.y() * std::sin(polar) * std::cos(around),
+                                 axes.z() * std::sin(polar) * std::sin(around));
+        nearest = std::min(nearest, (point - on).norm());
+      }
+    }
+    const double inside = (point.array() / axes.array()).square().sum() < 1.0 ? -1.0 : 1.0;
+    INFO(point.transpose());
+    CHECK(shape.distance(point) == Approx(inside * nearest).margin(1e-4));
+  }
+}
+
+TEST_CASE("a body thinner than two cells, or at the border, is refused with the cells that it takes",
+          "[flow]") {
+  const auto march = [](double thickness, double place) {
+    FlowMarch({.grid = MacGrid(2, {64, 64, 1}, 1.0 / 16, Eigen::Vector3d::Zero()),
+               .borders = stream(),
+               .body = PlacedShape(rectangle_section(1.0, thickness), {place, 2.0, 0.0}, 0.0),
+               .viscosity = 0.01});
+  };
+  CHECK_NOTHROW(march(0.125, 2.0));
+  CHECK_THROWS_WITH(march(0.1, 2.0),
+                    "the body is 0.1 thin, less than two cells of 0.0625: expected cells of at most 0.05");
+  CHECK_THROWS_WITH(march(0.125, 0.6),
+                    "the body comes within 0.1 of a border, expected at least 0.25, four cells");
+}
