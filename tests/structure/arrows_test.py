@@ -25,7 +25,7 @@ SUB_ROOMS = {
         "model", "book", "file", "plan", "source", "query/kernels", "query", "statistics", "certify", "fields", "build", "composition", "capi",
     ],
     "identification": [
-        "smoothing", "captures/exports", "captures", "statistics", "problem", "report",
+        "smoothing", "captures/exports", "captures", "statistics", "problem", "pages", "report",
         "solve/starts", "solve", "fit", "design", "series", "files",
     ],
 }
