@@ -221,6 +221,33 @@ void add_export(CLI::App& app, Arguments& arguments) {
   on_call(command, arguments.exported, values);
 }
 
+void add_shown_words(CLI::App& command, ShownWords& words) {
+  command.add_option("--body", words.body,
+                     std::string("what is drawn, if the model's parameters do not say it: ") + kBody);
+  command.add_option("--size", words.sizes,
+                     "semi-axes of an ellipsoid; radius and thickness of a disc; full sides of a plate");
+  command.add_option("--unit", words.unit, "of a mesh file, which says none: mm, cm, m");
+}
+
+void add_explore(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<ExploreArguments>();
+  CLI::App* command = app.add_subcommand(
+      "explore", "a page for the browser that evaluates codebooks: curves, captures, the body in motion");
+  command->add_option("BOOK", values->books, "codebook files")->required();
+  command
+      ->add_option("--capture", values->captures,
+                   "captures to show: tables, or sidecars (.toml); may be repeated")
+      ->allow_extra_args(false);
+  command->add_option("--fit", values->fit, "fit (samara fit -o FIT.json) where the sliders begin");
+  command->add_option("--outputs", values->outputs, "to show; default: all");
+  add_shown_words(*command, values->body);
+  command->add_option("--times", values->times, "at which curves are drawn")
+      ->capture_default_str()
+      ->check(whole_number());
+  command->add_option("-o,--output", values->output, "page to write, .html")->required();
+  on_call(command, arguments.explore, values);
+}
+
 void add_validate(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<ValidateArguments>();
   CLI::App* command = app.add_subcommand("validate", "certifies a codebook again, on fresh points");
@@ -397,6 +424,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_stats(app, arguments);
   add_query(app, arguments);
   add_export(app, arguments);
+  add_explore(app, arguments);
   add_validate(app, arguments);
   add_fit(app, arguments);
   add_body(app, arguments);

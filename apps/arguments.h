@@ -25,6 +25,13 @@ struct BodyWords {
       added_mass;  ///< "panels" or "ellipsoid"; empty: by panels of a mesh, of the ellipsoid of a shape
 };
 
+/// A body as it is drawn.
+struct ShownWords {
+  std::string body;  ///< ellipsoid, disc, plate, or a mesh file; empty: as the model's parameters say
+  std::vector<std::string> sizes;
+  std::string unit;  ///< of the file
+};
+
 struct SimulateArguments {
   std::string model;
   BodyWords body;
@@ -70,6 +77,16 @@ struct QueryArguments {
   bool clamp = false;
   std::string output;
   bool json = false;
+};
+
+struct ExploreArguments {
+  std::vector<std::string> books;
+  std::vector<std::string> captures;
+  std::string fit;  ///< JSON
+  std::vector<std::string> outputs;
+  ShownWords body;
+  int times = 200;
+  std::string output;
 };
 
 struct ExportArguments {
@@ -144,6 +161,7 @@ struct Arguments {
   std::optional<QueryArguments> query;
   std::optional<StatsArguments> stats;
   std::optional<ExportArguments> exported;
+  std::optional<ExploreArguments> explore;
   std::optional<ValidateArguments> validate;
   std::optional<FitArguments> fit;
   std::optional<BodyArguments> body;

@@ -10,7 +10,12 @@ function(samara_page_parts target)
     style ${web}/shared/style.css
     kit ${web}/shared/kit.js
     fit_posterior ${web}/fit/posterior.js
-    fit_page ${web}/fit/fit_page.js)
+    fit_page ${web}/fit/fit_page.js
+    explorer_markup ${web}/explorer/explorer.html
+    explorer_style ${web}/explorer/explorer.css)
+  foreach(name evaluate body glb state curves controls page)
+    list(APPEND parts explorer_${name} ${web}/explorer/${name}.js)
+  endforeach()
   while(parts)
     list(POP_FRONT parts name file)
     file(READ ${file} SAMARA_PAGE_${name})

@@ -14,10 +14,10 @@ struct HtmlPage {
     bool is_json = true;
   };
 
-  std::string title;                  ///< of the document, and its heading
-  std::string summary;                ///< for those who run no scripts
-  std::string markup;                 ///< of the body, ours: where the scripts put what they show
-  std::vector<Data> data = {};        ///< ours or of files: it is shut in
+  std::string title;                      ///< of the document, and its heading
+  std::string summary;                    ///< for those who run no scripts
+  std::string markup;                     ///< of the body, ours: where the scripts put what they show
+  std::vector<Data> data = {};            ///< ours or of files: it is shut in
   std::vector<const char*> styles = {};   ///< after that of all pages
   std::vector<const char*> scripts = {};  ///< after uPlot and the kit
 };

@@ -26,7 +26,7 @@ SUB_ROOMS = {
     ],
     "identification": [
         "smoothing", "captures/exports", "captures", "statistics", "problem", "pages", "report",
-        "solve/starts", "solve", "fit", "design", "series", "files",
+        "solve/starts", "solve", "fit", "design", "series", "files", "explorer",
     ],
 }
 MOST_FILES = 40

@@ -129,6 +129,7 @@
     const bar = add(part, "p");
     const select = add(bar, "select");
     select.id = "capture";
+    select.setAttribute("aria-label", "Capture");
     fit.captures.forEach((capture, k) => { add(select, "option", capture.id).value = k; });
     const back = add(bar, "button", "previous"), next = add(bar, "button", "next");
     const place = add(part, "div");

@@ -26,6 +26,10 @@ const kit = (() => {
   function shown(value, digits = 6) {
     return value === null || value === undefined ? "–" : String(Number(value.toPrecision(digits)));
   }
+  // Of numbers that are far below one.
+  function small(value, digits = 3) {
+    return value !== 0 && Math.abs(value) < 0.01 ? value.toExponential(digits - 1) : shown(value, digits);
+  }
   function counted(number, noun) {
     return `${number} ${noun}${number === 1 ? "" : "s"}`;
   }
@@ -50,7 +54,8 @@ const kit = (() => {
     const head = add(made, "tr");
     for (const header of headers) {
       const isNumber = header.endsWith("#");
-      add(head, "th", isNumber ? header.slice(0, -1) : header, isNumber ? "" : "text");
+      const text = isNumber ? header.slice(0, -1) : header;
+      add(head, text ? "th" : "td", text, isNumber ? "" : "text");
     }
     return made;
   }
@@ -74,7 +79,7 @@ const kit = (() => {
       width: width(parent), height: options.height || 240, hooks: options.hooks || {}, bands: options.bands || [],
       legend: {show: options.legend !== false},
       scales: {x: {time: false, ...(options.xScale || {})}, y: options.yScale || {}},
-      axes: [{...axis(options.x), ...(options.whole ? {incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]} : {})}, {...axis(options.y), size: 68}],
+      axes: [{...axis(options.x), size: 36, ...(options.whole ? {incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]} : {})}, {...axis(options.y), size: 68}],
       series: [{label: options.x, value: (u, v) => shown(v, 5)}, ...options.series],
       cursor: {drag: {x: true, y: true, uni: 20}},
     }, data, parent);
@@ -133,6 +138,6 @@ const kit = (() => {
     }, 200);
   }
 
-  return {element, add, section, shown, counted, withUnit, row, table, colours, width, chart, points, line, rules, span,
+  return {element, add, section, shown, small, counted, withUnit, row, table, colours, width, chart, points, line, rules, span,
           countPainted};
 })();
