@@ -115,7 +115,10 @@ void add_simulate(CLI::App& app, Arguments& arguments) {
       "--coefficients", values->coefficients,
       "codebook of a series (samara fit --series) that parameters follow in time; what else it "
       "holds, such as the start, counts where --set says nothing");
-  command->add_option("-o,--output", values->output, "CSV file; stdout if not given");
+  command->add_option(
+      "-o,--output", values->output,
+      "CSV file, or the motion of the body (.glb or .usda), of which --body, --size and --unit may then "
+      "say what is drawn; stdout if not given");
   on_call(command, arguments.simulate, values);
 }
 
@@ -184,6 +187,14 @@ void add_stats(CLI::App& app, Arguments& arguments) {
   on_call(command, arguments.stats, values);
 }
 
+void add_shown_words(CLI::App& command, ShownWords& words) {
+  command.add_option("--body", words.body,
+                     std::string("what is drawn, if the model's parameters do not say it: ") + kBody);
+  command.add_option("--size", words.sizes,
+                     "semi-axes of an ellipsoid; radius and thickness of a disc; full sides of a plate");
+  command.add_option("--unit", words.unit, "of a mesh file, which says none: mm, cm, m");
+}
+
 void add_query(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<QueryArguments>();
   CLI::App* command =
@@ -197,8 +208,11 @@ void add_query(CLI::App& app, Arguments& arguments) {
   command->add_flag("--gradient", values->gradient, "add the derivative of every output by every axis");
   command->add_flag("--clamp", values->clamp,
                     "take the nearest point of the box instead of refusing (exit code 5)");
-  command->add_option("-o,--output", values->output,
-                      "file for the answer, CSV or with --json JSON; stdout if not given");
+  command->add_option(
+      "-o,--output", values->output,
+      "file for the answer, CSV or with --json JSON, or the motion of the body: .glb (glTF) or "
+      ".usda; stdout if not given");
+  add_shown_words(*command, values->body);
   command->add_flag("--json", values->json, "print one JSON object");
   on_call(command, arguments.query, values);
 }
@@ -219,14 +233,6 @@ void add_export(CLI::App& app, Arguments& arguments) {
                    "beside it")
       ->required();
   on_call(command, arguments.exported, values);
-}
-
-void add_shown_words(CLI::App& command, ShownWords& words) {
-  command.add_option("--body", words.body,
-                     std::string("what is drawn, if the model's parameters do not say it: ") + kBody);
-  command.add_option("--size", words.sizes,
-                     "semi-axes of an ellipsoid; radius and thickness of a disc; full sides of a plate");
-  command.add_option("--unit", words.unit, "of a mesh file, which says none: mm, cm, m");
 }
 
 void add_explore(CLI::App& app, Arguments& arguments) {

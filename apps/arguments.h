@@ -75,6 +75,7 @@ struct QueryArguments {
   std::string until;  ///< empty: the codebook's own time
   bool gradient = false;
   bool clamp = false;
+  ShownWords body;  ///< of an animation
   std::string output;
   bool json = false;
 };
