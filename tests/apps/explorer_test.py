@@ -1,12 +1,15 @@
 """Usage: explorer_test.py SAMARA CLASS [SAMPLES]
 
 The page that `samara explore` writes: as a file, and in a real browser (skipped, with exit code 77, without one). SAMPLES
-is the program codebook_samples, which writes codebooks of all kinds.
+is the program codebook_samples, which writes codebooks of all kinds. Where SAMARA_NODE_MODULES leads to axe-core (npm), it looks
+at the page, too.
 """
 
 import csv
 import itertools
 import json
+import os
+import pathlib
 import re
 import struct
 import subprocess
@@ -356,6 +359,19 @@ class ExplorerInBrowser(Case):
             self.assertLessEqual(self.browser.value("document.documentElement.scrollWidth"), width)
             self.assertEqual(self.browser.value("getComputedStyle(document.body).backgroundColor"),
                              "rgb(20, 25, 31)" if dark else "rgb(255, 255, 255)")
+
+    def test_axe_finds_nothing_that_shuts_people_out(self):
+        axe = pathlib.Path(os.environ.get("SAMARA_NODE_MODULES", ""), "axe-core", "axe.min.js")
+        if not axe.is_file():
+            self.skipTest("SAMARA_NODE_MODULES does not lead to axe-core")
+        capture, fit = fallen()
+        page = explored(book("coin", COIN_PLAN), book("card", CARD_PLAN), "--capture", capture, name="axe")
+        for width, dark in [(1200, False), (1200, True), (390, False)]:
+            self.browser.look(width, 900, dark=dark)
+            self.browser.open(page, "#slopes=1&b.C_D=1.3")
+            self.browser.value(axe.read_text() + "; 1")
+            found = self.browser.value("axe.run().then((r) => r.violations.map((v) => [v.id, v.nodes.map((n) => n.html)]))")
+            self.assertEqual(found, [])
 
 
 if __name__ == "__main__":

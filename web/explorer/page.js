@@ -26,12 +26,17 @@ const explorer = (() => {
     $("build").textContent = book.converged ? "" : `The build did not end well: ${book.message}.`;
     $("worst").textContent = "";
     if (!c) return;
-    book.outputs.forEach((output, o) => {
-      const error = c.outputs[o];
-      if (!error || error.worst.length !== book.coordinates.length) return;
-      const button = kit.add($("worst"), "button", `Worst point of ${output.name}: ${kit.small(error.max)} of its range`);
+    const errors = book.outputs.map((output, o) => ({output, ...c.outputs[o]})).filter((e) => e.worst && e.worst.length === book.coordinates.length)
+        .sort((one, other) => other.max - one.max);
+    let parent = $("worst");
+    errors.forEach((error, n) => {
+      if (n === 1) {
+        parent = kit.add($("worst"), "details");
+        kit.add(parent, "summary", "Worst points of the other outputs");
+      }
+      const button = kit.add(parent, "button", `Worst point${n ? "" : " of all"}: ${error.output.name}, ${kit.small(error.max)} of its range`);
       Object.assign(button, {type: "button", title: at(error.worst)});
-      button.dataset.output = output.name;
+      button.dataset.output = error.output.name;
       button.addEventListener("click", () => {
         state.point = error.worst.map((v, k) => state.nearest(book.coordinates[k], v));
         stop();
@@ -52,6 +57,9 @@ const explorer = (() => {
                                    ...(then ? [number(then[o], 6), number(now[o] - then[o], 4)] : [])]);
       line.dataset.output = output.name;
     });
+    // What scrolls can be reached by keys.
+    const box = table.parentElement;
+    if (box.scrollWidth > box.clientWidth) Object.assign(box, {tabIndex: 0, role: "region", ariaLabel: "Table of values"});
     $("query").value = state.query();
     return now;
   }
