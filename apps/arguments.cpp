@@ -158,8 +158,10 @@ void add_simulate(CLI::App& app, Arguments& arguments) {
   command->add_option("--wind", values->wind,
                       "of bodies in space: file of a wind (WIND.toml), with its turbulence drawn by --seed");
   add_cloud_words(*command, values->cloud);
-  command->add_option("-o,--output", values->output,
-                      "CSV file, of realisations also HDF5 (.h5); stdout if not given");
+  command->add_option(
+      "-o,--output", values->output,
+      "CSV file, of realisations also HDF5 (.h5), or the motion of the body (.glb or .usda), of which --body, "
+      "--size and --unit may then say what is drawn; stdout if not given");
   on_call(command, arguments.simulate, values);
 }
 
@@ -250,6 +252,14 @@ void add_stats(CLI::App& app, Arguments& arguments) {
   on_call(command, arguments.stats, values);
 }
 
+void add_shown_words(CLI::App& command, ShownWords& words) {
+  command.add_option("--body", words.body,
+                     std::string("what is drawn, if the model's parameters do not say it: ") + kBody);
+  command.add_option("--size", words.sizes,
+                     "semi-axes of an ellipsoid; radius and thickness of a disc; full sides of a plate");
+  command.add_option("--unit", words.unit, "of a mesh file, which says none: mm, cm, m");
+}
+
 void add_query(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<QueryArguments>();
   CLI::App* command =
@@ -263,8 +273,11 @@ void add_query(CLI::App& app, Arguments& arguments) {
   command->add_flag("--gradient", values->gradient, "add the derivative of every output by every axis");
   command->add_flag("--clamp", values->clamp,
                     "take the nearest point of the box instead of refusing (exit code 5)");
-  command->add_option("-o,--output", values->output,
-                      "file for the answer, CSV or with --json JSON; stdout if not given");
+  command->add_option(
+      "-o,--output", values->output,
+      "file for the answer, CSV or with --json JSON, or the motion of the body: .glb (glTF) or "
+      ".usda; stdout if not given");
+  add_shown_words(*command, values->body);
   command->add_flag("--json", values->json, "print one JSON object");
   on_call(command, arguments.query, values);
 }
@@ -285,6 +298,25 @@ void add_export(CLI::App& app, Arguments& arguments) {
                    "beside it; of a flow NAME.xdmf, which refers to the flow file")
       ->required();
   on_call(command, arguments.exported, values);
+}
+
+void add_explore(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<ExploreArguments>();
+  CLI::App* command = app.add_subcommand(
+      "explore", "a page for the browser that evaluates codebooks: curves, captures, the body in motion");
+  command->add_option("BOOK", values->books, "codebook files")->required();
+  command
+      ->add_option("--capture", values->captures,
+                   "captures to show: tables, or sidecars (.toml); may be repeated")
+      ->allow_extra_args(false);
+  command->add_option("--fit", values->fit, "fit (samara fit -o FIT.json) where the sliders begin");
+  command->add_option("--outputs", values->outputs, "to show; default: all");
+  add_shown_words(*command, values->body);
+  command->add_option("--times", values->times, "at which curves are drawn")
+      ->capture_default_str()
+      ->check(whole_number());
+  command->add_option("-o,--output", values->output, "page to write, .html")->required();
+  on_call(command, arguments.explore, values);
 }
 
 void add_validate(CLI::App& app, Arguments& arguments) {
@@ -463,6 +495,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_stats(app, arguments);
   add_query(app, arguments);
   add_export(app, arguments);
+  add_explore(app, arguments);
   add_validate(app, arguments);
   add_fit(app, arguments);
   add_body(app, arguments);

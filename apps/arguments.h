@@ -43,6 +43,13 @@ struct CloudWords {
   bool json = false;
 };
 
+/// A body as it is drawn.
+struct ShownWords {
+  std::string body;  ///< ellipsoid, disc, plate, or a mesh file; empty: as the model's parameters say
+  std::vector<std::string> sizes;
+  std::string unit;  ///< of the file
+};
+
 struct SimulateArguments {
   std::string model;
   BodyWords body;
@@ -98,8 +105,19 @@ struct QueryArguments {
   std::string until;  ///< empty: the codebook's own time
   bool gradient = false;
   bool clamp = false;
+  ShownWords body;  ///< of an animation
   std::string output;
   bool json = false;
+};
+
+struct ExploreArguments {
+  std::vector<std::string> books;
+  std::vector<std::string> captures;
+  std::string fit;  ///< JSON
+  std::vector<std::string> outputs;
+  ShownWords body;
+  int times = 200;
+  std::string output;
 };
 
 struct ExportArguments {
@@ -189,6 +207,7 @@ struct Arguments {
   std::optional<QueryArguments> query;
   std::optional<StatsArguments> stats;
   std::optional<ExportArguments> exported;
+  std::optional<ExploreArguments> explore;
   std::optional<ValidateArguments> validate;
   std::optional<FitArguments> fit;
   std::optional<BodyArguments> body;

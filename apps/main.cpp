@@ -21,6 +21,7 @@ int dispatch(const Arguments& arguments) {
   if (arguments.query) return run(*arguments.query);
   if (arguments.stats) return run(*arguments.stats);
   if (arguments.exported) return run(*arguments.exported);
+  if (arguments.explore) return run(*arguments.explore);
   if (arguments.validate) return run(*arguments.validate);
   if (arguments.fit) return run(*arguments.fit);
   if (arguments.design) return run(*arguments.design);

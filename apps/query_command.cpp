@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "animation.h"
 #include "assignments.h"
 #include "commands.h"
 #include "output.h"
@@ -185,6 +186,34 @@ int run_composed(const QueryArguments& arguments, const Codebook& book) {
   return kOutsideBox;
 }
 
+/// The motion of the body, to a .glb or .usda: over the times that were asked for, or all of them.
+int run_animated(const QueryArguments& arguments, const Codebook& book) {
+  if (arguments.json || arguments.gradient)
+    throw ArgumentError("a .glb or .usda holds a motion: neither --json nor --gradient was expected");
+  const auto model = codebooks::known_model(book.model());
+  if (!model) throw ArgumentError(fmt::format("{} is of a program, which moves no body", arguments.book));
+  const Points points = points_of(book, book.coordinates(), arguments);
+  Animation animation{.states = animated_states(model->info()),
+                      .body = {},
+                      .model = book.model().name,
+                      .parameters = book.model().fixed};
+  const Eigen::VectorXd q = points.x.row(0).tail(points.x.cols() - 1).transpose();
+  animation.q.assign(q.begin(), q.end());
+  animation.body = animated_body(arguments.body, codebooks::model_of(book), animation.q);
+  for (std::size_t k = 0; k < animation.q.size(); ++k)
+    animation.parameters[book.parameters()[k].name] = animation.q[k];
+  animation.notes = {{"codebook", arguments.book}};
+  animation.from = points.x.col(0).minCoeff();
+  animation.to = points.x.col(0).maxCoeff();
+  if (!(animation.from < animation.to))
+    throw ArgumentError(
+        "--at has one time, but a motion has a begin and an end: two times, or none, were expected");
+  const auto family = arguments.until.empty() ? codebooks::codebook_trajectories(book)
+                                              : codebooks::flow_map_trajectories(book);
+  animation.family = family.get();
+  return write_animation(arguments.output, animation);
+}
+
 }  // namespace
 
 int run(const QueryArguments& arguments) {
@@ -195,6 +224,10 @@ int run(const QueryArguments& arguments) {
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.book});
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
+  if (names_animation(arguments.output)) return run_animated(arguments, book);
+  if (!arguments.body.body.empty() || !arguments.body.sizes.empty() || !arguments.body.unit.empty())
+    throw ArgumentError(
+        "--body, --size and --unit are of what is drawn: --output with a .glb or .usda was expected");
   if (!arguments.until.empty()) return run_composed(arguments, book);
   const bool in_mesh = asks_for_place(book, arguments);
   const Coordinates coordinates = in_mesh ? codebooks::PlaceQuery(book).coordinates() : book.coordinates();

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "animation.h"
 #include "assignments.h"
 #include "bodies.h"
 #include "cloud_command.h"
@@ -169,9 +170,28 @@ std::map<std::string, double> values_of_body(const SimulateArguments& arguments,
     throw ArgumentError(
         "--size, --unit, --density, --fluid and --added-mass are of a body: --body was expected");
   }
+  // Without densities it is only what is drawn.
+  if (names_animation(arguments.output) && words.density.empty() && words.fluid.empty() &&
+      words.added_mass.empty())
+    return {};
   if (info.name != "kirchhoff_body")
     throw ArgumentError(fmt::format("--body is for the model \"kirchhoff_body\", not for \"{}\"", info.name));
   return parameters_of(description_of(words));
+}
+
+int animate(const SimulateArguments& arguments, const models::ParametricModel& parametric,
+            const models::TrajectoryFamily& family, double end) {
+  if (arguments.forces) throw ArgumentError("a .glb or .usda holds a motion: no --forces was expected");
+  Animation animation{
+      .states = animated_states(parametric.model().info()),
+      .body = animated_body({arguments.body.body, arguments.body.sizes, arguments.body.unit}, parametric, {}),
+      .model = parametric.model().info().name,
+      .parameters = parametric.fixed(),
+      .notes = {{"integrator", arguments.integrator}},
+      .from = 0.0,
+      .to = end,
+      .family = &family};
+  return write_animation(arguments.output, animation);
 }
 
 }  // namespace
@@ -207,6 +227,7 @@ int run(const SimulateArguments& arguments) {
   if (!arguments.cloud.realisations.empty()) return fly_cloud(arguments, parametric, times);
   const auto family =
       models::integrator_trajectories(steered.model, steered.values, {}, integrator_of(arguments, info));
+  if (names_animation(arguments.output)) return animate(arguments, parametric, *family, end);
   const models::FamilyTrajectory trajectory =
       models::trajectory(*family, {}, {times.begin(), times.end()}, models::output_names(family->info()));
 

@@ -11,8 +11,8 @@ import subprocess
 import sys
 
 NAMES = ["first_walk", "linear_engine", "nonlinear", "sampling", "models", "realise", "wind", "query", "identification", "doors"]
-# Scripts, which run only when they are asked for: the house is built twice from nothing, and Python may not be there.
-SCRIPTS = ["house", "python"]
+# Scripts, which run only when they are asked for: the house is built twice from nothing, and Python or a browser may not be there.
+SCRIPTS = ["house", "python", "explorer"]
 
 
 def run(name, directory, arguments):

@@ -24,6 +24,10 @@ class AttitudeLength {
   ///   then lengths differ, and are the caller's
   static std::optional<AttitudeLength> of(const Codebook& book, const std::vector<int>& outputs);
 
+  /// Of the numbers, w first, among the outputs wanted.
+  const std::array<int, 4>& places() const { return place_; }
+  double length() const { return length_; }
+
   /// @param columns of rows (outputs, each at all times): values, first derivatives by `coordinates`, second
   ///   ones, as PackedField::point has them, up to `order`
   void restore(double* const* columns, int order, int coordinates, int times) const;

@@ -3,6 +3,7 @@
 //   codebook_samples reference DIRECTORY   codebooks, DIRECTORY/{pieces,trains,kinds,coin,command,mesh}.h5, each
 //   with a table of
 //                                          reference values beside it (.csv): coordinates, then outputs
+//   codebook_samples large FILE            two groups of factors of 12 MB each
 //   codebook_samples golden FILE           the golden file of the present format version (golden_test.cpp);
 //                                          made once per version, then kept for ever
 
@@ -35,6 +36,19 @@ Eigen::MatrixXd reference_points(const Codebook& book) {
   return points;
 }
 
+/// u and w, each a sum of 1,000 products that are all the same.
+Codebook large_factors() {
+  using samara::pgd::Axis;
+  const std::vector<Axis> axes = {Axis::p1({"t", "s", samara::pgd::AxisRole::time}, 0.0, 1.0, 500),
+                                  Axis::p1({"k", "1", samara::pgd::AxisRole::parameter}, 0.0, 1.0, 1000)};
+  const std::vector<Eigen::MatrixXd> factors = {Eigen::MatrixXd::Ones(500, 1000),
+                                                Eigen::MatrixXd::Ones(1000, 1000)};
+  const Eigen::RowVectorXd weights = Eigen::RowVectorXd::Constant(1000, 1e-3);
+  using samara::pgd::SeparatedField;
+  return Codebook(sample_model(), {{{SeparatedField(axes, {{"u", "1"}}, factors, weights),
+                                     SeparatedField(axes, {{"w", "1"}}, factors, weights)}}});
+}
+
 void write_reference(const Codebook& book, const std::filesystem::path& stem) {
   save(book, stem.string() + ".h5");
   const Eigen::MatrixXd points = reference_points(book);
@@ -59,6 +73,10 @@ int main(int count, char** arguments) {
     save(golden_mesh(), arguments[2]);
     return 0;
   }
+  if (verb == "large") {
+    save(large_factors(), arguments[2]);
+    return 0;
+  }
   if (verb == "reference") {
     const std::filesystem::path directory = arguments[2];
     write_reference(four_pieces(), directory / "pieces");
@@ -69,6 +87,6 @@ int main(int count, char** arguments) {
     write_reference(golden_mesh(), directory / "mesh");
     return 0;
   }
-  std::fputs("usage: codebook_samples reference DIRECTORY | golden FILE\n", stderr);
+  std::fputs("usage: codebook_samples reference DIRECTORY | large FILE | golden FILE\n", stderr);
   return 2;
 }

@@ -27,8 +27,8 @@ SUB_ROOMS = {
     ],
     "flow": ["grid", "pressure", "momentum", "turbulence", "march", "files"],
     "identification": [
-        "smoothing", "captures/exports", "captures", "statistics", "problem", "report",
-        "solve/starts", "solve", "fit", "design", "series", "files",
+        "smoothing", "captures/exports", "captures", "statistics", "problem", "pages", "report",
+        "solve/starts", "solve", "fit", "design", "series", "files", "explorer",
     ],
 }
 MOST_FILES = 40

@@ -1,6 +1,6 @@
 "use strict";
 // The draws of a posterior: what they say of each coefficient, and how pairs of them hang together. `kit` has the
-// building blocks of fit_page.js.
+// building blocks of all pages (web/shared/kit.js) and those of fit_page.js.
 function drawPosterior(fit, kit) {
   const {add, section, table, row, chart, line, points, rules, span, shown, counted, withUnit, colours} = kit;
   const posterior = fit.posterior;

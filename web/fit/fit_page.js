@@ -1,117 +1,12 @@
 "use strict";
 // Draws the report of a fit from the JSON in the page. Texts of files only ever become text nodes.
 (() => {
-  const errors = document.getElementById("errors");
-  window.addEventListener("error", (event) => {
-    errors.hidden = false;
-    errors.textContent += event.message + "\n";
-  });
+  const {add, row, table, shown, counted, withUnit, chart, points, line, rules, span} = kit;
+  const {measured: MEASURED, model: MODEL, threshold: THRESHOLD, faint: FAINT} = kit.colours();
 
   const fit = JSON.parse(document.getElementById("fit").textContent);
   const report = document.getElementById("report");
-  const MEASURED = "#d1495b", MODEL = "#1f5fa8", THRESHOLD = "#9a6700", FAINT = "#8b98a5";
-
-  // Building blocks ---------------------------------------------------------------------------------------
-  function element(tag, text, name) {
-    const made = document.createElement(tag);
-    if (text !== undefined && text !== null) made.textContent = text;
-    if (name) made.className = name;
-    return made;
-  }
-  function add(parent, tag, text, name) {
-    return parent.appendChild(element(tag, text, name));
-  }
-  function section(title) {
-    const made = add(report, "section");
-    add(made, "h2", title);
-    return made;
-  }
-  function shown(value, digits = 6) {
-    return value === null || value === undefined ? "–" : String(Number(value.toPrecision(digits)));
-  }
-  function counted(number, noun) {
-    return `${number} ${noun}${number === 1 ? "" : "s"}`;
-  }
-  function withUnit(name, unit) {
-    return unit && unit !== "1" ? `${name} [${unit}]` : name;
-  }
-  // A cell is a text, or {value, digits} for a number, or {text, name} for a text with a class.
-  function row(table, cells, tag = "td") {
-    const made = add(table, "tr");
-    for (const cell of cells) {
-      const isNumber = cell !== null && typeof cell === "object" && "value" in cell;
-      const isStyled = cell !== null && typeof cell === "object" && "text" in cell;
-      const td = add(made, tag, isNumber ? shown(cell.value, cell.digits) : isStyled ? cell.text : cell,
-                     isNumber ? "" : "text " + ((isStyled && cell.name) || ""));
-      if (isNumber && cell.value !== null && cell.value !== undefined) td.dataset.value = String(cell.value);
-    }
-    return made;
-  }
-  // Headers that end in "#" are of numbers.
-  function table(parent, headers) {
-    const made = add(add(parent, "div", null, "scroll"), "table");
-    const head = add(made, "tr");
-    for (const header of headers) {
-      const isNumber = header.endsWith("#");
-      add(head, "th", isNumber ? header.slice(0, -1) : header, isNumber ? "" : "text");
-    }
-    return made;
-  }
-
-  // Charts ------------------------------------------------------------------------------------------------
-  function width(parent) {
-    return Math.max(280, Math.min(parent.clientWidth || 640, 1040));
-  }
-  function chart(parent, options, data) {
-    const axis = (label) => ({label, labelSize: 20, font: "12px system-ui", labelFont: "12px system-ui",
-                              grid: {stroke: "#eef1f4"}, ticks: {stroke: "#dfe5ea"}});
-    return new uPlot({
-      width: width(parent), height: options.height || 240, hooks: options.hooks || {},
-      scales: {x: {time: false, ...(options.xScale || {})}, y: options.yScale || {}},
-      axes: [{...axis(options.x), ...(options.whole ? {incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000]} : {})}, {...axis(options.y), size: 68}],
-      series: [{label: options.x, value: (u, v) => shown(v, 5)}, ...options.series],
-      cursor: {drag: {x: true, y: true, uni: 20}},
-    }, data, parent);
-  }
-  const nothing = () => null;
-  const points = (label, colour) => ({label, stroke: colour, paths: nothing, value: (u, v) => shown(v, 5),
-                                      points: {show: true, size: 5, fill: colour, stroke: colour}});
-  const line = (label, colour, more = {}) => ({label, stroke: colour, width: 1.75, points: {show: false},
-                                               value: (u, v) => shown(v, 5), ...more});
-  // Lines across a chart at values of x or y: [{at, axis, colour, dash}].
-  function rules(list) {
-    return {draw: [(u) => {
-      const {ctx, bbox} = u;
-      ctx.save();
-      for (const rule of list) {
-        const place = u.valToPos(rule.at, rule.axis, true);
-        ctx.strokeStyle = rule.colour;
-        ctx.lineWidth = devicePixelRatio;
-        ctx.setLineDash((rule.dash || []).map((d) => d * devicePixelRatio));
-        ctx.beginPath();
-        if (rule.axis === "x" && place >= bbox.left && place <= bbox.left + bbox.width) {
-          ctx.moveTo(place, bbox.top);
-          ctx.lineTo(place, bbox.top + bbox.height);
-        } else if (rule.axis === "y" && place >= bbox.top && place <= bbox.top + bbox.height) {
-          ctx.moveTo(bbox.left, place);
-          ctx.lineTo(bbox.left + bbox.width, place);
-        }
-        ctx.stroke();
-      }
-      ctx.restore();
-    }]};
-  }
-  function span(values, room = 0.05) {
-    // In a loop: a function takes no more than some 100,000 arguments.
-    let low = Infinity, high = -Infinity;
-    for (const v of values) {
-      if (v === null) continue;
-      low = Math.min(low, v);
-      high = Math.max(high, v);
-    }
-    if (!(high > low)) { low -= 0.5; high += 0.5; }
-    return [low - room * (high - low), high + room * (high - low)];
-  }
+  const section = (title) => kit.section(report, title);
 
   // Sections ----------------------------------------------------------------------------------------------
   function summary() {
@@ -234,6 +129,7 @@
     const bar = add(part, "p");
     const select = add(bar, "select");
     select.id = "capture";
+    select.setAttribute("aria-label", "Capture");
     fit.captures.forEach((capture, k) => { add(select, "option", capture.id).value = k; });
     const back = add(bar, "button", "previous"), next = add(bar, "button", "next");
     const place = add(part, "div");
@@ -348,13 +244,5 @@
 
   for (const part of [summary, coefficients, warnings, captures, profiles, posterior, predictions, starts, notes, held]) part();
 
-  // For the test of this page: how many charts have something painted on them.
-  if (location.hash === "#check") {
-    // A timer and no frame: a browser without a screen may never ask for one.
-    setTimeout(() => {
-      const painted = [...document.querySelectorAll("canvas")].filter((canvas) => canvas.getContext("2d")
-          .getImageData(0, 0, canvas.width, canvas.height).data.some((value) => value !== 0));
-      document.documentElement.dataset.painted = String(painted.length);
-    }, 200);
-  }
+  kit.countPainted();
 })();

@@ -1,0 +1,79 @@
+#include "samara/models/bodies/pose_keys.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+
+namespace samara::models {
+
+namespace {
+
+constexpr std::array kShares = {0.25, 0.5, 0.75};
+
+/// Whether a pose lies within the limits of the share of the way from a to b.
+bool is_between(const BodyPose& a, const BodyPose& b, double share, const BodyPose& pose,
+                const PoseKeyLimits& limits) {
+  if ((a.p_WB + share * (b.p_WB - a.p_WB) - pose.p_WB).norm() > limits.distance) return false;
+  const double cosine = a.q_WB.dot(b.q_WB);
+  const double sign = cosine < 0.0 ? -1.0 : 1.0;
+  const double half = std::acos(std::min(1.0, std::abs(cosine)));
+  Eigen::Vector4d between = (1.0 - share) * a.q_WB + share * sign * b.q_WB;
+  if (half > 1e-6)
+    between =
+        (std::sin((1.0 - share) * half) * a.q_WB + std::sin(share * half) * sign * b.q_WB) / std::sin(half);
+  return 2.0 * std::acos(std::min(1.0, std::abs(between.normalized().dot(pose.q_WB)))) <= limits.angle;
+}
+
+}  // namespace
+
+PoseKeys dense_pose_keys(const std::function<std::vector<BodyPose>(const std::vector<double>&)>& poses_at,
+                         double from, double to, const PoseKeyLimits& limits) {
+  if (!(from < to))
+    throw ArgumentError(fmt::format("the motion goes from {} to {}, expected later", from, to));
+  if (!(limits.angle > 0.0) || !(limits.distance > 0.0))
+    throw ArgumentError(fmt::format("the limits of keys are {} rad and {}, expected more than 0",
+                                    limits.angle, limits.distance));
+  constexpr int kFirst = 64;
+  PoseKeys keys;
+  for (int i = 0; i <= kFirst; ++i) keys.times.push_back(i == kFirst ? to : from + (to - from) * i / kFirst);
+  keys.poses = poses_at(keys.times);
+  std::vector<char> is_open(kFirst, 1);
+  while (std::ranges::count(is_open, 1) > 0 && std::ssize(keys.times) <= limits.most) {
+    std::vector<double> asked;
+    for (std::size_t i = 0; i < is_open.size(); ++i) {
+      for (const double share : kShares)
+        if (is_open[i] != 0) asked.push_back(keys.times[i] + share * (keys.times[i + 1] - keys.times[i]));
+    }
+    const std::vector<BodyPose> found = poses_at(asked);
+    PoseKeys next{.times = {keys.times[0]}, .poses = {keys.poses[0]}};
+    std::vector<char> next_open;
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < is_open.size(); ++i) {
+      bool is_near = true;
+      if (is_open[i] != 0) {
+        for (std::size_t k = 0; k < kShares.size(); ++k)
+          is_near =
+              is_near && is_between(keys.poses[i], keys.poses[i + 1], kShares[k], found[at + k], limits);
+        if (!is_near) {
+          next.times.push_back(asked[at + 1]);
+          next.poses.push_back(found[at + 1]);
+          next_open.push_back(1);
+        }
+        at += kShares.size();
+      }
+      next_open.push_back(is_near ? 0 : 1);
+      next.times.push_back(keys.times[i + 1]);
+      next.poses.push_back(keys.poses[i + 1]);
+    }
+    keys = std::move(next);
+    is_open = std::move(next_open);
+  }
+  keys.is_dense = std::ranges::count(is_open, 1) == 0;
+  return keys;
+}
+
+}  // namespace samara::models

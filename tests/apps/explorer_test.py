@@ -1,0 +1,381 @@
+"""Usage: explorer_test.py SAMARA CLASS [SAMPLES]
+
+The page that `samara explore` writes: as a file, and in a real browser (skipped, with exit code 77, without one). SAMPLES
+is the program codebook_samples, which writes codebooks of all kinds. Where SAMARA_NODE_MODULES leads to axe-core (npm), it looks
+at the page, too.
+"""
+
+import csv
+import itertools
+import json
+import os
+import pathlib
+import re
+import struct
+import subprocess
+import sys
+import zlib
+
+import h5py
+import numpy as np
+
+import browser
+from glb_file import Glb
+from samara_case import COIN_PLAN, FOLDER, LONGEST, SAMARA, Case, book, main, run, write
+
+SAMPLES = sys.argv.pop(3) if len(sys.argv) > 3 else ""
+HOSTILE = "<img src=x onerror=alert(1)>&</script>\"'"
+
+CARD_PLAN = """model = 'immersed_body'
+[fixed]
+'a' = 0.035
+'b' = 0.02
+'c' = 1e-4
+'density' = 1200.0
+'C_D0' = 0.05
+'C_w' = 2.0
+'speed_floor' = 1e-3
+'C_T' = 0.91
+'qw(0)' = 0.99619469809
+'qx(0)' = 0.05
+'qy(0)' = 0.071
+[box]
+'C_D90' = [0.25, 0.37]
+'C_R' = [0.5, 0.7]
+[time]
+end = 0.25
+[tolerance]
+relative = 1e-3
+absolute = { x = 0.1, y = 0.1, z = 0.1, qw = 1.0, qx = 1.0, qy = 1.0, qz = 1.0, ux = 0.1, uy = 0.1, uz = 0.1, wx = 5.0, wy = 5.0, wz = 5.0 }
+[builder]
+kind = 'pgd'
+strategy = 'slabs'
+"""
+
+
+def explored(*arguments, name="page", code=0):
+    page = FOLDER / f"{name}.html"
+    result = run("explore", *arguments, "-o", page)
+    assert result.returncode == code, result.stderr
+    return page
+
+
+def fallen():
+    """A capture of a coin, and the fit of it."""
+    times = [f"{0.4 * k / 20:.17g}" for k in range(21)]
+    result = run("query", book("coin", COIN_PLAN), "--set", "C_D=1.25", "--set", "v(0)=0.1", "--at", *times)
+    rows = list(csv.DictReader(result.stdout.splitlines()))
+    lines = ["t[s],x[m]", *(f"{row['t[s]']},{float(row['x[m]']) + 1e-4 * (-1) ** k}" for k, row in enumerate(rows))]
+    capture, fit = write("drop.csv", "\n".join(lines) + "\n"), FOLDER / "drop.json"
+    if not fit.exists():
+        assert run("fit", book("coin", COIN_PLAN), capture, "-o", fit).returncode == 0
+    return capture, fit
+
+
+class Explorer(Case):
+    def test_the_page_is_complete_in_itself_and_forbids_the_network(self):
+        text = explored(book("coin", COIN_PLAN)).read_text()
+        self.assertEqual(re.findall(r"(?:src|href)\s*=\s*[\"'](?!#)", text), [])
+        self.assertIn("default-src 'none'", text)
+        self.assertIn("Permission is hereby granted", text)
+
+    def test_what_stands_in_files_cannot_become_markup(self):
+        plan = COIN_PLAN.replace("model", f"title = '''{HOSTILE}'''\nmodel", 1)
+        text = explored(book("hostile", plan)).read_text()
+        self.assertNotIn("<img", text)
+        self.assertEqual(text.count("</script>"), 4)
+
+    def test_bad_calls_are_told_in_one_sentence(self):
+        path = book("coin", COIN_PLAN)
+        page = FOLDER / "refused.html"
+        self.check_error(run("explore", path, "-o", path), 2, "which it would overwrite")
+        self.check_error(run("explore", path, "--outputs", "y", "-o", page), 2, 'no codebook has an output "y"')
+        self.check_error(run("explore", path, "--times", "1", "-o", page), 2, "number of times is 1")
+        self.check_error(run("explore", path, "--body", "disc", "-o", page), 2, "its radius and its thickness")
+        self.check_error(run("explore", path, "--size", "1 cm", "-o", page), 2, "--body was expected")
+        self.check_error(run("explore", path, "--body", "leaf.stl", "-o", page), 2, "--unit")
+        self.check_error(run("explore", FOLDER / "none.h5", "-o", page), 3, "none.h5")
+        damaged = FOLDER / "damaged.h5"
+        damaged.write_bytes(path.read_bytes()[:-2000])
+        self.check_error(run("explore", damaged, "-o", page), 3, "damaged.h5")
+        _, fit = fallen()
+        other = book("line", COIN_PLAN.replace("vertical_fall", "constant_rate").split("[fixed]")[0] +
+                     "[box]\nk = [1.0, 10.0]\n[time]\nend = 10.0\n[tolerance]\nrelative = 1e-9\n")
+        self.check_error(run("explore", other, "--fit", fit, "-o", page), 2, 'of the model "vertical_fall"')
+        self.assertFalse(page.exists())
+
+    def test_factors_beyond_20_megabytes_are_refused_with_their_size_unless_outputs_are_chosen(self):
+        # Stored numbers that deflate to nothing: 2 outputs with 1.5 million numbers each.
+        path = FOLDER / "large.h5"
+        subprocess.run([SAMPLES, "large", path], check=True)
+        result = run("explore", path, "-o", FOLDER / "large.html")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("the factors have 24.0 MB, more than the 20 MB that a page takes: fewer outputs (--outputs)", result.stderr)
+        self.assertFalse((FOLDER / "large.html").exists())
+        explored(path, "--outputs", "u", name="large")
+
+    def test_a_channel_that_is_no_output_is_left_out_with_a_warning(self):
+        capture = write("more.csv", "t[s],x[m],height[m]\n0,0,1\n0.1,0.01,1\n0.2,0.05,1\n")
+        result = run("explore", book("coin", COIN_PLAN), "--capture", capture, "-o", FOLDER / "more.html")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("height in m is no output of the codebook", result.stderr)
+
+
+def png_numbers(path):
+    """The filtered bytes of a picture."""
+    data, at, packed = path.read_bytes(), 8, b""
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        if kind == b"IHDR":
+            size = struct.unpack(">II", data[at + 8:at + 16])
+        if kind == b"IDAT":
+            packed += data[at + 8:at + 8 + length]
+        at += 12 + length
+    return size, zlib.decompress(packed)
+
+
+class ExplorerInBrowser(Case):
+    @classmethod
+    def setUpClass(cls):
+        cls.browser = browser.Browser(longest=LONGEST)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.__exit__()
+
+    def opened(self, page, hash=""):
+        self.browser.requests.clear()
+        self.browser.complaints.clear()
+        self.browser.look(1200, 900)
+        self.browser.open(page, hash)
+
+    def check_quiet(self):
+        """The page asked nobody, complained of nothing, and shows no error."""
+        self.assertEqual([url for url in self.browser.requests if not url.startswith(("file:", "about:", "blob:"))], [])
+        self.assertEqual(self.browser.complaints, [])
+        self.assertEqual(self.browser.value("document.getElementById('errors').textContent"), "")
+
+    def evaluated(self, number, points, by="null"):
+        """What the page says at points of a codebook: points x outputs."""
+        return np.array(self.browser.value(
+            f"(() => {{ const book = new Codebook(explorer.state.data.books[{number}]);"
+            f" return {json.dumps(points)}.map((x) => book.at(x, {by})).map((v) => v.map((u) => Number.isNaN(u) ? null : u)); }})()"), float)
+
+    def test_values_of_all_kinds_of_codebooks_are_those_of_the_library(self):
+        subprocess.run([SAMPLES, "reference", FOLDER], check=True)
+        names = ["pieces", "trains", "kinds", "coin", "command", "mesh"]
+        self.opened(explored(*(FOLDER / f"{name}.h5" for name in names), name="kinds"))
+        for number, name in enumerate(names):
+            rows = list(csv.reader((FOLDER / f"{name}.csv").read_text().splitlines()))
+            count = self.browser.value(f"explorer.state.data.books[{number}].coordinates.length")
+            table = np.array(rows[1:], float)
+            values = self.evaluated(number, table[:, :count].tolist())
+            scale = np.abs(table[:, count:]).max(axis=0)
+            self.assertLess(np.max(np.abs(values - table[:, count:]) / scale), 1e-13, name)
+            # A curve over any coordinate passes the same points.
+            for along in range(count):
+                same = np.array(self.browser.value(
+                    f"(() => {{ const book = new Codebook(explorer.state.data.books[{number}]);"
+                    f" return {json.dumps(table[:20, :count].tolist())}.map((x) => book.curve(book.prepare({along}, [x[{along}]]), x).map((c) => c[0])); }})()"))
+                self.assertLess(np.max(np.abs(same - table[:20, count:]) / scale), 1e-13, f"{name} over {along}")
+        self.check_quiet()
+
+    def queried(self, path, names, point, times):
+        settings = itertools.chain(*(("--set", f"{name}={value!r}") for name, value in zip(names[1:], point)))
+        result = run("query", path, *settings, "--at", *(repr(t) for t in times), "--gradient", "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads(result.stdout)["outputs"]
+
+    def compare(self, number, path, points, times, derivative_scale=None):
+        """Values and derivatives against `samara query`, at all times for each of the points."""
+        with h5py.File(path) as file:
+            axes = file["pieces/0/axes"]
+            names = sorted(axes, key=lambda name: axes[name].attrs["index"])
+            lists = {name for name in names if axes[name].attrs["basis"] in (b"discrete", b"imported")}
+        answers = [self.queried(path, names, point, times) for point in points]
+        everywhere = [[t, *point] for point in points for t in times]
+        for by in ["null", *range(len(names))]:
+            if by != "null" and names[by] in lists:
+                continue
+            expected = np.array([[value for output in [answer[o] for answer in answers]
+                                  for value in (output["values"] if by == "null" else output["gradient"][names[by]])]
+                                 for o in range(len(answers[0]))], float).T
+            found = self.evaluated(number, everywhere, by)
+            scale = np.abs(expected).max(axis=0) + 1e-300
+            self.assertLess(np.max(np.abs(found - expected) / scale), 1e-11 if by != "null" else 1e-13, f"{path} by {by}")
+
+    def test_borders_corners_and_derivatives_are_those_of_samara_query(self):
+        subprocess.run([SAMPLES, "reference", FOLDER], check=True)
+        card, names = book("card", CARD_PLAN), ["pieces", "trains", "kinds"]
+        self.opened(explored(*(FOLDER / f"{name}.h5" for name in names), card, name="borders"))
+        for number, name in enumerate(["pieces", "trains"]):
+            path = FOLDER / f"{name}.h5"
+            with h5py.File(path) as file:
+                ends = {axis: sorted({float(end) for piece in file["pieces"].values() for end in piece["axes"][axis].attrs["borders"]})
+                        for axis in ["t", "C_D", "v(0)"]}
+            self.compare(number, path, list(itertools.product(ends["C_D"], ends["v(0)"][1::2])), [*ends["t"], 0.123])
+        random = np.random.default_rng(3)
+        with h5py.File(FOLDER / "kinds.h5") as file:
+            axes = sorted(file["pieces/0/axes"].values(), key=lambda axis: axis.attrs["index"])
+            points = [[float(random.choice(axis[()])) if axis.attrs["basis"] == b"discrete" else
+                       float(random.uniform(axis.attrs["lower"], axis.attrs["upper"])) for axis in axes[1:]] for _ in range(3)]
+        self.compare(2, FOLDER / "kinds.h5", points, [0.0, 0.3, 0.5, 1.9])
+        # The quaternion of the card is normalised, and derivatives go through that; slabs meet in time.
+        with h5py.File(card) as file:
+            borders = sorted({float(piece.attrs["lower"][0]) for piece in file["pieces"].values()})
+        self.compare(3, card, [[0.25, 0.5], [0.37, 0.7], [0.301, 0.611]], [*borders, 0.1234, 0.25])
+        attitude = self.browser.value("explorer.state.data.books[3].attitude")
+        q = self.evaluated(3, [[0.2, 0.3, 0.6]])[0, attitude["places"]]
+        self.assertAlmostEqual(np.linalg.norm(q), attitude["length"], delta=1e-14)
+        self.check_quiet()
+
+    def test_a_slider_moved_by_keys_changes_values_curves_address_and_the_line_to_copy(self):
+        capture, fit = fallen()
+        self.opened(explored(book("coin", COIN_PLAN), "--capture", capture, "--fit", fit, name="keys"))
+        fitted = json.loads(fit.read_text())["coefficients"][0]["value"]
+        self.assertEqual(self.browser.value("explorer.state.point[1]"), fitted)
+        self.assertLess(self.browser.value("Number(document.querySelector('#curves [data-rms]').dataset.rms)"), 1.5e-4)
+        before = self.browser.value("document.querySelector('#curves canvas').toDataURL()")
+        self.browser.value("document.getElementById('coordinate-1').focus()")
+        self.browser.press("End")
+        self.browser.until("explorer.state.point[1] === 1.6")
+        self.browser.press("ArrowLeft")
+        self.browser.until("location.hash.includes('p.C_D=1.598')")
+        self.assertNotEqual(before, self.browser.value("document.querySelector('#curves canvas').toDataURL()"))
+        self.assertGreater(self.browser.value("Number(document.querySelector('#curves [data-rms]').dataset.rms)"), 5e-4)
+        # Jumps to the worst point, and the line of the command gives what is shown there.
+        self.browser.value("document.querySelector('#worst button[data-output=x]').click()")
+        with h5py.File(book("coin", COIN_PLAN)) as file:
+            worst = file["certificate/x"].attrs["worst"].tolist()
+        self.browser.until(f"JSON.stringify(explorer.state.point) === JSON.stringify({json.dumps(worst)})")
+        self.browser.until(f"document.getElementById('query').value.includes('--at {worst[0]!r}')")
+        line = self.browser.value("document.getElementById('query').value")
+        answer = subprocess.run(["bash", "-c", line.replace("samara", SAMARA, 1)], cwd=FOLDER, capture_output=True, text=True)
+        row = next(csv.DictReader(answer.stdout.splitlines()))
+        shown = float(self.browser.value("document.querySelector('#values tr[data-output=x] td[data-value]').dataset.value"))
+        self.assertAlmostEqual(shown, float(row["x[m]"]), delta=1e-14)
+        # The address brings the state back.
+        self.browser.until(f"location.hash.includes('p.t={worst[0]!r}')")
+        state = self.browser.value("location.hash")
+        self.opened(FOLDER / "keys.html", state)
+        self.assertEqual(self.browser.value("explorer.state.point"), worst)
+        self.check_quiet()
+
+    def test_what_lies_outside_the_box_is_refused_where_it_is_typed_and_in_the_address(self):
+        self.opened(explored(book("coin", COIN_PLAN), name="outside"), "#p.C_D=7&p.v(0)=0.2&over=nonsense")
+        self.assertEqual(self.browser.value("explorer.state.point"), [0, (0.8 + 1.6) / 2, 0.2])
+        message = self.browser.value("(() => { const n = document.getElementById('coordinate-1-number'); n.value = '9';"
+                                     " n.dispatchEvent(new Event('change')); return n.validationMessage; })()")
+        self.assertEqual(message, "from 0.8 to 1.6 was expected")
+        self.assertEqual(self.browser.value("explorer.state.point[1]"), (0.8 + 1.6) / 2)
+        self.check_quiet()
+
+    def test_two_points_are_compared_and_sensitivities_shown_on_demand(self):
+        self.opened(explored(book("coin", COIN_PLAN), name="two"))
+        count = "document.querySelectorAll('#curves canvas').length"
+        self.assertEqual(self.browser.value(count), 2)
+        self.browser.value("document.getElementById('keep').click(); document.getElementById('slopes').click()")
+        self.assertEqual(self.browser.value(count), 4)
+        self.browser.value("(() => { const s = document.getElementById('coordinate-1'); s.value = 0.9; s.dispatchEvent(new Event('input')); })()")
+        self.browser.until("explorer.state.point[1] !== explorer.state.other[1]")
+        self.browser.until("document.querySelectorAll('#values tr[data-output=v] td').length === 5 &&"
+                           " location.hash.includes('b.C_D=1.2')")
+        self.browser.value("document.getElementById('clock-number').value = 0.3;"
+                           "document.getElementById('clock-number').dispatchEvent(new Event('change'))")
+        self.browser.until("explorer.state.point[0] === 0.3 && document.querySelector('#values tr[data-output=v]').children[4].dataset.value > 0.01")
+        self.check_quiet()
+
+    def test_the_motion_plays_and_stands_still_in_steps_for_those_who_asked_for_less(self):
+        page = explored(book("card", CARD_PLAN), name="playing")
+        self.opened(page)
+        self.browser.value("document.getElementById('play').click()")
+        self.browser.until("explorer.state.point[0] > 0.02")
+        self.browser.value("document.getElementById('play').click()")
+        self.assertEqual(self.browser.value("document.getElementById('play').getAttribute('aria-pressed')"), "false")
+        self.browser.look(1200, 900, calm=True)
+        begin = self.browser.value("explorer.state.point[0]")
+        pictures = self.browser.value(
+            "new Promise((done) => { const seen = new Set(); document.getElementById('play').click();"
+            " const look = setInterval(() => seen.add(explorer.state.point[0]), 5);"
+            " setTimeout(() => { clearInterval(look); document.getElementById('play').click(); done(seen.size); }, 800); })")
+        self.assertLessEqual(pictures, 3)
+        self.assertNotEqual(begin, self.browser.value("explorer.state.point[0]"))
+        self.check_quiet()
+
+    def test_what_is_saved_is_read_back(self):
+        self.opened(explored(book("coin", COIN_PLAN), name="saved"), "#p.C_D=1.31&p.v(0)=0.25")
+        table = FOLDER / "trajectory.csv"
+        table.write_bytes(self.browser.saved("csv").read_bytes())
+        answer = FOLDER / "back.json"
+        config = write("scales.toml", 'loss = { kind = "none", scale = { x = "1 mm", v = "10 mm/s" } }\n')
+        result = run("fit", book("coin", COIN_PLAN), table, "--config", config, "-o", answer)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        coefficient, = json.loads(answer.read_text())["coefficients"]
+        self.assertAlmostEqual(coefficient["value"], 1.31, delta=1e-5)
+        (width, height), numbers = png_numbers(self.browser.saved("png"))
+        self.assertGreater(min(width, height), 300)
+        self.assertGreater(len(set(numbers)), 50)
+        self.check_quiet()
+
+    def test_the_saved_animation_follows_the_codebook(self):
+        self.opened(explored(book("card", CARD_PLAN), name="animation"))
+        path = FOLDER / "page.glb"
+        path.write_bytes(self.browser.saved("glb").read_bytes())
+        point = self.browser.value("explorer.state.point.slice(1)")
+        times = np.linspace(0.0, 0.25, 301)
+        columns = {output["name"]: np.array(output["values"])
+                   for output in self.queried(book("card", CARD_PLAN), ["t", "C_D90", "C_R"], point, times.tolist())}
+        glb = Glb(path)
+        glb.check_against(self, times, np.stack([columns[n] for n in ["x", "y", "z"]], 1),
+                          np.stack([columns[n] for n in ["qw", "qx", "qy", "qz"]], 1), size=0.07)
+        self.assertEqual(glb.json["nodes"][0]["extras"]["parameters"], {"C_D90": point[0], "C_R": point[1]})
+
+    def test_certificates_that_are_missed_or_missing_are_told_in_red(self):
+        missed = COIN_PLAN.replace('"v(0)" = [0.0, 0.4]', '"v(0)" = { range = [0.0, 0.4], nodes = 2 }')
+        path = FOLDER / "missed.h5"
+        run("build", write("missed.toml", missed), "-o", path)
+        bare = FOLDER / "pieces.h5"
+        if not bare.exists():
+            subprocess.run([SAMPLES, "reference", FOLDER], check=True)
+        self.opened(explored(path, bare, name="missed"))
+        shown = "[document.getElementById('certificate').className, document.getElementById('certificate').textContent]"
+        name, text = self.browser.value(shown)
+        self.assertIn("bad", name)
+        self.assertIn("Certificate missed", text)
+        self.browser.value("(() => { const s = document.getElementById('codebook'); s.value = 1; s.dispatchEvent(new Event('change')); })()")
+        name, text = self.browser.value(shown)
+        self.assertIn("bad", name)
+        self.assertIn("No certificate", text)
+        self.assertFalse(self.browser.value("document.getElementById('build').hidden"))
+
+    def test_it_is_drawn_in_the_dark_and_on_a_phone_without_scrolling_sideways(self):
+        page = explored(book("card", CARD_PLAN), name="looks")
+        for width, dark in [(1200, True), (390, False)]:
+            self.browser.look(width, 800, dark=dark)
+            self.browser.open(page, "#check")
+            self.browser.until("document.documentElement.dataset.painted")
+            self.assertEqual(self.browser.value("document.documentElement.dataset.painted"), "14")
+            self.assertLessEqual(self.browser.value("document.documentElement.scrollWidth"), width)
+            self.assertEqual(self.browser.value("getComputedStyle(document.body).backgroundColor"),
+                             "rgb(20, 25, 31)" if dark else "rgb(255, 255, 255)")
+
+    def test_axe_finds_nothing_that_shuts_people_out(self):
+        axe = pathlib.Path(os.environ.get("SAMARA_NODE_MODULES", ""), "axe-core", "axe.min.js")
+        if not axe.is_file():
+            self.skipTest("SAMARA_NODE_MODULES does not lead to axe-core")
+        capture, fit = fallen()
+        page = explored(book("coin", COIN_PLAN), book("card", CARD_PLAN), "--capture", capture, name="axe")
+        for width, dark in [(1200, False), (1200, True), (390, False)]:
+            self.browser.look(width, 900, dark=dark)
+            self.browser.open(page, "#slopes=1&b.C_D=1.3")
+            self.browser.value(axe.read_text() + "; 1")
+            found = self.browser.value("axe.run().then((r) => r.violations.map((v) => [v.id, v.nodes.map((n) => n.html)]))")
+            self.assertEqual(found, [])
+
+
+if __name__ == "__main__":
+    if "ExplorerInBrowser" in sys.argv and browser.PROGRAM is None:
+        print("SKIPPED: none of chromium-headless-shell, chromium, google-chrome is installed")
+        sys.exit(77)
+    main()

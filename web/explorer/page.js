@@ -1,0 +1,270 @@
+// The page of the explorer: it holds the parts together, plays the motion, and saves what is shown.
+const explorer = (() => {
+  const $ = (id) => document.getElementById(id);
+  const data = readExplored(), state = new State(data), curves = new Curves($("curves"), state);
+  state.fromHash(location.hash);
+  const view = new BodyView($("body"));
+  const controls = new Controls($("controls"), state, (what) => what === "all" ? buildAll() : touch());
+  const calm = matchMedia("(prefers-reduced-motion: reduce)");
+  let wants = null;     // what the next frame has to do: "mark" (the place on the curves moved) or "point"
+  let playing = false, last = 0, speech = 0, address = 0;
+
+  const coordinate = () => state.book.coordinates[state.along];
+  const hasBody = () => state.book.pose !== null;
+  const mesh = () => state.book.body && (state.book.shape = state.book.shape || meshOf(state.book.body));
+  const inUnit = (value, unit, digits = 5) => kit.shown(value, digits) + (unit === "1" ? "" : " " + unit);
+
+  // Head --------------------------------------------------------------------------------------------------
+  function head() {
+    const {book} = state, c = book.certificate, at = (x) => x.map((v, k) => `${book.coordinates[k].name} = ${inUnit(v, book.coordinates[k].unit, 4)}`).join(", ");
+    $("certificate").textContent = !c ? `No certificate: nobody knows how far this codebook of ${book.model} is from its equations.`
+        : `Certificate ${c.verdict}: largest error ${c.max === null ? "unknown" : kit.small(c.max)} of an output's range (asked for ${c.tolerance}), ` +
+          `at ${c.points} points${c.times ? ` × ${c.times} times` : ""}, against ${c.integrator}` + (c.failed ? `, which failed at ${c.failed} points.` : ".");
+    $("certificate").className = "lead " + (c && c.met ? "good" : "bad");
+    $("certificate").dataset.met = String(Boolean(c && c.met));
+    $("build").hidden = book.converged;
+    $("build").textContent = book.converged ? "" : `The build did not end well: ${book.message}.`;
+    $("worst").textContent = "";
+    if (!c) return;
+    const errors = book.outputs.map((output, o) => ({output, ...c.outputs[o]})).filter((e) => e.worst && e.worst.length === book.coordinates.length)
+        .sort((one, other) => other.max - one.max);
+    let parent = $("worst");
+    errors.forEach((error, n) => {
+      if (n === 1) {
+        parent = kit.add($("worst"), "details");
+        kit.add(parent, "summary", "Worst points of the other outputs");
+      }
+      const button = kit.add(parent, "button", `Worst point${n ? "" : " of all"}: ${error.output.name}, ${kit.small(error.max)} of its range`);
+      Object.assign(button, {type: "button", title: at(error.worst)});
+      button.dataset.output = error.output.name;
+      button.addEventListener("click", () => {
+        state.point = error.worst.map((v, k) => state.nearest(book.coordinates[k], v));
+        stop();
+        touch();
+      });
+    });
+  }
+
+  // Values at the place -----------------------------------------------------------------------------------
+  function values() {
+    const {book} = state, now = curves.codebook.at(state.point), then = state.other && curves.codebook.at(withPlace(state.other));
+    $("values-heading").textContent = `Values at ${coordinate().name} = ${inUnit(state.point[state.along], coordinate().unit, 4)}`;
+    $("values").textContent = "";
+    const table = kit.table($("values"), ["output", "value#", "±#", ...(then ? ["compared#", "difference#"] : [])]);
+    book.outputs.forEach((output, o) => {
+      const number = (value, digits) => ({value: Number.isNaN(value) ? null : value, digits});
+      const line = kit.row(table, [kit.withUnit(output.name, output.unit), number(now[o], 6), number(curves.band(o) || NaN, 2),
+                                   ...(then ? [number(then[o], 6), number(now[o] - then[o], 4)] : [])]);
+      line.dataset.output = output.name;
+    });
+    // What scrolls can be reached by keys.
+    const box = table.parentElement;
+    if (box.scrollWidth > box.clientWidth) Object.assign(box, {tabIndex: 0, role: "region", ariaLabel: "Table of values"});
+    $("query").value = state.query();
+    return now;
+  }
+  function withPlace(point) {
+    return point.map((v, k) => k === state.along ? state.point[k] : v);
+  }
+
+  // Body --------------------------------------------------------------------------------------------------
+  function body() {
+    if (!hasBody()) return;
+    const {pose} = state.book, count = curves.prepared.places.length;
+    const path = (all) => Array.from({length: count}, (unused, i) => poseOf(pose, all, i));
+    const alone = (point) => poseOf(pose, curves.codebook.at(point).map((v) => [v]), 0);
+    const sets = [{path: path(curves.values), pose: alone(state.point), colour: curves.colours.model}];
+    if (state.other) sets.push({path: path(curves.others), pose: alone(withPlace(state.other)), colour: curves.colours.second, isOutline: true});
+    const larger = view.draw(sets, mesh(), pose.unit, curves.colours);
+    $("view-note").textContent = Number.isNaN(larger) ? "Drawn as a plate: nothing says what the body looks like."
+        : larger > 1.05 ? `The body is drawn ${kit.shown(larger, 2)} times its size.` : "";
+    $("body").setAttribute("aria-label", sentence());
+  }
+  function sentence() {
+    const now = curves.codebook.at(state.point);
+    return `At ${coordinate().name} = ${inUnit(state.point[state.along], coordinate().unit, 4)}: ` +
+        state.book.outputs.map((output, o) => `${output.name} ${inUnit(now[o], output.unit, 4)}`).join(", ");
+  }
+
+  // Frames ------------------------------------------------------------------------------------------------
+  function buildAll() {
+    document.querySelector(".panes").classList.toggle("without-body", !hasBody());
+    $("glb").hidden = !hasBody();
+    const c = coordinate(), place = {min: c.list ? 0 : c.lower, max: c.list ? c.list.length - 1 : c.upper, step: c.list ? 1 : "any"};
+    Object.assign($("clock"), place);
+    Object.assign($("clock-number"), {min: c.lower, max: c.upper});
+    $("clock").setAttribute("aria-label", c.name);
+    $("clock-number").setAttribute("aria-label", c.name + " as a number");
+    head();
+    controls.build();
+    speeds();
+    curves.build();
+    render("mark");
+  }
+  function render(what) {
+    if (what === "point") curves.update();
+    else if (what === "mark") curves.mark();
+    const c = coordinate(), at = state.point[state.along];
+    $("clock").value = c.list ? c.list.indexOf(at) : at;
+    $("clock").setAttribute("aria-valuetext", inUnit(at, c.unit, 4));
+    if (document.activeElement !== $("clock-number")) $("clock-number").value = Number(at.toPrecision(6));
+    controls.show();
+    values();
+    body();
+    // Neither the address nor a reader of the screen follows every frame.
+    clearTimeout(address);
+    address = setTimeout(() => { if (!playing && !location.hash.startsWith("#check")) history.replaceState(null, "", "#" + state.toHash()); }, 250);
+    clearTimeout(speech);
+    if (!playing) speech = setTimeout(() => { $("spoken").textContent = sentence(); }, 700);
+  }
+  function touch(what = "point") {
+    if (wants === null) requestAnimationFrame(frame);
+    if (wants !== "point") wants = what;
+  }
+  function frame(now) {
+    const what = wants;
+    wants = null;
+    if (playing) advance(now);
+    if (what) render(what);
+  }
+
+  // Playing -----------------------------------------------------------------------------------------------
+  const length = () => coordinate().upper - coordinate().lower;
+  function speeds() {
+    const select = $("speed"), isTime = state.along === 0 && state.book.hasTime && coordinate().unit === "s";
+    select.textContent = "";
+    const factors = isTime ? [0.01, 0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 100] : [1, 2, 4, 8, 16];
+    for (const f of factors) kit.add(select, "option", isTime ? `${f} × real time` : `${f} s for all`).value = f;
+    const lasts = (f) => isTime ? length() / f : f;
+    select.value = factors.reduce((best, f) => Math.abs(Math.log(lasts(f) / 4)) < Math.abs(Math.log(lasts(best) / 4)) ? f : best);
+    select.dataset.real = String(isTime);
+  }
+  function advance(now) {
+    const c = coordinate(), rate = $("speed").dataset.real === "true" ? Number($("speed").value) : length() / Number($("speed").value);
+    // Who asked for less motion sees a picture twice a second.
+    if (calm.matches && now - last < 500) return touch("mark");
+    let at = state.point[state.along] + Math.min(now - last, calm.matches ? 600 : 100) / 1000 * rate;
+    last = now;
+    if (at > c.upper) at = c.lower;
+    state.point[state.along] = state.nearest(c, at);
+    touch("mark");
+  }
+  function stop() {
+    playing = false;
+    $("play").textContent = "Play";
+    $("play").setAttribute("aria-pressed", "false");
+  }
+  $("play").addEventListener("click", () => {
+    if (playing) return stop(), touch("mark");
+    playing = true;
+    last = performance.now();
+    $("play").textContent = "Pause";
+    $("play").setAttribute("aria-pressed", "true");
+    touch("mark");
+  });
+  $("clock").addEventListener("input", () => {
+    const c = coordinate(), value = Number($("clock").value);
+    state.point[state.along] = c.list ? c.list[value] : Math.min(c.upper, Math.max(c.lower, value));
+    touch("mark");
+  });
+  $("clock-number").addEventListener("change", () => {
+    const field = $("clock-number"), problem = state.problem(coordinate(), field.value.trim() === "" ? NaN : Number(field.value));
+    field.setCustomValidity(problem);
+    if (problem) return field.reportValidity();
+    state.point[state.along] = Number(field.value);
+    touch("mark");
+  });
+
+  // View --------------------------------------------------------------------------------------------------
+  for (const id of ["turn", "tilt"]) {
+    $(id).addEventListener("input", () => { view[id] = Number($(id).value) * Math.PI / 180; body(); });
+  }
+  let held = null;
+  $("body").addEventListener("pointerdown", (event) => { held = [event.clientX, event.clientY]; $("body").setPointerCapture(event.pointerId); });
+  $("body").addEventListener("pointerup", () => { held = null; });
+  $("body").addEventListener("pointermove", (event) => {
+    if (!held) return;
+    view.turn -= (event.clientX - held[0]) * 0.01;
+    view.tilt = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, view.tilt + (event.clientY - held[1]) * 0.01));
+    held = [event.clientX, event.clientY];
+    $("turn").value = view.turn * 180 / Math.PI;
+    $("tilt").value = view.tilt * 180 / Math.PI;
+    body();
+  });
+
+  // Saving ------------------------------------------------------------------------------------------------
+  const parameters = () => state.book.coordinates.map((c, k) => [c.name, state.point[k]]).filter((entry, k) => k !== state.along);
+  const lineOf = (text) => text.replace(/\s+/g, " ");
+  // As `samara fit` reads it: the curves, with what they are of in comments.
+  function csv() {
+    const {book} = state, cell = (text) => /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+    const header = [coordinate(), ...book.outputs].map((c) => cell(`${c.name}[${c.unit}]`)).join(",");
+    const rows = curves.prepared.places.map((t, i) => [t, ...curves.values.map((v) => Number.isNaN(v[i]) ? "" : v[i])].join(","));
+    const comments = [["model", book.model], ["codebook", book.file], ...parameters()].map(([key, value]) => `# ${lineOf(String(key)).replaceAll(":", "")}: ${lineOf(String(value))}`);
+    return [...comments, header, ...rows].join("\n") + "\n";
+  }
+  function motion() {
+    const {book} = state, c = coordinate();
+    const posesAt = (times) => {
+      const found = curves.codebook.curve(curves.codebook.prepare(state.along, times), state.point);
+      return times.map((unused, i) => poseOf(book.pose, found, i));
+    };
+    const shape = mesh() || plainPlate(0.1 * Math.max(...[0, 1, 2].map((k) => {
+      const [low, high] = kit.span(curves.prepared.places.map((unused, i) => poseOf(book.pose, curves.values, i).p[k]), 0);
+      return high - low;
+    })));
+    const {times, poses} = denseKeys(posesAt, c.lower, c.upper, sizeOf(shape));
+    return glbOf({name: book.model, mesh: shape, times, poses, extras: {model: book.model, codebook: book.file, parameters: Object.fromEntries(parameters()), start: c.lower}});
+  }
+  // All that is drawn, one below the other.
+  function picture() {
+    const drawn = [...(hasBody() ? [$("body")] : []), ...document.querySelectorAll("#curves canvas")], ratio = window.devicePixelRatio || 1;
+    const canvas = document.createElement("canvas"), g = canvas.getContext("2d"), gap = 12 * ratio;
+    canvas.width = Math.max(...drawn.map((d) => d.width)) + 2 * gap;
+    canvas.height = drawn.reduce((sum, d) => sum + d.height + gap, 3 * gap);
+    g.fillStyle = curves.colours.paper;
+    g.fillRect(0, 0, canvas.width, canvas.height);
+    g.fillStyle = curves.colours.ink;
+    g.font = `${12 * ratio}px system-ui`;
+    g.fillText([state.book.model, ...parameters().map(([key, value]) => `${key} = ${kit.shown(value, 4)}`)].join(", "), gap, 1.6 * gap);
+    let top = 3 * gap;
+    for (const d of drawn) {
+      g.drawImage(d, gap, top);
+      top += d.height + gap;
+    }
+    return canvas;
+  }
+  function save(name, content, type) {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([content], {type}));
+    link.download = name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  }
+  $("csv").addEventListener("click", () => save("trajectory.csv", csv(), "text/csv"));
+  $("glb").addEventListener("click", () => save("motion.glb", motion(), "model/gltf-binary"));
+  $("png").addEventListener("click", () => picture().toBlob((blob) => save("explorer.png", blob, "image/png")));
+  $("copy").addEventListener("click", async () => {
+    const field = $("query");
+    field.select();
+    try {
+      await navigator.clipboard.writeText(field.value);
+      $("spoken").textContent = "Copied.";
+    } catch {
+      $("spoken").textContent = "The line is selected: copy it by the keyboard.";
+    }
+  });
+
+  // Begin -------------------------------------------------------------------------------------------------
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", buildAll);
+  window.addEventListener("hashchange", () => { state.fromHash(location.hash); buildAll(); });
+  let width = window.innerWidth;
+  window.addEventListener("resize", () => {
+    if (window.innerWidth === width) return;
+    width = window.innerWidth;
+    buildAll();
+  });
+  buildAll();
+  kit.countPainted();
+  return {state, curves, render, csv, motion, picture};
+})();

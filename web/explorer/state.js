@@ -1,0 +1,137 @@
+// What the page carries and what it shows: the codebooks, the point of the box, a second one for comparison. The state
+// stands in the address behind "#", so that a link or a bookmark brings it back.
+
+// The data of the page, with its numbers in place.
+function readExplored() {
+  const data = JSON.parse(document.getElementById("explored").textContent);
+  const bytes = Uint8Array.from(atob(document.getElementById("numbers").textContent), (c) => c.charCodeAt(0));
+  const view = new DataView(bytes.buffer), numbers = new Float64Array(bytes.length / 8);
+  for (let k = 0; k < numbers.length; ++k) numbers[k] = view.getFloat64(8 * k, true);
+  const get = ([at, count]) => numbers.subarray(at, at + count);
+  for (const book of data.books) {
+    for (const piece of book.pieces) {
+      for (const group of piece.groups) {
+        if (group.cores) {
+          for (const core of group.cores) core.data = get(core.data);
+        } else {
+          group.weights = get(group.weights);
+          group.factors = group.factors.map(get);
+        }
+      }
+    }
+    if (book.body) book.body.vertices = get(book.body.vertices);
+    // The values of coordinates that are lists, over all pieces.
+    book.coordinates.forEach((coordinate, k) => {
+      const axes = book.pieces.map((piece) => piece.axes[k]);
+      coordinate.list = axes.every(isList) ? [...new Set(axes.flatMap((axis) => axis.nodes))].sort((a, b) => a - b) : null;
+    });
+  }
+  return data;
+}
+
+class State {
+  constructor(data) {
+    this.data = data;
+    this.number = 0;       // of the codebook
+    this.capture = -1;     // number of the capture shown
+    this.slopes = false;   // whether sensitivities are shown
+    this.choose(0);
+    if (data.fit) this.takeFit();
+    if (data.captures.length) this.takeCapture(0);
+  }
+
+  get book() { return this.data.books[this.number]; }
+
+  choose(number) {
+    this.number = number;
+    this.along = 0;
+    this.point = this.book.coordinates.map((c, k) => k === 0 ? c.lower : this.nearest(c, (c.lower + c.upper) / 2));
+    this.other = null;
+  }
+
+  nearest(coordinate, value) {
+    const inside = Math.min(coordinate.upper, Math.max(coordinate.lower, value));
+    if (!coordinate.list) return inside;
+    return coordinate.list.reduce((best, v) => Math.abs(v - inside) < Math.abs(best - inside) ? v : best);
+  }
+
+  // Why a value of a coordinate cannot be shown, or nothing.
+  problem(coordinate, value) {
+    if (!Number.isFinite(value)) return "a number was expected";
+    if (value < coordinate.lower || value > coordinate.upper) return `from ${coordinate.lower} to ${coordinate.upper} was expected`;
+    if (coordinate.list && !coordinate.list.includes(value)) return `one of ${coordinate.list.slice(0, 12).join(", ")} was expected`;
+    return "";
+  }
+
+  // Values by name, as far as they are coordinates; into the box.
+  take(values) {
+    this.book.coordinates.forEach((c, k) => {
+      if (c.name in values && Number.isFinite(values[c.name])) this.point[k] = this.nearest(c, values[c.name]);
+    });
+  }
+
+  takeFit() {
+    this.take(Object.fromEntries(this.data.fit.coefficients.map((c) => [c.name, c.value])));
+  }
+
+  ownOf(capture) {
+    const found = this.data.fit && capture >= 0 && this.data.fit.captures.find((c) => c.id === this.data.captures[capture].id);
+    return found ? found.own : {};
+  }
+
+  takeCapture(number) {
+    this.capture = number;
+    this.take(this.ownOf(number));
+  }
+
+  // Measured values of an output, as the model counts them: without the offset that the fit found.
+  measured(output) {
+    if (this.capture < 0 || !this.book.hasTime || this.along !== 0) return null;
+    const capture = this.data.captures[this.capture];
+    const channel = capture.channels.find((c) => c.quantity === output.name && c.unit === output.unit);
+    if (!channel) return null;
+    const offset = this.ownOf(this.capture)[`offset of ${output.name}`] || 0;
+    return {times: capture.times, values: channel.values.map((v) => v === null ? null : v - offset), isAngle: channel.isAngle};
+  }
+
+  toHash() {
+    const words = new URLSearchParams(), {coordinates} = this.book;
+    if (this.data.books.length > 1) words.set("book", this.number);
+    if (this.along !== 0) words.set("over", coordinates[this.along].name);
+    coordinates.forEach((c, k) => words.set("p." + c.name, this.point[k]));
+    if (this.other) coordinates.forEach((c, k) => words.set("b." + c.name, this.other[k]));
+    if (this.data.captures.length) words.set("capture", this.capture);
+    if (this.slopes) words.set("slopes", "1");
+    return words.toString();
+  }
+
+  // What is not understood, or lies outside the box, is left out.
+  fromHash(text) {
+    const words = new URLSearchParams(text.replace(/^#/, ""));
+    const number = Number(words.get("book"));
+    if (words.has("book") && this.data.books[number]) this.choose(number);
+    const along = this.book.coordinates.findIndex((c) => c.name === words.get("over"));
+    if (along >= 0) this.along = along;
+    const read = (prefix, into) => this.book.coordinates.forEach((c, k) => {
+      const word = words.get(prefix + c.name);
+      if (word !== null && word.trim() !== "" && !this.problem(c, Number(word))) into[k] = Number(word);
+    });
+    read("p.", this.point);
+    if ([...words.keys()].some((key) => key.startsWith("b."))) read("b.", this.other = [...this.point]);
+    const capture = Number(words.get("capture"));
+    if (words.has("capture") && (capture === -1 || this.data.captures[capture])) this.capture = capture;
+    this.slopes = words.get("slopes") === "1";
+  }
+
+  // The line of the command that gives the values shown.
+  query() {
+    const quoted = (word) => /^[\w@%+=:,.\/-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
+    const words = ["samara", "query", quoted(this.book.file)];
+    this.book.coordinates.forEach((c, k) => {
+      if (k === 0 && this.book.hasTime) return;
+      words.push("--set", quoted(`${c.name}=${this.point[k]}`));
+    });
+    if (this.book.hasTime) words.push("--at", this.point[0]);
+    return words.join(" ");
+  }
+}
