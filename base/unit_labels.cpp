@@ -90,7 +90,7 @@ std::string unit_quotient(std::string_view a, std::string_view b) {
 }
 
 std::string unit_suffix(std::string_view unit) {
-  return unit == "1" ? std::string() : " " + std::string(unit);
+  return unit == "1" ? std::string() : std::string(" ").append(unit);
 }
 
 }  // namespace samara
