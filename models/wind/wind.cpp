@@ -84,13 +84,13 @@ class AirInWind final : public AirAlongPath {
     highest_ = modes->options().highest;
   }
 
-  AirSeen start(const BodyMotion& body) override { return seen(body, body.t, body.position); }
-  AirSeen step(const BodyMotion& body, double h) override {
+  AirSeen start(const BodyOnPath& body) override { return seen(body, body.t, body.position); }
+  AirSeen step(const BodyOnPath& body, double h) override {
     return seen(body, body.t + h, body.position + h * body.velocity);
   }
 
  private:
-  AirSeen seen(const BodyMotion& body, double t, const Eigen::Vector3d& position) const {
+  AirSeen seen(const BodyOnPath& body, double t, const Eigen::Vector3d& position) const {
     AmbientSample here;
     if (semi_axes_.isZero(0.0)) {
       here = flow_.sample(t, position);
