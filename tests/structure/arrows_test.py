@@ -11,6 +11,7 @@ MAY_INCLUDE = {
     "io": {"base"},
     "codebooks": {"base", "pgd", "models", "io"},
     "identification": {"base", "pgd", "models", "io", "codebooks"},
+    "motion": {"base", "pgd", "models", "io", "codebooks", "identification"},
     "python": {"base", "pgd", "models", "io", "codebooks", "identification"},
 }
 
@@ -28,6 +29,7 @@ SUB_ROOMS = {
         "smoothing", "captures/exports", "captures", "statistics", "problem", "report",
         "solve/starts", "solve", "fit", "design", "series", "files",
     ],
+    "motion": ["records", "patterns", "sweeps"],
 }
 MOST_FILES = 40
 SUFFIXES = {".h", ".cpp"}
