@@ -119,6 +119,13 @@ void add_path_features(const SmoothedMotion& whole, const SmoothedMotion& settle
   const Eigen::RowVector3d way = settled.positions.row(last) - settled.positions.row(0);
   features[Feature::fall] = -way.z() / time;
   features[Feature::drift] = way.head<2>().norm() / std::abs(way.z());
+  double walked = 0.0;
+  for (Eigen::Index k = 1; k <= last; ++k) {
+    const double step = 0.5 * (settled.times[k] - settled.times[k - 1]);
+    walked +=
+        step * (settled.velocities.row(k - 1).head<2>().norm() + settled.velocities.row(k).head<2>().norm());
+  }
+  if (walked > 0.0) features[Feature::straightness] = std::min(1.0, way.head<2>().norm() / walked);
   const double speed = std::abs(features[Feature::fall]);
   const double noise = 2.0 * settled.velocity_noise * settled.velocity_noise;
   const double sway = settled.velocities.leftCols<2>().rowwise().squaredNorm().mean() - noise;
@@ -185,6 +192,7 @@ const std::vector<FeatureInfo>& feature_infos() {
       {"swings", "1", "in the settled part"},
       {"swing_time", "s", "mean time of a swing"},
       {"drift", "1", "horizontal way over height fallen"},
+      {"straightness", "1", "net horizontal way over the way walked along the ground"},
       {"fall", "m/s", "mean speed downward"},
       {"frequency", "1/s", "of two swings"},
       {"amplitude", "m", "half the 5 to 95 % range of the main horizontal direction"},

@@ -32,11 +32,12 @@ enum class Feature : std::size_t {
   veers,       ///< reversals of the horizontal velocity along its main direction
   excursion,   ///< largest horizontal distance from the start, over the body's length
   swings,  ///< in the settled part: turning points and flips of the attitude, or veers and dips of the speed
-  swing_time,  ///< s
-  drift,       ///< horizontal way over height fallen
-  fall,        ///< m/s, mean speed downward
-  frequency,   ///< Hz, of two swings
-  amplitude,   ///< m, half the 5 to 95 % range of the main horizontal direction, drift removed
+  swing_time,    ///< s
+  drift,         ///< horizontal way over height fallen
+  straightness,  ///< net horizontal way over the way walked along the ground; 1: always onward
+  fall,          ///< m/s, mean speed downward
+  frequency,     ///< Hz, of two swings
+  amplitude,     ///< m, half the 5 to 95 % range of the main horizontal direction, drift removed
   d,  ///< m, from the first point to the mean of the points on the ground (dissertation, section 5.4.2)
   e,  ///< sqrt(1 - l2/l1) of their covariance (likewise)
   tilt_noise,   ///< rad, what noise alone would make of the tilt, before it is subtracted
@@ -45,7 +46,7 @@ enum class Feature : std::size_t {
   lengths       ///< lengths of the body fallen in the settled part
 };
 
-inline constexpr std::size_t kFeatures = 24;
+inline constexpr std::size_t kFeatures = 25;
 
 struct FeatureInfo {
   std::string name, unit, meaning;

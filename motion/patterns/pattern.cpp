@@ -101,6 +101,8 @@ PatternLabel label_positions(const Features& f, const PatternThresholds& limits)
     return Decision::unresolved(
         fmt::format("{} swings, fewer than {:g}", f[Feature::swings], limits.fewest_swings));
   }
+  if (f[Feature::veers] < limits.veers && decision.is_above(Feature::straightness, limits.straightness))
+    return decision.is(Pattern::autorotation);
   const bool chaotic = f.knows(Feature::spread)
                            ? decision.is_above(Feature::spread, limits.spread)
                            : decision.is_above(Feature::recurrence, limits.recurrence_positions);
@@ -164,6 +166,7 @@ const std::vector<NamedThreshold>& named_thresholds() {
       {"winding", &T::winding},
       {"turns", &T::turns},
       {"wobble", &T::wobble},
+      {"straightness", &T::straightness},
       {"flips_plane", &T::flips_plane},
       {"flips_space", &T::flips_space},
       {"veers", &T::veers},

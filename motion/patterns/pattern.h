@@ -15,7 +15,7 @@
 /// (tilt); spiral and helix (revolutions of the place); zigzag (hardly a half turn); autorotation (half turns the same
 /// way); chaotic (neighbours part, or the path does not come back to itself); mixed, if nothing fits, such as a
 /// periodic motion with full turns between swings. From positions alone, sway stands for the tilt and reversals of
-/// the horizontal velocity for half turns.
+/// the horizontal velocity for half turns; autorotation walks straight on.
 ///
 /// Evidence, and what the rule confuses: docs/patterns.md.
 namespace samara::motion {
@@ -39,10 +39,11 @@ struct PatternThresholds {
   double steady_lengths = 3.0;  ///< fewest lengths of the body fallen in the settled part, of steady descent
   double frame_angle = 1.05;    ///< rad, most between two frames
   double winding = 0.8, turns = 1.2, wobble = 0.13;
+  double straightness = 0.9;  ///< positions alone: of autorotation, which walks onward
   double flips_plane = 1.5, flips_space = 2.5, veers = 2.5;
   double coherence_plane = 0.75, coherence_space = 0.8;
   double recurrence_plane = 0.3, recurrence_space = 0.35, recurrence_positions = 0.35;
-  double spread = 0.05;  ///< where it is known it overrules recurrence
+  double spread = 0.03;  ///< where it is known it overrules recurrence
 };
 
 /// One threshold by its name.
