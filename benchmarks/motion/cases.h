@@ -34,7 +34,6 @@ std::vector<int> source_clusters(const std::vector<motion::Features>& all, int c
 
 void run_planar(const Options& options);
 void run_positions(const Options& options);
-void run_body(const Options& options);
 void run_measured(const Options& options);
 void run_sweeps(const Options& options);
 

@@ -10,6 +10,9 @@ int main(int argc, char** argv) {
   try {
     const Options chosen = options(argc, argv);
     motion_cases::run_planar(chosen);
+    motion_cases::run_positions(chosen);
+    motion_cases::run_measured(chosen);
+    motion_cases::run_sweeps(chosen);
   } catch (const std::exception& error) {
     std::cerr << "motion: " << error.what() << '\n';
     return 1;

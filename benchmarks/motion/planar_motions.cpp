@@ -80,6 +80,17 @@ Eigen::MatrixXd random_plates(std::uint64_t seed, Eigen::Index count) {
   return points;
 }
 
+Eigen::MatrixXd lively_plates(std::uint64_t seed, Eigen::Index count) {
+  Eigen::MatrixXd points(count, static_cast<Eigen::Index>(kBox.size()));
+  Eigen::Index found = 0;
+  // Plates of the box, one stream after another, as long as it takes.
+  for (Eigen::Index n = 0; found < count; ++n) {
+    const Eigen::RowVectorXd plate = random_plates(seed + 7919 + static_cast<std::uint64_t>(n), 1);
+    if (plate[1] > 2.5 && plate[4] < 0.3) points.row(found++) = plate;
+  }
+  return points;
+}
+
 std::vector<motion::Pattern> final_patterns(const Eigen::MatrixXd& plates) {
   std::vector<motion::Pattern> patterns(static_cast<std::size_t>(plates.rows()));
   in_chunks(plates, frames(300.0, 1000.0), {.step = 0.03, .tangents = {"theta(0)"}},

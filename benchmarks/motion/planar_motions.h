@@ -12,6 +12,9 @@ namespace samara::benchmarks::motion_cases {
 /// Point n is drawn from stream n of the seed. Plates x coordinates.
 Eigen::MatrixXd random_plates(std::uint64_t seed, Eigen::Index count);
 
+/// Of these, weakly damped ones with much rotational lift: mu below 0.3, C_R above 2.5. Most turn over.
+Eigen::MatrixXd lively_plates(std::uint64_t seed, Eigen::Index count);
+
 /// What plates do in the end: 300 a/U left out, 700 watched, exponents by tangents.
 std::vector<motion::Pattern> final_patterns(const Eigen::MatrixXd& plates);
 
