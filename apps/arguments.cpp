@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "motion_arguments.h"
 #include "output.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
@@ -401,6 +402,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_fit(app, arguments);
   add_body(app, arguments);
   add_design(app, arguments);
+  add_motion_commands(app, arguments);
   for (CLI::App* command : app.get_subcommands({})) refuse_empty(*command);
   check_command(app, argc, argv);
   try {

@@ -16,5 +16,8 @@ int run(const ValidateArguments& arguments);
 int run(const FitArguments& arguments);
 int run(const BodyArguments& arguments);
 int run(const DesignArguments& arguments);
+int run(const SweepArguments& arguments);
+int run(const PatternsArguments& arguments);
+int run(const RegimeArguments& arguments);
 
 }  // namespace samara::apps

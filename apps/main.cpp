@@ -24,6 +24,9 @@ int dispatch(const Arguments& arguments) {
   if (arguments.validate) return run(*arguments.validate);
   if (arguments.fit) return run(*arguments.fit);
   if (arguments.design) return run(*arguments.design);
+  if (arguments.sweep) return run(*arguments.sweep);
+  if (arguments.patterns) return run(*arguments.patterns);
+  if (arguments.regime) return run(*arguments.regime);
   return run(*arguments.body);
 }
 

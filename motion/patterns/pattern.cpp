@@ -133,6 +133,7 @@ std::vector<WindowFrames> window_frames(const SmoothedMotion& motion, const Wind
     const Eigen::Index count = std::max(kFewestFrames, border(first + width) - border(first));
     windows.push_back({std::min(border(first), frames - count), count});
   }
+  windows.back().count = frames - windows.back().first;  // with what is left at the end
   return windows;
 }
 

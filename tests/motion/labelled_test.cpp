@@ -114,5 +114,5 @@ TEST_CASE("on measured drops of paper the rule agrees with a person beyond chanc
   REQUIRE(segments.size() == 251);
   const SegmentAgreement both = compare(segments, captures, classes, 0.06);
   INFO(both.agreement.confusion);
-  CHECK(both.agreement.kappa > 0.1);
+  CHECK(both.agreement.kappa > 0.3);
 }
