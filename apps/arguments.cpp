@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "flow_arguments.h"
+#include "motion_arguments.h"
 #include "output.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
@@ -503,6 +504,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_wind(app, arguments);
   add_flow(app, arguments);
   add_picture(app, arguments);
+  add_motion_commands(app, arguments);
   for (CLI::App* command : app.get_subcommands({})) refuse_empty(*command);
   check_command(app, argc, argv);
   try {

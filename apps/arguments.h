@@ -196,6 +196,30 @@ struct PictureArguments {
   std::string output;
 };
 
+struct SweepArguments {
+  std::string plan;
+  std::string output;
+  bool resume = false;
+  bool fresh = false;
+  bool json = false;
+};
+
+struct PatternsArguments {
+  std::vector<std::string> inputs;  ///< a sweep, or captures
+  std::string sidecar;              ///< of every table; empty: those beside them
+  std::string labels;               ///< a person's, of segments
+  std::vector<std::string> classes; ///< what these words mean
+  std::string length;               ///< of the body; empty: not known
+  int clusters = 4;
+  bool json = false;
+};
+
+struct RegimeArguments {
+  std::string model;
+  std::vector<std::string> set;
+  bool json = false;
+};
+
 /// One of the commands, or nothing but an exit code (help, version, a wrong call).
 struct Arguments {
   std::optional<int> exit_code;
@@ -215,6 +239,9 @@ struct Arguments {
   std::optional<WindArguments> wind;
   std::optional<FlowArguments> flow;
   std::optional<PictureArguments> picture;
+  std::optional<SweepArguments> sweep;
+  std::optional<PatternsArguments> patterns;
+  std::optional<RegimeArguments> regime;
 };
 
 /// Prints help to stdout and mistakes to stderr itself.

@@ -20,5 +20,8 @@ int run(const DesignArguments& arguments);
 int run(const WindArguments& arguments);
 int run(const FlowArguments& arguments);
 int run(const PictureArguments& arguments);
+int run(const SweepArguments& arguments);
+int run(const PatternsArguments& arguments);
+int run(const RegimeArguments& arguments);
 
 }  // namespace samara::apps

@@ -28,6 +28,9 @@ int dispatch(const Arguments& arguments) {
   if (arguments.wind) return run(*arguments.wind);
   if (arguments.flow) return run(*arguments.flow);
   if (arguments.picture) return run(*arguments.picture);
+  if (arguments.sweep) return run(*arguments.sweep);
+  if (arguments.patterns) return run(*arguments.patterns);
+  if (arguments.regime) return run(*arguments.regime);
   return run(*arguments.body);
 }
 

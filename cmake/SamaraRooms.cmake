@@ -1,6 +1,6 @@
 # SAMARA_ROOMS: which rooms are built. Those that they may use follow by themselves; samara_has_<room> says which are there.
 # From the lowest upwards; each may use only what stands above it in this list (tests/structure checks the includes).
-set(samara_all_rooms base pgd models io codebooks flow identification)
+set(samara_all_rooms base pgd models io codebooks flow identification motion)
 set(SAMARA_ROOMS "${samara_all_rooms}" CACHE STRING
     "Rooms of the library to build, with those that they need: \"pgd\" is the engine alone")
 
@@ -10,6 +10,7 @@ set(samara_room_needs_io base)
 set(samara_room_needs_codebooks base pgd models io)
 set(samara_room_needs_flow base pgd models io codebooks)
 set(samara_room_needs_identification base pgd models io codebooks)
+set(samara_room_needs_motion base pgd models io codebooks identification)
 set(samara_wanted_rooms)
 foreach(room ${SAMARA_ROOMS})
   if(NOT room IN_LIST samara_all_rooms)

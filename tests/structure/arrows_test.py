@@ -12,7 +12,8 @@ MAY_INCLUDE = {
     "codebooks": {"base", "pgd", "models", "io"},
     "flow": {"base", "pgd", "models", "io", "codebooks"},
     "identification": {"base", "pgd", "models", "io", "codebooks"},
-    "python": {"base", "pgd", "models", "io", "codebooks", "flow", "identification"},
+    "motion": {"base", "pgd", "models", "io", "codebooks", "identification"},
+    "python": {"base", "pgd", "models", "io", "codebooks", "flow", "identification", "motion"},
 }
 
 # The sub-rooms of a room, from the lowest upwards: each may include those that stand before it.
@@ -30,6 +31,7 @@ SUB_ROOMS = {
         "smoothing", "captures/exports", "captures", "statistics", "problem", "pages", "report",
         "solve/starts", "solve", "fit", "design", "series", "files", "explorer",
     ],
+    "motion": ["records", "patterns", "sweeps"],
 }
 MOST_FILES = 40
 SUFFIXES = {".h", ".cpp"}

@@ -34,6 +34,9 @@ class Excerpts(unittest.TestCase):
             kind = "toml" if name.endswith("toml") else "cpp"
             self.assertIn(f"```{kind}\n{text('examples/own_model/' + name)}```", text("docs/own_models.md"))
 
+    def test_sweep_of_the_card(self):
+        self.assertIn(f"```toml\n{text('examples/falling_card/sweep.toml')}```", text("docs/patterns.md"))
+
     def test_queries(self):
         self.assertIn(f"```cpp\n{text('examples/query/query.cpp')}```", text("docs/queries.md"))
 

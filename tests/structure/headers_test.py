@@ -11,7 +11,7 @@ ALL_OF_ONE_KIND = {"models/fields", "models/laws", "pgd/nonlinear"}
 OF_THE_STANDARD_LIBRARIES = {"stddef.h", "experimental/simd"}
 wrong = []
 installed = 0
-for room in ["base", "pgd", "models", "io", "codebooks", "flow", "identification"]:
+for room in ["base", "pgd", "models", "io", "codebooks", "flow", "identification", "motion"]:
     listing = (root / room / "CMakeLists.txt").read_text()
     block = re.search(r"samara_room\(\w+\s.*?HEADERS(.*?)(EXCEPT|PUBLIC|PRIVATE|\))", listing, re.S)
     for name in re.findall(r"\S+\.h", block.group(1)):

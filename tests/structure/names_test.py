@@ -6,7 +6,7 @@ import re
 import sys
 
 ALONE = {"models/laws"}  # compiled one by one, with flags of their own
-ROOMS = ["base", "pgd", "models", "io", "codebooks", "flow", "identification", "python", "apps", "tests"]
+ROOMS = ["base", "pgd", "models", "io", "codebooks", "flow", "identification", "motion", "python", "apps", "tests"]
 
 # At the start of a line, as the formatter has it: constants, types, aliases, and functions with what they take.
 CONSTANT = re.compile(r"^(?:inline )?(?:static )?(?:constexpr|const) [^=;({]*?(\w+)(?: =|\[|\{|\()", re.M)

@@ -1,0 +1,303 @@
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "assignments.h"
+#include "commands.h"
+#include "motion_answers.h"
+#include "samara/base/errors.h"
+#include "samara/identification/captures/capture_file.h"
+#include "samara/motion/patterns/clusters.h"
+#include "samara/motion/patterns/labelled_segments.h"
+#include "samara/motion/patterns/transitions.h"
+#include "samara/motion/sweeps/landing.h"
+#include "samara/motion/sweeps/pattern_map.h"
+#include "samara/motion/sweeps/sweep_file.h"
+#include "terminal.h"
+
+namespace samara::apps {
+
+namespace {
+
+using motion::Feature;
+using motion::Sweep;
+
+/// Clusters of some features beside the rule, for the falls of a release that know them all.
+struct ClusteredFalls {
+  std::string name;
+  motion::Clusters clusters;
+  Eigen::MatrixXi counts;  ///< patterns x clusters
+  double adjusted_rand = 0.0;
+};
+
+ClusteredFalls clustered(const Sweep& sweep, Eigen::Index release, const std::string& name,
+                         const std::vector<Feature>& features, bool mixture, int clusters) {
+  std::vector<int> rule;
+  std::vector<double> numbers;
+  for (Eigen::Index n = 0; n < sweep.fall_count(); ++n) {
+    const motion::Features& f = sweep.features[static_cast<std::size_t>(n)];
+    if (sweep.release_of(n) != release) continue;
+    bool known = true;
+    for (const Feature feature : features) known = known && f.knows(feature);
+    if (!known) continue;
+    for (const Feature feature : features) numbers.push_back(f[feature]);
+    rule.push_back(static_cast<int>(sweep.labels[static_cast<std::size_t>(n)].pattern));
+  }
+  const auto columns = static_cast<Eigen::Index>(features.size());
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Eigen::MatrixXd points = motion::standardised(
+      Eigen::Map<const Rows>(numbers.data(), static_cast<Eigen::Index>(rule.size()), columns));
+  const motion::ClusterOptions options = {.clusters = clusters};
+  if (static_cast<int>(rule.size()) < clusters)
+    return {name, {}, Eigen::MatrixXi::Zero(motion::kPatterns, clusters), 0.0};
+  ClusteredFalls result = {name, mixture ? gaussian_mixture(points, options) : k_means(points, options),
+                           Eigen::MatrixXi::Zero(motion::kPatterns, clusters), 0.0};
+  for (std::size_t n = 0; n < rule.size(); ++n) ++result.counts(rule[n], result.clusters.assignment[n]);
+  result.adjusted_rand = motion::adjusted_rand(rule, result.clusters.assignment);
+  return result;
+}
+
+std::vector<ClusteredFalls> all_clusters(const Sweep& sweep, Eigen::Index release, int clusters) {
+  const std::vector<Feature> ours = {Feature::tilt, Feature::flips, Feature::drift, Feature::recurrence};
+  return {
+      clustered(sweep, release, "k-means of tilt, flips, drift, recurrence", ours, false, clusters),
+      clustered(sweep, release, "Gaussian mixture of the same", ours, true, clusters),
+      clustered(sweep, release, "k-means of the source's (d, e)", {Feature::d, Feature::e}, false, clusters)};
+}
+
+std::vector<std::string> cluster_names(int clusters) {
+  std::vector<std::string> names;
+  for (int c = 0; c < clusters; ++c) names.push_back(fmt::format("cluster {}", c + 1));
+  return names;
+}
+
+std::string landing_text(const Sweep& sweep, Eigen::Index release) {
+  std::string text;
+  for (const motion::LandingStatistics& s : motion::landing_statistics(sweep, release)) {
+    if (s.falls == 0) continue;
+    text += fmt::format(
+        "  {:<14} {:>6} falls  x {:.3g} +- {:.2g} m  y {:.3g} +- {:.2g} m  deviations {:.3g}, {:.3g} m  "
+        "distance {:.3g} +- {:.2g} m  after {:.3g} s\n",
+        to_string(s.pattern), s.falls, s.mean.x(), s.mean_error.x(), s.mean.y(), s.mean_error.y(),
+        std::sqrt(s.covariance(0, 0)), std::sqrt(s.covariance(1, 1)), s.distance, s.distance_error, s.time);
+  }
+  return text.empty() ? text : "landing\n" + text;
+}
+
+std::string map_text(const motion::PatternMap& map) {
+  std::string text = fmt::format(
+      "map: {:.1f} % of points are called right by their {} nearest; {:.1f} % have a neighbour "
+      "of another pattern\n",
+      100.0 * map.left_one_out(), motion::PatternMap::kNeighbours, 100.0 * map.border_share());
+  const std::vector<motion::MapRegion> regions = map.regions();
+  for (std::size_t k = 0; k < motion::kPatterns; ++k) {
+    const auto pattern = static_cast<motion::Pattern>(k);
+    int count = 0;
+    Eigen::Index largest = 0, total = 0;
+    for (const motion::MapRegion& region : regions) {
+      if (region.pattern != pattern) continue;
+      ++count;
+      total += region.falls;
+      largest = std::max(largest, region.falls);
+    }
+    if (count > 0)
+      text += fmt::format("  {:<14} {:>6} points in {} region{}, {:.1f} % of them in the largest\n",
+                          to_string(pattern), total, count, count == 1 ? "" : "s",
+                          100.0 * static_cast<double>(largest) / static_cast<double>(total));
+  }
+  return text;
+}
+
+Json landing_json(const Sweep& sweep, Eigen::Index release) {
+  Json list = Json::array();
+  for (const motion::LandingStatistics& s : motion::landing_statistics(sweep, release)) {
+    list.push_back(
+        {{"pattern", to_string(s.pattern)},
+         {"share", s.share},
+         {"share_error", s.share_error},
+         {"landed", s.falls},
+         {"mean", {s.mean.x(), s.mean.y()}},
+         {"mean_error", {s.mean_error.x(), s.mean_error.y()}},
+         {"covariance", {{s.covariance(0, 0), s.covariance(0, 1)}, {s.covariance(1, 0), s.covariance(1, 1)}}},
+         {"distance", s.distance},
+         {"distance_error", s.distance_error},
+         {"time", s.time}});
+  }
+  return list;
+}
+
+Json release_json(const Sweep& sweep, Eigen::Index release, int clusters) {
+  const motion::PatternMap map(sweep, release);
+  Json one = {
+      {"left_one_out", map.left_one_out()}, {"border_share", map.border_share()}, {"regions", Json::array()}};
+  for (const motion::MapRegion& region : map.regions())
+    one["regions"].push_back({{"pattern", to_string(region.pattern)}, {"points", region.falls}});
+  for (const ClusteredFalls& c : all_clusters(sweep, release, clusters))
+    one["clusters"].push_back(
+        {{"name", c.name}, {"adjusted_rand", c.adjusted_rand}, {"message", c.clusters.message}});
+  one["landing"] = landing_json(sweep, release);
+  return one;
+}
+
+std::string release_report(const Sweep& sweep, Eigen::Index release, int clusters) {
+  std::string text = fmt::format("\nrelease {}\n{}{}", release_text(sweep, release),
+                                 map_text(motion::PatternMap(sweep, release)), landing_text(sweep, release));
+  for (const ClusteredFalls& c : all_clusters(sweep, release, clusters)) {
+    text += fmt::format("{}: adjusted Rand index {:.2f} with the rule\n{}", c.name, c.adjusted_rand,
+                        confusion_table(c.counts, motion::pattern_names(), cluster_names(clusters)));
+  }
+  return text;
+}
+
+int patterns_of_sweep(const PatternsArguments& arguments) {
+  if (!arguments.labels.empty() || !arguments.classes.empty() || !arguments.sidecar.empty() ||
+      !arguments.length.empty())
+    throw ArgumentError(
+        "--labels, --class, --sidecar and --length are of captures, and the input is a sweep");
+  const Sweep sweep = motion::load_sweep(arguments.inputs.front());
+  Json object = sweep_json(sweep);
+  if (!arguments.json) print(sweep_counts(sweep));
+  if (sweep.fall_count() / sweep.release_count() <=
+      std::max(motion::PatternMap::kNeighbours, arguments.clusters)) {
+    narrate("so few points have no map and no clusters");
+    if (arguments.json) print(object);
+    return kDone;
+  }
+  for (Eigen::Index r = 0; r < sweep.release_count(); ++r) {
+    if (arguments.json) {
+      object["releases"][static_cast<std::size_t>(r)].update(release_json(sweep, r, arguments.clusters));
+    } else {
+      print(release_report(sweep, r, arguments.clusters));
+    }
+  }
+  if (arguments.json) print(object);
+  return kDone;
+}
+
+std::vector<identification::Capture> captures_of(const PatternsArguments& arguments) {
+  std::vector<identification::Capture> all;
+  for (const std::string& file : arguments.inputs) {
+    std::vector<identification::Capture> more = arguments.sidecar.empty()
+                                                    ? identification::read_captures(file)
+                                                    : identification::read_captures(file, arguments.sidecar);
+    std::ranges::move(more, std::back_inserter(all));
+  }
+  if (all.empty()) throw InputError(arguments.inputs.front(), "has no captures, expected at least one");
+  return all;
+}
+
+std::string transitions_text(const motion::Transitions& all) {
+  std::string text;
+  for (Eigen::Index i = 0; i < all.counts.rows(); ++i) {
+    for (Eigen::Index j = 0; j < all.counts.cols(); ++j) {
+      if (!std::isfinite(all.probability(i, j)) || all.counts.row(i).sum() == 0) continue;
+      text += fmt::format("  {:<14} to {:<14} {:>6}  {:.2f} ({:.2f} to {:.2f}, 95 %)\n",
+                          motion::pattern_names()[static_cast<std::size_t>(i)],
+                          motion::pattern_names()[static_cast<std::size_t>(j)], all.counts(i, j),
+                          all.probability(i, j), all.lower(i, j), all.upper(i, j));
+    }
+  }
+  return text.empty() ? "no fall changes its pattern\n" : "changes of pattern\n" + text;
+}
+
+Json transitions_json(const motion::Transitions& all) {
+  Json list = Json::array();
+  for (Eigen::Index i = 0; i < all.counts.rows(); ++i) {
+    for (Eigen::Index j = 0; j < all.counts.cols(); ++j) {
+      if (!std::isfinite(all.probability(i, j))) continue;
+      list.push_back({{"from", motion::pattern_names()[static_cast<std::size_t>(i)]},
+                      {"to", motion::pattern_names()[static_cast<std::size_t>(j)]},
+                      {"count", all.counts(i, j)},
+                      {"probability", all.probability(i, j)},
+                      {"interval", {all.lower(i, j), all.upper(i, j)}}});
+    }
+  }
+  return list;
+}
+
+struct LabelledCapture {
+  std::string id;
+  Eigen::Index left_out = 0;
+  std::vector<motion::LabelledWindow> windows;
+};
+
+std::string capture_text(const LabelledCapture& capture) {
+  std::string text = capture.id;
+  if (capture.left_out > 0) text += fmt::format(" ({} frames not seen)", capture.left_out);
+  text += "\n";
+  for (const motion::LabelledWindow& window : capture.windows) {
+    text += fmt::format("  {:8.3f} to {:8.3f} s  {:<12}  margin {:.2f}  {}\n", window.from, window.to,
+                        to_string(window.label.pattern), window.label.margin, window.label.why);
+  }
+  return text;
+}
+
+Json capture_json(const LabelledCapture& capture) {
+  Json windows = Json::array();
+  for (const motion::LabelledWindow& window : capture.windows) {
+    windows.push_back({{"from", window.from},
+                       {"to", window.to},
+                       {"pattern", to_string(window.label.pattern)},
+                       {"margin", number_or_null(window.label.margin)},
+                       {"why", window.label.why}});
+  }
+  return {{"id", capture.id}, {"left_out", capture.left_out}, {"windows", windows}};
+}
+
+int patterns_of_captures(const PatternsArguments& arguments) {
+  const double length =
+      arguments.length.empty() ? 0.0 : number_or_quantity("--length", arguments.length, "m");
+  if (!(length >= 0.0))
+    throw ArgumentError(fmt::format("--length is {}, expected more than 0", arguments.length));
+  const std::vector<identification::Capture> captures = captures_of(arguments);
+  std::vector<std::vector<motion::Pattern>> sequences;
+  Json object = {{"schema", "samara-patterns/1"}, {"captures", Json::array()}};
+  std::string text;
+  for (const identification::Capture& capture : captures) {
+    const motion::MotionRecord record = motion::record_of(capture, length);
+    const LabelledCapture labelled = {capture.id, record.left_out, motion::label_windows(record)};
+    sequences.emplace_back();
+    for (const motion::LabelledWindow& window : labelled.windows)
+      sequences.back().push_back(window.label.pattern);
+    text += capture_text(labelled);
+    object["captures"].push_back(capture_json(labelled));
+  }
+  const motion::Transitions changes = motion::transitions(sequences);
+  text += transitions_text(changes);
+  object["transitions"] = transitions_json(changes);
+  if (!arguments.labels.empty()) {
+    const motion::PatternClasses classes = motion::pattern_classes(arguments.classes);
+    const auto segments = motion::read_labelled_segments(arguments.labels, classes);
+    const motion::SegmentAgreement both = motion::compare(segments, captures, classes, length);
+    text += fmt::format(
+        "beside {} labels of {} (rows) the rule (columns): agreement {:.3f}, balanced {:.3f}, kappa "
+        "{:.3f}, adjusted Rand index {:.3f}\n{}",
+        segments.size(), arguments.labels, both.agreement.share, both.agreement.balanced,
+        both.agreement.kappa, both.agreement.adjusted_rand,
+        confusion_table(both.agreement.confusion, both.words, both.words));
+    object["labels"] = to_json(both.agreement);
+    object["labels"]["words"] = both.words;
+  } else if (!arguments.classes.empty()) {
+    throw ArgumentError("--class says what words of --labels mean: --labels was expected");
+  }
+  if (arguments.json) {
+    print(object);
+  } else {
+    print(text);
+  }
+  return kDone;
+}
+
+}  // namespace
+
+int run(const PatternsArguments& arguments) {
+  if (arguments.clusters < 1 || arguments.clusters > 100)
+    throw ArgumentError(fmt::format("--clusters is {}, expected 1 to 100", arguments.clusters));
+  if (arguments.inputs.size() == 1 && motion::is_sweep(arguments.inputs.front()))
+    return patterns_of_sweep(arguments);
+  return patterns_of_captures(arguments);
+}
+
+}  // namespace samara::apps

@@ -1,0 +1,137 @@
+#include "samara/motion/patterns/labelled_segments.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/io/delimited_table.h"
+
+namespace samara::motion {
+
+namespace {
+
+using identification::Capture;
+
+/// Each pattern by its own name.
+PatternClasses own_names() {
+  PatternClasses classes;
+  for (const std::string& name : pattern_names()) classes[name] = {pattern_of(name)};
+  return classes;
+}
+
+bool is_called(const Capture& capture, const std::string& name) {
+  if (capture.id == name) return true;
+  return capture.id.ends_with("/" + name) || capture.id.starts_with(name + "/");
+}
+
+const Capture& capture_of(const LabelledSegment& segment, const std::vector<Capture>& captures) {
+  for (const Capture& capture : captures) {
+    if (is_called(capture, segment.capture)) return capture;
+  }
+  std::vector<std::string> known;
+  for (const Capture& capture : captures) known.push_back(capture.id);
+  if (known.size() > 6) known.resize(6);
+  throw ArgumentError(fmt::format("labels name the capture \"{}\", which is not among those given{}",
+                                  segment.capture, suggestion(segment.capture, known)));
+}
+
+Eigen::Index frame_number(const io::DelimitedTable& table, std::size_t row, double value) {
+  if (std::isfinite(value) && value >= 0.0 && value == std::floor(value))
+    return static_cast<Eigen::Index>(value);
+  throw table.error(row, fmt::format("has the frame {}, expected a whole number from 0 on", value));
+}
+
+}  // namespace
+
+PatternClasses pattern_classes(const std::vector<std::string>& texts) {
+  PatternClasses classes;
+  for (const std::string& text : texts) {
+    const std::size_t sign = text.find('=');
+    if (sign == std::string::npos || sign == 0 || sign + 1 == text.size())
+      throw ArgumentError(fmt::format("the class \"{}\" has no form WORD=PATTERN+PATTERN", text));
+    std::vector<Pattern>& patterns = classes[text.substr(0, sign)];
+    std::size_t from = sign + 1;
+    while (from <= text.size()) {
+      const std::size_t plus = std::min(text.find('+', from), text.size());
+      patterns.push_back(pattern_of(text.substr(from, plus - from)));
+      from = plus + 1;
+    }
+  }
+  return classes;
+}
+
+std::vector<LabelledSegment> read_labelled_segments(const std::filesystem::path& path,
+                                                    const PatternClasses& classes) {
+  const PatternClasses words = classes.empty() ? own_names() : classes;
+  const io::DelimitedTable table = io::DelimitedTable::read(path);
+  const auto captures = table.texts(table.has("traj") ? "traj" : "capture");
+  const auto labels = table.texts(table.has("human") ? "human" : "label");
+  const Eigen::VectorXd first = table.numbers("first_frame"), last = table.numbers("last_frame");
+  std::vector<std::string> known;
+  for (const auto& [word, patterns] : words) known.push_back(word);
+  std::vector<LabelledSegment> segments;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const auto k = static_cast<Eigen::Index>(row);
+    LabelledSegment segment = {captures[row], frame_number(table, row, first[k]),
+                               frame_number(table, row, last[k]), labels[row]};
+    if (segment.last <= segment.first)
+      throw table.error(row,
+                        fmt::format("ends at frame {}, expected one after {}", segment.last, segment.first));
+    if (!words.contains(segment.label))
+      throw table.error(
+          row, fmt::format("has the label \"{}\"{}", segment.label, suggestion(segment.label, known)));
+    segments.push_back(std::move(segment));
+  }
+  if (segments.empty()) throw InputError(table.file(), "has no segments, expected at least one");
+  return segments;
+}
+
+MotionRecord record_of(const LabelledSegment& segment, const std::vector<Capture>& captures, double length) {
+  Capture capture = capture_of(segment, captures);
+  if (segment.last >= capture.frame_count()) {
+    throw ArgumentError(fmt::format("a label of capture \"{}\" ends at frame {}, expected at most {}",
+                                    capture.id, segment.last, capture.frame_count() - 1));
+  }
+  const Eigen::Index count = segment.frame_count();
+  capture.times = capture.times.segment(segment.first, count).eval();
+  for (identification::Channel& channel : capture.channels)
+    channel.values = channel.values.segment(segment.first, count).eval();
+  return record_of(capture, length);
+}
+
+PatternLabel label_of(const LabelledSegment& segment, const std::vector<Capture>& captures, double length,
+                      const PatternThresholds& thresholds) {
+  if (segment.frame_count() < kFewestFrames) {
+    return {Pattern::unresolved, 0.0,
+            fmt::format("{} frames, fewer than {}", segment.frame_count(), kFewestFrames)};
+  }
+  return label(features(record_of(segment, captures, length), {.settle_share = 0.0}), thresholds);
+}
+
+SegmentAgreement compare(const std::vector<LabelledSegment>& segments, const std::vector<Capture>& captures,
+                         const PatternClasses& classes, double length, const PatternThresholds& thresholds) {
+  const PatternClasses words = classes.empty() ? own_names() : classes;
+  SegmentAgreement result;
+  for (const auto& [word, patterns] : words) result.words.push_back(word);
+  result.words.emplace_back("other");
+  std::vector<int> truth, answer;
+  for (const LabelledSegment& segment : segments) {
+    const PatternLabel label = label_of(segment, captures, length, thresholds);
+    int theirs = 0, ours = static_cast<int>(words.size()), k = 0;
+    for (const auto& [word, patterns] : words) {
+      if (word == segment.label) theirs = k;
+      if (std::ranges::find(patterns, label.pattern) != patterns.end()) ours = k;
+      ++k;
+    }
+    truth.push_back(theirs);
+    answer.push_back(ours);
+    result.labels.push_back(label);
+  }
+  result.agreement = agreement(truth, answer, static_cast<int>(result.words.size()));
+  return result;
+}
+
+}  // namespace samara::motion

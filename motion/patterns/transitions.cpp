@@ -1,0 +1,46 @@
+#include "samara/motion/patterns/transitions.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <boost/math/special_functions/beta.hpp>
+
+namespace samara::motion {
+
+Transitions transitions(const std::vector<std::vector<Pattern>>& sequences) {
+  constexpr auto kSize = static_cast<Eigen::Index>(kPatterns);
+  Transitions all;
+  all.counts.setZero(kSize, kSize);
+  all.falls = static_cast<int>(sequences.size());
+  std::vector<bool> seen(kPatterns, false);
+  for (const std::vector<Pattern>& sequence : sequences) {
+    Eigen::Index before = -1;
+    for (const Pattern pattern : sequence) {
+      if (pattern == Pattern::unresolved) continue;
+      const auto here = static_cast<Eigen::Index>(pattern);
+      seen[static_cast<std::size_t>(here)] = true;
+      if (before >= 0 && before != here) ++all.counts(before, here);
+      before = here;
+    }
+  }
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  all.probability.setConstant(kSize, kSize, unknown);
+  all.lower = all.upper = all.probability;
+  const auto kinds = static_cast<double>(std::count(seen.begin(), seen.end(), true));
+  if (kinds < 2.0) return all;
+  for (Eigen::Index i = 0; i < kSize; ++i) {
+    const double total = all.counts.row(i).sum();
+    for (Eigen::Index j = 0; j < kSize; ++j) {
+      if (i == j || !seen[static_cast<std::size_t>(i)] || !seen[static_cast<std::size_t>(j)]) continue;
+      const double a = all.counts(i, j) + 0.5;
+      const double b = total - all.counts(i, j) + 0.5 * (kinds - 2.0);
+      all.probability(i, j) = a / (a + b);
+      // Of two patterns one can only be followed by the other.
+      all.lower(i, j) = b > 0.0 ? boost::math::ibeta_inv(a, b, 0.025) : 1.0;
+      all.upper(i, j) = b > 0.0 ? boost::math::ibeta_inv(a, b, 0.975) : 1.0;
+    }
+  }
+  return all;
+}
+
+}  // namespace samara::motion

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "samara/identification/captures/capture.h"
+#include "samara/models/interface/model.h"
+
+/// What is known of one motion, whether it was simulated or filmed: times, positions, and, if known, which way
+/// the plate looks.
+namespace samara::motion {
+
+/// World axes: z up, x and y horizontal; SI, or the units of a dimensionless model.
+struct MotionRecord {
+  Eigen::VectorXd times;       ///< s, strictly increasing
+  Eigen::MatrixX3d positions;  ///< frames x (x, y, z), m
+  /// Unit normals of the plate in the world, frames x 3; no rows: not known. A normal and its opposite say the same
+  /// of a plate whose sides look alike, but must follow each other without jumps.
+  Eigen::MatrixX3d normals;
+  /// Of a motion in the plane y = 0: angle of the chord above the horizontal, unwrapped, rad; no rows: not such a
+  /// motion, or not known. Then there are no normals.
+  Eigen::VectorXd angles;
+  /// l, m: largest full length of the body (chord, diameter); 0: not known.
+  double length = 0.0;
+  /// Standard deviations of a frame's noise in a coordinate [m] and of an angle or a component of the normal [rad];
+  /// empty: found from fourth differences.
+  std::optional<double> position_noise, angle_noise;
+  /// Frames that were left out because their place or attitude was not seen.
+  Eigen::Index left_out = 0;
+
+  Eigen::Index frame_count() const { return times.size(); }
+  bool has_attitude() const { return normals.rows() > 0 || angles.size() > 0; }
+  bool is_planar() const { return angles.size() > 0; }
+};
+
+/// Fewest frames of which anything is said.
+inline constexpr Eigen::Index kFewestFrames = 12;
+
+/// @throws ArgumentError naming the frame: sizes that differ, times that do not increase, numbers that are not
+/// finite, normals that are no unit vectors (to 1e-3), fewer than kFewestFrames, a negative length or noise.
+void check(const MotionRecord& record);
+
+/// Frames first, .., first + count - 1.
+MotionRecord part(const MotionRecord& record, Eigen::Index first, Eigen::Index count);
+
+/// Standard deviation of a frame's noise from fourth differences, which a smooth motion does not have: 1.4826 times
+/// the median of |D^4| over sqrt(70). Frames must be about equally spaced. 0 for fewer than 5.
+double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values);
+
+/// The record of a capture. Its channels: x, y, z (z up), with qw, qx, qy, qz where the attitude was seen; or, of a
+/// motion in a plane, x and y (up), with theta. Frames not seen are left out and counted.
+/// @param length m, of the body; 0: not known
+/// @throws ArgumentError naming the capture and the channel that is missing, in pixels, or whose frames are too few.
+MotionRecord record_of(const identification::Capture& capture, double length = 0.0);
+
+/// Where the states of a model hold place and attitude of a body.
+class MotionStates {
+ public:
+  /// @throws ArgumentError if the model has neither x, y, z with qw, qx, qy, qz, nor x, y with theta.
+  explicit MotionStates(const models::ModelInfo& info);
+
+  bool is_planar() const { return planar_; }
+  /// Place in the world: (x, 0, y) of a planar model.
+  Eigen::Vector3d position(std::span<const double> state) const;
+  Eigen::Vector3d normal(std::span<const double> state) const;
+  double angle(std::span<const double> state) const;
+
+  /// Largest full length of the body at these parameters: twice the largest of a, b, c, or of the semi-chord; 2 of a
+  /// dimensionless plate; 0 if the model does not say.
+  static double body_length(const models::Model& model, std::span<const double> parameters);
+
+ private:
+  bool planar_ = false;
+  std::size_t x_ = 0, y_ = 0, z_ = 0, attitude_ = 0;
+};
+
+/// A record put together frame by frame.
+class RecordBuilder {
+ public:
+  RecordBuilder(const MotionStates& states, std::size_t frames);
+  void add(double t, std::span<const double> state);
+  std::size_t count() const { return times_.size(); }
+  /// @param length m, see MotionRecord
+  MotionRecord record(double length) const;
+
+ private:
+  const MotionStates& states_;
+  std::vector<double> times_, numbers_;
+};
+
+}  // namespace samara::motion

@@ -1,0 +1,325 @@
+#include "samara/motion/sweeps/pattern_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/codebooks/book/sobol_points.h"
+
+namespace samara::motion {
+
+namespace {
+
+/// Points between old grid points: those that inherit, and those that are run.
+struct NewPoints {
+  Eigen::MatrixXd all;             ///< of the whole new grid
+  std::vector<Eigen::Index> from;  ///< per new point the old one that it is or inherits from; -1: is run
+};
+
+std::vector<double> halved(const std::vector<double>& values) {
+  std::vector<double> all;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (k > 0) all.push_back(0.5 * (values[k - 1] + values[k]));
+    all.push_back(values[k]);
+  }
+  return all;
+}
+
+bool same_labels(const Sweep& sweep, Eigen::Index first, Eigen::Index second) {
+  const Eigen::Index releases = sweep.release_count();
+  for (Eigen::Index r = 0; r < releases; ++r) {
+    if (sweep.labels[static_cast<std::size_t>(first * releases + r)].pattern !=
+        sweep.labels[static_cast<std::size_t>(second * releases + r)].pattern)
+      return false;
+  }
+  return true;
+}
+
+NewPoints new_points(const Sweep& sweep, const std::vector<std::vector<double>>& axes) {
+  const std::size_t d = axes.size();
+  Eigen::Index total = 1;
+  for (const auto& axis : axes) total *= static_cast<Eigen::Index>(axis.size());
+  NewPoints points;
+  points.all.resize(total, static_cast<Eigen::Index>(d));
+  points.from.assign(static_cast<std::size_t>(total), -1);
+  std::vector<std::size_t> place(d, 0);
+  for (Eigen::Index n = 0; n < total; ++n) {
+    // Old points around it: both neighbours along axes where it lies between two.
+    std::vector<Eigen::Index> corners = {0};
+    for (std::size_t k = 0; k < d; ++k) {
+      points.all(n, static_cast<Eigen::Index>(k)) = axes[k][place[k]];
+      const auto size = static_cast<Eigen::Index>(sweep.axes[k].size());
+      const auto below = static_cast<Eigen::Index>(place[k] / 2);
+      const std::size_t before = corners.size();
+      for (Eigen::Index& corner : corners) corner = corner * size + below;
+      if (place[k] % 2 == 1) {
+        for (std::size_t c = 0; c < before; ++c) corners.push_back(corners[c] + 1);
+      }
+    }
+    const bool agree = std::ranges::all_of(
+        corners, [&](Eigen::Index corner) { return same_labels(sweep, corner, corners.front()); });
+    if (agree) points.from[static_cast<std::size_t>(n)] = corners.front();
+    for (std::size_t k = d; k-- > 0;) {
+      if (++place[k] < axes[k].size()) break;
+      place[k] = 0;
+    }
+  }
+  return points;
+}
+
+/// @param old whether the point is an old one, else what it has is inherited
+void append_fall(const Sweep& source, std::size_t fall, bool old, Sweep& sweep) {
+  const auto n = static_cast<Eigen::Index>(fall);
+  sweep.labels.push_back(source.labels[fall]);
+  sweep.features.push_back(old ? source.features[fall] : Features());
+  sweep.features.back().seen = source.features[fall].seen;
+  sweep.status.push_back(old ? source.status[fall] : FallStatus::inherited);
+  if (!old) sweep.labels.back().why = "as all old points around it";
+  const Eigen::Index at = sweep.fall_count() - 1;
+  sweep.reached[at] = old ? source.reached[n] : 0.0;
+  if (old) sweep.landing.row(at) = source.landing.row(n);
+}
+
+bool refine_grid(const SweepPlan& plan, const SweepOptions& options, Sweep& sweep) {
+  std::vector<std::vector<double>> axes;
+  for (const auto& axis : sweep.axes) axes.push_back(halved(axis));
+  const NewPoints points = new_points(sweep, axes);
+  std::vector<Eigen::Index> run;
+  for (Eigen::Index n = 0; n < points.all.rows(); ++n) {
+    if (points.from[static_cast<std::size_t>(n)] < 0) run.push_back(n);
+  }
+  Sweep fresh = empty_sweep(plan);
+  if (!append_falls(plan, points.all(run, Eigen::all), options, fresh)) return false;
+  Sweep finer = empty_sweep(plan);
+  finer.axes = axes;
+  finer.points = points.all;
+  const Eigen::Index releases = sweep.release_count();
+  finer.reached.resize(points.all.rows() * releases);
+  finer.landing.setConstant(points.all.rows() * releases, 3, std::numeric_limits<double>::quiet_NaN());
+  Eigen::Index next = 0;
+  for (Eigen::Index n = 0; n < points.all.rows(); ++n) {
+    const Eigen::Index from = points.from[static_cast<std::size_t>(n)];
+    const bool old = from >= 0 && sweep.points.row(from) == points.all.row(n);
+    for (Eigen::Index r = 0; r < releases; ++r) {
+      if (from < 0) {
+        append_fall(fresh, static_cast<std::size_t>(next * releases + r), true, finer);
+      } else {
+        append_fall(sweep, static_cast<std::size_t>(from * releases + r), old, finer);
+      }
+    }
+    next += from < 0;
+  }
+  sweep = std::move(finer);
+  return true;
+}
+
+bool refine_sample(const SweepPlan& plan, const SweepOptions& options, Sweep& sweep) {
+  const Eigen::Index wanted = std::max<Eigen::Index>(1, sweep.points.rows() / 5);
+  // Candidates that no round had before: another scrambling for each size.
+  Eigen::MatrixXd candidates =
+      codebooks::sobol_points(static_cast<int>(sweep.lower.size()), static_cast<int>(4 * wanted),
+                              plan.seed + 1 + static_cast<std::uint64_t>(sweep.points.rows()))
+          .transpose();
+  for (Eigen::Index k = 0; k < candidates.cols(); ++k)
+    candidates.col(k) = sweep.lower[k] + (sweep.upper[k] - sweep.lower[k]) * candidates.col(k).array();
+  Eigen::VectorXd agreement = Eigen::VectorXd::Ones(candidates.rows());
+  for (Eigen::Index r = 0; r < sweep.release_count(); ++r) {
+    const PatternMap map(sweep, r);
+    for (Eigen::Index n = 0; n < candidates.rows(); ++n)
+      agreement[n] = std::min(agreement[n], map.at(candidates.row(n)).probability);
+  }
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(candidates.rows()));
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, {}, [&](Eigen::Index n) { return agreement[n]; });
+  order.resize(static_cast<std::size_t>(wanted));
+  return append_falls(plan, candidates(order, Eigen::all), options, sweep);
+}
+
+}  // namespace
+
+PatternMap::PatternMap(const Sweep& sweep, Eigen::Index release) {
+  const Eigen::Index releases = sweep.release_count();
+  if (release < 0 || release >= releases)
+    throw ArgumentError(fmt::format("there is no release {}, expected 0 to {}", release, releases - 1));
+  const Eigen::Index count = sweep.fall_count() / releases;
+  if (count <= kNeighbours)
+    throw ArgumentError(fmt::format("the sweep has {} points, expected at least {}", count, kNeighbours + 1));
+  lower_ = sweep.lower;
+  width_ = (sweep.upper - sweep.lower).unaryExpr([](double w) { return w > 0.0 ? w : 1.0; });
+  places_ = (sweep.points.topRows(count).rowwise() - lower_.transpose()).array().rowwise() /
+            width_.transpose().array();
+  for (Eigen::Index n = 0; n < count; ++n)
+    patterns_.push_back(sweep.labels[static_cast<std::size_t>(n * releases + release)].pattern);
+  for (const auto& axis : sweep.axes) grid_.push_back(static_cast<Eigen::Index>(axis.size()));
+  if (std::accumulate(grid_.begin(), grid_.end(), Eigen::Index{1}, std::multiplies()) != count) grid_.clear();
+}
+
+Eigen::VectorXd PatternMap::scaled(const Eigen::VectorXd& point) const {
+  if (point.size() != lower_.size()) {
+    throw ArgumentError(
+        fmt::format("the point has {} coordinates, expected {}", point.size(), lower_.size()));
+  }
+  Eigen::VectorXd place = (point - lower_).cwiseQuotient(width_);
+  for (Eigen::Index k = 0; k < place.size(); ++k) {
+    if (!(place[k] >= -1e-9 && place[k] <= 1.0 + 1e-9)) {
+      throw ArgumentError(fmt::format("coordinate {} of the point is {}, expected {} to {}: inside the box",
+                                      k, point[k], lower_[k], lower_[k] + width_[k]));
+    }
+  }
+  return place;
+}
+
+std::vector<Eigen::Index> PatternMap::nearest(const Eigen::VectorXd& place, int count) const {
+  const Eigen::VectorXd distances = (places_.rowwise() - place.transpose()).rowwise().squaredNorm();
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(size()));
+  std::iota(order.begin(), order.end(), 0);
+  const auto last = order.begin() + count;
+  std::partial_sort(order.begin(), last, order.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return distances[a] < distances[b] || (distances[a] == distances[b] && a < b);
+  });
+  order.erase(last, order.end());
+  return order;
+}
+
+/// The most frequent label; of equals the one that comes nearer.
+MapAnswer PatternMap::answer(const std::vector<Eigen::Index>& nearest) const {
+  std::array<int, kPatterns> counts = {};
+  for (const Eigen::Index n : nearest) ++counts[static_cast<std::size_t>(pattern(n))];
+  MapAnswer best;
+  int most = 0;
+  for (const Eigen::Index n : nearest) {
+    const int count = counts[static_cast<std::size_t>(pattern(n))];
+    if (count <= most) continue;
+    most = count;
+    best.pattern = pattern(n);
+  }
+  best.probability = static_cast<double>(most) / static_cast<double>(nearest.size());
+  return best;
+}
+
+double PatternMap::distance_to_other(const Eigen::VectorXd& place, Pattern own) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (Eigen::Index n = 0; n < size(); ++n) {
+    if (pattern(n) != own) least = std::min(least, (places_.row(n) - place.transpose()).squaredNorm());
+  }
+  return std::sqrt(least);
+}
+
+MapAnswer PatternMap::at(const Eigen::VectorXd& point) const {
+  const Eigen::VectorXd place = scaled(point);
+  MapAnswer found = answer(nearest(place, kNeighbours));
+  found.distance_to_border = distance_to_other(place, found.pattern);
+  return found;
+}
+
+double PatternMap::left_one_out() const {
+  constexpr Eigen::Index kMost = 2000;
+  const Eigen::Index stride = std::max<Eigen::Index>(1, size() / kMost);
+  double right = 0.0, asked = 0.0;
+  for (Eigen::Index n = 0; n < size(); n += stride) {
+    std::vector<Eigen::Index> around = nearest(places_.row(n), kNeighbours + 1);
+    if (const auto self = std::ranges::find(around, n); self != around.end()) {
+      around.erase(self);
+    } else {
+      around.pop_back();  // so many others lie at the same place
+    }
+    right += answer(around).pattern == pattern(n);
+    asked += 1.0;
+  }
+  return right / asked;
+}
+
+std::vector<std::vector<Eigen::Index>> PatternMap::neighbours() const {
+  std::vector<std::vector<Eigen::Index>> all(static_cast<std::size_t>(size()));
+  const auto join = [&](Eigen::Index a, Eigen::Index b) {
+    all[static_cast<std::size_t>(a)].push_back(b);
+    all[static_cast<std::size_t>(b)].push_back(a);
+  };
+  if (grid_.empty()) {
+    for (Eigen::Index n = 0; n < size(); ++n) {
+      for (const Eigen::Index other : nearest(places_.row(n), kNeighbours + 1)) {
+        if (other != n) join(n, other);
+      }
+    }
+    return all;
+  }
+  Eigen::Index stride = 1;
+  for (std::size_t k = grid_.size(); k-- > 0;) {
+    for (Eigen::Index n = 0; n < size(); ++n) {
+      if ((n / stride) % grid_[k] + 1 < grid_[k]) join(n, n + stride);
+    }
+    stride *= grid_[k];
+  }
+  return all;
+}
+
+std::vector<MapRegion> PatternMap::regions() const {
+  const auto around = neighbours();
+  std::vector<bool> seen(patterns_.size(), false);
+  std::vector<MapRegion> all;
+  for (Eigen::Index first = 0; first < size(); ++first) {
+    if (seen[static_cast<std::size_t>(first)]) continue;
+    MapRegion region = {pattern(first), 0};
+    std::vector<Eigen::Index> open = {first};
+    seen[static_cast<std::size_t>(first)] = true;
+    while (!open.empty()) {
+      const Eigen::Index n = open.back();
+      open.pop_back();
+      ++region.falls;
+      for (const Eigen::Index other : around[static_cast<std::size_t>(n)]) {
+        if (seen[static_cast<std::size_t>(other)] || pattern(other) != region.pattern) continue;
+        seen[static_cast<std::size_t>(other)] = true;
+        open.push_back(other);
+      }
+    }
+    all.push_back(region);
+  }
+  std::ranges::stable_sort(all, std::greater(), &MapRegion::falls);
+  return all;
+}
+
+double PatternMap::border_share() const {
+  const auto around = neighbours();
+  double count = 0.0;
+  for (Eigen::Index n = 0; n < size(); ++n) {
+    count += std::ranges::any_of(around[static_cast<std::size_t>(n)],
+                                 [&](Eigen::Index other) { return pattern(other) != pattern(n); });
+  }
+  return count / static_cast<double>(size());
+}
+
+Eigen::VectorXd PatternMap::draw(Pattern wanted, Stream& stream) const {
+  std::vector<Eigen::Index> falls;
+  std::set<std::string> there;
+  for (Eigen::Index n = 0; n < size(); ++n) {
+    if (pattern(n) == wanted) falls.push_back(n);
+    there.insert(to_string(pattern(n)));
+  }
+  if (falls.empty()) {
+    throw ArgumentError(fmt::format("{} is 0 of {} points of the box; there are {}", to_string(wanted),
+                                    size(), join(std::vector<std::string>(there.begin(), there.end()))));
+  }
+  const auto pick = static_cast<std::size_t>(stream.uniform() * static_cast<double>(falls.size()));
+  const Eigen::VectorXd place = places_.row(falls[pick]);
+  Eigen::VectorXd way(place.size());
+  for (double& one : way) one = stream.normal();
+  const double reach = 0.5 * std::min(1.0, distance_to_other(place, wanted));
+  // Evenly in the ball.
+  const double radius = reach * std::pow(stream.uniform(), 1.0 / static_cast<double>(place.size()));
+  const Eigen::VectorXd moved =
+      (place + radius / std::max(way.norm(), 1e-300) * way).cwiseMax(0.0).cwiseMin(1.0);
+  return lower_ + moved.cwiseProduct(width_);
+}
+
+bool refine(const SweepPlan& plan, const SweepOptions& options, Sweep& sweep) {
+  return plan.is_grid() ? refine_grid(plan, options, sweep) : refine_sample(plan, options, sweep);
+}
+
+}  // namespace samara::motion

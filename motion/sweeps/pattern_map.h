@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "samara/base/streams.h"
+#include "samara/motion/sweeps/sweep.h"
+
+/// Where in a box which pattern lies, from the falls of a sweep: the map of one release, which says nothing of others.
+namespace samara::motion {
+
+struct MapAnswer {
+  Pattern pattern = Pattern::unresolved;
+  double probability = 0.0;         ///< share of the nearest falls that have it
+  double distance_to_border = 0.0;  ///< to the nearest fall of another pattern; the box has sides of length 1
+};
+
+/// Falls of one pattern that hang together.
+struct MapRegion {
+  Pattern pattern = Pattern::unresolved;
+  Eigen::Index falls = 0;
+};
+
+class PatternMap {
+ public:
+  /// Falls that are asked around a point.
+  static constexpr int kNeighbours = 7;
+
+  /// @throws ArgumentError for a release that the sweep does not have, or fewer than kNeighbours + 1 points.
+  explicit PatternMap(const Sweep& sweep, Eigen::Index release = 0);
+
+  Eigen::Index size() const { return places_.rows(); }
+  Pattern pattern(Eigen::Index point) const { return patterns_[static_cast<std::size_t>(point)]; }
+
+  /// @param point coordinates, SI. @throws ArgumentError if it is not finite or lies outside the box.
+  MapAnswer at(const Eigen::VectorXd& point) const;
+
+  /// Share of points whose neighbours, without itself, have its pattern most often: what the map is worth at places
+  /// between its points. Of at most 2,000 of them, evenly spread.
+  double left_one_out() const;
+
+  /// The largest first. On a grid, neighbours differ by one step along one axis; else each point hangs together with
+  /// its kNeighbours nearest.
+  std::vector<MapRegion> regions() const;
+
+  /// Share of points with a neighbour (as in regions()) of another pattern.
+  double border_share() const;
+
+  /// A point of the pattern's part of the box: one of its falls, moved by at most half its distance to the border,
+  /// inside the box. @throws ArgumentError if no fall has this pattern, naming those that there are.
+  Eigen::VectorXd draw(Pattern pattern, Stream& stream) const;
+
+ private:
+  Eigen::VectorXd scaled(const Eigen::VectorXd& point) const;
+  std::vector<Eigen::Index> nearest(const Eigen::VectorXd& place, int count) const;
+  MapAnswer answer(const std::vector<Eigen::Index>& nearest) const;
+  double distance_to_other(const Eigen::VectorXd& place, Pattern pattern) const;
+  std::vector<std::vector<Eigen::Index>> neighbours() const;
+
+  Eigen::VectorXd lower_, width_;
+  Eigen::MatrixXd places_;  ///< points x coordinates, box of unit sides
+  std::vector<Pattern> patterns_;
+  std::vector<Eigen::Index> grid_;  ///< points along each axis; empty: no grid
+};
+
+/// A round of more points where they tell most, appended to the sweep.
+///
+/// Of a grid: the grid with twice as many intervals. A new point inherits the label where all corners of its old cell,
+/// face or edge have the same for every release (status `inherited`; its features are not known), else its falls are
+/// run. Of drawn points: a fifth more of them, where the nearest seven disagree most.
+/// @returns false if cancelled; then the sweep is as it was
+bool refine(const SweepPlan& plan, const SweepOptions& options, Sweep& sweep);
+
+}  // namespace samara::motion

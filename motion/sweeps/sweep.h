@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/base/progress.h"
+#include "samara/models/batch/batch.h"
+#include "samara/motion/patterns/pattern.h"
+#include "samara/motion/sweeps/sweep_plan.h"
+
+namespace samara::motion {
+
+/// How a fall ended.
+enum class FallStatus { done, landed, not_finite, too_many_steps, cancelled, inherited };
+std::string to_string(FallStatus status);
+
+/// What a sweep found. Falls are numbered point after point, each from all releases.
+struct Sweep {
+  std::string model;
+  std::string plan_text;
+  std::vector<std::string> names, units;  ///< of the coordinates of points
+  std::vector<std::vector<double>> axes;  ///< values of a grid; empty: points were drawn
+  Eigen::VectorXd lower, upper;           ///< of the box
+  Eigen::MatrixXd points;                 ///< points x coordinates, SI
+  std::vector<Release> releases;          ///< none: the model's own initial values
+  PatternThresholds thresholds;
+
+  std::vector<Features> features;  ///< per fall
+  std::vector<PatternLabel> labels;
+  std::vector<FallStatus> status;
+  Eigen::VectorXd reached;  ///< s, per fall
+  /// Falls x (x, y, t) [m, m, s] at the height of the plan below the release; NaN where it did not come there.
+  Eigen::MatrixX3d landing;
+  /// Times of frames, and of each fall its states (frames x states); empty unless the plan keeps them.
+  Eigen::VectorXd times;
+  std::vector<Eigen::MatrixXd> trajectories;
+  std::vector<std::string> state_names;
+
+  Eigen::Index release_count() const {
+    return releases.empty() ? 1 : static_cast<Eigen::Index>(releases.size());
+  }
+  Eigen::Index fall_count() const { return static_cast<Eigen::Index>(labels.size()); }
+  Eigen::Index point_of(Eigen::Index fall) const { return fall / release_count(); }
+  Eigen::Index release_of(Eigen::Index fall) const { return fall % release_count(); }
+  /// Falls per pattern, in the order of pattern_names(), of one release or (-1) of all.
+  std::vector<int> counts(Eigen::Index release = -1) const;
+};
+
+struct SweepOptions {
+  int threads = 0;  ///< 0: as many as the machine has
+  ProgressCallback progress = {};
+  /// Where finished falls are kept while the sweep runs, and taken up again if there are any of the same plan; it is
+  /// removed when all is done. Empty: nowhere.
+  std::filesystem::path checkpoint = {};
+};
+
+struct SweepResult {
+  Sweep sweep;
+  bool complete = false;
+  Eigen::Index falls_done = 0;
+  Eigen::Index taken_up = 0;  ///< falls that came from the checkpoint
+  double seconds = 0.0;
+  std::string message = "not run";
+};
+
+/// Runs all falls, each in a lane of models/batch/watch_batch.h; a fall's frames are kept until its features are known.
+/// Finished falls are the same to the bit whether or not the sweep was interrupted, and on any number of threads.
+/// @throws ArgumentError as the model and watch_batch do; InputError for a checkpoint of another plan.
+SweepResult run_sweep(const SweepPlan& plan, const SweepOptions& options = {});
+
+/// Falls of a plan at other points than its own, without a checkpoint: appended to `sweep`, which is one of that plan.
+/// @returns false if cancelled; then nothing was appended
+bool append_falls(const SweepPlan& plan, const Eigen::MatrixXd& points, const SweepOptions& options,
+                  Sweep& sweep);
+
+/// A sweep of the plan without any falls.
+Sweep empty_sweep(const SweepPlan& plan);
+
+}  // namespace samara::motion

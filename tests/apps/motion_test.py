@@ -1,0 +1,150 @@
+"""Usage: motion_test.py SAMARA [CLASS]
+
+sweep, patterns and regime: answers, files, and what they refuse.
+"""
+
+import json
+import pathlib
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import time
+
+import h5py
+import numpy
+
+from samara_case import FOLDER, LONGEST, SAMARA, Case, main, run, write
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+PLATES = """model = "falling_plate_nd"
+[fixed]
+beta = 0
+[axes]
+inertia_ratio = { from = 0.8, to = 2.4, count = 9 }
+C_R = { from = 2.2, to = 3.2, count = 5 }
+[releases]
+tilt = [0.4, "40 deg"]
+[run]
+until = 120
+step = 0.05
+"""
+
+
+def swept(name="plates", plan=PLATES):
+    path = FOLDER / f"{name}.h5"
+    if not path.exists():
+        result = run("sweep", write(f"{name}.toml", plan), "-o", path)
+        assert result.returncode == 0, result.stderr
+    return path
+
+
+class Sweeps(Case):
+    def test_a_sweep_is_a_file_that_others_read(self):
+        with h5py.File(swept()) as file:
+            self.assertEqual(file.attrs["format"], b"samara-sweep")
+            names = [name.decode() for name in file["feature_names"]]
+            labels = [file["label_names"][int(k)].decode() for k in file["labels"]]
+            features = file["features"][:]
+            self.assertEqual(features.shape, (90, len(names)))
+            self.assertEqual([name.decode() for name in file["point_names"]], ["inertia_ratio", "C_R"])
+            self.assertEqual(file["points"].shape, (45, 2))
+            numpy.testing.assert_allclose(file["axes/inertia_ratio"][:], numpy.linspace(0.8, 2.4, 9))
+            flips = features[:, names.index("flips")]
+            for label, flip in zip(labels, flips):
+                self.assertEqual(label in ("steady", "zigzag"), flip < 1.5)
+            self.assertEqual(json.loads(file.attrs["thresholds"])["steady_tilt"], 0.2)
+            self.assertIn(b"inertia_ratio", file["plan"][0])
+
+    def test_patterns_of_a_sweep_are_counted_mapped_and_clustered(self):
+        text = run("patterns", swept()).stdout
+        self.assertEqual(len(re.findall(r"^release ", text, re.M)), 3)
+        self.assertIn("adjusted Rand index", text)
+        answer = json.loads(run("patterns", swept(), "--json").stdout)
+        for release in answer["releases"]:
+            self.assertEqual(sum(release["counts"].values()), 45)
+            self.assertEqual(sum(region["points"] for region in release["regions"]), 45)
+            self.assertEqual(len(release["clusters"]), 3)
+            ours, _, source = [cluster["adjusted_rand"] for cluster in release["clusters"]]
+            self.assertGreater(ours, source)
+
+    def test_an_interrupted_sweep_goes_on_where_it_stopped(self):
+        plan = write("long.toml", PLATES.replace("count = 9", "count = 1500").replace("until = 120", "until = 900"))
+        path = FOLDER / "long.h5"
+        process = subprocess.Popen([SAMARA, "sweep", plan, "-o", path], stderr=subprocess.PIPE, text=True)
+        time.sleep(1.5)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=LONGEST)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertIn("cancelled after", errors)
+        self.assertFalse(path.exists())
+        part = FOLDER / "long.h5.part"
+        if part.exists():
+            self.assertIn("is kept: the same line goes on from there", errors)
+            self.check_error(run("patterns", part, "--labels", plan), 2, "are of captures")
+            other = write("other.toml", PLATES)
+            self.check_error(run("sweep", other, "-o", path), 3, "belongs to another plan")
+
+    def test_sweeps_and_patterns_that_cannot_be_meant_are_refused(self):
+        self.check_error(run("sweep", write("bad.toml", PLATES.replace("C_R", "C_Q")), "-o", FOLDER / "bad.h5"), 3,
+                         "bad.toml:6", "C_Q", "did you mean")
+        self.check_error(run("sweep", write("bad.toml", PLATES), "-o", FOLDER / "bad.toml"), 2, "bad.toml")
+        self.check_error(run("sweep", write("good.toml", PLATES), "-o", FOLDER / "new.h5", "--resume"), 2,
+                         "there is no", "to go on from")
+        note = write("note.txt", "words")
+        self.check_error(run("sweep", FOLDER / "good.toml", "-o", note), 2, "is a file, and no sweep")
+        self.check_error(run("patterns", swept(), "--clusters", "0"), 2, "--clusters is 0")
+        self.check_error(run("patterns", FOLDER / "missing.csv"), 3, "missing.csv")
+
+
+class Patterns(Case):
+    def track(self, name, rows):
+        return write(name, "t[s],x[m],y[m],z[m]\n" + "\n".join(",".join(f"{v:.6f}" for v in row) for row in rows) + "\n")
+
+    def test_captures_are_labelled_window_by_window_and_beside_a_person(self):
+        t = numpy.arange(0, 10, 0.02)
+        swing = self.track("swing.csv", numpy.c_[t, 0.1 * numpy.sin(6 * t), 0 * t, -0.4 * t + 0.01 * numpy.cos(12 * t)])
+        helix = self.track("round.csv", numpy.c_[t, 0.1 * numpy.cos(6 * t), 0.1 * numpy.sin(6 * t), -0.4 * t])
+        labels = write("labels.csv", "capture,first_frame,last_frame,label\nswing,0,400,zigzag\nround,0,400,spiral\nround,50,400,zigzag\n")
+        text = run("patterns", swing, helix, "--length", "5 cm", "--labels", labels)
+        self.assertEqual(text.returncode, 0, text.stderr)
+        self.assertIn("agreement 0.667", text.stdout)
+        answer = json.loads(run("patterns", swing, helix, "--length", "5 cm", "--json").stdout)
+        self.assertEqual([c["windows"][-1]["pattern"] for c in answer["captures"]], ["zigzag", "spiral"])
+        self.check_error(run("patterns", swing, "--labels", labels), 2, "labels name the capture \"round\"")
+        self.check_error(run("patterns", swing, "--class", "a=zigzag"), 2, "--labels was expected")
+        self.check_error(run("patterns", swing, "--length", "5 kg"), 2, "--length")
+        short = self.track("short.csv", numpy.c_[t, t, t, t][:9])
+        self.check_error(run("patterns", short), 2, "has 9 frames that were seen, expected at least 12")
+
+
+class Regimes(Case):
+    def test_a_body_is_placed_in_the_measured_diagram(self):
+        disc = ["immersed_body", "--set", "a=1 cm", "--set", "b=1 cm", "--set", "c=0.75 mm", "--set", "density=2700",
+                "--set", "fluid_density=1000", "--set", "nu=1e-6"]
+        answer = json.loads(run("regime", *disc, "--json").stdout)
+        self.assertAlmostEqual(answer["I_disc"], 0.009940195505498954)
+        self.assertAlmostEqual(answer["Re"], 3163.26, places=2)
+        self.assertEqual((answer["regime"], answer["beyond"]), ("chaotic", "periodic"))
+        text = run("regime", *disc).stdout
+        for part in ("I*, disc    0.00994", "I*, ellipse 0.2025", "regime      chaotic", "beyond      periodic"):
+            self.assertIn(part, text)
+        self.assertIn("a guess", run("regime", *disc[:-1], "nu=1e-3").stderr)
+        self.check_error(run("regime", "falling_plate_nd"), 2, "does not say length")
+
+
+class PatternsPage(Case):
+    def test_the_lines_of_the_page_run(self):
+        page = (ROOT / "docs" / "patterns.md").read_text()
+        shutil.copytree(ROOT / "examples" / "falling_card", FOLDER / "examples" / "falling_card", dirs_exist_ok=True)
+        lines = [line for line in page.splitlines() if line.startswith("samara ") and "$SAMARA_DATA" not in line]
+        self.assertGreaterEqual(len(lines), 4)
+        for line in lines:
+            result = subprocess.run([SAMARA, *shlex.split(line)[1:]], cwd=FOLDER, capture_output=True, text=True, timeout=LONGEST)
+            self.assertEqual(result.returncode, 0, f"{line}: {result.stderr}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,198 @@
+// Features: free of yaw, mirror, units, frame rate, the plate's symmetry and noise; and what they are by hand.
+#include "samara/motion/patterns/features.h"
+
+#include <catch2/catch.hpp>
+
+#include "known_motions.h"
+#include "samara/models/bodies/kinematic_paths.h"
+#include "tests/error_text.h"
+
+using namespace samara::motion;
+using Catch::Matchers::WithinAbs;
+using Catch::Matchers::WithinRel;
+
+namespace {
+
+constexpr double kHalfTurn = std::numbers::pi;
+
+/// @param length_factor, time_factor of the second's units
+void check_same(const Features& first, const Features& second, double tolerance, double length_factor = 1.0,
+                double time_factor = 1.0) {
+  for (std::size_t k = 0; k < kFeatures; ++k) {
+    const FeatureInfo& info = feature_infos()[k];
+    INFO(info.name << " " << first.values[k] << " " << second.values[k]);
+    const double factor = info.unit == "m"     ? length_factor
+                          : info.unit == "s"   ? time_factor
+                          : info.unit == "m/s" ? length_factor / time_factor
+                          : info.unit == "1/s" ? 1.0 / time_factor
+                                               : 1.0;
+    REQUIRE(std::isfinite(first.values[k]) == std::isfinite(second.values[k]));
+    if (!std::isfinite(first.values[k])) continue;
+    CHECK_THAT(second.values[k] / factor,
+               WithinAbs(first.values[k], tolerance * (1.0 + std::abs(first.values[k]))));
+  }
+}
+
+/// Fluttering, tumbling and chaotic plates, a card that turns over anyhow, and a spiral.
+std::vector<MotionRecord> samples() {
+  std::vector<MotionRecord> all = {plate({{"inertia_ratio", 1.0}}), plate({{"inertia_ratio", 1.4}}),
+                                   plate({{"inertia_ratio", 2.1}}), card(0.61, 1.81, 1.21, 0.6, 2.0),
+                                   positions_only(card(0.31, 0.91, 0.61, 0.0, 2.0))};
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("features do not change when the world is turned about the vertical or mirrored") {
+  for (const MotionRecord& record : samples()) {
+    const Features here = features(record);
+    check_same(here, features(mirrored(record)), 1e-9);
+    if (record.is_planar()) continue;  // which has no other azimuth
+    check_same(here, features(turned(record, 1.1)), 1e-6);
+    check_same(here, features(mirrored(turned(record, -2.3))), 1e-6);
+  }
+}
+
+TEST_CASE("features do not change with the side of the plate that is called its upper one") {
+  for (MotionRecord record : samples()) {
+    const Features here = features(record);
+    record.normals *= -1.0;
+    record.angles.array() += kHalfTurn;
+    check_same(here, features(record), 1e-9);
+  }
+}
+
+TEST_CASE(
+    "features without a unit do not change with units, those with one change like them, and none with the "
+    "origin") {
+  for (MotionRecord record : samples()) {
+    const Features here = features(record);
+    record.positions.rowwise() += Eigen::RowVector3d(3.0, -4.0, 5.0);
+    record.positions *= 100.0;
+    record.length *= 100.0;
+    record.times.array() += 7.0;
+    record.times *= 1000.0;
+    check_same(here, features(record), 1e-6, 100.0, 1000.0);
+  }
+}
+
+TEST_CASE("features hardly change with the frame rate") {
+  for (const double I : {1.0, 1.4, 1.5}) {
+    INFO("I* " << I);
+    const Features coarse = features(plate({{"inertia_ratio", I}}, 120.0, 0.3));
+    const Features fine = features(plate({{"inertia_ratio", I}}, 120.0, 0.075));
+    CHECK(coarse[Feature::flips] == fine[Feature::flips]);
+    CHECK_THAT(fine[Feature::tilt], WithinRel(coarse[Feature::tilt], 0.01));
+    CHECK_THAT(fine[Feature::fall], WithinRel(coarse[Feature::fall], 0.01));
+    CHECK_THAT(fine[Feature::sway], WithinRel(coarse[Feature::sway], 0.02));
+    CHECK_THAT(fine[Feature::recurrence], WithinAbs(coarse[Feature::recurrence], 0.05));
+  }
+}
+
+TEST_CASE("noise is subtracted from variances") {
+  // Sinking at 1 without any motion: what is left is the scatter of an estimate of nothing.
+  MotionRecord still;
+  still.times = Eigen::VectorXd::LinSpaced(601, 0.0, 60.0);
+  still.positions.setZero(601, 3);
+  still.positions.col(2) = -still.times;
+  still.angles.setZero(601);
+  still.length = 2.0;
+  const Features noisy_still = features(noisy(still, 0.01, 0.1, 3));
+  CHECK(noisy_still[Feature::tilt_noise] > 0.1);
+  CHECK(noisy_still[Feature::tilt] < 0.5 * noisy_still[Feature::tilt_noise]);
+  CHECK(noisy_still[Feature::sway] < 0.02);
+  // A plate that moves: the features of the noisy record are those of the clean one.
+  const MotionRecord moving = plate({{"inertia_ratio", 1.1}}, 240.0);
+  const Features clean = features(moving);
+  const Features noisy_moving = features(noisy(moving, 0.02, 0.05, 4));
+  CHECK_THAT(noisy_moving[Feature::tilt], WithinRel(clean[Feature::tilt], 0.02));
+  CHECK_THAT(noisy_moving[Feature::sway], WithinRel(clean[Feature::sway], 0.02));
+  CHECK(clean[Feature::recurrence] < 0.05);
+  CHECK(noisy_moving[Feature::recurrence] < 0.1);
+}
+
+TEST_CASE("fourth differences tell the noise of a smooth motion") {
+  MotionRecord record = noisy(plate({{"inertia_ratio", 1.0}}, 400.0, 0.1), 0.03, 0.07, 5);
+  CHECK_THAT(noise_of(record.positions.col(0)), WithinRel(0.03, 0.05));
+  CHECK_THAT(noise_of(record.angles), WithinRel(0.07, 0.05));
+}
+
+TEST_CASE("flutter has the statistics of the model sheet") {
+  const Features flutter = features(plate({{"inertia_ratio", 1.1}}, 600.0));
+  CHECK_THAT(flutter[Feature::fall], WithinAbs(0.585, 0.01));
+  CHECK_THAT(1.0 / flutter[Feature::frequency], WithinRel(15.953, 0.05));
+  CHECK(flutter[Feature::tilt] < 3.04);  // the whole range
+  CHECK(flutter[Feature::tilt] > 2.7);
+  CHECK(flutter[Feature::flips] == 0.0);
+  const Features tumbling = features(plate({{"inertia_ratio", 1.4}}, 600.0));
+  CHECK_THAT(tumbling[Feature::flips], WithinAbs(2.0 * 7.79 * 3.0, 1.5));  // 300 a/U are watched
+  CHECK(tumbling[Feature::coherence] == 1.0);
+  CHECK_THAT(tumbling[Feature::drift], WithinRel(0.756 / 0.327, 0.05));
+}
+
+TEST_CASE("a drifting spiral winds about a centre that follows it, and a helix wobbles") {
+  // Revolutions and a half: the mean of the places is no centre.
+  for (const double modulation : {0.0, 0.5}) {
+    const samara::models::RosePath path = {.descent_speed = 1.0,
+                                           .amplitude_x = 0.8,
+                                           .amplitude_y = 0.8,
+                                           .modulation = modulation,
+                                           .lobes = 4.0,
+                                           .angular_frequency = 2.0};
+    MotionRecord record;
+    record.times = Eigen::VectorXd::LinSpaced(401, 0.0, 11.0);
+    record.positions.resize(401, 3);
+    for (Eigen::Index k = 0; k < 401; ++k)
+      record.positions.row(k) = at(path, record.times[k]).position.transpose() +
+                                record.times[k] * Eigen::RowVector3d(0.3, -0.2, 0.0);
+    const Features round = features(record);
+    CHECK_THAT(round[Feature::turns], WithinAbs(2.0 * 5.5 / (2.0 * kHalfTurn), 0.05));
+    CHECK_THAT(round[Feature::winding], WithinAbs(1.0, 1e-3));
+    CHECK_THAT(round[Feature::wobble], WithinAbs(modulation / std::sqrt(2.0), 0.02));
+  }
+}
+
+TEST_CASE("records that cannot be meant are refused in one sentence") {
+  MotionRecord record = plate({{"inertia_ratio", 1.0}});
+  const auto with = [&](auto change) {
+    MotionRecord bad = record;
+    change(bad);
+    return error_text<samara::ArgumentError>([&] { features(bad); });
+  };
+  CHECK(with([](MotionRecord& r) { r.times[5] = r.times[4]; }).find("the time of frame 5") !=
+        std::string::npos);
+  CHECK(with([](MotionRecord& r) { r.positions(7, 2) = NAN; }).find("frame 7 of the record is not finite") !=
+        std::string::npos);
+  CHECK(with([](MotionRecord& r) { r = part(r, 0, 11); }).find("has 11 frames, expected at least 12") !=
+        std::string::npos);
+  CHECK(with([](MotionRecord& r) { r.length = -1.0; }).find("is -1") != std::string::npos);
+  CHECK(with([](MotionRecord& r) {
+          r = in_space(r), r.normals.row(3) *= 2.0;
+        }).find("the normal in frame 3") != std::string::npos);
+  CHECK(error_text<samara::ArgumentError>([&] {
+          features(record, {.settle_share = 1.0});
+        }).find("settle_share is 1") != std::string::npos);
+  CHECK(error_text<samara::ArgumentError>([&] {
+          features(record, {.settle = 119.0});
+        }).find("settle is 119") != std::string::npos);
+  CHECK(error_text<samara::ArgumentError>([] { feature_of("tlit"); }).find("did you mean \"tilt\"") !=
+        std::string::npos);
+}
+
+TEST_CASE("captures become records, with the frames that were not seen left out and counted") {
+  samara::identification::Capture capture;
+  capture.id = "drop";
+  const MotionRecord source = card(0.61, 1.81, 1.21, 0.6, 0.5);
+  capture.times = source.times;
+  for (int c = 0; c < 3; ++c)
+    capture.channels.push_back({std::string(1, "xyz"[c]), "m", source.positions.col(c), {}});
+  capture.channels[1].values[20] = NAN;
+  const MotionRecord record = record_of(capture, 0.07);
+  CHECK(record.left_out == 1);
+  CHECK(record.frame_count() == source.frame_count() - 1);
+  CHECK_FALSE(record.has_attitude());
+  capture.channels[0].unit = "px";
+  CHECK(error_text<samara::ArgumentError>([&] {
+          record_of(capture);
+        }).find("capture \"drop\": x is in pixels") != std::string::npos);
+}

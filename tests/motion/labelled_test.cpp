@@ -1,0 +1,118 @@
+// Transitions with intervals, and labels of a person beside the rule.
+#include <cmath>
+#include <fstream>
+
+#include <catch2/catch.hpp>
+
+#include "known_motions.h"
+#include "samara/identification/captures/capture_file.h"
+#include "samara/motion/patterns/labelled_segments.h"
+#include "samara/motion/patterns/transitions.h"
+#include "tests/error_text.h"
+#include "tests/identification/measured_data.h"
+#include "tests/io/temporary_directory.h"
+
+using namespace samara::motion;
+using samara::identification::Capture;
+
+namespace {
+
+Capture capture_of(const std::string& id, const MotionRecord& record) {
+  Capture capture;
+  capture.id = id;
+  capture.times = record.times;
+  for (int c = 0; c < 3; ++c)
+    capture.channels.push_back({std::string(1, "xyz"[c]), "m", record.positions.col(c), {}});
+  return capture;
+}
+
+std::filesystem::path written(const TemporaryDirectory& folder, const std::string& text) {
+  const auto path = folder.path() / "labels.csv";
+  std::ofstream(path) << text;
+  return path;
+}
+
+}  // namespace
+
+TEST_CASE("transitions are counted between neighbours that are resolved, with the intervals of a beta") {
+  using P = Pattern;
+  const Transitions all = transitions({{P::zigzag, P::chaotic},
+                                       {P::zigzag, P::unresolved, P::chaotic, P::zigzag},
+                                       {P::zigzag, P::autorotation},
+                                       {P::zigzag}});
+  const auto at = [](Pattern p) { return static_cast<Eigen::Index>(p); };
+  CHECK(all.counts(at(P::zigzag), at(P::chaotic)) == 2);
+  CHECK(all.counts(at(P::zigzag), at(P::autorotation)) == 1);
+  CHECK(all.counts(at(P::chaotic), at(P::zigzag)) == 1);
+  CHECK(all.counts.sum() == 4);
+  // Three patterns were seen: (2 + 1/2)/(3 + 1).
+  CHECK(all.probability(at(P::zigzag), at(P::chaotic)) == Approx(0.625));
+  CHECK(all.probability.row(at(P::zigzag)).array().isNaN().count() == 6);
+  CHECK(all.lower(at(P::zigzag), at(P::chaotic)) < 0.2);
+  CHECK(all.upper(at(P::zigzag), at(P::chaotic)) > 0.9);
+  // Beta(1/2, 1/2) is the arcsine law: quantiles sin^2(pi p/2).
+  const double low = std::pow(std::sin(0.0125 * std::numbers::pi), 2.0);
+  CHECK(all.lower(at(P::autorotation), at(P::zigzag)) == Approx(low));
+  CHECK(all.upper(at(P::autorotation), at(P::zigzag)) == Approx(1.0 - low));
+}
+
+TEST_CASE("a person's words are compared with the rule on the same segments") {
+  const TemporaryDirectory folder;
+  const std::vector<Capture> captures = {capture_of("drops/a", plate({{"inertia_ratio", 0.8}})),
+                                         capture_of("drops/b", plate({{"inertia_ratio", 1.35}}))};
+  const PatternClasses classes = pattern_classes({"turns=autorotation", "swings=zigzag+steady"});
+  const auto segments = read_labelled_segments(
+      written(folder,
+              "capture,first_frame,last_frame,label\na,200,480,swings\nb,200,480,turns\nb,240,480,swings\n"),
+      classes);
+  const SegmentAgreement both = compare(segments, captures, classes, 2.0);
+  CHECK(both.words == std::vector<std::string>{"swings", "turns", "other"});
+  CHECK(both.agreement.confusion == (Eigen::Matrix3i() << 1, 1, 0, 0, 1, 0, 0, 0, 0).finished());
+  CHECK(both.labels[0].pattern == Pattern::zigzag);
+}
+
+TEST_CASE("labels that do not fit the captures are refused in one sentence") {
+  const TemporaryDirectory folder;
+  const std::vector<Capture> captures = {capture_of("drops/a", plate({{"inertia_ratio", 0.8}}))};
+  const auto refused = [&](const std::string& rows) {
+    return error_text<samara::InputError>(
+        [&] { read_labelled_segments(written(folder, "capture,first_frame,last_frame,label\n" + rows)); });
+  };
+  CHECK(refused("a,0,100,zigzga\n").find("did you mean \"zigzag\"") != std::string::npos);
+  CHECK(refused("a,0,100,zigzga\n").find("labels.csv:2") != std::string::npos);
+  CHECK(refused("a,9,9,zigzag\n").find("ends at frame 9, expected one after 9") != std::string::npos);
+  CHECK(refused("a,0.5,9,zigzag\n").find("has the frame 0.5") != std::string::npos);
+  CHECK(refused("").find("has no segments") != std::string::npos);
+  const auto unfit = [&](const LabelledSegment& segment) {
+    return error_text<samara::ArgumentError>([&] { compare({segment}, captures); });
+  };
+  CHECK(unfit({"c", 0, 100, "zigzag"}).find("labels name the capture \"c\"") == 0);
+  CHECK(unfit({"a", 0, 481, "zigzag"}).find("ends at frame 481, expected at most 480") != std::string::npos);
+  CHECK(error_text<samara::ArgumentError>([] { pattern_classes({"1:zigzag"}); }).find("WORD=PATTERN") !=
+        std::string::npos);
+}
+
+TEST_CASE("on measured drops of paper the rule agrees with a person beyond chance") {
+  const auto folder = measured_data("falling-paper-cambridge");
+  if (folder.empty()) return;
+  const TemporaryDirectory sidecars;
+  std::vector<Capture> captures;
+  for (const std::string shape : {"circle", "square", "hexagon", "cross"}) {
+    const auto sidecar = sidecars.path() / (shape + ".toml");
+    std::ofstream(sidecar)
+        << "group_by = [\"traj\"]\nstart = \"as given\"\n[columns]\nt_s = { quantity = \"t\", unit = "
+           "\"s\" }\nx_m = { quantity = \"x\", unit = \"m\" }\ny_m = { quantity = \"y\", unit = "
+           "\"m\" }\nz_m = { quantity = \"z\", unit = \"m\" }\n";
+    for (Capture& capture : samara::identification::read_captures(folder / (shape + ".csv"), sidecar))
+      captures.push_back(std::move(capture));
+  }
+  CHECK(captures.size() == 223);
+  // 1 tumbling, 2 chaotic, 3 steady or periodic.
+  const PatternClasses classes =
+      pattern_classes({"1=autorotation", "2=chaotic+mixed", "3=steady+zigzag+spiral+helix"});
+  const auto segments = read_labelled_segments(folder / "human_labels.csv", classes);
+  REQUIRE(segments.size() == 251);
+  const SegmentAgreement both = compare(segments, captures, classes, 0.06);
+  INFO(both.agreement.confusion);
+  CHECK(both.agreement.kappa > 0.3);
+}

@@ -1,0 +1,280 @@
+// Sweeps: what is run, the same bits whether interrupted or not, files, and plans that cannot be meant.
+#include "samara/motion/sweeps/sweep.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <catch2/catch.hpp>
+
+#include "known_motions.h"
+#include "samara/motion/sweeps/landing.h"
+#include "samara/motion/sweeps/pattern_map.h"
+#include "samara/motion/sweeps/sweep_file.h"
+#include "tests/error_text.h"
+#include "tests/io/temporary_directory.h"
+
+using namespace samara::motion;
+
+namespace {
+
+/// Thin plates from flutter to tumbling and chaos.
+const std::string kPlates = R"(model = "falling_plate_nd"
+[fixed]
+beta = 0
+[axes]
+inertia_ratio = { from = 0.8, to = 2.4, count = 9 }
+C_R = [1.4, 3.14159]
+[releases]
+tilt = [0.4, "40 deg"]
+[run]
+until = 120
+step = 0.05
+settle = 60
+)";
+
+SweepPlan plates(const std::string& more = "", const std::string& from = "", const std::string& to = "") {
+  std::string text = kPlates + more;
+  if (!from.empty()) text.replace(text.find(from), from.size(), to);
+  return parse_sweep_plan(text, "sweep.toml");
+}
+
+std::string refusal(const std::string& from, const std::string& to) {
+  return error_text<samara::InputError>([&] { plates("", from, to); });
+}
+
+void check_same_falls(const Sweep& first, const Sweep& second) {
+  REQUIRE(first.fall_count() == second.fall_count());
+  for (std::size_t n = 0; n < first.labels.size(); ++n) {
+    CHECK(first.labels[n].pattern == second.labels[n].pattern);
+    for (std::size_t f = 0; f < kFeatures; ++f) {
+      const double a = first.features[n].values[f], b = second.features[n].values[f];
+      CHECK((a == b || (std::isnan(a) && std::isnan(b))));
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a sweep labels each fall as its trajectory alone is labelled") {
+  const Sweep sweep = run_sweep(plates()).sweep;
+  REQUIRE(sweep.fall_count() == 36);
+  for (Eigen::Index n = 0; n < 36; n += 5) {
+    const Eigen::VectorXd point = sweep.points.row(sweep.point_of(n));
+    const double theta = sweep.releases[static_cast<std::size_t>(sweep.release_of(n))].tilt;
+    MotionRecord alone =
+        simulated("falling_plate_nd",
+                  {{"beta", 0.0}, {"inertia_ratio", point[0]}, {"C_R", point[1]}, {"theta(0)", theta}}, 120.0,
+                  0.2, 0.05);
+    const Features f = features(alone, {.settle = 60.0});
+    CHECK(sweep.labels[static_cast<std::size_t>(n)].pattern == label(f).pattern);
+    CHECK(sweep.features[static_cast<std::size_t>(n)][Feature::tilt] ==
+          Approx(f[Feature::tilt]).epsilon(1e-6));
+  }
+  const std::vector<int> counts = sweep.counts(0);
+  CHECK(counts[static_cast<std::size_t>(Pattern::zigzag)] > 3);
+  CHECK(counts[static_cast<std::size_t>(Pattern::autorotation)] >= 1);
+  CHECK(counts[static_cast<std::size_t>(Pattern::chaotic)] >= 1);
+}
+
+TEST_CASE(
+    "a sweep that was cancelled goes on from its checkpoint to the same bits, on any number of threads") {
+  const TemporaryDirectory folder;
+  const auto checkpoint = folder.path() / "sweep.h5.part";
+  const SweepPlan plan = plates("", "count = 9", "count = 700");  // 2,800 falls, three chunks
+  const Sweep whole = run_sweep(plan, {.threads = 1}).sweep;
+  int calls = 0;
+  const SweepResult cut = run_sweep(plan, {.progress =
+                                               [&](const samara::Progress& p) {
+                                                 ++calls;
+                                                 return p.fraction < 0.5;
+                                               },
+                                           .checkpoint = checkpoint});
+  CHECK_FALSE(cut.complete);
+  CHECK(cut.message.find("cancelled after ") == 0);
+  REQUIRE(cut.falls_done > 0);
+  REQUIRE(std::filesystem::exists(checkpoint));
+  CHECK(error_text<samara::InputError>([&] {
+          run_sweep(plates("", "count = 9", "count = 701"), {.checkpoint = checkpoint});
+        }).find("belongs to another plan") != std::string::npos);
+  const SweepResult resumed = run_sweep(plan, {.threads = 2, .checkpoint = checkpoint});
+  CHECK(resumed.complete);
+  CHECK(resumed.taken_up == cut.falls_done);
+  CHECK_FALSE(std::filesystem::exists(checkpoint));
+  check_same_falls(whole, resumed.sweep);
+}
+
+TEST_CASE("a sweep comes back from its file, trajectories as well, and damaged files are refused") {
+  const TemporaryDirectory folder;
+  const auto path = folder.path() / "sweep.h5";
+  const Sweep sweep = run_sweep(plates("keep = \"trajectories\"\n[labels]\nsteady_tilt = 0.25\n")).sweep;
+  save(sweep, path);
+  REQUIRE(is_sweep(path));
+  const Sweep again = load_sweep(path);
+  check_same_falls(sweep, again);
+  CHECK(again.points == sweep.points);
+  CHECK(again.axes == sweep.axes);
+  CHECK(again.thresholds.steady_tilt == 0.25);
+  CHECK(again.names == std::vector<std::string>{"inertia_ratio", "C_R"});
+  CHECK(again.labels[3].why == sweep.labels[3].why);
+  REQUIRE(again.trajectories.size() == sweep.trajectories.size());
+  CHECK(again.trajectories[7] == sweep.trajectories[7]);
+  CHECK(again.times[again.times.size() - 1] == Approx(120.0));
+  CHECK(again.trajectories[7](0, 3) == Approx(40.0 * std::numbers::pi / 180.0));
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  CHECK_FALSE(is_sweep(path));
+  CHECK_FALSE(error_text<samara::InputError>([&] { load_sweep(path); }).empty());
+  CHECK(error_text<samara::InputError>([&] { load_sweep(folder.path() / "no.h5"); }).find("no.h5") !=
+        std::string::npos);
+}
+
+TEST_CASE("exponents are those of the model sheet, and a fall in a plane is disturbed within it") {
+  const Sweep plane = run_sweep(plates("spread = true\n", "until = 120", "until = 600")).sweep;
+  for (Eigen::Index n = 0; n < plane.fall_count(); ++n) {
+    const Features& f = plane.features[static_cast<std::size_t>(n)];
+    const double I = plane.points(plane.point_of(n), 0),
+                 exponent = f[Feature::spread] / f[Feature::swing_time];
+    if (plane.points(plane.point_of(n), 1) < 3.0) continue;
+    INFO("I* " << I << ", exponent " << exponent);
+    if (I >= 1.8) CHECK(exponent == Approx(0.12).margin(0.06));
+    if (I <= 1.1) CHECK(std::abs(exponent) < 0.02);
+  }
+  const std::string card = R"(model = "immersed_body"
+[fixed]
+a = "3.5 cm"
+b = "2 cm"
+c = "0.01 cm"
+density = 1200
+C_D0 = 0.05
+C_w = 2
+C_T = 2.71
+C_R = 0.91
+[axes]
+C_D90 = [0.61]
+[releases]
+tilt = ["10 deg"]
+axis = ["0 deg", "35 deg"]
+[run]
+until = "4 s"
+step = "1 ms"
+settle = "2 s"
+spread = true
+)";
+  const Sweep body = run_sweep(parse_sweep_plan(card, "card.toml")).sweep;
+  CHECK(body.labels[0].pattern == Pattern::autorotation);
+  CHECK(body.labels[1].pattern == Pattern::chaotic);
+  CHECK(std::abs(body.features[0][Feature::spread]) < 0.05);
+  CHECK(body.features[1][Feature::spread] > 0.1);
+}
+
+TEST_CASE("falls end on the ground, and where they land is counted by pattern") {
+  const Sweep sweep = run_sweep(plates("height = 30\n", "until = 120", "until = 240")).sweep;
+  int landed = 0;
+  for (Eigen::Index n = 0; n < sweep.fall_count(); ++n) {
+    if (sweep.status[static_cast<std::size_t>(n)] != FallStatus::landed) continue;
+    ++landed;
+    CHECK(sweep.landing(n, 2) <= sweep.reached[n]);
+    CHECK(sweep.landing(n, 2) > sweep.reached[n] - 0.21);
+    CHECK(sweep.landing(n, 1) == 0.0);
+  }
+  CHECK(landed == 36);
+  double share = 0.0;
+  int falls = 0;
+  for (const LandingStatistics& s : landing_statistics(sweep, 1)) {
+    share += s.share;
+    falls += s.falls;
+    CHECK(s.distance >= std::abs(s.mean.x()) - 1e-12);
+    if (s.falls > 1) CHECK(s.mean_error.x() == Approx(std::sqrt(s.covariance(0, 0) / s.falls)));
+  }
+  CHECK(share == Approx(1.0));
+  CHECK(falls == 18);
+}
+
+TEST_CASE("a map says what lies where, how surely, and how far the border is") {
+  // A checkerboard would have no regions: the falls of a plate have some.
+  const Sweep sweep =
+      run_sweep(plates("", "C_R = [1.4, 3.14159]", "C_R = { from = 2.2, to = 3.2, count = 9 }")).sweep;
+  const PatternMap map(sweep, 0);
+  CHECK(map.left_one_out() > 0.5);
+  Eigen::Index points = 0;
+  for (const MapRegion& region : map.regions()) points += region.falls;
+  CHECK(points == 81);
+  CHECK(map.border_share() > 0.0);
+  CHECK(map.border_share() < 1.0);
+  const Eigen::Vector2d width(1.6, 1.0);
+  for (Eigen::Index n = 10; n < 71; n += 6) {
+    if (n % 9 == 0 || n % 9 == 8) continue;  // at the edge, farther points are asked
+    const Eigen::Vector2d point = sweep.points.row(n);
+    const MapAnswer answer = map.at(point);
+    double border = 1e9;
+    int around = 0;
+    for (Eigen::Index m = 0; m < 81; ++m) {
+      const double distance = (sweep.points.row(m).transpose() - point).cwiseQuotient(width).norm();
+      if (map.pattern(m) != answer.pattern) border = std::min(border, distance);
+      // The eight around it, of which seven are asked.
+      around += distance < 1.5 / 8.0 && map.pattern(m) == answer.pattern;
+    }
+    CHECK(answer.distance_to_border == Approx(border).margin(1e-12));
+    CHECK(answer.probability <= around / 7.0 + 1e-12);
+    CHECK(answer.probability >= 1.0 / 7.0 - 1e-12);
+  }
+  samara::Stream stream(1, 0);
+  for (int k = 0; k < 20; ++k) CHECK(map.at(map.draw(Pattern::zigzag, stream)).probability > 0.4);
+  CHECK(error_text<samara::ArgumentError>([&] {
+          map.draw(Pattern::helix, stream);
+        }).find("helix is 0 of 81 points") != std::string::npos);
+  CHECK(error_text<samara::ArgumentError>([&] {
+          map.at(Eigen::Vector2d(9.0, 2.5));
+        }).find("inside the box") != std::string::npos);
+}
+
+TEST_CASE("a refined grid runs only what lies between different labels") {
+  const SweepPlan plan =
+      plates("[refine]\nrounds = 1\n", "C_R = [1.4, 3.14159]", "C_R = { from = 2.2, to = 3.2, count = 9 }");
+  Sweep sweep = run_sweep(plan).sweep;
+  const Sweep coarse = sweep;
+  REQUIRE(refine(plan, {}, sweep));
+  CHECK(sweep.points.rows() == 17 * 17);
+  CHECK(sweep.fall_count() == 2 * 17 * 17);
+  const auto inherited = std::ranges::count(sweep.status, FallStatus::inherited);
+  CHECK(inherited > 50);
+  // Old points stay as they were, and a fall that was run is the plan's own at its point.
+  for (Eigen::Index n = 0; n < coarse.points.rows(); ++n) {
+    Eigen::Index same = -1;
+    for (Eigen::Index m = 0; m < sweep.points.rows(); ++m) {
+      if ((sweep.points.row(m) - coarse.points.row(n)).norm() < 1e-12) same = m;
+    }
+    REQUIRE(same >= 0);
+    CHECK(sweep.labels[static_cast<std::size_t>(2 * same)].pattern ==
+          coarse.labels[static_cast<std::size_t>(2 * n)].pattern);
+    CHECK(sweep.status[static_cast<std::size_t>(2 * same)] != FallStatus::inherited);
+  }
+  const SweepPlan drawn = plates("[sample]\ncount = 100\nseed = 3\n",
+                                 "inertia_ratio = { from = 0.8, to = 2.4, count = 9 }\nC_R = [1.4, 3.14159]",
+                                 "inertia_ratio = { from = 0.8, to = 2.4 }\nC_R = { from = 1.4, to = 3.2 }");
+  Sweep sample = run_sweep(drawn).sweep;
+  REQUIRE(refine(drawn, {}, sample));
+  CHECK(sample.points.rows() == 120);
+  CHECK(sample.fall_count() == 240);
+}
+
+TEST_CASE("plans of sweeps that cannot be meant are refused with their line") {
+  CHECK(refusal("inertia_ratio", "inertia_rato").find("sweep.toml:5: [axes] inertia_rato") == 0);
+  CHECK(refusal("inertia_ratio", "inertia_rato").find("did you mean \"inertia_ratio\"") != std::string::npos);
+  CHECK(refusal("from = 0.8", "from = 8").find("goes from 8 to 2.4, expected from < to") !=
+        std::string::npos);
+  CHECK(refusal("from = 0.8", "from = -1").find("inertia_ratio") != std::string::npos);
+  CHECK(refusal("count = 9", "count = 1").find("is 1, expected 2 to") != std::string::npos);
+  CHECK(refusal("count = 9", "count = 9000000").find("expected at most 10000000") != std::string::npos);
+  CHECK(refusal("[1.4, 3.14159]", "[3.0, 1.4]").find("expected them to increase") != std::string::npos);
+  CHECK(refusal("settle = 60", "settle = 119").find("which leaves 5 frames") != std::string::npos);
+  CHECK(refusal("step = 0.05", "step = 0").find("is 0, expected more than 0") != std::string::npos);
+  CHECK(refusal("falling_plate_nd", "vertical_fall").find("its motions have no patterns") !=
+        std::string::npos);
+  CHECK(refusal("beta = 0", "beta = 0\ntheta(0) = 1").find("sweep.toml:") == 0);
+  CHECK(refusal("beta = 0", "beta = 0\n\"theta(0)\" = 1").find("stands beside theta(0)") !=
+        std::string::npos);
+  CHECK(refusal("tilt = [0.4, \"40 deg\"]", "tilt = [0.4]\naxis = [0.0]").find("axis") != std::string::npos);
+  CHECK(
+      refusal("settle = 60", "settle = 60\n[labels]\nsteady_tlit = 1").find("did you mean \"steady_tilt\"") !=
+      std::string::npos);
+}
