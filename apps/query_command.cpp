@@ -9,6 +9,7 @@
 #include "output.h"
 #include "samara/base/errors.h"
 #include "samara/base/unit_labels.h"
+#include "samara/codebooks/book/book_model.h"
 #include "samara/codebooks/composition/codebook_trajectories.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/query/derived_query.h"
