@@ -13,8 +13,8 @@ namespace samara::benchmarks::motion_cases {
 
 inline constexpr const char* kMotion = "motion";
 
-/// Seeds of the figures, drawn after the rule and its thresholds were frozen: those used while they were made are 7
-/// and 11 to 14.
+/// Seeds of the figures, drawn after the rule and its thresholds were frozen: those used while they were made are 7,
+/// 11 and 12.
 std::vector<std::uint64_t> fresh_seeds(const Options& options);
 
 /// Labels of one seed: by the truth, the rule, and clusters of the source's (d, e).

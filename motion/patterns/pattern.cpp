@@ -97,11 +97,12 @@ PatternLabel label_positions(const Features& f, const PatternThresholds& limits)
         fmt::format("steady so far, over {:.2g} lengths of the body", f[Feature::lengths]));
   if (goes_round(decision, f, limits))
     return decision.is(decision.is_below(Feature::wobble, limits.wobble) ? Pattern::spiral : Pattern::helix);
-  if (f[Feature::swings] < limits.fewest_swings) {
-    return Decision::unresolved(
-        fmt::format("{} swings, fewer than {:g}", f[Feature::swings], limits.fewest_swings));
-  }
-  if (f[Feature::veers] < limits.veers && decision.is_above(Feature::straightness, limits.straightness))
+  const bool onward = f[Feature::veers] < limits.veers && !(f[Feature::straightness] < limits.straightness);
+  // Of what walks straight on, a swing is half a turn, and one less is enough.
+  const double fewest = onward ? limits.fewest_swings - 1.0 : limits.fewest_swings;
+  if (f[Feature::swings] < fewest)
+    return Decision::unresolved(fmt::format("{} swings, fewer than {:g}", f[Feature::swings], fewest));
+  if (onward && decision.is_above(Feature::straightness, limits.straightness))
     return decision.is(Pattern::autorotation);
   const bool chaotic = f.knows(Feature::spread)
                            ? decision.is_above(Feature::spread, limits.spread)
