@@ -20,8 +20,7 @@ struct SphereFlightInGusts {
     info.equations =
         "(m + m_a) v_r' = -1/2 rho A (C_D (1 + Re_drag/Re) + spin_drag S) V v_r + 1/2 rho A C_M r w_r x "
         "v_r/(1 + "
-        "magnus_saturation S) + (m - m_f) (0, 0, -g) + m_f Dw_air/Dt - m dw_air/dt;  "
-        "v' = v_r' + dw_air/dt;  "
+        "magnus_saturation S) + (m - m_f) (0, 0, -g) + m_f a_f - m dw_air/dt;  "
         "v_r = v - w_air;  "
         "(x, y, z)' = v;  "
         "w' = -spin_decay w_r;  "
@@ -31,9 +30,8 @@ struct SphereFlightInGusts {
         "Re = diameter V/nu;  "
         "A = pi r^2;  r = diameter/2;  rho = fluid_density;  m = mass;  m_a = added_mass;  m_f = "
         "displaced_mass;  "
-        "w_air = (gust_x, gust_y, gust_z) + (t - gust_start) dw_air/dt;  "
-        "dw_air/dt = (gust_rate_x, gust_rate_y, gust_rate_z);  "
-        "Dw_air/Dt = (gust_material_x, gust_material_y, gust_material_z)";
+        "w_air = (gust_x, gust_y, gust_z) + (t - gust_start) (gust_rate_x, gust_rate_y, gust_rate_z);  "
+        "a_f = (gust_material_x, gust_material_y, gust_material_z)";
     info.validity +=
         ". A fluid that is the same over the diameter. Realisations (samara simulate --realisations) set the "
         "gust "

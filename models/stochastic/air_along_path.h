@@ -14,7 +14,7 @@
 namespace samara::models {
 
 /// A body at the start of a step.
-struct BodyMotion {
+struct BodyOnPath {
   double t = 0.0;                                          ///< [s]
   Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< over the ground [m/s]
@@ -46,11 +46,11 @@ class AirAlongPath {
   virtual ~AirAlongPath() = default;
 
   /// The air at the start; called once, before all steps.
-  virtual AirSeen start(const BodyMotion& body) = 0;
+  virtual AirSeen start(const BodyOnPath& body) = 0;
 
   /// The air at the end of a step of length h [s] from where the body is. Its velocity there may be predicted:
   /// position + h velocity.
-  virtual AirSeen step(const BodyMotion& body, double h) = 0;
+  virtual AirSeen step(const BodyOnPath& body, double h) = 0;
 
   /// Whether `response_time` is of use at the next step: it costs as much as the step itself.
   virtual bool needs_response() const { return false; }

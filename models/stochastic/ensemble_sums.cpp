@@ -32,8 +32,7 @@ void Moments::add(const Eigen::VectorXd& x) {
   ++count_;
   const Eigen::VectorXd before = x - mean_;
   mean_ += before / static_cast<double>(count_);
-  // Symmetric to the bit.
-  squares_ += (1.0 - 1.0 / static_cast<double>(count_)) * (before * before.transpose());
+  squares_.selfadjointView<Eigen::Lower>().rankUpdate(before, 1.0 - 1.0 / static_cast<double>(count_));
 }
 
 void Moments::merge(const Moments& other) {
@@ -41,14 +40,16 @@ void Moments::merge(const Moments& other) {
   const auto n = static_cast<double>(count_), m = static_cast<double>(other.count_);
   const Eigen::VectorXd apart = other.mean_ - mean_;
   mean_ += m / (n + m) * apart;
-  squares_ += other.squares_ + n * m / (n + m) * (apart * apart.transpose());
+  squares_ += other.squares_;
+  squares_.selfadjointView<Eigen::Lower>().rankUpdate(apart, n * m / (n + m));
   count_ += other.count_;
 }
 
 Eigen::MatrixXd Moments::covariance() const {
   if (count_ < 2)
     return Eigen::MatrixXd::Constant(mean_.size(), mean_.size(), std::numeric_limits<double>::quiet_NaN());
-  return squares_ / static_cast<double>(count_ - 1);
+  const Eigen::MatrixXd all = squares_.selfadjointView<Eigen::Lower>();
+  return all / static_cast<double>(count_ - 1);
 }
 
 void TimeSums::merge(const TimeSums& other) {
@@ -69,7 +70,11 @@ void StepCounts::add(double h, double time_scale) {
   if (time_scale <= 0.0) {
     bin = 0;
   } else if (std::isfinite(time_scale)) {
-    bin = std::clamp(static_cast<int>(std::floor(kPerOctave * std::log2(time_scale))) - kLeast, 0, kBins - 1);
+    int octave = 0;  // time_scale = (0.5 to 1) 2^octave
+    const double mantissa = std::frexp(time_scale, &octave);
+    bin =
+        std::clamp(kPerOctave * (octave - 1) + static_cast<int>(kPerOctave * (2.0 * mantissa - 1.0)) - kLeast,
+                   0, kBins - 1);
   }
   ++by_scale_[static_cast<std::size_t>(bin)];
 }
@@ -86,7 +91,8 @@ double StepCounts::scale_below(double share) const {
   for (int bin = 0; bin < kBins - 1; ++bin) {
     below += by_scale_[static_cast<std::size_t>(bin)];
     if (static_cast<double>(below) >= share * static_cast<double>(steps_) && below > 0)
-      return std::exp2(static_cast<double>(bin + kLeast) / kPerOctave);
+      return std::ldexp(1.0 + static_cast<double>(bin % kPerOctave) / kPerOctave,
+                        (bin + kLeast - bin % kPerOctave) / kPerOctave);
   }
   return std::numeric_limits<double>::infinity();
 }

@@ -44,7 +44,7 @@ class Moments {
  private:
   long count_ = 0;
   Eigen::VectorXd mean_;
-  Eigen::MatrixXd squares_;
+  Eigen::MatrixXd squares_;  ///< the lower half
 };
 
 /// Of a quantity at one time.

@@ -3,8 +3,8 @@
 #include <array>
 
 #include "samara/base/errors.h"
+#include "samara/base/normals.h"
 #include "samara/base/require.h"
-#include "samara/base/streams.h"
 #include "samara/models/batch/batch_tasks.h"
 #include "samara/models/integrators/trajectory_tools.h"
 #include "samara/models/stochastic/langevin.h"

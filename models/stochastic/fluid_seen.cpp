@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "samara/base/errors.h"
+#include "samara/base/normals.h"
 #include "samara/base/require.h"
-#include "samara/base/streams.h"
 #include "samara/models/stochastic/langevin.h"
 
 namespace samara::models {
@@ -14,15 +14,48 @@ namespace {
 
 enum NoiseStream : std::uint16_t { kGustNoise = 1, kSpinNoise = 2 };
 
+/// Standard normals of one realisation, step after step, made a few ahead.
+class NoiseAhead {
+ public:
+  NoiseAhead(std::uint64_t seed, std::uint64_t number, bool mirrored, NoiseStream stream)
+      : seed_(seed), place_{.realisation = number, .stream = stream}, sign_(mirrored ? -1.0 : 1.0) {}
+
+  Eigen::Vector3d next() {
+    if (used_ == ahead_.size()) {
+      normals_from(seed_, place_, ahead_);
+      place_.step += ahead_.size();
+      used_ = 0;
+    }
+    const std::array<double, 4>& z = ahead_[used_++];
+    return sign_ * Eigen::Vector3d(z[0], z[1], z[2]);
+  }
+
+ private:
+  std::uint64_t seed_;
+  RandomPlace place_;
+  double sign_;
+  std::array<std::array<double, 4>, 16> ahead_;
+  std::size_t used_ = ahead_.size();
+};
+
+/// What an exponential relaxation keeps over a step, and the noise that makes up for the rest.
+struct Relaxation {
+  explicit Relaxation(double steps) : kept(std::exp(-steps)), noise(std::sqrt((1.0 - kept) * (1.0 + kept))) {}
+  double kept, noise;
+};
+
 class FluidSeen final : public AirAlongPath {
  public:
   FluidSeen(const TurbulentFlow& flow, std::uint64_t seed, const SeenOptions& options, std::uint64_t number,
             bool mirrored)
-      : flow_(flow), seed_(seed), options_(options), number_(number), sign_(mirrored ? -1.0 : 1.0) {}
+      : flow_(flow),
+        options_(options),
+        gusts_(seed, number, mirrored, kGustNoise),
+        spins_(seed, number, mirrored, kSpinNoise) {}
 
-  AirSeen start(const BodyMotion& body) override {
-    w_ = normals(kGustNoise);
-    if (options_.rotation) spin_ = normals(kSpinNoise);
+  AirSeen start(const BodyOnPath& body) override {
+    w_ = gusts_.next();
+    if (options_.rotation) spin_ = spins_.next();
     const Turbulence here = flow_.turbulence(body.t, body.position);
     has_gradient_ = !here.sigma_gradient.isZero(0.0);
     AirSeen seen = seen_at(body.t, body.position, here);
@@ -30,8 +63,7 @@ class FluidSeen final : public AirAlongPath {
     return seen;
   }
 
-  AirSeen step(const BodyMotion& body, double h) override {
-    ++step_;
+  AirSeen step(const BodyOnPath& body, double h) override {
     const double t = body.t + 0.5 * h;
     const Eigen::Vector3d middle = body.position + 0.5 * h * body.velocity;
     const Turbulence energy = flow_.turbulence(t, middle);
@@ -54,12 +86,6 @@ class FluidSeen final : public AirAlongPath {
   bool needs_response() const override { return has_gradient_; }
 
  private:
-  Eigen::Vector3d normals(NoiseStream stream) const {
-    const std::array<double, 4> z =
-        normals_at(seed_, {.realisation = number_, .step = step_, .stream = stream});
-    return sign_ * Eigen::Vector3d(z[0], z[1], z[2]);
-  }
-
   /// sigma of what the body sees of it.
   double attenuated(const LangevinScales& scales) const {
     if (options_.radius == 0.0 || !(scales.L > 0.0)) return scales.sigma;
@@ -74,21 +100,24 @@ class FluidSeen final : public AirAlongPath {
     return seen;
   }
 
-  void move_gust(const BodyMotion& body, double h, const Turbulence& energy, const LangevinScales& scales,
+  void move_gust(const BodyOnPath& body, double h, const Turbulence& energy, const LangevinScales& scales,
                  double sigma) {
     shortest_time_ = scales.T;
     if (!(scales.sigma > 0.0)) return;  // still fluid keeps w for where it is not
-    const double blend = -std::expm1(-h / scales.T);
-    mean_u_r_ += blend * (body.velocity - body.air - mean_u_r_);
+    if (h / scales.T != blend_steps_) {
+      blend_steps_ = h / scales.T;
+      blend_ = -std::expm1(-blend_steps_);
+    }
+    mean_u_r_ += blend_ * (body.velocity - body.air - mean_u_r_);
     const double speed = mean_u_r_.norm();
     const double b = 0.565 * 6.0 / scales.C_0;
     const double bs = options_.crossing ? b * speed / scales.sigma : 0.0;
     const double T_along = scales.T / std::sqrt(1.0 + bs * bs);
     const double T_across = scales.T / std::sqrt(1.0 + 4.0 * bs * bs);
     shortest_time_ = T_across;
-    const LangevinStep along(h / T_along), across(h / T_across);
+    const Relaxation along(h / T_along), across(h / T_across);
     const Eigen::Vector3d axis = speed > 0.0 ? Eigen::Vector3d(mean_u_r_ / speed) : Eigen::Vector3d::UnitX();
-    const Eigen::Vector3d xi = normals(kGustNoise);
+    const Eigen::Vector3d xi = gusts_.next();
     Eigen::Vector3d next = across.kept * w_ + across.noise * xi;
     next += ((along.kept - across.kept) * axis.dot(w_) + (along.noise - across.noise) * axis.dot(xi)) * axis;
     if (has_gradient_) {
@@ -102,14 +131,14 @@ class FluidSeen final : public AirAlongPath {
 
   /// The drift is that of the fluid's own particles: a body has of it what it follows at once, and of the rest what its
   /// drag follows in the time of an eddy (P. A. Bocksell, E. Loth, Int. J. Multiphase Flow 32 (2006) 1234-1253).
-  static double share_of_drift(const BodyMotion& body, double T) {
+  static double share_of_drift(const BodyOnPath& body, double T) {
     const double at_once = body.follows.trace() / 3.0;
     return at_once + (1.0 - at_once) / (1.0 + body.response_time / T);
   }
 
   void move_spin(double h, double epsilon) {
-    const LangevinStep spin(h * eddy_rate(epsilon));
-    spin_ = spin.kept * spin_ + spin.noise * normals(kSpinNoise);
+    const Relaxation spin(h * eddy_rate(epsilon));
+    spin_ = spin.kept * spin_ + spin.noise * spins_.next();
   }
 
   /// (epsilon/l^2)^(1/3)
@@ -119,15 +148,13 @@ class FluidSeen final : public AirAlongPath {
   }
 
   const TurbulentFlow& flow_;
-  std::uint64_t seed_;
   SeenOptions options_;
-  std::uint64_t number_;
-  double sign_;
-  std::uint64_t step_ = 0;
+  NoiseAhead gusts_, spins_;
   Eigen::Vector3d w_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d spin_ = Eigen::Vector3d::Zero();
   /// Relative to the fluid seen, averaged over an eddy's time: what a particle of the fluid has is zero.
   Eigen::Vector3d mean_u_r_ = Eigen::Vector3d::Zero();
+  double blend_steps_ = 0.0, blend_ = 0.0;  ///< of that average, by h/T
   double shortest_time_ = 0.0;
   bool has_gradient_ = false;
 };

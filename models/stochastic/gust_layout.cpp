@@ -97,7 +97,7 @@ GustLayout::GustLayout(const Model& model) {
 
 Eigen::Matrix3d GustLayout::follows(const Model& model, std::span<const double> x, ParameterValues p) const {
   const auto states = static_cast<std::size_t>(model.info().states.size());
-  BodyMotion motion;
+  BodyOnPath motion;
   read([&](int i) { return x[static_cast<std::size_t>(i)]; }, motion);
   const auto acceleration = [&](const Eigen::Vector3d& rate) {
     write([&](int j, double value) { p.value[static_cast<std::size_t>(j)] = value; }, 0.0,

@@ -39,14 +39,14 @@ class GustLayout {
   /// Place, velocity and attitude in the world; the rest of `motion` stays.
   /// @param state(i) gives state i
   template <class State>
-  void read(const State& state, BodyMotion& motion) const;
+  void read(const State& state, BodyOnPath& motion) const;
 
   /// Sets the ramp of one step: set(parameter, value).
   template <class Set>
   void write(const Set& set, double start, const Eigen::Vector3d& velocity, const Eigen::Vector3d& rate,
              const Eigen::Vector3d& material, const Eigen::Vector3d& spin) const;
 
-  /// BodyMotion::follows in body axes, from the accelerations that the model gives for unit rates of the air.
+  /// BodyOnPath::follows in body axes, from the accelerations that the model gives for unit rates of the air.
   /// @param p complete, all given
   Eigen::Matrix3d follows(const Model& model, std::span<const double> x, ParameterValues p) const;
 
@@ -63,7 +63,7 @@ class GustLayout {
 double outline_radius(const ModelInfo& info, std::span<const double> parameters);
 
 template <class State>
-void GustLayout::read(const State& state, BodyMotion& motion) const {
+void GustLayout::read(const State& state, BodyOnPath& motion) const {
   const auto vector = [&](const std::vector<int>& of) {
     return Eigen::Vector3d(state(of[0]), state(of[1]), state(of[2]));
   };

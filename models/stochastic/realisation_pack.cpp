@@ -31,7 +31,7 @@ class TurnCounter {
 /// One realisation on its way, in one lane.
 struct Flight {
   std::unique_ptr<AirAlongPath> air;
-  BodyMotion body;
+  BodyOnPath body;
   Eigen::Vector3d start = Eigen::Vector3d::Zero();
   TurnCounter turns;
   RealisationRecord record;
@@ -110,7 +110,7 @@ class FlightPack {
 
   /// Sets the ramp of the coming step.
   void meet_air(Flight& flight, int lane, double t, double h) {
-    BodyMotion& body = flight.body;
+    BodyOnPath& body = flight.body;
     body.t = t;
     body.follows = body.attitude * plan_.follows * body.attitude.transpose();
     if (flight.air->needs_response()) body.response_time = response_(lanes_, lane, t, body.air);
@@ -131,8 +131,8 @@ class FlightPack {
     const Eigen::Vector3d before = flight.body.position;
     look(flight, lane);
     const Eigen::Vector3d& now = flight.body.position;
-    lanes_.read(lane, state_);
-    if (!all_finite(state_)) {
+    // What is not finite in any state is so in these at the next step, too.
+    if (!now.allFinite() || !flight.body.velocity.allFinite()) {
       flight.record.status = RealisationStatus::not_finite;
     } else if (plan_.ground && now.z() <= *plan_.ground) {
       const double share = (before.z() - *plan_.ground) / (before.z() - now.z());
@@ -152,6 +152,11 @@ class FlightPack {
 
   void write(Flight& flight, int lane, Eigen::Index k) {
     RealisationRecord& record = flight.record;
+    lanes_.read(lane, state_);
+    if (!all_finite(state_)) {
+      record.status = RealisationStatus::not_finite;
+      return;
+    }
     for (Eigen::Index s = 0; s < record.chosen.cols(); ++s)
       record.chosen(k, s) = lanes_.state(plan_.states[static_cast<std::size_t>(s)], lane);
     for (Eigen::Index s = 0; s < record.all.cols(); ++s)

@@ -24,7 +24,7 @@ struct RealisationPlan {
   bool antithetic = false;
   std::vector<int> states;  ///< whose statistics are kept
   GustLayout layout;
-  Eigen::Matrix3d follows;  ///< BodyMotion::follows, in body axes
+  Eigen::Matrix3d follows;  ///< BodyOnPath::follows, in body axes
 };
 
 /// What became of one realisation.

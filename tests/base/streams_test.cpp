@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "samara/base/normals.h"
+
 using samara::Stream;
 
 TEST_CASE("a stream gives the published numbers of its generator") {
@@ -59,4 +61,20 @@ TEST_CASE("blocks of random numbers have the published known answers of Philox 4
         Block{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd});
   CHECK(samara::philox_block({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}) ==
         Block{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1});
+}
+
+TEST_CASE("normal numbers are those of Box and Muller, whether one is asked for or many") {
+  std::array<std::array<double, 4>, 1000> many;
+  samara::normals_from(77, {.realisation = 5, .step = 40, .stream = 3}, many);
+  for (std::size_t k = 0; k < many.size(); ++k) {
+    const std::uint64_t step = 40 + k;
+    CHECK(many[k] == samara::normals_at(77, {.realisation = 5, .step = step, .stream = 3}));
+    const auto bits = samara::philox_block({static_cast<std::uint32_t>(step), 3u << 16, 5, 0}, {77, 0});
+    for (std::size_t pair = 0; pair < 4; pair += 2) {
+      const double radius = std::sqrt(-2.0 * std::log((bits[pair] + 0.5) * 0x1p-32));
+      const double angle = 2.0 * std::acos(-1.0) * (bits[pair + 1] + 0.5) * 0x1p-32;
+      CHECK(std::abs(many[k][pair] - radius * std::cos(angle)) < 1e-14);
+      CHECK(std::abs(many[k][pair + 1] - radius * std::sin(angle)) < 1e-14);
+    }
+  }
 }

@@ -149,12 +149,30 @@ Quantity rate_of_linear_wind(Equations& e) {
   return constant(Eigen::Vector3d(up * e.lookup("shear_x").number(), up * e.lookup("shear_y").number(), 0.0));
 }
 
+/// Rates are taken at t = 0.
+Quantity time_itself(Equations&) {
+  return {0.0, 1.0};
+}
+
+Quantity material_rate_of_gust(Equations& e) {
+  const auto at = [&](const char* axis) { return e.lookup(std::string("gust_material_") + axis).number(); };
+  return constant(Eigen::Vector3d(at("x"), at("y"), at("z")));
+}
+
 /// A change of these clauses must be followed by a change here.
 Words words_of(const std::string& model) {
   if (model == "immersed_body") {
     return in_ambient_flow([](Equations&) { return constant(Eigen::Vector3d::Zero()); });
   }
   if (model == "immersed_body_in_wind") return in_ambient_flow(rate_of_linear_wind);
+  if (model == "immersed_body_in_gusts") {
+    Words words = in_ambient_flow(material_rate_of_gust);
+    words.prose.insert("Dw_air/Dt is (gust_material_x, gust_material_y, gust_material_z)");
+    words.supplied["t"] = time_itself;
+    return words;
+  }
+  if (model == "falling_plate_in_gusts" || model == "sphere_flight_in_gusts")
+    return {{}, {{"t", time_itself}}};
   if (model == "kirchhoff_body") return {{}, {{"R", turn}, {"K", symmetric_K}, {"M_body", kirchhoff_mass}}};
   if (model == "coefficient_body") {
     return {{"E: the axes of flow, body x, y, z turned by beta about z, then by -alpha about y"},

@@ -183,7 +183,7 @@ TEST_CASE("a body that crosses the eddies sees them pass in a shorter time, most
     double products = 0.0;
     for (std::uint64_t n = 0; n < kPaths; ++n) {
       const auto path = source->realisation(n, false);
-      BodyMotion body = {.velocity = {speed, 0.0, 0.0}};
+      BodyOnPath body = {.velocity = {speed, 0.0, 0.0}};
       body.air = path->start(body).velocity;
       for (int step = 0; step < kSteps; ++step) {
         const Eigen::Vector3d before = body.air;
@@ -234,7 +234,7 @@ TEST_CASE("a rotational gust has the deviation and the memory of the eddies larg
   constexpr int kPaths = 20000;
   for (std::uint64_t n = 0; n < kPaths; ++n) {
     const auto path = source->realisation(n, false);
-    BodyMotion body;
+    BodyOnPath body;
     const AirSeen start = path->start(body);
     body.air = start.velocity;
     const AirSeen then = path->step(body, 1.0 / rate);

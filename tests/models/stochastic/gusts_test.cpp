@@ -5,7 +5,7 @@
 
 #include "../bodies_in_flow.h"
 #include "samara/base/errors.h"
-#include "samara/base/streams.h"
+#include "samara/base/normals.h"
 #include "samara/models/laws/ambient_flow.h"
 #include "samara/models/laws/registry.h"
 #include "samara/models/stochastic/gust_layout.h"
@@ -75,8 +75,8 @@ class JumpyAir final : public AirSource {
   class Path final : public AirAlongPath {
    public:
     explicit Path(std::uint64_t number) : number_(number) {}
-    AirSeen start(const BodyMotion&) override { return {}; }
-    AirSeen step(const BodyMotion&, double) override { return {.velocity = velocity(number_, ++step_)}; }
+    AirSeen start(const BodyOnPath&) override { return {}; }
+    AirSeen step(const BodyOnPath&, double) override { return {.velocity = velocity(number_, ++step_)}; }
 
    private:
     std::uint64_t number_, step_ = 0;
@@ -94,7 +94,7 @@ double distance_from_air(const std::string& name, const Parameters& values) {
   double worst = 0.0;
   for (std::size_t n = 0; n < cloud.kept.size(); ++n) {
     for (Eigen::Index k = 0; k < cloud.times.size(); ++k) {
-      BodyMotion body;
+      BodyOnPath body;
       layout.read([&](int i) { return cloud.kept[n](k, i); }, body);
       Eigen::Vector3d air = JumpyAir::velocity(n, static_cast<std::uint64_t>(k));
       if (layout.space() == GustLayout::Space::plane) air.y() = 0.0;

@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/base/streams.h"
+#include "samara/base/normals.h"
 #include "samara/models/batch/batch.h"
 #include "samara/models/laws/registry.h"
 #include "samara/models/stochastic/fluid_seen.h"
@@ -79,8 +79,8 @@ class SharedGenerator final : public AirSource {
   class Path final : public AirAlongPath {
    public:
     explicit Path(std::mt19937& generator) : generator_(generator) {}
-    AirSeen start(const BodyMotion&) override { return {}; }
-    AirSeen step(const BodyMotion&, double) override {
+    AirSeen start(const BodyOnPath&) override { return {}; }
+    AirSeen step(const BodyOnPath&, double) override {
       std::normal_distribution<double> normal;
       return {.velocity = {normal(generator_), normal(generator_), normal(generator_)}};
     }
