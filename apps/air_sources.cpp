@@ -11,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/model/wind_file.h"
 #include "samara/models/stochastic/fluid_seen.h"
+#include "terminal.h"
 #include "winds.h"
 
 namespace samara::apps {
@@ -89,6 +90,8 @@ NamedAir wind_of(const SimulateArguments& arguments, const models::ParametricMod
     return {.source = models::fluid_seen_in(layer, seed, seen_options(arguments, body_radius)),
             .description = description};
   }
+  if (!file.wind.turbulence)
+    warn(fmt::format("{} holds no [turbulence]: all realisations are one", arguments.wind));
   if (!words.C_0.empty() || words.rotation) {
     throw ArgumentError(fmt::format("{} is of fluid that is seen, and {} holds a field: none was expected",
                                     words.rotation ? "--rotation" : "--C0", arguments.wind));
