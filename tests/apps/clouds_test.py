@@ -32,7 +32,7 @@ class Clouds(Case):
         line, = [line for line in PAGE.splitlines() if line.startswith("samara simulate immersed_body_in_gusts") and "--turbulence" in line]
         result = subprocess.run([SAMARA, *shlex.split(line)[1:]], cwd=FOLDER, capture_output=True, text=True, timeout=LONGEST)
         self.assertEqual(result.returncode, 0, result.stderr)
-        summary, = [line for line in PAGE.splitlines() if line.startswith("1000 realisations in")]
+        summary, = [line for line in PAGE.splitlines() if line.startswith("1000 realisations in uniform")]
         number = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
         self.assertEqual(number.sub("#", result.stderr.strip()), number.sub("#", summary))
         # Tumbling makes much of the last digits of a machine's functions: then it is another sample.
