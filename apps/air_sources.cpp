@@ -11,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/codebooks/model/wind_file.h"
 #include "samara/models/stochastic/fluid_seen.h"
+#include "terminal.h"
 #include "winds.h"
 
 namespace samara::apps {
@@ -68,21 +69,38 @@ void check(const TurbulenceWords& words, const std::string& name, const char* un
   }
 }
 
-NamedAir wind_of(const SimulateArguments& arguments, const models::ParametricModel& model,
-                 std::uint64_t seed) {
+models::SeenOptions seen_options(const SimulateArguments& arguments, double body_radius) {
+  models::SeenOptions seen = {.radius = body_radius, .rotation = arguments.cloud.rotation};
+  if (arguments.cloud.C_0.empty()) return seen;
+  seen.C_0 = number_or_quantity("--C0", arguments.cloud.C_0, "1");
+  if (!(seen.C_0 > 0.0))
+    throw ArgumentError(fmt::format("--C0 is {}, expected more than 0", arguments.cloud.C_0));
+  return seen;
+}
+
+NamedAir wind_of(const SimulateArguments& arguments, const models::ParametricModel& model, std::uint64_t seed,
+                 double body_radius) {
   const CloudWords& words = arguments.cloud;
-  const std::string stray = !words.turbulence.empty() ? "--turbulence"
-                            : !words.C_0.empty()      ? "--C0"
-                            : words.rotation          ? "--rotation"
-                                                      : "";
-  if (!stray.empty())
-    throw ArgumentError(fmt::format("{} says another air than --wind: one was expected", stray));
+  if (!words.turbulence.empty())
+    throw ArgumentError("--turbulence says another air than --wind: one was expected");
   const codebooks::WindFile file = codebooks::read_wind(arguments.wind);
+  const std::string description = "wind of " + arguments.wind;
+  if (file.seen) {
+    const auto layer = models::wind::surface_layer(file.wind.profile, file.wind.towards, *file.seen);
+    return {.source = models::fluid_seen_in(layer, seed, seen_options(arguments, body_radius)),
+            .description = description};
+  }
+  if (!file.wind.turbulence)
+    warn(fmt::format("{} holds no [turbulence]: all realisations are one", arguments.wind));
+  if (!words.C_0.empty() || words.rotation) {
+    throw ArgumentError(fmt::format("{} is of fluid that is seen, and {} holds a field: none was expected",
+                                    words.rotation ? "--rotation" : "--C0", arguments.wind));
+  }
   std::optional<double> radius;
-  if (!words.radius.empty()) radius = number_or_quantity("--body-radius", words.radius, "m");
+  if (!words.radius.empty()) radius = body_radius;
   const BodyOutline body = outline_of(model, radius);
   return {.source = models::wind::wind_air(file.wind, body.length, body.semi_axes, seed),
-          .description = "wind of " + arguments.wind};
+          .description = description};
 }
 
 }  // namespace
@@ -93,7 +111,7 @@ bool has_air(const SimulateArguments& arguments) {
 
 NamedAir air_of(const SimulateArguments& arguments, const models::ParametricModel& model, std::uint64_t seed,
                 double body_radius) {
-  if (!arguments.wind.empty()) return wind_of(arguments, model, seed);
+  if (!arguments.wind.empty()) return wind_of(arguments, model, seed, body_radius);
   const TurbulenceWords words = words_of(arguments.cloud.turbulence);
   check(words, "k", "m^2/s^2", true);
   check(words, "deviation", "m/s", true);
@@ -107,16 +125,10 @@ NamedAir air_of(const SimulateArguments& arguments, const models::ParametricMode
   });
   const Eigen::Vector3d stream(words.value("stream_x").value_or(0.0), words.value("stream_y").value_or(0.0),
                                words.value("stream_z").value_or(0.0));
-  models::SeenOptions seen = {.radius = body_radius, .rotation = arguments.cloud.rotation};
-  if (!arguments.cloud.C_0.empty()) {
-    seen.C_0 = number_or_quantity("--C0", arguments.cloud.C_0, "1");
-    if (!(seen.C_0 > 0.0))
-      throw ArgumentError(fmt::format("--C0 is {}, expected more than 0", arguments.cloud.C_0));
-  }
   const auto flow = words.decays ? models::decaying_turbulence(k, epsilon, stream)
                                  : models::uniform_turbulence(k, epsilon, stream);
   return {
-      models::fluid_seen_in(flow, seed, seen),
+      models::fluid_seen_in(flow, seed, seen_options(arguments, body_radius)),
       fmt::format(
           "{} turbulence, k = {:.6g} m^2/s^2, epsilon = {:.6g} m^2/s^3, stream ({:.6g}, {:.6g}, {:.6g}) m/s",
           words.decays ? "decaying" : "uniform", k, epsilon, stream.x(), stream.y(), stream.z())};

@@ -109,7 +109,8 @@ void add_cloud_words(CLI::App& command, CloudWords& words) {
   command.add_flag("--rotation", words.rotation, "eddies larger than the body turn it, too (not validated)")
       ->group(kGroup);
   option("--ground", words.ground, "height at which a body has landed, m or with a unit");
-  option("--states", words.states, "whose statistics are wanted; default: the place");
+  option("--states", words.states, "whose statistics are wanted, one a time; default: the place")
+      ->allow_extra_args(false);
   option("--keep", words.keep, "trajectories of that many first realisations go into the file")
       ->check(whole_number());
   option("--first", words.first, "number of the first realisation: any can be seen again by itself")

@@ -106,7 +106,7 @@ void check_outputs(const SimulateArguments& arguments) {
 }
 
 void warn_of_steps(const models::Ensemble& cloud, double step) {
-  const auto percent = [](double share) { return fmt::format("{:.2g} %", 100.0 * share); };
+  const auto percent = [](double share) { return fmt::format("{:.0f} %", 100.0 * share); };
   const models::StepShares& shares = cloud.steps;
   const std::string better = fmt::format("--step {:.2g} would do", 0.1 * shares.shortest);
   if (shares.beyond_third > 0.05) {

@@ -201,7 +201,13 @@ std::string cloud_picture(const models::Ensemble& cloud, const models::GustLayou
   return fmt::format(
       R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{0}" height="{1}" role="img">
 <title>{2} realisations: paths, mean with one standard deviation{3}</title>
-<style>text{{font:12px sans-serif;fill:#222}}.title{{font-size:14px}}.frame{{fill:none;stroke:#888}}.path{{fill:none;stroke:#3b7dd8;stroke-opacity:.45}}.mean{{fill:none;stroke:#b3261e;stroke-width:2}}.spread{{fill:none;stroke:#b3261e;stroke-dasharray:4 3}}.ground{{fill:none;stroke:#555;stroke-width:2}}.dot{{fill:#3b7dd8;fill-opacity:.55}}</style>
+<style>text{{font:12px sans-serif;fill:#222}}
+.title{{font-size:14px}}.frame{{fill:none;stroke:#888}}
+.path{{fill:none;stroke:#3b7dd8;stroke-opacity:.45}}
+.mean{{fill:none;stroke:#b3261e;stroke-width:2}}
+.spread{{fill:none;stroke:#b3261e;stroke-dasharray:4 3}}
+.ground{{fill:none;stroke:#555;stroke-width:2}}
+.dot{{fill:#3b7dd8;fill-opacity:.55}}</style>
 <rect width="100%" height="100%" fill="#fff"/>
 {4}
 </svg>

@@ -117,22 +117,36 @@ std::string profile_words(const wind::WindProfile& profile) {
   return text;
 }
 
-std::string turbulence_words(const wind::Wind& it) {
+std::string turbulence_words(const codebooks::WindFile& file) {
+  const wind::Wind& it = file.wind;
+  if (file.seen) {
+    const models::Turbulence at_a_metre =
+        wind::surface_layer_turbulence(it.profile.friction_velocity(), 1.0, *file.seen);
+    return fmt::format(
+        "turbulence  as seen along the path: k {:.4g} m^2/s^2, epsilon {:.4g} m^2/s^3 at 1 m\n", at_a_metre.k,
+        at_a_metre.epsilon);
+  }
   if (!it.turbulence) return "turbulence  none\n";
   constexpr double kCommonBody = 0.1;
   const wind::ModeSpectrum modes = wind::mode_spectrum(it, kCommonBody);
   const wind::VonKarmanSpectrum& spectrum = modes.spectrum();
   const double longest = 2.0 * std::numbers::pi / modes.options().lowest,
                shortest = 2.0 * std::numbers::pi / modes.options().highest;
+  const std::string divergence =
+      modes.divergence() > 1e-7 ? fmt::format("  stretched: the divergence is {:.1f} % of the gradient\n",
+                                              100.0 * modes.divergence())
+                                : "";
   return fmt::format(
-      "turbulence  {} modes, sigma {:.4g} m/s, L {:.4g} m (integral length {:.4g} m), epsilon {:.4g} "
-      "m^2/s^3\n"
-      "  carried at {:.4g} m/s{}\n"
-      "  waves from {:.4g} m{} to {:.4g} m hold {:.1f} % of the variance\n",
-      modes.options().modes, spectrum.sigma(), spectrum.length(), spectrum.integral_length(),
-      spectrum.dissipation(), modes.options().convection.norm(),
-      modes.options().frozen ? ", frozen" : ", and swept", shortest,
-      it.turbulence->shortest ? "" : " (for a body of that length)", longest, 100.0 * modes.variance_share());
+             "turbulence  {} modes, sigma {:.4g} m/s, L {:.4g} m (integral length {:.4g} m), epsilon {:.4g} "
+             "m^2/s^3\n"
+             "  carried at {:.4g} m/s{}\n"
+             "  waves from {:.4g} m{} to {:.4g} m hold {:.1f} % of the variance\n",
+             modes.options().modes, spectrum.sigma(), spectrum.length(), spectrum.integral_length(),
+             spectrum.dissipation(), modes.options().convection.norm(),
+             modes.options().frozen ? ", frozen" : ", and swept", shortest,
+             it.turbulence->shortest ? "" : " (for a body of that length)", longest,
+             100.0 * modes.variance_share()) +
+         divergence;
 }
 
 }  // namespace
@@ -141,7 +155,7 @@ int run(const WindArguments& arguments) {
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.file});
   const codebooks::WindFile file = codebooks::read_wind(arguments.file);
   if (arguments.at.empty()) {
-    print(profile_words(file.wind.profile) + turbulence_words(file.wind) +
+    print(profile_words(file.wind.profile) + turbulence_words(file) +
           fmt::format("gusts       {}\n", file.wind.gusts.size()));
     return kDone;
   }

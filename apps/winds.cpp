@@ -45,6 +45,9 @@ std::shared_ptr<const models::Model> model_in_wind(const std::string& file, std:
   }
   const BodyOutline body = outline_of(models::ParametricModel(model, values, {}), {});
   const codebooks::WindFile wind = codebooks::read_wind(file);
+  if (wind.seen)
+    throw InputError(
+        file, "has turbulence of the kind \"seen\", which is along paths: --realisations was expected");
   return models::immersed_body_in(models::wind::wind_flow(wind.wind, body.length, seed, 0));
 }
 

@@ -1,7 +1,9 @@
 #include <array>
 #include <cmath>
-#include <numbers>
+#include <map>
 #include <vector>
+
+#include <Eigen/Geometry>
 
 #include "cases.h"
 #include "samara/base/errors.h"

@@ -1,7 +1,6 @@
 #include "samara/codebooks/model/wind_file.h"
 
-#include <cmath>
-#include <limits>
+#include <algorithm>
 
 #include <fmt/format.h>
 
@@ -12,6 +11,7 @@ namespace samara::codebooks {
 namespace {
 
 using io::TomlTable;
+using models::wind::EnergyConstants;
 using models::wind::Gust;
 using models::wind::GustOptions;
 using models::wind::GustShape;
@@ -72,8 +72,24 @@ ProfileOptions read_profile(const TomlTable& mean) {
   return options;
 }
 
+EnergyConstants read_constants(const TomlTable& table) {
+  const bool of_model = table.choice("constants", {"kaimal", "k-epsilon"}) == "k-epsilon";
+  return of_model ? EnergyConstants::k_epsilon : EnergyConstants::kaimal;
+}
+
+/// [turbulence] of the kind "seen".
+EnergyConstants read_seen(const TomlTable& table, const models::wind::Wind& wind) {
+  table.expect_keys({"kind", "constants"});
+  const ProfileOptions& mean = wind.profile.options();
+  if (mean.kind != ProfileKind::logarithmic || !(mean.speed > 0.0))
+    throw table.error("kind", "\"seen\" follows from a logarithmic profile with a wind only");
+  if (!wind.gusts.empty()) throw table.error("kind", "\"seen\" takes no [[gusts]], expected \"modes\"");
+  return read_constants(table);
+}
+
 models::wind::TurbulenceOptions read_turbulence(const TomlTable& table, const ProfileOptions& mean) {
-  table.expect_keys({"height", "sigma", "length", "constants", "modes", "shortest", "longest", "frozen"});
+  table.expect_keys(
+      {"kind", "height", "sigma", "length", "constants", "ratios", "modes", "shortest", "longest", "frozen"});
   models::wind::TurbulenceOptions options;
   options.height = optional_positive(table, "height", "m");
   options.sigma = optional_positive(table, "sigma", "m/s");
@@ -84,8 +100,12 @@ models::wind::TurbulenceOptions read_turbulence(const TomlTable& table, const Pr
     throw table.error("longest", fmt::format("is {:.6g} m, expected more than the shortest wave, {:.6g} m",
                                              *options.longest, *options.shortest));
   }
-  if (table.choice("constants", {"kaimal", "k-epsilon"}) == "k-epsilon")
-    options.constants = models::wind::EnergyConstants::k_epsilon;
+  options.constants = read_constants(table);
+  if (const auto ratios = table.optional_numbers("ratios")) {
+    if (ratios->size() != 3 || std::ranges::any_of(*ratios, [](double ratio) { return !(ratio > 0.0); }))
+      throw table.error("ratios", "are other than 3 numbers above 0: along the wind, across it, vertical");
+    options.ratios = {(*ratios)[0], (*ratios)[1], (*ratios)[2]};
+  }
   const std::int64_t modes = table.optional_integer("modes").value_or(options.modes);
   if (modes < 1 || modes > models::wind::kMostModes) {
     throw table.error("modes", fmt::format("is {}, expected 1 to {}", modes, models::wind::kMostModes));
@@ -164,10 +184,14 @@ WindFile read_wind(const std::filesystem::path& path) {
   const ProfileOptions profile = read_profile(mean);
   WindFile file{.wind = {.profile = WindProfile(profile)}};
   file.wind.towards = mean.optional_quantity("towards", "rad").value_or(0.0);
-  if (const auto table = root.optional_table("turbulence"))
-    file.wind.turbulence = read_turbulence(*table, profile);
   if (const auto tables = root.optional_tables("gusts")) {
     for (const TomlTable& table : *tables) file.wind.gusts.push_back(read_gust(table));
+  }
+  if (const auto table = root.optional_table("turbulence")) {
+    if (table->choice("kind", {"modes", "seen"}) == "seen")
+      file.seen = read_seen(*table, file.wind);
+    else
+      file.wind.turbulence = read_turbulence(*table, profile);
   }
   if (const auto table = root.optional_table("series")) file.series = read_series(*table, profile);
   return file;

@@ -16,11 +16,13 @@
 ///     displacement = "0 m"
 ///     towards = "0 deg"           # where it blows, from x to y
 ///
-///     [turbulence]                # modes for bodies; without it the wind is steady
+///     [turbulence]                # without it the wind is steady
+///     kind = "modes"              # a field; "seen": the fluid along the path of each realisation (constants only)
 ///     height = "2 m"              # where the surface layer gives what is not here: that of the mean speed
 ///     sigma = "0.8 m/s"
 ///     length = "5 m"              # L of von Karman's spectrum
 ///     constants = "kaimal"        # or "k-epsilon"
+///     ratios = [1, 1, 1]          # deviations along, across, vertical over sigma
 ///     modes = 200
 ///     shortest = "8 cm"           # wave: the length of the body
 ///     longest = "3 km"            # 2 pi L/0.02
@@ -46,6 +48,8 @@ struct SeriesKind {
 
 struct WindFile {
   models::wind::Wind wind;
+  /// The surface layer, as the fluid that bodies see in it (fluid_seen.h), in place of a field of modes.
+  std::optional<models::wind::EnergyConstants> seen = {};
   std::optional<SeriesKind> series = {};
 };
 

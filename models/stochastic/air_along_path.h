@@ -20,8 +20,8 @@ struct BodyOnPath {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< over the ground [m/s]
   Eigen::Matrix3d attitude = Eigen::Matrix3d::Identity();  ///< R_WB; identity for bodies without one
   Eigen::Vector3d air = Eigen::Vector3d::Zero();           ///< what it was told the velocity is here [m/s]
-  /// What a sudden change of the air changes of its velocity, (m + M)^-1 (m_f + M) in world axes: the identity for a
-  /// body as heavy as the fluid, about zero for a heavy one.
+  /// What a sudden change of the air changes of its velocity, (m + M)^-1 (m_f + M), both in body axes: the identity for
+  /// a body as heavy as the fluid, about zero for a heavy one.
   Eigen::Matrix3d follows = Eigen::Matrix3d::Zero();
   /// In which drag takes up the rest of such a change, |(m + M) u_r|/|F|; asked for by AirAlongPath::needs_response,
   /// otherwise 0 [s]

@@ -1,5 +1,6 @@
 #include "samara/models/stochastic/fluid_seen.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -67,7 +68,7 @@ class FluidSeen final : public AirAlongPath {
     const double t = body.t + 0.5 * h;
     const Eigen::Vector3d middle = body.position + 0.5 * h * body.velocity;
     const Turbulence energy = flow_.turbulence(t, middle);
-    const LangevinScales scales(energy, options_);
+    const LangevinScales scales = scales_of(energy);
     has_gradient_ = !energy.sigma_gradient.isZero(0.0);
     const double sigma = attenuated(scales);
     move_gust(body, h, energy, scales, sigma);
@@ -75,7 +76,9 @@ class FluidSeen final : public AirAlongPath {
     const AmbientSample mean = flow_.sample(t, middle);
     // The body's own change of velocity by this gust moves it, too: without it what the fluid carries does not stay mixed.
     const Eigen::Vector3d change = mean.velocity + sigma * w_ - body.air;
-    const Eigen::Vector3d end = body.position + h * body.velocity + 0.5 * h * (body.follows * change);
+    const Eigen::Vector3d end =
+        body.position + h * body.velocity +
+        0.5 * h * (body.attitude * (body.follows * (body.attitude.transpose() * change)));
     AirSeen seen = seen_at(body.t + h, end, flow_.turbulence(body.t + h, end));
     seen.gradient = mean.gradient;
     seen.time_scale =
@@ -86,15 +89,29 @@ class FluidSeen final : public AirAlongPath {
   bool needs_response() const override { return has_gradient_; }
 
  private:
-  /// sigma of what the body sees of it.
-  double attenuated(const LangevinScales& scales) const {
-    if (options_.radius == 0.0 || !(scales.L > 0.0)) return scales.sigma;
-    return scales.sigma * std::sqrt(disc_attenuation(options_.radius / scales.L));
+  /// Where the energy is the same as at the last place, so are they.
+  const LangevinScales& scales_of(const Turbulence& energy) {
+    if (energy.k != of_.k || energy.epsilon != of_.epsilon) {
+      of_ = energy;
+      scales_ = LangevinScales(energy, options_);
+    }
+    return scales_;
   }
 
-  AirSeen seen_at(double t, const Eigen::Vector3d& position, const Turbulence& energy) const {
+  /// sigma of what the body sees of it.
+  double attenuated(const LangevinScales& scales) {
+    if (options_.radius == 0.0 || !(scales.L > 0.0)) return scales.sigma;
+    const double ratio = options_.radius / scales.L;
+    if (ratio != ratio_) {
+      ratio_ = ratio;
+      left_ = std::sqrt(disc_attenuation(ratio));
+    }
+    return scales.sigma * left_;
+  }
+
+  AirSeen seen_at(double t, const Eigen::Vector3d& position, const Turbulence& energy) {
     AirSeen seen;
-    seen.velocity = flow_.sample(t, position).velocity + attenuated(LangevinScales(energy, options_)) * w_;
+    seen.velocity = flow_.sample(t, position).velocity + attenuated(scales_of(energy)) * w_;
     if (options_.rotation) seen.rotation = 0.99 * eddy_rate(energy.epsilon) * spin_;
     seen.inside = energy.inside;
     return seen;
@@ -112,11 +129,12 @@ class FluidSeen final : public AirAlongPath {
     const double speed = mean_u_r_.norm();
     const double b = 0.565 * 6.0 / scales.C_0;
     const double bs = options_.crossing ? b * speed / scales.sigma : 0.0;
-    const double T_along = scales.T / std::sqrt(1.0 + bs * bs);
-    const double T_across = scales.T / std::sqrt(1.0 + 4.0 * bs * bs);
+    const double shorter_along = std::sqrt(1.0 + bs * bs), shorter_across = std::sqrt(1.0 + 4.0 * bs * bs);
+    const double T_along = scales.T / shorter_along, T_across = scales.T / shorter_across;
     shortest_time_ = T_across;
-    const Relaxation along(h / T_along), across(h / T_across);
-    const Eigen::Vector3d axis = speed > 0.0 ? Eigen::Vector3d(mean_u_r_ / speed) : Eigen::Vector3d::UnitX();
+    const Relaxation along(blend_steps_ * shorter_along), across(blend_steps_ * shorter_across);
+    Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
+    if (speed > 0.0) axis = mean_u_r_ / speed;
     const Eigen::Vector3d xi = gusts_.next();
     Eigen::Vector3d next = across.kept * w_ + across.noise * xi;
     next += ((along.kept - across.kept) * axis.dot(w_) + (along.noise - across.noise) * axis.dot(xi)) * axis;
@@ -154,7 +172,10 @@ class FluidSeen final : public AirAlongPath {
   Eigen::Vector3d spin_ = Eigen::Vector3d::Zero();
   /// Relative to the fluid seen, averaged over an eddy's time: what a particle of the fluid has is zero.
   Eigen::Vector3d mean_u_r_ = Eigen::Vector3d::Zero();
+  Turbulence of_ = {};  ///< what the scales are of
+  LangevinScales scales_{of_, options_};
   double blend_steps_ = 0.0, blend_ = 0.0;  ///< of that average, by h/T
+  double ratio_ = 0.0, left_ = 1.0;         ///< radius over scale, and the share of sigma that is left of it
   double shortest_time_ = 0.0;
   bool has_gradient_ = false;
 };
@@ -217,13 +238,18 @@ double disc_attenuation(double radius_over_scale) {
   const double place = (std::log10(radius_over_scale) - kFirst) * kPerDecade;
   const int cell = std::clamp(static_cast<int>(place), 1, kLast - 2);
   // Lagrange's cubic through four entries, in logarithms.
+  static const std::array<double, kTable.size()> kLogarithms = [] {
+    std::array<double, kTable.size()> all;
+    std::ranges::transform(kTable, all.begin(), [](double value) { return std::log(value); });
+    return all;
+  }();
   double sum = 0.0;
   for (int i = cell - 1; i <= cell + 2; ++i) {
     double weight = 1.0;
     for (int j = cell - 1; j <= cell + 2; ++j) {
       if (j != i) weight *= (place - j) / (i - j);
     }
-    sum += weight * std::log(kTable[static_cast<std::size_t>(i)]);
+    sum += weight * kLogarithms[static_cast<std::size_t>(i)];
   }
   return std::exp(sum);
 }

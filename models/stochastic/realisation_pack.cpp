@@ -90,6 +90,7 @@ class FlightPack {
       if (number >= last) continue;
       const auto draw = static_cast<std::uint64_t>(plan_.antithetic ? number / 2 : number);
       flight.air = plan_.air.realisation(draw, plan_.antithetic && number % 2 == 1);
+      flight.body.follows = plan_.follows;
       flight.record.landing.realisation = number;
       flight.record.chosen.setConstant(times, static_cast<Eigen::Index>(plan_.states.size()), kNaN);
       if (number < keep) flight.record.all.setConstant(times, plan_.model.state_count(), kNaN);
@@ -112,7 +113,6 @@ class FlightPack {
   void meet_air(Flight& flight, int lane, double t, double h) {
     BodyOnPath& body = flight.body;
     body.t = t;
-    body.follows = body.attitude * plan_.follows * body.attitude.transpose();
     if (flight.air->needs_response()) body.response_time = response_(lanes_, lane, t, body.air);
     const AirSeen seen = flight.air->step(body, h);
     flight.record.steps.add(h, seen.time_scale);

@@ -22,11 +22,15 @@ ModePack nearest_whole(ModePack x) {
   return shifted - kShift;
 }
 
+/// Even and odd powers apart: two chains of products that need not wait for each other.
 template <std::size_t N>
-ModePack horner(const double (&coefficients)[N], ModePack x) {
-  ModePack sum = coefficients[N - 1];
-  for (std::size_t i = N - 1; i-- > 0;) sum = sum * x + coefficients[i];
-  return sum;
+ModePack polynomial(const double (&coefficients)[N], ModePack x) {
+  constexpr std::size_t kEven = (N - 1) / 2 * 2, kOdd = (N - 2) / 2 * 2 + 1;
+  const ModePack x2 = x * x;
+  ModePack even = coefficients[kEven], odd = coefficients[kOdd];
+  for (std::size_t i = kEven; i >= 2; i -= 2) even = even * x2 + coefficients[i - 2];
+  for (std::size_t i = kOdd; i >= 3; i -= 2) odd = odd * x2 + coefficients[i - 2];
+  return odd * x + even;
 }
 
 struct SineCosine {
@@ -65,7 +69,7 @@ SineCosine sine_cosine(ModePack x) {
   const ModePack off = 0.5 * n - nearest_whole(0.5 * n);  // 0 where n is even, else 1/2 or -1/2
   const ModePack sign = 1.0 - 8.0 * off * off;
   const ModePack r2 = r * r;
-  return {sign * r * horner(kSine, r2), sign * horner(kCosine, r2)};
+  return {sign * r * polynomial(kSine, r2), sign * polynomial(kCosine, r2)};
 }
 
 /// 2 J1(q)/q within 1e-7. M. Abramowitz, I. A. Stegun, Handbook of Mathematical Functions (1964), 9.4.4 and 9.4.6.
@@ -75,12 +79,12 @@ ModePack ellipse_filter(ModePack q2) {
                               -0.00249511, 0.00113653, -0.00020033};
   constexpr double kPhase[] = {-2.35619449, 0.12499612, 0.00005650, -0.00637879,
                                0.00074348,  0.00079824, -0.00029166};
-  const ModePack near = horner(kNear, stdx::min(q2, ModePack(9.0)) / 9.0);
+  const ModePack near = polynomial(kNear, stdx::min(q2, ModePack(9.0)) / 9.0);
   if (stdx::none_of(q2 > 9.0)) return near;
   const ModePack q = stdx::sqrt(stdx::max(q2, ModePack(9.0)));
   const ModePack share = 3.0 / q;
-  ModePack far =
-      2.0 * horner(kSize, share) / (q * stdx::sqrt(q)) * sine_cosine(q + horner(kPhase, share)).cosine;
+  ModePack far = 2.0 * polynomial(kSize, share) / (q * stdx::sqrt(q)) *
+                 sine_cosine(q + polynomial(kPhase, share)).cosine;
   stdx::where(q2 <= 9.0, far) = near;
   return far;
 }

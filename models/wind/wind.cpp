@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
 
@@ -166,12 +168,15 @@ ModeSpectrum mode_spectrum(const Wind& wind, double body_length) {
   const double shortest = o.shortest.value_or(body_length);
   require_positive(shortest, "the shortest wave of the turbulence [m]");
   if (o.longest) require_positive(*o.longest, "the longest wave of the turbulence [m]");
+  for (const double ratio : o.ratios) require_not_negative(ratio, "the ratio of a deviation to sigma");
+  const Eigen::Matrix3d axes = Eigen::AngleAxisd(wind.towards, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   return {VonKarmanSpectrum(*sigma, *length),
           {.modes = o.modes,
            .lowest = o.longest ? 2.0 * std::numbers::pi / *o.longest : 0.0,
            .highest = 2.0 * std::numbers::pi / shortest,
            .frozen = o.frozen,
-           .convection = wind.profile.speed(height) * wind.direction()}};
+           .convection = wind.profile.speed(height) * wind.direction(),
+           .stretch = axes * o.ratios.asDiagonal() * axes.transpose()}};
 }
 
 std::shared_ptr<const AmbientFlow> wind_flow(const Wind& wind, double body_length, std::uint64_t seed,

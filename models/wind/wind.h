@@ -24,6 +24,9 @@ struct TurbulenceOptions {
   std::optional<double> sigma = {};   ///< deviation of every component [m/s]
   std::optional<double> length = {};  ///< L of von Karman's spectrum [m]
   EnergyConstants constants = EnergyConstants::kaimal;
+  /// Deviations along the wind, across it and vertical over sigma, IEC 61400-1 has (1, 0.8, 0.5): other than equal they
+  /// leave a divergence (ModeSpectrum::divergence()).
+  Eigen::Vector3d ratios = Eigen::Vector3d::Ones();
   int modes = 200;
   /// Shortest and longest wave [m]; empty: the length of the body, and 2 pi L/0.02.
   std::optional<double> shortest = {}, longest = {};

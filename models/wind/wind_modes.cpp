@@ -59,6 +59,12 @@ ModeSpectrum::ModeSpectrum(const VonKarmanSpectrum& spectrum, const ModeOptions&
   for (const double component : options_.convection)
     require(std::isfinite(component), "the velocity with which eddies are carried [m/s]", component,
             "a finite number");
+  const double stretched = options_.stretch.squaredNorm();
+  require(stretched > 0.0 && std::isfinite(stretched), "the square of the stretch of the modes", stretched,
+          "a positive finite number");
+  require((options_.stretch - options_.stretch.transpose()).squaredNorm() <= 1e-20 * stretched,
+          "the square of what is not symmetric in the stretch of the modes",
+          (options_.stretch - options_.stretch.transpose()).squaredNorm(), "0");
   const double energy = 1.5 * spectrum.sigma() * spectrum.sigma() * variance_share();
   const double h = std::log(options_.highest / options_.lowest) / kSpectrumCells;
   shares_.assign(kSpectrumCells + 1, 0.0);
@@ -73,6 +79,13 @@ ModeSpectrum::ModeSpectrum(const VonKarmanSpectrum& spectrum, const ModeOptions&
 
 double ModeSpectrum::variance_share() const {
   return spectrum_.variance_share(options_.lowest, options_.highest);
+}
+
+double ModeSpectrum::divergence() const {
+  // Means over directions of k and over amplitudes across it: k'S(1 - kk')Sk against tr S^2 - k'S^2 k.
+  const Eigen::Matrix3d& S = options_.stretch;
+  const double squares = S.squaredNorm();
+  return std::sqrt(std::max(0.0, (3.0 * squares - S.trace() * S.trace()) / (10.0 * squares)));
 }
 
 double ModeSpectrum::sweeping_speed() const {
@@ -99,12 +112,13 @@ WindModes::WindModes(const ModeSpectrum& spectrum, std::uint64_t seed, std::uint
   rows_.assign(kModeRows * count_, 0.0);
   Stream random(seed, kWindStreams ^ realisation);
   const double sweeping = spectrum.sweeping_speed();
+  const Eigen::Matrix3d& stretch = spectrum.options().stretch;
   for (int m = 0; m < modes; ++m) {
     const ModeSpectrum::Stratum stratum = spectrum.at_share((m + random.uniform()) / modes);
     const Eigen::Vector3d direction = isotropic_direction(random);
     const double deviation = (mirrored ? -1.0 : 1.0) * std::sqrt(stratum.energy);
-    const Eigen::Vector3d a = deviation * normal_across(random, direction);
-    const Eigen::Vector3d b = deviation * normal_across(random, direction);
+    const Eigen::Vector3d a = deviation * stretch * normal_across(random, direction);
+    const Eigen::Vector3d b = deviation * stretch * normal_across(random, direction);
     const double frequency = sweeping * stratum.wave_number * random.normal();
     const auto put = [&](std::size_t row, double value) {
       rows_[row * count_ + static_cast<std::size_t>(m)] = value;

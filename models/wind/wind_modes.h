@@ -35,12 +35,16 @@ struct ModeOptions {
   double highest = 0.0;  ///< has no default; 2 pi/(length of the body) is where the body averages waves away
   bool frozen = false;   ///< f = 0: the field is only carried along by U_c
   Eigen::Vector3d convection = Eigen::Vector3d::Zero();  ///< U_c [m/s]
+  /// Multiplies all velocities, for deviations that differ by component: a symmetric matrix, in world axes. Any other
+  /// than a multiple of the identity leaves a divergence, see ModeSpectrum::divergence().
+  Eigen::Matrix3d stretch = Eigen::Matrix3d::Identity();
 };
 
 /// What all realisations share. Immutable.
 class ModeSpectrum {
  public:
-  /// @throws ArgumentError unless there are 1 to kMostModes modes, 0 < lowest < highest are finite, and U_c is finite.
+  /// @throws ArgumentError unless there are 1 to kMostModes modes, 0 < lowest < highest are finite, U_c is finite, and
+  /// the stretch is symmetric and not zero.
   ModeSpectrum(const VonKarmanSpectrum& spectrum, const ModeOptions& options);
 
   const VonKarmanSpectrum& spectrum() const { return spectrum_; }
@@ -48,6 +52,8 @@ class ModeSpectrum {
   const ModeOptions& options() const { return options_; }
   /// What the band holds of the variance.
   double variance_share() const;
+  /// Root mean square of the divergence over that of the gradient: 0 unless the field is stretched.
+  double divergence() const;
   /// Deviation of f/|k|, 0.4 sigma, or 0 of a frozen field [m/s].
   double sweeping_speed() const;
 

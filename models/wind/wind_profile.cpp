@@ -34,7 +34,6 @@ class SurfaceLayer final : public TurbulentFlow {
     const ProfileOptions& o = profile_.options();
     Turbulence here = top_;
     here.epsilon *= o.roughness / std::max(position.z() - o.displacement, o.roughness);
-    here.inside = position.z() >= 0.0;
     return here;
   }
 

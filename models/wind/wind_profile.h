@@ -67,8 +67,8 @@ Turbulence surface_layer_turbulence(double friction_velocity, double z,
                                     EnergyConstants constants = EnergyConstants::kaimal);
 
 /// The layer as a flow with energy, for bodies that see the fluid at random (fluid_seen.h): the mean wind of a
-/// logarithmic profile along `towards` [rad, from x to y] and the energy above. Below displacement + roughness the
-/// dissipation stays that of its top, and under the ground, z < 0, the flow ends.
+/// logarithmic profile along `towards` [rad, from x to y] and the energy above. Below displacement + roughness, and
+/// under the ground, where nobody should look, the dissipation stays that of their top.
 /// @throws ArgumentError for a profile of another kind, without wind, or a direction that is not finite.
 std::shared_ptr<const TurbulentFlow> surface_layer(const WindProfile& profile, double towards = 0.0,
                                                    EnergyConstants constants = EnergyConstants::kaimal);

@@ -40,23 +40,6 @@ double transfer(double x) {
   return (std::sin(x) - x * std::cos(x)) / (x * x * x);
 }
 
-/// The mean over directions of 3/2 sin^2(theta) (2 J1(q sin(theta))/(q sin(theta)))^2, which is 3/q^3 times the integral of
-/// J2 from 0 to 2 q (Neumann's integral for J1^2, the expansion of which is in J3, J5, ..).
-double filter_over_directions(double q) {
-  if (q < 1e-3) return 1.0;
-  constexpr double kEndOfRipples =
-      50.0;  // from there on the integral is 1 within 0.06, its weight below 3e-5
-  if (q > kEndOfRipples) return 3.0 / (q * q * q);
-  const int intervals = 2 * static_cast<int>(8.0 + 4.0 * q);
-  const double h = 2.0 * q / intervals;
-  double sum = 0.0;
-  for (int i = 0; i <= intervals; ++i) {
-    const double weight = i == 0 || i == intervals ? 1.0 : (i % 2 == 1 ? 4.0 : 2.0);
-    sum += weight * boost::math::cyl_bessel_j(2, i * h);
-  }
-  return sum * h / (q * q * q);
-}
-
 }  // namespace
 
 double kaimal_spectrum(Component component, double n, double z, double speed, double friction_velocity) {
@@ -186,23 +169,6 @@ double VonKarmanSpectrum::structure_function(double r, double lowest, double hig
   // 4 E (1/3 - transfer) dk; where k r turns fast between nodes its part is below (k r)^-2.
   return log_integral(lowest, highest, 8192,
                       [&](double k) { return 4.0 * k * energy(k) * (1.0 / 3.0 - transfer(k * r)); });
-}
-
-double disc_filter(double q) {
-  const double size = std::abs(q);
-  if (size < 0.02) return 1.0 - size * size / 8.0 + size * size * size * size / 192.0;
-  return 2.0 * boost::math::cyl_bessel_j(1, size) / size;
-}
-
-double disc_attenuation(double radius_over_length) {
-  require_not_negative(radius_over_length, "the radius of the disc over the length of the turbulence");
-  if (radius_over_length == 0.0) return 1.0;
-  const VonKarmanSpectrum unit(1.0, 1.0);
-  constexpr double kLowest = 1e-3, kHighest = 1e4;
-  const double kept = log_integral(kLowest, kHighest, 600, [&](double k) {
-    return k * unit.energy(k) * filter_over_directions(radius_over_length * k);
-  });
-  return kept / 1.5;
 }
 
 }  // namespace samara::models::wind

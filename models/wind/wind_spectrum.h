@@ -71,12 +71,4 @@ class VonKarmanSpectrum {
   double sigma_, length_;
 };
 
-/// Share of the variance that is left in the mean over a disc of radius a, of the component along its normal, in von
-/// Karman's turbulence: the mean over directions of (2 J1(q)/q)^2, q = a k sin(theta). 0.946, 0.757, 0.530, 0.195 at
-/// a/L = 0.01, 0.1, 0.3, 1. @throws ArgumentError if a/L is negative or not finite.
-double disc_attenuation(double radius_over_length);
-
-/// 2 J1(q)/q, 1 at q = 0: a wave of wave number k, averaged over a disc of radius q/k in whose plane it runs.
-double disc_filter(double q);
-
 }  // namespace samara::models::wind

@@ -75,6 +75,16 @@ class Wind(Case):
         again = run(*call, "--realisations", 64, "--frames", 4, "--threads", 1)
         self.assertEqual(again.stdout, result.stdout)
 
+    def test_fluid_seen_in_the_surface_layer_lands_where_the_field_does(self):
+        call = ["simulate", "immersed_body_in_gusts", *LEAF, "--until", "6", "--ground", "0", "--frames", 2, "--step", "2 ms", "--realisations", 256]
+        field = run(*call, "--wind", write("meadow.toml", MEADOW))
+        seen = run(*call, "--wind", write("seen.toml", MEADOW.replace('height = "2 m"', 'kind = "seen"')), "--C0", 3)
+        self.assertEqual(seen.returncode, 0, seen.stderr)
+        x = [float(re.search(r" x = ([0-9.]+) \+- ([0-9.]+) m", text.stderr)[1]) for text in (field, seen)]
+        # Two models of the same energy: the same within a quarter, not the same.
+        self.assertLess(abs(x[1] / x[0] - 1.0), 0.25)
+        self.assertNotEqual(*x)
+
     def test_series_have_the_deviation_of_their_spectrum(self):
         wind, output = write("meadow.toml", MEADOW), FOLDER / "series.csv"
         result = run("wind", wind, "--at", "0, 0, 2 m", "--at", "0, 50 cm, 2", "--until", "1 h", "--step", "0.1 s", "-o", output)
@@ -130,6 +140,10 @@ class BadWinds(Case):
         self.check_file(mean + "[[gusts]]\nvelocity = [1, 0, nan]\nduration = 1\n", "velocity")
         self.check_file(mean + "[[gusts]]\nvelocity = [1, 0, 0]\nduration = 1\ntravel = [0, 0, 0]\n", "travel", "everywhere at once")
         self.check_file(mean + '[[gusts]]\nvelocity = [1, 0, 0]\nduration = 1\nshape = "cosine"\n', "one_minus_cosine")
+        self.check_file(mean + "[turbulence]\nratios = [1, 0]\n", "[turbulence] ratios")
+        self.check_file(mean + '[turbulence]\nkind = "seen"\nmodes = 3\n', "modes")
+        self.check_file(uniform + '[turbulence]\nkind = "seen"\n', "logarithmic")
+        self.check_file(mean + '[turbulence]\nkind = "seen"\n[[gusts]]\nvelocity = [1, 0, 0]\nduration = 1\n', "[[gusts]]")
         self.check_file(mean + "[series]\n", "sigma")
         self.check_file(mean + '[series]\nspectrum = "kaimal"\nsigma = 1\n', "sigma")
         self.check_file(uniform + '[series]\nspectrum = "kaimal"\n', "spectrum", "logarithmic")
@@ -146,6 +160,9 @@ class BadWinds(Case):
         self.check_error(run("wind", wind, "--at", "0, 0, 2", "--until", "0.1", "-o", FOLDER / "s.csv"), 2, "expected 4 to")
         self.check_error(run("wind", write("still.toml", '[mean]\nspeed = "4 m/s"\n'), "--at", "0, 0, 2", "-o", FOLDER / "s.csv"), 3,
                          "holds no [series]")
+        seen = write("seen.toml", MEADOW.replace('height = "2 m"', 'kind = "seen"'))
+        self.check_error(run("simulate", "immersed_body", *LEAF, "--wind", seen), 3, "--realisations was expected")
+        self.check_error(run("simulate", "immersed_body_in_gusts", *LEAF, "--wind", wind, "--realisations", 10, "--C0", 3), 2, "--C0")
         both = ["--realisations", 10, "--wind", wind, "--turbulence", "uniform"]
         self.check_error(run("simulate", "immersed_body_in_gusts", *LEAF, *both), 2, "--turbulence", "--wind")
 
@@ -161,7 +178,7 @@ class MeadowPage(Case):
         for result in results:
             self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn(f"```\n{results[0].stdout}```", page)
-        landing = re.compile(r"x = ([0-9.]+) \+- ([0-9.]+) m \(deviation ([0-9.]+) m\)")
+        landing = re.compile(r"wind of examples/meadow/wind.toml.* x = ([0-9.]+) \+- ([0-9.]+) m \(deviation ([0-9.]+) m\)")
         (mean, error, deviation), now = [[float(x) for x in landing.search(text).groups()] for text in (page, results[3].stderr)]
         # On a machine with other vectors the last digits differ, and the motion is chaotic.
         self.assertLess(abs(now[0] - mean), 4.0 * error)

@@ -142,7 +142,7 @@ TEST_CASE("the air along a path is the field where the body is, mirrored and ave
   const Wind wind = meadow();
   const auto flow = wind_flow(wind, 0.2, 3, 5);
   const auto air = wind_air(wind, 0.2, Eigen::Vector2d::Zero(), 3);
-  const BodyMotion body{.t = 0.2, .position = {0.1, 0.4, 1.5}, .velocity = {3.0, 1.0, -1.0}};
+  const BodyOnPath body{.t = 0.2, .position = {0.1, 0.4, 1.5}, .velocity = {3.0, 1.0, -1.0}};
   const double h = 0.01;
   const AmbientSample expected = flow->sample(0.2 + h, body.position + h * body.velocity);
   const AirSeen seen = air->realisation(5, false)->step(body, h);
@@ -158,7 +158,7 @@ TEST_CASE("the air along a path is the field where the body is, mirrored and ave
   CHECK((mean - wind_flow(calm, 0.2, 3, 0)->sample(0.2, body.position).velocity).norm() < 1e-14);
   // The outline turns with the body: edge on to the waves it sees others than flat to them.
   const auto averaged = wind_air(wind, 0.2, {0.1, 0.05}, 3);
-  BodyMotion turned = body;
+  BodyOnPath turned = body;
   turned.attitude = Eigen::AngleAxisd(1.3, Eigen::Vector3d::UnitX()).toRotationMatrix();
   const Eigen::Vector3d flat = averaged->realisation(5, false)->start(body).velocity;
   const Eigen::Vector3d tilted = averaged->realisation(5, false)->start(turned).velocity;

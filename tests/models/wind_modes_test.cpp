@@ -5,10 +5,12 @@
 #include <limits>
 #include <numbers>
 
+#include <boost/math/special_functions/bessel.hpp>
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
 #include "samara/base/streams.h"
+#include "samara/models/stochastic/fluid_seen.h"
 #include "wind_statistics.h"
 
 using namespace samara::models;
@@ -240,8 +242,29 @@ TEST_CASE("a wave over an ellipse is weakened by 2 J1(q)/q of its own q") {
                                    (h * h);
     const double k = std::sqrt(-second.dot(u0) / u0.squaredNorm());
     const double q = k * std::hypot(direction.dot(ellipse.first), direction.dot(ellipse.second));
-    CHECK((wind.mean_over(ellipse, 0.0, here).velocity - disc_filter(q) * u0).norm() < 1e-5 * u0.norm());
+    CHECK((wind.mean_over(ellipse, 0.0, here).velocity - 2.0 * boost::math::cyl_bessel_j(1, q) / q * u0)
+              .norm() < 1e-5 * u0.norm());
   }
+}
+
+TEST_CASE("a stretched field has deviations by component, and the divergence that is said of it") {
+  const Eigen::Vector3d ratios(1.0, 0.8, 0.5);
+  const ModeSpectrum spectrum = unit_band({.stretch = ratios.asDiagonal()});
+  CHECK_THAT(spectrum.divergence(), WithinAbs(std::sqrt((3.0 * 1.89 - 2.3 * 2.3) / 18.9), 1e-12));
+  CHECK(unit_band().divergence() < 1e-8);
+  Eigen::Array3d squares = Eigen::Array3d::Zero();
+  double divergence = 0.0, gradient = 0.0;
+  constexpr int kRealisations = 2000;
+  for (int r = 0; r < kRealisations; ++r) {
+    const AmbientSample sample =
+        WindModes(spectrum, 2, static_cast<std::uint64_t>(r)).sample(0.0, {1.0, 2.0, 3.0});
+    squares += sample.velocity.array().square() / kRealisations;
+    divergence += std::pow(sample.gradient.trace(), 2);
+    gradient += sample.gradient.squaredNorm();
+  }
+  const double variance = kSigma * kSigma * spectrum.variance_share();
+  for (int i = 0; i < 3; ++i) CHECK_THAT(squares[i], WithinRel(variance * ratios[i] * ratios[i], 0.1));
+  CHECK_THAT(std::sqrt(divergence / gradient), WithinRel(spectrum.divergence(), 0.1));
 }
 
 TEST_CASE("a realisation has the same bits alone and among others, and realisations are independent") {
@@ -284,6 +307,11 @@ TEST_CASE("modes that make no turbulence are refused") {
   CHECK_THROWS_WITH(ModeSpectrum(spectrum, {.lowest = 3.0, .highest = 2.0}),
                     "the highest wave number [rad/m] is 2; more than the lowest was expected");
   CHECK_THROWS_AS(ModeSpectrum(spectrum, {.highest = nan}), samara::ArgumentError);
+  CHECK_THROWS_AS(ModeSpectrum(spectrum, {.highest = 10.0, .stretch = Eigen::Matrix3d::Zero()}),
+                  samara::ArgumentError);
+  Eigen::Matrix3d skew = Eigen::Matrix3d::Identity();
+  skew(0, 1) = 0.1;
+  CHECK_THROWS_AS(ModeSpectrum(spectrum, {.highest = 10.0, .stretch = skew}), samara::ArgumentError);
   CHECK_THROWS_AS(ModeSpectrum(spectrum, {.lowest = nan, .highest = 1.0}), samara::ArgumentError);
   CHECK_THROWS_AS(ModeSpectrum(spectrum, {.highest = 10.0, .convection = {0.0, nan, 0.0}}),
                   samara::ArgumentError);

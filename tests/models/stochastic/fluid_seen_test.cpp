@@ -8,19 +8,13 @@
 #include "langevin_figures.h"
 #include "samara/base/errors.h"
 #include "samara/models/stochastic/fluid_particles.h"
+#include "wavy_energy.h"
 
 using namespace samara::models;
 using Catch::Matchers::WithinAbs;
 using Catch::Matchers::WithinRel;
 
 namespace {
-
-constexpr double kC0 = 6.0;
-
-/// epsilon for which T is as given.
-double dissipation(double k, double T) {
-  return 4.0 * k / (3.0 * kC0 * T);
-}
 
 /// sigma = 1, T = 1
 std::shared_ptr<const TurbulentFlow> unit_turbulence() {
@@ -43,29 +37,7 @@ ProcessRecord fluid_process(double h, long steps, long samples) {
   return record;
 }
 
-/// sigma = (1 + 0.8 cos 2 pi z) decay(t) in a stream along z; T = 0.1 s.
-class WavyEnergy final : public TurbulentFlow {
- public:
-  WavyEnergy(double stream, double decay) : stream_(stream), decay_(decay) {}
-  AmbientSample sample(double, const Eigen::Vector3d&) const override {
-    return {.velocity = {0.0, 0.0, stream_}};
-  }
-  Turbulence turbulence(double t, const Eigen::Vector3d& position) const override {
-    const double angle = 2.0 * std::numbers::pi * position.z();
-    const double size = std::exp(-decay_ * t);
-    const double sigma = size * (1.0 + 0.8 * std::cos(angle));
-    const double k = 1.5 * sigma * sigma;
-    return {.k = k,
-            .epsilon = dissipation(k, 0.1),
-            .sigma_gradient = {0.0, 0.0, -size * 1.6 * std::numbers::pi * std::sin(angle)}};
-  }
-  double length() const override { return 1.0; }
-
- private:
-  double stream_, decay_;
-};
-
-constexpr long kMixed = 30000;
+constexpr long kMixed = 25000;
 constexpr int kBins = 10;
 
 /// Largest distance of the concentration from 1 after a second of fluid that was mixed at first.
