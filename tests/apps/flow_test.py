@@ -96,7 +96,7 @@ class Flows(Case):
         bar = 14 + width + 20 + 12
         for row, colour in [(43, [253, 231, 37]), (41 + height, [68, 1, 84])]:
             self.assertLess(numpy.abs(plain[row, bar].astype(int) - colour).max(), 5)
-        self.check_error(run("picture", flow(), "--field", "kk", "-o", path), 2, 'no field "kk"', "u, v, p")
+        self.check_error(run("picture", flow(), "--field", "kk", "-o", path), 2, 'no field "kk"', 'did you mean "k"')
 
     def test_paraview_is_given_where_the_numbers_are(self):
         path = FOLDER / "wake.xdmf"

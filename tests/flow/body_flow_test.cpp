@@ -45,3 +45,19 @@ TEST_CASE("a stream without a body stays uniform", "[flow]") {
       CHECK(march.state().u[0][static_cast<std::size_t>(march.grid().at(i, j))] == Approx(1.0).margin(1e-12));
   }
 }
+
+TEST_CASE("the channel with a cylinder converges to the published drag and lift at first order", "[flow]") {
+  // DFG 2D-1, FeatFlow: C_D 5.57953523384, C_L 0.010618948146.
+  const auto coefficients = [](int n) {
+    FlowMarch march(dfg_channel(n, 20.0));
+    start_channel(march);
+    while (march.state().time < 8.0) march.advance();
+    return Eigen::Vector3d(2.0 * march.loads().force);
+  };
+  const Eigen::Vector3d at_8 = coefficients(8), at_12 = coefficients(12);
+  INFO("C_D " << at_8.x() << ", " << at_12.x() << "; C_L " << at_8.y() << ", " << at_12.y());
+  CHECK(std::abs(at_12.x() - 5.5795) < 0.08 * 5.5795);
+  // Extrapolated with an error that falls as the cells do.
+  CHECK(at_12.x() + 2.0 * (at_12.x() - at_8.x()) == Approx(5.5795).epsilon(0.03));
+  CHECK(std::abs(at_12.y() - 0.0106) < 0.01);
+}
