@@ -43,7 +43,8 @@ Shape read_shape(const TomlTable& flow, int dimensions) {
   const std::string kind = table.choice("kind", kinds);
   try {
     if (kind == "plate") {
-      table.expect_keys({"kind", "thickness"});
+      table.expect_keys({"kind", "thickness", "baffle"});
+      if (table.optional_boolean("baffle").value_or(false)) return baffle_section(1.0);
       return rectangle_section(1.0, positive_number(table, "thickness"));
     }
     if (kind == "rectangle") {

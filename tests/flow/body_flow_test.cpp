@@ -34,6 +34,25 @@ TEST_CASE("what the body takes is what a box around it loses, to rounding", "[fl
   CHECK((march.loads().pressure - surface).norm() > 1e-3 * surface.norm());
 }
 
+TEST_CASE("a baffle stops the stream like the thick plates whose thickness goes to nothing", "[flow]") {
+  const auto drag = [](Shape shape, int n) {
+    FlowMarch march({.grid = MacGrid(2, {8 * n, 6 * n, 1}, 1.0 / n, {-3.0, -3.0, 0.0}),
+                     .borders = stream(),
+                     .body = PlacedShape(std::move(shape), Eigen::Vector3d(0.5 / n, 0.0, 0.0), 0.5 * kPi),
+                     .viscosity = 0.05});
+    march.set_velocity([](const Eigen::Vector3d&) { return Eigen::Vector3d(1.0, 0.0, 0.0); });
+    while (march.state().time < 6.0) march.advance();
+    const Eigen::Vector3d surface = march.loads().force;
+    CHECK((march.force_by_box(2) - surface).norm() < 1e-10 * surface.norm());
+    return 2.0 * surface.x();
+  };
+  const double baffle = drag(baffle_section(1.0), 12);
+  const double thick = drag(rectangle_section(1.0, 4.0 / 12), 12),
+               thin = drag(rectangle_section(1.0, 2.0 / 12), 12);
+  INFO("C_D " << thick << ", " << thin << " and of the baffle " << baffle);
+  CHECK(baffle == Approx(2.0 * thin - thick).epsilon(0.1));
+}
+
 TEST_CASE("a stream without a body stays uniform", "[flow]") {
   FlowMarch march({.grid = MacGrid(2, {40, 30, 1}, 0.1, Eigen::Vector3d::Zero()),
                    .borders = stream(),
