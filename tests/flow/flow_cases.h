@@ -144,7 +144,7 @@ inline Channel channel(double reynolds, int n) {
       [&](const Eigen::Vector3d& x) { return Eigen::Vector3d(std::log(x.y() / wall) / kappa, 0.0, 0.0); });
   march.set_turbulence(2.0, 5.0);
   const double step = 0.45 * h / 8.0;
-  while (march.state().time < 6.0) march.advance(step);
+  while (march.state().time < 20.0) march.advance(step);
   const auto row = [&](double y) { return static_cast<int>((y - wall) / h); };
   const auto at = [&](int j) { return static_cast<std::size_t>(march.grid().at(1, j)); };
   const Field& k = march.turbulence()->k;
