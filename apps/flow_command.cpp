@@ -10,6 +10,7 @@
 #include "samara/flow/files/flow_file.h"
 #include "samara/flow/files/flow_plan.h"
 #include "samara/io/file_lock.h"
+#include "samara/models/bodies/mesh_file.h"
 #include "terminal.h"
 
 namespace samara::apps {
@@ -50,7 +51,8 @@ flow::FlowOptions flow_options(const FlowArguments& arguments, const flow::FlowP
 int run(const FlowArguments& arguments) {
   catch_interrupts();
   check_flow_target(arguments);
-  const flow::FlowPlan plan = flow::read_flow_plan(arguments.plan);
+  const flow::FlowPlan plan = flow::read_flow_plan(
+      arguments.plan, [](const std::string& path) { return models::read_mesh(path, 1.0); });
   const io::FileLock lock(arguments.output + ".lock", fmt::format("computes {}", arguments.output));
   const flow::FlowOptions options = flow_options(arguments, plan);
   const flow::FlowResult result = flow::solve_flow(plan.flow, options);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/flow/grid/mesh_shape.h"
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
 
@@ -34,11 +35,11 @@ Shape read_polygon(const TomlTable& table) {
 }
 
 /// Sizes are in body lengths, so that a plate needs its thickness only.
-Shape read_shape(const TomlTable& flow, int dimensions) {
+Shape read_shape(const TomlTable& flow, int dimensions, const MeshReader& mesh_reader) {
   const TomlTable table = flow.table("shape");
   const std::vector<std::string> kinds =
       dimensions == 2 ? std::vector<std::string>{"plate", "rectangle", "ellipse", "polygon"}
-                      : std::vector<std::string>{"box", "ellipsoid"};
+                      : std::vector<std::string>{"box", "ellipsoid", "mesh"};
   if (!table.has("kind")) throw table.error("kind", "is missing");
   const std::string kind = table.choice("kind", kinds);
   try {
@@ -59,6 +60,13 @@ Shape read_shape(const TomlTable& flow, int dimensions) {
     if (kind == "polygon") {
       table.expect_keys({"kind", "x", "y"});
       return read_polygon(table);
+    }
+    if (kind == "mesh") {
+      table.expect_keys({"kind", "file", "thickness"});
+      const std::filesystem::path file =
+          std::filesystem::path(flow.file()).parent_path() / table.string("file");
+      if (!mesh_reader) throw table.error("file", "is a mesh, which this program does not read");
+      return mesh_shape(mesh_reader(file.string()), positive_number(table, "thickness"));
     }
     table.expect_keys({"kind", "length", "thickness", "width"});
     const Eigen::Vector3d sides(positive_number(table, "length"), positive_number(table, "thickness"),
@@ -81,7 +89,7 @@ double number_or(const TomlTable& table, const std::string& key, double otherwis
   return positive(table, key, table.optional_number(key).value_or(otherwise));
 }
 
-FlowPlan read(const TomlTable& root, std::string text) {
+FlowPlan read(const TomlTable& root, std::string text, const MeshReader& mesh_reader) {
   root.expect_keys({"title", "flow"});
   FlowPlan plan;
   plan.text = std::move(text);
@@ -92,7 +100,7 @@ FlowPlan read(const TomlTable& root, std::string text) {
                      "extent"});
   FlowCase& flow = plan.flow;
   const auto dimensions = static_cast<int>(whole(table, "dimensions", 2, 2, 3));
-  flow.shape = read_shape(table, dimensions);
+  flow.shape = read_shape(table, dimensions, mesh_reader);
   flow.angle_of_attack = table.optional_quantity("angle_of_attack", "rad").value_or(0.0);
   flow.reynolds = positive_number(table, "reynolds");
   flow.intensity = number_or(table, "intensity", flow.intensity);
@@ -120,12 +128,12 @@ FlowPlan read(const TomlTable& root, std::string text) {
 
 }  // namespace
 
-FlowPlan read_flow_plan(const std::filesystem::path& path) {
-  return parse_flow_plan(io::read_text_file(path), path.string());
+FlowPlan read_flow_plan(const std::filesystem::path& path, const MeshReader& mesh_reader) {
+  return parse_flow_plan(io::read_text_file(path), path.string(), mesh_reader);
 }
 
-FlowPlan parse_flow_plan(const std::string& text, const std::string& name) {
-  return read(TomlTable::parse(text, name), text);
+FlowPlan parse_flow_plan(const std::string& text, const std::string& name, const MeshReader& mesh_reader) {
+  return read(TomlTable::parse(text, name), text, mesh_reader);
 }
 
 }  // namespace samara::flow

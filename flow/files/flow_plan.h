@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "samara/flow/march/solve_flow.h"
+#include "samara/models/bodies/triangle_mesh.h"
 
 namespace samara::flow {
 
@@ -19,8 +21,14 @@ struct FlowPlan {
   std::string text;  ///< as read
 };
 
+/// Reads a closed mesh from a file: models::read_mesh() of the library samara::mesh_files, which plans without meshes do not
+/// need.
+using MeshReader = std::function<models::TriangleMesh(const std::string& path)>;
+
+/// @param mesh_reader for plans with a mesh, whose path lies relative to the plan
 /// @throws InputError, with file and line, for unknown keys, kinds and units, and values that are none of theirs
-FlowPlan read_flow_plan(const std::filesystem::path& path);
-FlowPlan parse_flow_plan(const std::string& text, const std::string& name);
+FlowPlan read_flow_plan(const std::filesystem::path& path, const MeshReader& mesh_reader = {});
+FlowPlan parse_flow_plan(const std::string& text, const std::string& name,
+                         const MeshReader& mesh_reader = {});
 
 }  // namespace samara::flow
