@@ -118,6 +118,34 @@ class Flows(Case):
         self.assertIn("short.h5 is written and marked: the flow still changes by", result.stderr)
         self.assertIn("flow, max_time", run("info", FOLDER / "short.h5").stdout)
 
+    def test_a_mesh_in_space_stands_in_the_flow(self):
+        # A box of 2 x 1 x 1: the longest extent becomes a body length.
+        corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 2)]
+        sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+        text = "".join("v {} {} {}\n".format(*corner) for corner in corners)
+        for a, b, c, d in sides:
+            text += f"f {a + 1} {b + 1} {c + 1}\nf {a + 1} {c + 1} {d + 1}\n"
+        write("box.obj", text)
+        plan = write("space.toml", '''[flow]
+dimensions = 3
+shape = { kind = "mesh", file = "box.obj", thickness = 0.5 }
+reynolds = 50
+turbulence = "none"
+cells_per_length = 8
+extent = { before = 1.5, behind = 2, side = 1.5 }
+max_time = 0.2
+''')
+        path = FOLDER / "space.h5"
+        result = run("flow", plan, "-o", path)
+        self.assertEqual(result.returncode, 4, result.stderr)
+        with h5py.File(path) as file:
+            self.assertEqual(file["centre/w"].shape, (24, 24, 28))
+            self.assertEqual(file["centre/w"].dims[0][0].name, "/axes/z")
+            closed = 1 - file["body/open"][:]
+            self.assertAlmostEqual(closed.sum() / 8**3, 0.25, delta=1e-9)
+            self.assertGreater(file["loads"].attrs["C_D"], 0)
+        self.assertEqual(run("picture", path, "--field", "u", "-o", FOLDER / "space.png").returncode, 0)
+
     def test_what_cannot_be_a_flow_is_refused_in_a_sentence(self):
         out = FOLDER / "never.h5"
         for change, code, parts in [
