@@ -169,6 +169,13 @@ max_time = 0.2
         result = run("picture", damaged, "--field", "u", "-o", FOLDER / "damaged.png")
         self.check_error(result, 3, "damaged.h5")
 
+    def test_energy_below_zero_is_refused(self):
+        changed = FOLDER / "changed.h5"
+        changed.write_bytes(flow().read_bytes())
+        with h5py.File(changed, "r+", libver="latest") as file:
+            file["centre/k_resolved"][3, 4] = -0.1
+        self.check_error(run("info", changed), 3, "changed.h5", "/centre/k_resolved", "-0.1, expected none below 0")
+
     def test_no_other_file_is_lost_to_a_flow(self):
         other = write("other.txt", "mine")
         self.check_error(run("flow", write("again.toml", PLAN), "-o", other), 2, "is a file, and no flow")

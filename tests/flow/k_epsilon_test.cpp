@@ -170,3 +170,28 @@ TEST_CASE(
   CHECK(before < 0.1 * most);
   CHECK(largest(turbulence.eddy_viscosity()) < 0.2);
 }
+
+TEST_CASE("Kato and Launder's production makes little turbulence where the flow stagnates", "[flow]") {
+  const auto before_the_face = [](TurbulenceModel model) {
+    Borders borders = stream();
+    const std::array<double, 2> inflow = stream_turbulence(0.02, 1.0, 1.0);
+    borders.side[0].k = inflow[0];
+    borders.side[0].epsilon = inflow[1];
+    const int n = 8;
+    FlowMarch march({.grid = MacGrid(2, {8 * n, 8 * n, 1}, 1.0 / n, {-4.0, -4.0, 0.0}),
+                     .borders = borders,
+                     .body = PlacedShape(rectangle_section(1.0, 1.0), Eigen::Vector3d::Zero(), 0.0),
+                     .viscosity = 1.0 / 22000,
+                     .turbulence = model});
+    march.set_velocity([](const Eigen::Vector3d&) { return Eigen::Vector3d(1.0, 0.0, 0.0); });
+    march.set_turbulence(inflow[0], inflow[1]);
+    while (march.state().time < 6.0) march.advance();
+    // A quarter of a length before the face, on the axis.
+    return march.turbulence()->k[static_cast<std::size_t>(march.grid().at(4 * n - 4 - 2, 4 * n))];
+  };
+  const double standard = before_the_face(TurbulenceModel::k_epsilon);
+  const double kato_launder = before_the_face(TurbulenceModel::kato_launder);
+  CHECK(standard < 0.03);
+  CHECK(kato_launder < 0.002);
+  CHECK(kato_launder < 0.5 * standard);
+}
