@@ -89,8 +89,39 @@ double number_or(const TomlTable& table, const std::string& key, double otherwis
   return positive(table, key, table.optional_number(key).value_or(otherwise));
 }
 
+/// What makes a book of the plan.
+void read_book(const TomlTable& root, FlowPlan& plan) {
+  const TomlTable box = root.table("box");
+  box.expect_keys({"angle_of_attack", "log10_reynolds"});
+  for (const std::string& key : box.keys()) {
+    const std::vector<double> range = box.quantities(key, key == "angle_of_attack" ? "rad" : "1");
+    if (range.size() != 2 || !(range[0] < range[1]))
+      throw box.error(key, "is no interval [lower, upper] with lower below upper");
+    plan.box.push_back({.name = key, .lower = range[0], .upper = range[1]});
+  }
+  if (plan.box.empty()) throw root.error("box", "is empty, expected angle_of_attack or log10_reynolds in it");
+  if (const auto book = root.optional_table("book")) {
+    book->expect_keys({"kind", "max_calls", "certificate_points"});
+    book->choice("kind", {"energy"});
+    plan.max_calls = static_cast<long>(whole(*book, "max_calls", plan.max_calls, 4, 100'000));
+    plan.certificate_points =
+        static_cast<int>(whole(*book, "certificate_points", plan.certificate_points, 2, 10'000));
+  }
+  if (const auto tolerance = root.optional_table("tolerance")) {
+    tolerance->expect_keys({"relative"});
+    plan.relative = number_or(*tolerance, "relative", plan.relative);
+    // The mean drag of a call is known to 1 %.
+    constexpr double kLeast = 0.03;
+    if (plan.end == FlowEnd::mean && plan.relative < kLeast)
+      throw tolerance->error("relative",
+                             fmt::format("is {}, expected at least {}, three times what the means of the "
+                                         "unsteady flow are known to",
+                                         plan.relative, kLeast));
+  }
+}
+
 FlowPlan read(const TomlTable& root, std::string text, const MeshReader& mesh_reader) {
-  root.expect_keys({"title", "flow"});
+  root.expect_keys({"title", "flow", "box", "book", "tolerance"});
   FlowPlan plan;
   plan.text = std::move(text);
   plan.title = root.optional_string("title").value_or("");
@@ -123,6 +154,13 @@ FlowPlan read(const TomlTable& root, std::string text, const MeshReader& mesh_re
   plan.max_memory = number_or(table, "max_memory", plan.max_memory);
   plan.seed = static_cast<std::uint64_t>(whole(table, "seed", 1, 0, INT64_MAX));
   plan.threads = static_cast<int>(whole(table, "threads", 0, 0, 1024));
+  if (root.has("box")) {
+    read_book(root, plan);
+  } else {
+    for (const char* key : {"book", "tolerance"}) {
+      if (root.has(key)) throw root.error(key, "stands without a [box], which makes a plan one of a book");
+    }
+  }
   return plan;
 }
 

@@ -3,13 +3,15 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
+#include "samara/codebooks/plan/plan.h"
 #include "samara/flow/march/solve_flow.h"
 #include "samara/models/bodies/triangle_mesh.h"
 
 namespace samara::flow {
 
-/// A plan of a flow (TOML, docs/flow.md): the table [flow], with [flow.extent] in it.
+/// A plan of a flow (TOML, docs/flow.md): the table [flow], and for a book of flows [box], [book] and [tolerance].
 struct FlowPlan {
   FlowCase flow;
   FlowEnd end = FlowEnd::mean;
@@ -19,6 +21,11 @@ struct FlowPlan {
   int threads = 0;
   std::string title;
   std::string text;  ///< as read
+
+  std::vector<codebooks::BoxEntry> box;  ///< angle_of_attack [rad], log10_reynolds; empty: one flow
+  double relative = 0.05;                ///< of each output's range over the box
+  long max_calls = 100;                  ///< solves that the builder may take
+  int certificate_points = 8;            ///< solves that it does not see
 };
 
 /// Reads a closed mesh from a file: models::read_mesh() of the library samara::mesh_files, which plans without meshes do not

@@ -177,17 +177,18 @@ void march_to_end(FlowRun& run, const FlowOptions& options, FlowResult& result) 
   }
 }
 
-/// Behind the centre on the axis y = 0, z = 0: where the mean velocity turns downstream for good.
-double bubble_end(const MacGrid& grid, const FaceField& velocity) {
+/// Behind the centre on the axis y = 0, z = 0: where the mean velocity turns downstream for good, or the body's rear.
+double bubble_end(const MacGrid& grid, const Openness& open, const FaceField& velocity) {
   const int j = grid.cells[1] / 2, k = grid.dimensions == 3 ? grid.cells[2] / 2 : 0;
   const auto on_axis = [&](int i) {
     return 0.5 * (velocity[0][static_cast<std::size_t>(grid.at(i, j, k))] +
                   velocity[0][static_cast<std::size_t>(grid.at(i, j - 1, k))]);
   };
-  for (int i = grid.cells[0] - 1; i > 0 && grid.face_centre(0, i, j, k).x() > 0.0; --i) {
+  const auto place = [&](int i) { return grid.face_centre(0, i, j, k).x(); };
+  for (int i = grid.cells[0] - 1; i > 0 && place(i) > 0.0; --i) {
+    if (open.face[0][static_cast<std::size_t>(grid.at(i, j, k))] == 0.0) return place(i);
     const double before = on_axis(i), after = on_axis(i + 1);
-    if (before < 0.0 && after >= 0.0)
-      return grid.face_centre(0, i, j, k).x() + grid.spacing * before / (before - after);
+    if (before < 0.0 && after >= 0.0) return place(i) + grid.spacing * before / (before - after);
   }
   return 0.0;
 }
@@ -208,7 +209,7 @@ void summarise(FlowRun& run, FlowResult& result) {
     result.k_modelled = run.average.k_modelled();
     result.epsilon = run.average.epsilon();
   }
-  result.bubble_end = bubble_end(march.grid(), result.velocity);
+  result.bubble_end = bubble_end(march.grid(), march.openness(), result.velocity);
 
   const LoadRecord& last = run.history.back();
   const std::vector<PeriodMeans>& periods = run.averaged;

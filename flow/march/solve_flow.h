@@ -73,7 +73,8 @@ struct FlowResult {
   double lift = 0.0, moment = 0.0;        ///< means
   double drag_rms = 0.0, lift_rms = 0.0;  ///< deviations
   double strouhal = 0.0;                  ///< f l/U; 0: nothing sheds
-  double bubble_end = 0.0;     ///< behind the body's centre, where the mean u on the axis turns; 0: none
+  /// Behind the body's centre, where the mean u on the axis turns downstream; without a bubble the body's rear [l].
+  double bubble_end = 0.0;
   double averaged_time = 0.0;  ///< l/U
   FlowStatus status = FlowStatus::cancelled;
   std::string message = "solve_flow was not called";

@@ -146,6 +146,42 @@ max_time = 0.2
             self.assertGreater(file["loads"].attrs["C_D"], 0)
         self.assertEqual(run("picture", path, "--field", "u", "-o", FOLDER / "space.png").returncode, 0)
 
+    def test_a_box_makes_a_codebook_whose_answers_are_those_of_flows(self):
+        small = PLAN.replace("before = 3, behind = 6, side = 3", "before = 2, behind = 3, side = 2").replace(
+            "cells_per_length = 6", "cells_per_length = 4").replace("max_time = 80", "max_time = 300")
+        plan = write("book.toml", small + '''[box]
+log10_reynolds = [1.45, 1.65]
+[book]
+certificate_points = 3
+[tolerance]
+relative = 0.05
+''')
+        path = FOLDER / "book.h5"
+        result = run("flow", plan, "-o", path)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("twice the cells", result.stdout)
+        asked = json.loads(run("query", path, "--set", "log10_reynolds=1.55", "--json").stdout)
+        single = FOLDER / "single.h5"
+        self.assertEqual(run("flow", write("single.toml", small.replace("reynolds = 30", f"reynolds = {10**1.55}")), "-o",
+                             single).returncode, 0)
+        told = json.loads(run("info", single, "--json").stdout)
+        text = json.dumps(asked)
+        drag = next(row for row in self.values_of(asked, "C_D"))
+        self.assertAlmostEqual(drag, told["C_D"], delta=0.03, msg=text)
+
+    @staticmethod
+    def values_of(answer, name):
+        """Numbers under a key, wherever they stand."""
+        if isinstance(answer, dict):
+            for key, value in answer.items():
+                if key == name or key.startswith(name + "["):
+                    yield value[0] if isinstance(value, list) else value
+                else:
+                    yield from Flows.values_of(value, name)
+        elif isinstance(answer, list):
+            for value in answer:
+                yield from Flows.values_of(value, name)
+
     def test_what_cannot_be_a_flow_is_refused_in_a_sentence(self):
         out = FOLDER / "never.h5"
         for change, code, parts in [
@@ -178,7 +214,7 @@ max_time = 0.2
 
     def test_no_other_file_is_lost_to_a_flow(self):
         other = write("other.txt", "mine")
-        self.check_error(run("flow", write("again.toml", PLAN), "-o", other), 2, "is a file, and no flow")
+        self.check_error(run("flow", write("again.toml", PLAN), "-o", other), 2, "is a file, and neither a flow nor a codebook")
         self.assertEqual(other.read_text(), "mine")
         self.assertFalse(os.path.exists(str(other) + ".checkpoint"))
 
