@@ -51,6 +51,8 @@ codebooks::Plan book_plan(const FlowPlan& plan) {
   book.builder.kind = "sampling";
   book.builder.max_calls = plan.max_calls;
   book.builder.seed = plan.seed;
+  // A flow is dear: fewer points are explored beside those of every round's check.
+  book.builder.guards = plan.certificate_points;
   codebooks::PlannedCommand command;
   command.run = {"samara", "flow"};
   command.inputs = {{"angle_of_attack", "rad"}, {"log10_reynolds", "1"}};

@@ -24,8 +24,8 @@ struct FlowPlan {
 
   std::vector<codebooks::BoxEntry> box;  ///< angle_of_attack [rad], log10_reynolds; empty: one flow
   double relative = 0.05;                ///< of each output's range over the box
-  long max_calls = 100;                  ///< solves that the builder may take
-  int certificate_points = 8;            ///< solves that it does not see
+  long max_calls = 400;  ///< solves that the builder may take, of which it needs about 100 for its own checks
+  int certificate_points = 8;  ///< solves that it does not see
 };
 
 /// Reads a closed mesh from a file: models::read_mesh() of the library samara::mesh_files, which plans without meshes do not

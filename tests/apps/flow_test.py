@@ -160,27 +160,13 @@ relative = 0.05
         result = run("flow", plan, "-o", path)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("twice the cells", result.stdout)
-        asked = json.loads(run("query", path, "--set", "log10_reynolds=1.55", "--json").stdout)
+        asked = run("query", path, "--set", "log10_reynolds=1.55").stdout.splitlines()
+        drag = float(dict(zip(asked[0].split(","), asked[1].split(",")))["C_D[1]"])
         single = FOLDER / "single.h5"
         self.assertEqual(run("flow", write("single.toml", small.replace("reynolds = 30", f"reynolds = {10**1.55}")), "-o",
                              single).returncode, 0)
         told = json.loads(run("info", single, "--json").stdout)
-        text = json.dumps(asked)
-        drag = next(row for row in self.values_of(asked, "C_D"))
-        self.assertAlmostEqual(drag, told["C_D"], delta=0.03, msg=text)
-
-    @staticmethod
-    def values_of(answer, name):
-        """Numbers under a key, wherever they stand."""
-        if isinstance(answer, dict):
-            for key, value in answer.items():
-                if key == name or key.startswith(name + "["):
-                    yield value[0] if isinstance(value, list) else value
-                else:
-                    yield from Flows.values_of(value, name)
-        elif isinstance(answer, list):
-            for value in answer:
-                yield from Flows.values_of(value, name)
+        self.assertAlmostEqual(drag, told["C_D"], delta=0.03)
 
     def test_what_cannot_be_a_flow_is_refused_in_a_sentence(self):
         out = FOLDER / "never.h5"
