@@ -7,9 +7,13 @@
 #include "flow_output.h"
 #include "interrupts.h"
 #include "samara/base/errors.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/file/save.h"
+#include "samara/flow/books/energy_book.h"
 #include "samara/flow/files/flow_file.h"
 #include "samara/flow/files/flow_plan.h"
 #include "samara/io/file_lock.h"
+#include "samara/models/bodies/mesh_file.h"
 #include "terminal.h"
 
 namespace samara::apps {
@@ -22,9 +26,11 @@ namespace fs = std::filesystem;
 void check_flow_target(const FlowArguments& arguments) {
   check_output(arguments.output, {arguments.plan});
   std::error_code ignored;
-  if (fs::is_regular_file(arguments.output, ignored) && !flow::is_flow_file(arguments.output))
+  if (fs::is_regular_file(arguments.output, ignored) && !flow::is_flow_file(arguments.output) &&
+      !codebooks::is_codebook(arguments.output))
     throw ArgumentError(
-        fmt::format("the output \"{}\" is a file, and no flow: it would be lost", arguments.output));
+        fmt::format("the output \"{}\" is a file, and neither a flow nor a codebook: it would be lost",
+                    arguments.output));
 }
 
 /// What an earlier run has left is taken up, unless the user wants to begin anew.
@@ -45,13 +51,52 @@ flow::FlowOptions flow_options(const FlowArguments& arguments, const flow::FlowP
   return options;
 }
 
+int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
+  codebooks::BuildOptions options;
+  options.checkpoint = arguments.output + ".checkpoint";
+  options.keep_checkpoint = true;
+  options.resume = !arguments.fresh;
+  options.progress = progress_line();
+  options.warning = [](const std::string& sentence) { warn(sentence); };
+  std::error_code ignored;
+  if (arguments.fresh) fs::remove(options.checkpoint, ignored);
+  const auto interrupted = [&] {
+    warn(fmt::format("interrupted; {} keeps the flows that were found: the same line goes on from there",
+                     options.checkpoint.string()));
+    return kInterrupted;
+  };
+  try {
+    const codebooks::BuildResult result = flow::build_energy_book(plan, options);
+    if (is_interrupted()) return interrupted();
+    codebooks::save(result.book, arguments.output);
+    print(to_table(*result.book.certificate(), result.book));
+    const Eigen::VectorXd change = flow::discretisation(plan, result.book, options.progress);
+    clear_progress();
+    std::string text =
+        "twice the cells, at both ends of the box, change by these shares of the same ranges:\n";
+    for (Eigen::Index o = 0; o < change.size(); ++o)
+      text += fmt::format("  {:<14} {:.3g}\n", result.book.outputs()[static_cast<std::size_t>(o)].name,
+                          change(o));
+    print(text);
+    if (!result.resumable) fs::remove(options.checkpoint, ignored);
+    if (result.met) return kDone;
+    warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
+    return kToleranceMissed;
+  } catch (const NoResultError&) {
+    if (is_interrupted()) return interrupted();
+    throw;
+  }
+}
+
 }  // namespace
 
 int run(const FlowArguments& arguments) {
   catch_interrupts();
   check_flow_target(arguments);
-  const flow::FlowPlan plan = flow::read_flow_plan(arguments.plan);
+  const flow::FlowPlan plan = flow::read_flow_plan(
+      arguments.plan, [](const std::string& path) { return models::read_mesh(path, 1.0); });
   const io::FileLock lock(arguments.output + ".lock", fmt::format("computes {}", arguments.output));
+  if (!plan.box.empty()) return build_book(arguments, plan);
   const flow::FlowOptions options = flow_options(arguments, plan);
   const flow::FlowResult result = flow::solve_flow(plan.flow, options);
   clear_progress();

@@ -66,6 +66,7 @@ Json to_json(const flow::StoredFlow& stored) {
                  {"time", s.time}};
   object["checks"] = {{"divergence", s.checks.divergence},
                       {"force_disagreement", s.checks.force_disagreement},
+                      {"unconverged", s.checks.unconverged},
                       {"energy_defect", s.checks.energy_defect},
                       {"clipped_cells", s.checks.clipped_cells},
                       {"guarded_cells", s.checks.guarded_cells},

@@ -255,6 +255,7 @@ void save_flow(const FlowResult& result, const FlowPlan& plan, const std::filesy
   });
   file.write_integer_attribute("/checks", "clipped_cells", result.checks.clipped_cells);
   file.write_integer_attribute("/checks", "guarded_cells", result.checks.guarded_cells);
+  file.write_integer_attribute("/checks", "unconverged", result.checks.unconverged);
   file.write_text_attribute("/plan", "text", plan.text);
   file.write_text_attribute("/provenance", "generator", fmt::format("samara {}", version()));
   file.commit();
@@ -296,6 +297,7 @@ StoredFlow load_flow(const std::filesystem::path& path) {
   });
   s.checks.clipped_cells = static_cast<long>(file.integer_attribute("/checks", "clipped_cells"));
   s.checks.guarded_cells = static_cast<long>(file.integer_attribute("/checks", "guarded_cells"));
+  s.checks.unconverged = static_cast<long>(file.integer_attribute("/checks", "unconverged"));
   flow.open = read_field(file, flow.grid, "/body/open");
   for (const char* name : {"u", "v", "w", "p", "k", "k_modelled", "k_resolved", "epsilon"}) {
     const std::string dataset = fmt::format("/centre/{}", name);

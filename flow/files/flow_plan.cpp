@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/flow/grid/mesh_shape.h"
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
 
@@ -34,16 +35,17 @@ Shape read_polygon(const TomlTable& table) {
 }
 
 /// Sizes are in body lengths, so that a plate needs its thickness only.
-Shape read_shape(const TomlTable& flow, int dimensions) {
+Shape read_shape(const TomlTable& flow, int dimensions, const MeshReader& mesh_reader) {
   const TomlTable table = flow.table("shape");
   const std::vector<std::string> kinds =
       dimensions == 2 ? std::vector<std::string>{"plate", "rectangle", "ellipse", "polygon"}
-                      : std::vector<std::string>{"box", "ellipsoid"};
+                      : std::vector<std::string>{"box", "ellipsoid", "mesh"};
   if (!table.has("kind")) throw table.error("kind", "is missing");
   const std::string kind = table.choice("kind", kinds);
   try {
     if (kind == "plate") {
-      table.expect_keys({"kind", "thickness"});
+      table.expect_keys({"kind", "thickness", "baffle"});
+      if (table.optional_boolean("baffle").value_or(false)) return baffle_section(1.0);
       return rectangle_section(1.0, positive_number(table, "thickness"));
     }
     if (kind == "rectangle") {
@@ -58,6 +60,13 @@ Shape read_shape(const TomlTable& flow, int dimensions) {
     if (kind == "polygon") {
       table.expect_keys({"kind", "x", "y"});
       return read_polygon(table);
+    }
+    if (kind == "mesh") {
+      table.expect_keys({"kind", "file", "thickness"});
+      const std::filesystem::path file =
+          std::filesystem::path(flow.file()).parent_path() / table.string("file");
+      if (!mesh_reader) throw table.error("file", "is a mesh, which this program does not read");
+      return mesh_shape(mesh_reader(file.string()), positive_number(table, "thickness"));
     }
     table.expect_keys({"kind", "length", "thickness", "width"});
     const Eigen::Vector3d sides(positive_number(table, "length"), positive_number(table, "thickness"),
@@ -80,8 +89,39 @@ double number_or(const TomlTable& table, const std::string& key, double otherwis
   return positive(table, key, table.optional_number(key).value_or(otherwise));
 }
 
-FlowPlan read(const TomlTable& root, std::string text) {
-  root.expect_keys({"title", "flow"});
+/// What makes a book of the plan.
+void read_book(const TomlTable& root, FlowPlan& plan) {
+  const TomlTable box = root.table("box");
+  box.expect_keys({"angle_of_attack", "log10_reynolds"});
+  for (const std::string& key : box.keys()) {
+    const std::vector<double> range = box.quantities(key, key == "angle_of_attack" ? "rad" : "1");
+    if (range.size() != 2 || !(range[0] < range[1]))
+      throw box.error(key, "is no interval [lower, upper] with lower below upper");
+    plan.box.push_back({.name = key, .lower = range[0], .upper = range[1]});
+  }
+  if (plan.box.empty()) throw root.error("box", "is empty, expected angle_of_attack or log10_reynolds in it");
+  if (const auto book = root.optional_table("book")) {
+    book->expect_keys({"kind", "max_calls", "certificate_points"});
+    book->choice("kind", {"energy"});
+    plan.max_calls = static_cast<long>(whole(*book, "max_calls", plan.max_calls, 4, 100'000));
+    plan.certificate_points =
+        static_cast<int>(whole(*book, "certificate_points", plan.certificate_points, 2, 10'000));
+  }
+  if (const auto tolerance = root.optional_table("tolerance")) {
+    tolerance->expect_keys({"relative"});
+    plan.relative = number_or(*tolerance, "relative", plan.relative);
+    // The mean drag of a call is known to 1 %.
+    constexpr double kLeast = 0.03;
+    if (plan.end == FlowEnd::mean && plan.relative < kLeast)
+      throw tolerance->error("relative",
+                             fmt::format("is {}, expected at least {}, three times what the means of the "
+                                         "unsteady flow are known to",
+                                         plan.relative, kLeast));
+  }
+}
+
+FlowPlan read(const TomlTable& root, std::string text, const MeshReader& mesh_reader) {
+  root.expect_keys({"title", "flow", "box", "book", "tolerance"});
   FlowPlan plan;
   plan.text = std::move(text);
   plan.title = root.optional_string("title").value_or("");
@@ -91,7 +131,7 @@ FlowPlan read(const TomlTable& root, std::string text) {
                      "extent"});
   FlowCase& flow = plan.flow;
   const auto dimensions = static_cast<int>(whole(table, "dimensions", 2, 2, 3));
-  flow.shape = read_shape(table, dimensions);
+  flow.shape = read_shape(table, dimensions, mesh_reader);
   flow.angle_of_attack = table.optional_quantity("angle_of_attack", "rad").value_or(0.0);
   flow.reynolds = positive_number(table, "reynolds");
   flow.intensity = number_or(table, "intensity", flow.intensity);
@@ -114,17 +154,24 @@ FlowPlan read(const TomlTable& root, std::string text) {
   plan.max_memory = number_or(table, "max_memory", plan.max_memory);
   plan.seed = static_cast<std::uint64_t>(whole(table, "seed", 1, 0, INT64_MAX));
   plan.threads = static_cast<int>(whole(table, "threads", 0, 0, 1024));
+  if (root.has("box")) {
+    read_book(root, plan);
+  } else {
+    for (const char* key : {"book", "tolerance"}) {
+      if (root.has(key)) throw root.error(key, "stands without a [box], which makes a plan one of a book");
+    }
+  }
   return plan;
 }
 
 }  // namespace
 
-FlowPlan read_flow_plan(const std::filesystem::path& path) {
-  return parse_flow_plan(io::read_text_file(path), path.string());
+FlowPlan read_flow_plan(const std::filesystem::path& path, const MeshReader& mesh_reader) {
+  return parse_flow_plan(io::read_text_file(path), path.string(), mesh_reader);
 }
 
-FlowPlan parse_flow_plan(const std::string& text, const std::string& name) {
-  return read(TomlTable::parse(text, name), text);
+FlowPlan parse_flow_plan(const std::string& text, const std::string& name, const MeshReader& mesh_reader) {
+  return read(TomlTable::parse(text, name), text, mesh_reader);
 }
 
 }  // namespace samara::flow

@@ -132,7 +132,7 @@ void fill_margins(const MacGrid& grid, const Borders& borders, FaceField& veloci
 }
 
 void fill_margins(const MacGrid& grid, const Borders& borders, Field& scalar,
-                  const std::array<double, 6>& given) {
+                  const std::array<double, 6>& given, bool on_border) {
   for (int j = 0; j < grid.dimensions; ++j) {
     const auto at = static_cast<std::size_t>(j);
     const Index s = grid.stride[at], n = grid.cells[at];
@@ -144,8 +144,12 @@ void fill_margins(const MacGrid& grid, const Borders& borders, Field& scalar,
     for_layer(grid, j, [&](Index c) {
       double* const row = scalar.data() + c;
       for (Index m = 1; m <= MacGrid::kMargin; ++m) {
-        row[-m * s] = low >= 0.0 ? low : row[0];
-        row[(n - 1 + m) * s] = high >= 0.0 ? high : row[(n - 1) * s];
+        const auto beyond = [&](double value, double inside, double nearest) {
+          if (value < 0.0) return nearest;
+          return on_border ? 2.0 * value - inside : value;
+        };
+        row[-m * s] = beyond(low, row[(m - 1) * s], row[0]);
+        row[(n - 1 + m) * s] = beyond(high, row[(n - m) * s], row[(n - 1) * s]);
       }
     });
   }

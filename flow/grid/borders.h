@@ -49,8 +49,9 @@ void set_border_faces(const MacGrid& grid, const Borders& borders, FaceField& ve
 void fill_margins(const MacGrid& grid, const Borders& borders, FaceField& velocity);
 
 /// Fills the margins of a scalar: periodic, or the same as in the cell at the border.
-/// @param given value at an inflow or a wall that has one; negative: none
+/// @param given value beyond borders that have one; negative: none
+/// @param on_border whether such a value stands on the border itself, half a cell away, and the margin mirrors at it
 void fill_margins(const MacGrid& grid, const Borders& borders, Field& scalar,
-                  const std::array<double, 6>& given = {-1, -1, -1, -1, -1, -1});
+                  const std::array<double, 6>& given = {-1, -1, -1, -1, -1, -1}, bool on_border = false);
 
 }  // namespace samara::flow

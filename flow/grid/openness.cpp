@@ -77,15 +77,15 @@ void for_cells(const Range& range, const Body& body) {
 
 /// Mean distance from the surface over the open part of a cube of edge h about a centre.
 double mean_distance(const MacGrid& grid, const PlacedShape& body, const Eigen::Vector3d& centre) {
-  constexpr int kSamples = 6;  // along each direction
+  const int samples = grid.dimensions == 3 ? 4 : 6;  // along each direction
   double sum = 0.0;
   int open = 0;
-  const int layers = grid.dimensions == 3 ? kSamples : 1;
+  const int layers = grid.dimensions == 3 ? samples : 1;
   for (int k = 0; k < layers; ++k) {
-    for (int j = 0; j < kSamples; ++j) {
-      for (int i = 0; i < kSamples; ++i) {
+    for (int j = 0; j < samples; ++j) {
+      for (int i = 0; i < samples; ++i) {
         Eigen::Vector3d x =
-            Eigen::Vector3d(i + 0.5, j + 0.5, k + 0.5) / kSamples - Eigen::Vector3d::Constant(0.5);
+            Eigen::Vector3d(i + 0.5, j + 0.5, k + 0.5) / samples - Eigen::Vector3d::Constant(0.5);
         if (grid.dimensions == 2) x.z() = 0.0;
         const double distance = body.distance(centre + grid.spacing * x);
         if (distance <= 0.0) continue;
@@ -209,7 +209,9 @@ Openness measure_openness(const MacGrid& grid, const Borders& borders,
     const auto at = static_cast<std::size_t>(c);
     open.cell[at] = corners.share(c, -1);
     for (int d = 0; d < grid.dimensions; ++d) {
-      const double share = corners.share(c, d);
+      // Centres by one formula: one that lies on a baffle is on the same side for all its faces.
+      const Eigen::Vector3d below = grid.centre(i - (d == 0), j - (d == 1), k - (d == 2));
+      const double share = body->separates(below, grid.centre(i, j, k)) ? 0.0 : corners.share(c, d);
       open.face[static_cast<std::size_t>(d)][at] = share < kClosed ? 0.0 : share;
     }
   });

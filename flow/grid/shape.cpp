@@ -115,6 +115,17 @@ Shape rectangle_section(double side_x, double side_y) {
   return box_of({side_x, side_y, 0.0}, 2, "rectangle");
 }
 
+Shape baffle_section(double length) {
+  require_positive(length, "length", "baffle_section");
+  const Eigen::Vector3d half(0.5 * length, 0.0, 0.0);
+  return {.kind = "baffle",
+          .dimensions = 2,
+          .distance = [half](const Eigen::Vector3d& x) { return box_distance(half, 2, x); },
+          .half = half,
+          .sizes = {length},
+          .baffle = true};
+}
+
 Shape polygon_section(const Eigen::Matrix2Xd& corners) {
   require(corners.cols() >= 3, "corners", corners.cols(), "at least 3", "polygon_section");
   if (!corners.allFinite()) throw ArgumentError("polygon_section: a corner is not finite");
@@ -160,9 +171,21 @@ PlacedShape::PlacedShape(Shape shape, const Eigen::Vector3d& place, double angle
                     place.y(), place.z(), angle_of_attack));
 }
 
-double PlacedShape::distance(const Eigen::Vector3d& point) const {
+Eigen::Vector3d PlacedShape::in_axes(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d r = point - place_;
-  return shape_.distance({cosine_ * r.x() - sine_ * r.y(), sine_ * r.x() + cosine_ * r.y(), r.z()});
+  return {cosine_ * r.x() - sine_ * r.y(), sine_ * r.x() + cosine_ * r.y(), r.z()};
+}
+
+double PlacedShape::distance(const Eigen::Vector3d& point) const {
+  return shape_.distance(in_axes(point));
+}
+
+bool PlacedShape::separates(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const {
+  if (!shape_.baffle) return false;
+  const Eigen::Vector3d from = in_axes(a), to = in_axes(b);
+  if ((from.y() >= 0.0) == (to.y() >= 0.0)) return false;
+  const double crossing = from.x() + from.y() / (from.y() - to.y()) * (to.x() - from.x());
+  return std::abs(crossing) <= shape_.half.x();
 }
 
 Eigen::Vector3d PlacedShape::half_extent() const {

@@ -18,6 +18,8 @@ struct Shape {
   Eigen::Vector3d half = Eigen::Vector3d::Zero();  ///< half the extents along its axes
   double thickness = 0.0;                          ///< where it is thinnest
   std::vector<double> sizes = {};                  ///< as given, corners of a polygon one after the other
+  /// A plate without thickness along x, from -half.x to half.x: it closes faces, and its distance is never negative.
+  bool baffle = false;
 };
 
 // All throw ArgumentError if a size is not positive and finite.
@@ -26,6 +28,8 @@ struct Shape {
 Shape ellipse_section(double semi_x, double semi_y);
 /// Rectangle with full sides along x and y. A plate is a thin one.
 Shape rectangle_section(double side_x, double side_y);
+/// A plate of no thickness along x: for bodies thinner than two cells. Its surface is that of the faces it closes.
+Shape baffle_section(double length);
 /// A simple polygon, corners in either order [2 x n]. @throws ArgumentError also for fewer than three corners, or no area
 Shape polygon_section(const Eigen::Matrix2Xd& corners);
 /// Ellipsoid with semi-axes along x, y, z.
@@ -40,6 +44,8 @@ class PlacedShape {
   PlacedShape(Shape shape, const Eigen::Vector3d& place, double angle_of_attack);
 
   double distance(const Eigen::Vector3d& point) const;
+  /// Whether a baffle lies between two points.
+  bool separates(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const;
   const Shape& shape() const { return shape_; }
   const Eigen::Vector3d& place() const { return place_; }
   /// Half the extents of a box along the axes of the domain that holds it.
@@ -48,6 +54,8 @@ class PlacedShape {
   double height() const { return 2.0 * half_extent().y(); }
 
  private:
+  Eigen::Vector3d in_axes(const Eigen::Vector3d& point) const;
+
   Shape shape_;
   Eigen::Vector3d place_;
   double cosine_, sine_;

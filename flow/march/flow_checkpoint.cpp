@@ -37,6 +37,7 @@ void visit_state(FlowRun& run, const Visitor& visit) {
   visit("averaging", run.averaging);
   visit("change", run.change);
   visit("worst_disagreement", run.worst_disagreement);
+  visit("unconverged", run.unconverged);
 }
 
 constexpr std::size_t kPeriodNumbers = 6, kRecordNumbers = 5;

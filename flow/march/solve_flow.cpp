@@ -60,6 +60,7 @@ void start(FlowRun& run, std::uint64_t seed) {
 void take_step(FlowRun& run) {
   const StepReport report = run.march.advance();
   run.finite = report.finite;
+  if (!report.pressure.converged) ++run.unconverged;
   const BodyLoads loads = run.march.loads();
   LoadRecord record{run.march.state().time, report.step, 2.0 * loads.force.x(), 2.0 * loads.force.y(),
                     2.0 * loads.moment};
@@ -107,6 +108,26 @@ void finish(FlowRun& run, FlowStatus status, std::string message, FlowResult& re
   result.steps = run.march.state().steps;
 }
 
+/// The first cell whose values cannot be, in words.
+std::string bad_place(const FlowMarch& march) {
+  const MacGrid& grid = march.grid();
+  const KEpsilon* const turbulence = march.turbulence();
+  for (int k = 0; k < grid.cells[2]; ++k) {
+    for (int j = 0; j < grid.cells[1]; ++j) {
+      for (int i = 0; i < grid.cells[0]; ++i) {
+        const auto c = static_cast<std::size_t>(grid.at(i, j, k));
+        if (march.openness().inverse_cell[c] == 0.0) continue;
+        bool good = std::isfinite(march.state().p[c]);
+        for (int d = 0; d < grid.dimensions; ++d)
+          good = good && std::isfinite(march.state().u[static_cast<std::size_t>(d)][c]);
+        if (turbulence != nullptr) good = good && turbulence->k[c] > 0.0 && turbulence->epsilon[c] > 0.0;
+        if (!good) return fmt::format("first in cell ({}, {}, {})", i, j, k);
+      }
+    }
+  }
+  return "in no cell but in the loads";
+}
+
 /// Steps until one of the ends of FlowStatus.
 void march_to_end(FlowRun& run, const FlowOptions& options, FlowResult& result) {
   auto last_checkpoint = std::chrono::steady_clock::now();
@@ -129,9 +150,11 @@ void march_to_end(FlowRun& run, const FlowOptions& options, FlowResult& result) 
     if (checks && run.march.turbulence() != nullptr) k_before = run.march.turbulence()->k;
     take_step(run);
     if (!run.finite)
-      return finish(run, FlowStatus::diverged,
-                    fmt::format("a value is not finite at {:.4g} l/U, step {}", state.time, state.steps),
-                    result);
+      return finish(
+          run, FlowStatus::diverged,
+          fmt::format("a value is not finite, or k or epsilon not positive, at {:.4g} l/U, step {}, {}",
+                      state.time, state.steps, bad_place(run.march)),
+          result);
     if (checks) {
       run.change = change_rate(run, k_before);
       run.worst_disagreement = std::max(run.worst_disagreement, disagreement(run));
@@ -154,17 +177,18 @@ void march_to_end(FlowRun& run, const FlowOptions& options, FlowResult& result) 
   }
 }
 
-/// Behind the centre on the axis y = 0, z = 0: where the mean velocity turns downstream for good.
-double bubble_end(const MacGrid& grid, const FaceField& velocity) {
+/// Behind the centre on the axis y = 0, z = 0: where the mean velocity turns downstream for good, or the body's rear.
+double bubble_end(const MacGrid& grid, const Openness& open, const FaceField& velocity) {
   const int j = grid.cells[1] / 2, k = grid.dimensions == 3 ? grid.cells[2] / 2 : 0;
   const auto on_axis = [&](int i) {
     return 0.5 * (velocity[0][static_cast<std::size_t>(grid.at(i, j, k))] +
                   velocity[0][static_cast<std::size_t>(grid.at(i, j - 1, k))]);
   };
-  for (int i = grid.cells[0] - 1; i > 0 && grid.face_centre(0, i, j, k).x() > 0.0; --i) {
+  const auto place = [&](int i) { return grid.face_centre(0, i, j, k).x(); };
+  for (int i = grid.cells[0] - 1; i > 0 && place(i) > 0.0; --i) {
+    if (open.face[0][static_cast<std::size_t>(grid.at(i, j, k))] == 0.0) return place(i);
     const double before = on_axis(i), after = on_axis(i + 1);
-    if (before < 0.0 && after >= 0.0)
-      return grid.face_centre(0, i, j, k).x() + grid.spacing * before / (before - after);
+    if (before < 0.0 && after >= 0.0) return place(i) + grid.spacing * before / (before - after);
   }
   return 0.0;
 }
@@ -185,7 +209,7 @@ void summarise(FlowRun& run, FlowResult& result) {
     result.k_modelled = run.average.k_modelled();
     result.epsilon = run.average.epsilon();
   }
-  result.bubble_end = bubble_end(march.grid(), result.velocity);
+  result.bubble_end = bubble_end(march.grid(), march.openness(), result.velocity);
 
   const LoadRecord& last = run.history.back();
   const std::vector<PeriodMeans>& periods = run.averaged;
@@ -211,6 +235,7 @@ void summarise(FlowRun& run, FlowResult& result) {
   }
   FlowChecks& checks = result.checks;
   checks.divergence = march.divergence();
+  checks.unconverged = run.unconverged;
   checks.force_disagreement = std::max(run.worst_disagreement, disagreement(run));
   if (KEpsilon* const turbulence = march.turbulence()) {
     checks.energy_defect = turbulence->budget().defect();
@@ -232,6 +257,9 @@ void warn(const FlowCase& flow, FlowResult& result) {
     result.warnings.push_back(
         fmt::format("{:.0f} % of the wall's cells lie in the viscous layer, where its law does not hold",
                     100.0 * result.checks.viscous_share));
+  if (result.checks.unconverged > 0)
+    result.warnings.push_back(
+        fmt::format("the pressure was not found to its tolerance in {} steps", result.checks.unconverged));
   if (result.checks.guarded_cells > 0)
     result.warnings.push_back(
         fmt::format("the guard of the eddy viscosity acts in {} cells", result.checks.guarded_cells));

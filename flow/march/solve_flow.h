@@ -51,6 +51,7 @@ struct FlowOptions {
 struct FlowChecks {
   double divergence = 0.0;          ///< largest |h div u|/U after the last step
   double force_disagreement = 0.0;  ///< largest difference of the forces by surface and by box, over the drag
+  long unconverged = 0;             ///< steps whose pressure was not found to 1e-8
   double energy_defect = 0.0;       ///< of the budget of k in the last step
   long clipped_cells = 0;           ///< where k or eps had to be cut: none ever is, so none but 0 is given
   long guarded_cells = 0;           ///< where the guard of nu_T acted in the last step
@@ -72,7 +73,8 @@ struct FlowResult {
   double lift = 0.0, moment = 0.0;        ///< means
   double drag_rms = 0.0, lift_rms = 0.0;  ///< deviations
   double strouhal = 0.0;                  ///< f l/U; 0: nothing sheds
-  double bubble_end = 0.0;     ///< behind the body's centre, where the mean u on the axis turns; 0: none
+  /// Behind the body's centre, where the mean u on the axis turns downstream; without a bubble the body's rear [l].
+  double bubble_end = 0.0;
   double averaged_time = 0.0;  ///< l/U
   FlowStatus status = FlowStatus::cancelled;
   std::string message = "solve_flow was not called";

@@ -14,11 +14,12 @@ enum class AdvectionScheme {
 
 /// Van Leer's reconstruction halfway from the middle of three values towards `down` (B. van Leer, J. Comput. Phys. 14
 /// (1974) 361): it stays between the middle value and both neighbours.
-inline double van_leer_value(double up, double middle, double down) {
+[[gnu::always_inline]] inline double van_leer_value(double up, double middle, double down) {
   const double before = middle - up, after = down - middle;
   const double product = before * after;
-  // Where both differences have one sign their sum is not 0.
-  return product > 0.0 ? middle + product / (before + after) : middle;
+  // Where both differences have one sign their sum is not 0. The quotient is taken everywhere, for vectors.
+  const double half_slope = product / (before + after);
+  return product > 0.0 ? middle + half_slope : middle;
 }
 
 /// What the flux of u_d across direction j needs. All fields have filled margins.
@@ -35,13 +36,13 @@ struct FluxInput {
 };
 
 /// Share of the lower face of control volume c that is open.
-inline double open_area(const FluxInput& in, Index c) {
+[[gnu::always_inline]] inline double open_area(const FluxInput& in, Index c) {
   return 0.5 * (in.open[c - in.own] + in.open[c]);
 }
 
 /// nu_T on that face: of the cell that it halves, or of the four around an edge.
 template <bool kNormal>
-double eddy_viscosity(const FluxInput& in, Index c) {
+[[gnu::always_inline]] inline double eddy_viscosity(const FluxInput& in, Index c) {
   if constexpr (kNormal) return in.eddy[c - in.own];
   return 0.25 * (in.eddy[c] + in.eddy[c - in.own] + in.eddy[c - in.across] + in.eddy[c - in.own - in.across]);
 }
@@ -52,7 +53,7 @@ double eddy_viscosity(const FluxInput& in, Index c) {
 ///
 /// The last term is the transposed part of 2 nu_T S; with nu alone it sums to 0 and is left out.
 template <AdvectionScheme kScheme, bool kEddy, bool kNormal>
-double momentum_flux(const FluxInput& in, Index c) {
+[[gnu::always_inline]] inline double momentum_flux(const FluxInput& in, Index c) {
   const Index s = in.across;
   const double mass = 0.5 * (in.discharge[c - in.own] + in.discharge[c]);
   const double* const u = in.carried + c;

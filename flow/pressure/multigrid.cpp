@@ -31,6 +31,28 @@ void relax_row(const PoissonMatrix& matrix, Index row, Index start, const double
                          wy[i + sy] * p[i + sy] + wz[i] * p[i - sz] + wz[i + sz] * p[i + sz]);
 }
 
+/// Largest |value| of a row; infinite where one is not finite, which a maximum alone would pass over.
+double largest_size(const double* values, Index count) {
+  constexpr Index kLanes = 8;
+  double largest[kLanes] = {}, sum[kLanes] = {};
+  const auto look = [&](Index i, Index lane) {
+    const double size = std::abs(values[i]);
+    largest[lane] = size > largest[lane] ? size : largest[lane];
+    sum[lane] += size;
+  };
+  Index i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (Index lane = 0; lane < kLanes; ++lane) look(i + lane, lane);
+  }
+  for (; i < count; ++i) look(i, 0);
+  double all = 0.0, most = 0.0;
+  for (Index lane = 0; lane < kLanes; ++lane) {
+    all += sum[lane];
+    most = std::max(most, largest[lane]);
+  }
+  return std::isfinite(all) ? most : INFINITY;
+}
+
 }  // namespace
 
 MultigridSolver::Level::Level(PoissonMatrix of)
@@ -108,7 +130,16 @@ void MultigridSolver::prolong(const Level& coarse, Level& fine) const {
     const double* const from =
         coarse.x.data() + below.at(0, r % grid.cells[1] / two_y, r / grid.cells[1] / two_z);
     double* const to = fine.x.data() + row;
-    for (int i = 0; i < grid.cells[0]; ++i) to[i] += from[i / two_x];
+    if (two_x == 1) {
+      to[0] += from[0];
+      return;
+    }
+    const int pairs = grid.cells[0] / 2;
+    for (int i = 0; i < pairs; ++i) {
+      to[2 * i] += from[i];
+      to[2 * i + 1] += from[i];
+    }
+    if (grid.cells[0] % 2 == 1) to[2 * pairs] += from[pairs];
   });
 }
 
@@ -169,15 +200,7 @@ PressureSolve MultigridSolver::solve(Field& b, Field& x, double tolerance) {
   Field& residual = levels_.front().b;
   const Field& preconditioned = levels_.front().x;
   const auto largest_residual = [&] {
-    return sums_.maximum(grid, [&](Index row) {
-      double largest = 0.0;
-      for (Index c = row; c < row + width; ++c) {
-        // Not std::max: a value that is not a number shall be seen.
-        const double size = std::abs(residual[static_cast<std::size_t>(c)]);
-        if (!(size <= largest)) largest = size;
-      }
-      return largest;
-    });
+    return sums_.maximum(grid, [&](Index row) { return largest_size(residual.data() + row, width); });
   };
   if (!matrix.fixes_level) remove_mean(b);
   matrix.fill_margins(x);
@@ -199,11 +222,11 @@ PressureSolve MultigridSolver::solve(Field& b, Field& x, double tolerance) {
       for (Index i = 0; i < width; ++i) d[i] = z[i] + turn * d[i];
     });
     matrix.fill_margins(direction_);
-    const Field& none = product_;  // A d = -(0 - A d); the right-hand side is subtracted below
+    // -A d, as the residual of nothing.
     for_rows(grid, cells, [&](Index row, int) {
       double* const q = product_.data() + row;
       std::fill(q, q + width, 0.0);
-      matrix.residual_row(row, none.data(), direction_.data(), product_.data());
+      matrix.residual_row(row, product_.data(), direction_.data(), product_.data());
     });
     const double step = -product / dot(direction_, product_);
     for_rows(grid, cells, [&](Index row, int) {

@@ -99,11 +99,14 @@ KEpsilon::KEpsilon(const MacGrid& grid, const Borders& borders, const Openness& 
   }
   given_k_.fill(-1.0);
   given_epsilon_.fill(-1.0);
+  wall_eddy_.fill(-1.0);
   for (std::size_t side = 0; side < 6; ++side) {
     const Border& border = borders.side[side];
     if (border.k <= 0.0) continue;
     given_k_[side] = border.k;
     given_epsilon_[side] = border.epsilon;
+    if (border.kind == BorderKind::wall)
+      wall_eddy_[side] = Constants::C_mu * border.k * border.k / border.epsilon;
     if (border.kind == BorderKind::inflow) {
       returning_k_ = border.k;
       returning_epsilon_ = border.epsilon;
@@ -128,7 +131,7 @@ void KEpsilon::prepare(const FaceField& velocity) {
     return guarded;
   }));
   for (const Index c : open_.closed_cells) eddy_[static_cast<std::size_t>(c)] = 0.0;
-  fill_margins(grid_, borders_, eddy_);
+  fill_margins(grid_, borders_, eddy_, wall_eddy_, true);
   find_production(velocity);
   apply_wall_law(velocity);
 }

@@ -83,7 +83,7 @@ class KEpsilon {
   Field eddy_, production_;
   Field wall_distance_;  ///< of cells beside walls; 0 elsewhere
   WallConductance conductance_;
-  std::array<double, 6> given_k_, given_epsilon_;
+  std::array<double, 6> given_k_, given_epsilon_, wall_eddy_;
   double returning_k_ = 0.0, returning_epsilon_ = 0.0;  ///< carried by what comes back through an outflow
   EnergyBudget budget_;
   long not_positive_ = 0, guarded_ = 0;

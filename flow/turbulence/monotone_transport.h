@@ -30,8 +30,6 @@ class MonotoneTransport {
                  const std::array<double, 6>& given);
 
  private:
-  double flux(const double* s, const double* discharge, Index c, Index across) const;
-
   const MacGrid& grid_;
   const Borders& borders_;
   const Openness& open_;

@@ -96,7 +96,7 @@ class Flows(Case):
         bar = 14 + width + 20 + 12
         for row, colour in [(43, [253, 231, 37]), (41 + height, [68, 1, 84])]:
             self.assertLess(numpy.abs(plain[row, bar].astype(int) - colour).max(), 5)
-        self.check_error(run("picture", flow(), "--field", "kk", "-o", path), 2, 'no field "kk"', "u, v, p")
+        self.check_error(run("picture", flow(), "--field", "kk", "-o", path), 2, 'no field "kk"', 'did you mean "k"')
 
     def test_paraview_is_given_where_the_numbers_are(self):
         path = FOLDER / "wake.xdmf"
@@ -117,6 +117,56 @@ class Flows(Case):
         self.assertEqual(result.returncode, 4)
         self.assertIn("short.h5 is written and marked: the flow still changes by", result.stderr)
         self.assertIn("flow, max_time", run("info", FOLDER / "short.h5").stdout)
+
+    def test_a_mesh_in_space_stands_in_the_flow(self):
+        # A box of 2 x 1 x 1: the longest extent becomes a body length.
+        corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 2)]
+        sides = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+        text = "".join("v {} {} {}\n".format(*corner) for corner in corners)
+        for a, b, c, d in sides:
+            text += f"f {a + 1} {b + 1} {c + 1}\nf {a + 1} {c + 1} {d + 1}\n"
+        write("box.obj", text)
+        plan = write("space.toml", '''[flow]
+dimensions = 3
+shape = { kind = "mesh", file = "box.obj", thickness = 0.5 }
+reynolds = 50
+turbulence = "none"
+cells_per_length = 8
+extent = { before = 1.5, behind = 2, side = 1.5 }
+max_time = 0.2
+''')
+        path = FOLDER / "space.h5"
+        result = run("flow", plan, "-o", path)
+        self.assertEqual(result.returncode, 4, result.stderr)
+        with h5py.File(path) as file:
+            self.assertEqual(file["centre/w"].shape, (24, 24, 28))
+            self.assertEqual(file["centre/w"].dims[0][0].name, "/axes/z")
+            closed = 1 - file["body/open"][:]
+            self.assertAlmostEqual(closed.sum() / 8**3, 0.25, delta=1e-9)
+            self.assertGreater(file["loads"].attrs["C_D"], 0)
+        self.assertEqual(run("picture", path, "--field", "u", "-o", FOLDER / "space.png").returncode, 0)
+
+    def test_a_box_makes_a_codebook_whose_answers_are_those_of_flows(self):
+        small = PLAN.replace("before = 3, behind = 6, side = 3", "before = 2, behind = 3, side = 2").replace(
+            "cells_per_length = 6", "cells_per_length = 4").replace("max_time = 80", "max_time = 300")
+        plan = write("book.toml", small + '''[box]
+log10_reynolds = [1.45, 1.65]
+[book]
+certificate_points = 3
+[tolerance]
+relative = 0.05
+''')
+        path = FOLDER / "book.h5"
+        result = run("flow", plan, "-o", path)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("twice the cells", result.stdout)
+        asked = run("query", path, "--set", "log10_reynolds=1.55").stdout.splitlines()
+        drag = float(dict(zip(asked[0].split(","), asked[1].split(",")))["C_D[1]"])
+        single = FOLDER / "single.h5"
+        self.assertEqual(run("flow", write("single.toml", small.replace("reynolds = 30", f"reynolds = {10**1.55}")), "-o",
+                             single).returncode, 0)
+        told = json.loads(run("info", single, "--json").stdout)
+        self.assertAlmostEqual(drag, told["C_D"], delta=0.03)
 
     def test_what_cannot_be_a_flow_is_refused_in_a_sentence(self):
         out = FOLDER / "never.h5"
@@ -141,9 +191,16 @@ class Flows(Case):
         result = run("picture", damaged, "--field", "u", "-o", FOLDER / "damaged.png")
         self.check_error(result, 3, "damaged.h5")
 
+    def test_energy_below_zero_is_refused(self):
+        changed = FOLDER / "changed.h5"
+        changed.write_bytes(flow().read_bytes())
+        with h5py.File(changed, "r+", libver="latest") as file:
+            file["centre/k_resolved"][3, 4] = -0.1
+        self.check_error(run("info", changed), 3, "changed.h5", "/centre/k_resolved", "-0.1, expected none below 0")
+
     def test_no_other_file_is_lost_to_a_flow(self):
         other = write("other.txt", "mine")
-        self.check_error(run("flow", write("again.toml", PLAN), "-o", other), 2, "is a file, and no flow")
+        self.check_error(run("flow", write("again.toml", PLAN), "-o", other), 2, "is a file, and neither a flow nor a codebook")
         self.assertEqual(other.read_text(), "mine")
         self.assertFalse(os.path.exists(str(other) + ".checkpoint"))
 

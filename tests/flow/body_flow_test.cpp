@@ -34,6 +34,25 @@ TEST_CASE("what the body takes is what a box around it loses, to rounding", "[fl
   CHECK((march.loads().pressure - surface).norm() > 1e-3 * surface.norm());
 }
 
+TEST_CASE("a baffle stops the stream like the thick plates whose thickness goes to nothing", "[flow]") {
+  const auto drag = [](Shape shape, int n) {
+    FlowMarch march({.grid = MacGrid(2, {8 * n, 6 * n, 1}, 1.0 / n, {-3.0, -3.0, 0.0}),
+                     .borders = stream(),
+                     .body = PlacedShape(std::move(shape), Eigen::Vector3d(0.5 / n, 0.0, 0.0), 0.5 * kPi),
+                     .viscosity = 0.05});
+    march.set_velocity([](const Eigen::Vector3d&) { return Eigen::Vector3d(1.0, 0.0, 0.0); });
+    while (march.state().time < 6.0) march.advance();
+    const Eigen::Vector3d surface = march.loads().force;
+    CHECK((march.force_by_box(2) - surface).norm() < 1e-10 * surface.norm());
+    return 2.0 * surface.x();
+  };
+  const double baffle = drag(baffle_section(1.0), 12);
+  const double thick = drag(rectangle_section(1.0, 4.0 / 12), 12),
+               thin = drag(rectangle_section(1.0, 2.0 / 12), 12);
+  INFO("C_D " << thick << ", " << thin << " and of the baffle " << baffle);
+  CHECK(baffle == Approx(2.0 * thin - thick).epsilon(0.1));
+}
+
 TEST_CASE("a stream without a body stays uniform", "[flow]") {
   FlowMarch march({.grid = MacGrid(2, {40, 30, 1}, 0.1, Eigen::Vector3d::Zero()),
                    .borders = stream(),
@@ -44,4 +63,20 @@ TEST_CASE("a stream without a body stays uniform", "[flow]") {
     for (int i = 0; i <= 40; ++i)
       CHECK(march.state().u[0][static_cast<std::size_t>(march.grid().at(i, j))] == Approx(1.0).margin(1e-12));
   }
+}
+
+TEST_CASE("the channel with a cylinder converges to the published drag and lift at first order", "[flow]") {
+  // DFG 2D-1, FeatFlow: C_D 5.57953523384, C_L 0.010618948146.
+  const auto coefficients = [](int n) {
+    FlowMarch march(dfg_channel(n, 20.0));
+    start_channel(march);
+    while (march.state().time < 6.0) march.advance();
+    return Eigen::Vector3d(2.0 * march.loads().force);
+  };
+  const Eigen::Vector3d at_10 = coefficients(10), at_20 = coefficients(20);
+  INFO("C_D " << at_10.x() << ", " << at_20.x() << "; C_L " << at_10.y() << ", " << at_20.y());
+  CHECK(std::abs(at_20.x() - 5.5795) < 0.05 * 5.5795);
+  // Extrapolated with an error that falls as the cells do.
+  CHECK(2.0 * at_20.x() - at_10.x() == Approx(5.5795).epsilon(0.01));
+  CHECK(std::abs(at_20.y() - 0.0106) < 0.005);
 }

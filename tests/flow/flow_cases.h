@@ -122,4 +122,58 @@ inline CavityExtrema cavity_extrema(int n, double reynolds, double steady) {
   return {extremum(0, -1.0), extremum(1, 1.0), extremum(1, -1.0)};
 }
 
+/// k and U in the channel between y+ = 50 and its centre, in wall units, distances in half widths.
+struct Channel {
+  double centre_speed, centre_k, k_at_03;
+};
+
+inline Channel channel(double reynolds, int n) {
+  const double kappa = 0.41, wall = 50.0 / reynolds;
+  const double speed = std::log(9.8 * 50.0) / kappa;
+  Borders borders = all_periodic();
+  borders.side[2] = {.kind = BorderKind::wall, .k = 1.0 / 0.3, .epsilon = 1.0 / (kappa * wall)};
+  borders.side[3] = {.kind = BorderKind::slip};
+  const double h = (1.0 - wall) / n;
+  FlowMarch march({.grid = MacGrid(2, {4, n, 1}, h, {0.0, wall, 0.0}),
+                   .borders = borders,
+                   .viscosity = 1.0 / reynolds,
+                   .body_force = {1.0, 0.0, 0.0},
+                   .turbulence = TurbulenceModel::k_epsilon,
+                   .largest_eddy_viscosity = 10.0});
+  march.set_velocity(
+      [&](const Eigen::Vector3d& x) { return Eigen::Vector3d(std::log(x.y() / wall) / kappa, 0.0, 0.0); });
+  march.set_turbulence(2.0, 5.0);
+  const double step = 0.45 * h / 8.0;
+  while (march.state().time < 20.0) march.advance(step);
+  const auto row = [&](double y) { return static_cast<int>((y - wall) / h); };
+  const auto at = [&](int j) { return static_cast<std::size_t>(march.grid().at(1, j)); };
+  const Field& k = march.turbulence()->k;
+  const int j = row(0.3);
+  const double along = (0.3 - march.grid().centre(0, j).y()) / h;
+  const int other = along > 0 ? j + 1 : j - 1;
+  return {speed + march.state().u[0][at(n - 1)], k[at(n - 1)],
+          k[at(j)] + std::abs(along) * (k[at(other)] - k[at(j)])};
+}
+
+/// The channel with a cylinder of the DFG benchmark (M. Schaefer, S. Turek 1996) in diameters and mean speeds, with n cells
+/// to a diameter: 22 long, 4.1 high, the cylinder's centre 2 from the inflow and 2 above the floor.
+inline FlowSetup dfg_channel(int n, double reynolds) {
+  const auto speed = [](const Eigen::Vector3d& x) { return 6.0 * x.y() * (4.1 - x.y()) / (4.1 * 4.1); };
+  Borders borders = stream();
+  borders.side[0].profile = speed;
+  borders.side[2].kind = borders.side[3].kind = BorderKind::wall;
+  return {.grid = MacGrid(2, {22 * n, static_cast<int>(std::lround(4.1 * n)), 1}, 1.0 / n,
+                          Eigen::Vector3d::Zero()),
+          .borders = borders,
+          .body = PlacedShape(ellipse_section(0.5, 0.5), {2.0, 2.0, 0.0}, 0.0),
+          .viscosity = 1.0 / reynolds,
+          .scheme = AdvectionScheme::central};
+}
+
+inline void start_channel(FlowMarch& march) {
+  march.set_velocity([&](const Eigen::Vector3d& x) {
+    return Eigen::Vector3d(march.setup().borders.side[0].profile(x), 0.0, 0.0);
+  });
+}
+
 }  // namespace flow_cases

@@ -35,3 +35,29 @@ TEST_CASE("the lid-driven cavity at Re 100 has the published extrema", "[flow]")
   CHECK(std::log2((coarse.v_min - published.v_min) / (fine.v_min - published.v_min)) > 1.8);
   CHECK(std::log2((coarse.u_min - published.u_min) / (fine.u_min - published.u_min)) > 1.8);
 }
+
+TEST_CASE("a flow in space that does not change along z is the flow in the plane", "[flow]") {
+  const auto run = [](int dimensions) {
+    Borders borders;
+    for (int side = 0; side < 4; ++side) borders.side[static_cast<std::size_t>(side)].kind = BorderKind::wall;
+    borders.side[3].velocity = {1.0, 0.0, 0.0};
+    borders.side[4].kind = borders.side[5].kind = BorderKind::periodic;
+    const int n = 16;
+    FlowMarch march({.grid = MacGrid(dimensions, {n, n, 4}, 1.0 / n, Eigen::Vector3d::Zero()),
+                     .borders = borders,
+                     .viscosity = 0.01,
+                     .divergence = 1e-12});
+    march.set_velocity([](const Eigen::Vector3d&) { return Eigen::Vector3d(0.0, 0.0, 0.0); });
+    for (int s = 0; s < 30; ++s) march.advance(0.02);
+    Eigen::MatrixXd middle(n, n);
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < n; ++i)
+        middle(i, j) =
+            march.state().u[0][static_cast<std::size_t>(march.grid().at(i, j, dimensions == 3 ? 2 : 0))];
+    }
+    return middle;
+  };
+  const Eigen::MatrixXd plane = run(2), space = run(3);
+  CHECK(plane.cwiseAbs().maxCoeff() > 0.3);
+  CHECK((plane - space).cwiseAbs().maxCoeff() < 1e-10);
+}

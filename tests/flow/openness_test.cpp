@@ -3,6 +3,10 @@
 #include <catch2/catch.hpp>
 
 #include "flow_cases.h"
+#include "samara/base/errors.h"
+#include "samara/base/streams.h"
+#include "samara/flow/grid/mesh_shape.h"
+#include "samara/models/bodies/mesh_shapes.h"
 
 using namespace samara::flow;
 using namespace flow_cases;
@@ -56,6 +60,22 @@ TEST_CASE("distances from an ellipsoid are those to the nearest of many points o
     INFO(point.transpose());
     CHECK(shape.distance(point) == Approx(inside * nearest).margin(1e-4));
   }
+}
+
+TEST_CASE("distances from a mesh of a box are those from the box", "[flow]") {
+  const Eigen::Vector3d sides(1.0, 0.25, 0.5);
+  const Shape box = box_shape(sides), mesh = mesh_shape(samara::models::box_mesh(2.0 * sides, 4, 3, 2), 0.25);
+  CHECK((mesh.half - box.half).norm() < 1e-12);
+  samara::Stream random(5, 0);
+  for (int point = 0; point < 2000; ++point) {
+    const Eigen::Vector3d x(1.6 * random.uniform() - 0.8, random.uniform() - 0.5,
+                            1.2 * random.uniform() - 0.6);
+    INFO(x.transpose());
+    REQUIRE(mesh.distance(x) == Approx(box.distance(x)).margin(1e-9));
+  }
+  // Nearest to corners and edges of several triangles.
+  CHECK(mesh.distance({0.6, 0.225, 0.35}) == Approx(std::sqrt(0.03)).epsilon(1e-9));
+  CHECK_THROWS_AS(mesh_shape(samara::models::TriangleMesh{}, 0.1), samara::ArgumentError);
 }
 
 TEST_CASE("a body thinner than two cells, or at the border, is refused with the cells that it takes",

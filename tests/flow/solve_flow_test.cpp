@@ -113,7 +113,8 @@ TEST_CASE("what cannot be solved is refused before anything is taken", "[flow]")
                     "least 2 body lengths");
   flow = small_square();
   flow.shape = rectangle_section(1.0, 0.1);
-  CHECK_THROWS_WITH(solve_flow(flow),
-                    "flow: the body is 0.1 thin at 8 cells per length, expected two cells across it: "
-                    "cells_per_length at least 20");
+  CHECK_THROWS_WITH(
+      solve_flow(flow),
+      "flow: the body is 0.1 thin at 8 cells per length, expected two cells across it, or a baffle: "
+      "cells_per_length at least 20");
 }

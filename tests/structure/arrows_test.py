@@ -26,7 +26,7 @@ SUB_ROOMS = {
     "codebooks": [
         "model", "book", "file", "plan", "source", "query/kernels", "query", "statistics", "certify", "fields", "build", "composition", "capi",
     ],
-    "flow": ["grid", "pressure", "momentum", "turbulence", "march", "files"],
+    "flow": ["grid", "pressure", "momentum", "turbulence", "march", "files", "books"],
     "identification": [
         "smoothing", "captures/exports", "captures", "statistics", "problem", "pages", "report",
         "solve/starts", "solve", "fit", "design", "series", "files", "explorer",

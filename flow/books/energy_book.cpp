@@ -1,0 +1,157 @@
+#include "samara/flow/books/energy_book.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/codebooks/query/query.h"
+
+namespace samara::flow {
+
+namespace {
+
+/// Differences below these do not matter, whatever an output's range: a lift that is 0 everywhere has none.
+constexpr double kLoadFloor = 0.1, kStrouhalFloor = 0.02, kLengthFloor = 0.5, kEnergyFloor = 0.01;
+
+double floor_of(const std::string& output) {
+  if (output == "strouhal") return kStrouhalFloor;
+  if (output == "bubble_end") return kLengthFloor;
+  return output == "k_near" || output == "epsilon_near" ? kEnergyFloor : kLoadFloor;
+}
+
+/// Mean of a field over the fluid within half a length of the body.
+double mean_near(const FlowResult& result, const FlowCase& flow, const Field& field) {
+  constexpr double kNear = 0.5;
+  const PlacedShape body(flow.shape, Eigen::Vector3d::Zero(), flow.angle_of_attack);
+  const MacGrid& grid = result.grid;
+  double sum = 0.0, volume = 0.0;
+  for (int k = 0; k < grid.cells[2]; ++k) {
+    for (int j = 0; j < grid.cells[1]; ++j) {
+      for (int i = 0; i < grid.cells[0]; ++i) {
+        const auto c = static_cast<std::size_t>(grid.at(i, j, k));
+        const double open = result.body.inverse_cell[c] > 0.0 ? result.body.cell[c] : 0.0;
+        if (open == 0.0 || body.distance(grid.centre(i, j, k)) > kNear) continue;
+        sum += open * field[c];
+        volume += open;
+      }
+    }
+  }
+  return volume > 0.0 ? sum / volume : 0.0;
+}
+
+codebooks::Plan book_plan(const FlowPlan& plan) {
+  if (plan.box.empty()) throw ArgumentError("an energy book needs a box, which the plan does not have");
+  codebooks::Plan book;
+  book.title = plan.title;
+  book.text = plan.text;
+  book.box = plan.box;
+  book.relative = plan.relative;
+  book.builder.kind = "sampling";
+  book.builder.max_calls = plan.max_calls;
+  book.builder.seed = plan.seed;
+  // A flow is dear: fewer points are explored beside those of every round's check.
+  book.builder.guards = plan.certificate_points;
+  codebooks::PlannedCommand command;
+  command.run = {"samara", "flow"};
+  command.inputs = {{"angle_of_attack", "rad"}, {"log10_reynolds", "1"}};
+  command.outputs = energy_outputs(plan.flow);
+  command.batch = 1;
+  book.command = command;
+  for (const codebooks::CommandQuantity& output : command.outputs)
+    book.absolute[output.name] = floor_of(output.name);
+  const auto is_free = [&](const std::string& name) {
+    return std::any_of(plan.box.begin(), plan.box.end(),
+                       [&](const auto& entry) { return entry.name == name; });
+  };
+  if (!is_free("angle_of_attack")) book.fixed["angle_of_attack"] = plan.flow.angle_of_attack;
+  if (!is_free("log10_reynolds")) book.fixed["log10_reynolds"] = std::log10(plan.flow.reynolds);
+  return book;
+}
+
+}  // namespace
+
+std::vector<codebooks::CommandQuantity> energy_outputs(const FlowCase& flow) {
+  std::vector<codebooks::CommandQuantity> outputs = {{"C_D", "1"},     {"C_L", "1"},      {"C_M", "1"},
+                                                     {"C_L_rms", "1"}, {"strouhal", "1"}, {"bubble_end", "1"},
+                                                     {"k_near", "1"}};
+  if (flow.turbulence != TurbulenceModel::none) outputs.push_back({"epsilon_near", "1"});
+  return outputs;
+}
+
+Eigen::VectorXd energy_of(const FlowResult& result, const FlowCase& flow) {
+  Field k = result.k_resolved;
+  for (std::size_t c = 0; c < result.k_modelled.size(); ++c) k[c] += result.k_modelled[c];
+  Eigen::VectorXd values(static_cast<Eigen::Index>(energy_outputs(flow).size()));
+  values.head<7>() << result.drag.value, result.lift, result.moment, result.lift_rms, result.strouhal,
+      result.bubble_end, mean_near(result, flow, k);
+  if (flow.turbulence != TurbulenceModel::none) values(7) = mean_near(result, flow, result.epsilon);
+  return values;
+}
+
+Eigen::VectorXd solve_energy(const FlowPlan& plan, double angle_of_attack, double reynolds,
+                             const ProgressCallback& progress) {
+  FlowCase flow = plan.flow;
+  flow.angle_of_attack = angle_of_attack;
+  flow.reynolds = reynolds;
+  FlowOptions options;
+  options.end = plan.end;
+  options.max_time = plan.max_time;
+  options.max_memory = plan.max_memory;
+  options.seed = plan.seed;
+  options.threads = plan.threads;
+  if (progress) {
+    options.progress = [&](const Progress& report) {
+      return progress(
+          {fmt::format("flow at {:.4g} rad, Re {:.4g}", angle_of_attack, reynolds), report.fraction});
+    };
+  }
+  const FlowResult result = solve_flow(flow, options);
+  if (result.status != FlowStatus::steady && result.status != FlowStatus::averaged)
+    throw NoResultError(fmt::format("the flow at {:.4g} rad, Re {:.4g} ends as \"{}\": {}", angle_of_attack,
+                                    reynolds, to_string(result.status), result.message));
+  return energy_of(result, flow);
+}
+
+codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::BuildOptions& options) {
+  const codebooks::Plan book = book_plan(plan);
+  codebooks::BuildOptions chosen = options;
+  if (!chosen.certificate_points) chosen.certificate_points = plan.certificate_points;
+  const auto function = [&](const Eigen::MatrixXd& points, Eigen::MatrixXd& values) {
+    for (Eigen::Index j = 0; j < points.cols(); ++j)
+      values.col(j) = solve_energy(plan, points(0, j), std::pow(10.0, points(1, j)), options.progress);
+  };
+  return codebooks::build(book, function, chosen);
+}
+
+Eigen::VectorXd discretisation(const FlowPlan& plan, const codebooks::Codebook& book,
+                               const ProgressCallback& progress) {
+  FlowPlan finer = plan;
+  finer.flow.cells_per_length *= 2;
+  codebooks::Query query(book);
+  Eigen::MatrixXd coarse(book.output_count(), 2), fine(book.output_count(), 2);
+  for (const int end : {0, 1}) {
+    std::vector<double> point(plan.box.size());
+    double angle = plan.flow.angle_of_attack, reynolds = plan.flow.reynolds;
+    for (std::size_t k = 0; k < plan.box.size(); ++k) {
+      const double value = end == 0 ? plan.box[k].lower : plan.box[k].upper;
+      point[k] = value;
+      (plan.box[k].name == "angle_of_attack" ? angle : reynolds) =
+          plan.box[k].name == "angle_of_attack" ? value : std::pow(10.0, value);
+    }
+    Eigen::VectorXd values(book.output_count());
+    query.values(point, values);
+    coarse.col(end) = values;
+    fine.col(end) = solve_energy(finer, angle, reynolds, progress);
+  }
+  Eigen::VectorXd change(book.output_count());
+  for (Eigen::Index o = 0; o < change.size(); ++o) {
+    const double range = std::abs(coarse(o, 0) - coarse(o, 1));
+    const double scale = std::max(range, floor_of(book.outputs()[static_cast<std::size_t>(o)].name));
+    change(o) = (fine.row(o) - coarse.row(o)).cwiseAbs().maxCoeff() / scale;
+  }
+  return change;
+}
+
+}  // namespace samara::flow

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "samara/codebooks/build/build.h"
+#include "samara/flow/files/flow_plan.h"
+
+/// The flow about a body as a codebook: coefficients of the loads, Strouhal number and the energy near the body over the
+/// angle of attack and the Reynolds number. All is dimensionless, so that one book serves all sizes, speeds and fluids, and
+/// it is an ordinary codebook: queries with gradients, statistics, fits.
+///
+/// It is built by sampling (codebooks/build/build.h), a call of the function being a solve of the flow. Its certificate is
+/// measured against fresh solves at points that the builder did not see; what the grid is worth is another error, which
+/// discretisation() measures with twice the cells.
+namespace samara::flow {
+
+/// Rows of its outputs: C_D, C_L, C_M, deviation C_L_rms, strouhal, bubble_end, k_near, and epsilon_near with turbulence.
+std::vector<codebooks::CommandQuantity> energy_outputs(const FlowCase& flow);
+
+/// Their values. k and epsilon are means over the fluid within half a length of the body.
+Eigen::VectorXd energy_of(const FlowResult& result, const FlowCase& flow);
+
+/// The outputs at an angle of attack [rad] and a Reynolds number.
+/// @throws NoResultError if the flow is not found there
+Eigen::VectorXd solve_energy(const FlowPlan& plan, double angle_of_attack, double reynolds,
+                             const ProgressCallback& progress);
+
+/// @param plan with a box @throws as codebooks::build(), and ArgumentError for a plan without a box
+codebooks::BuildResult build_energy_book(const FlowPlan& plan, const codebooks::BuildOptions& options = {});
+
+/// Change of every output by twice the cells, over the plan's floor and the range that the book has at these points: the
+/// largest over both ends of the box.
+Eigen::VectorXd discretisation(const FlowPlan& plan, const codebooks::Codebook& book,
+                               const ProgressCallback& progress);
+
+}  // namespace samara::flow

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+
+#include "samara/flow/files/flow_file.h"
+#include "samara/models/laws/ambient_flow.h"
+
+namespace samara::flow {
+
+/// A flow of a file in the world of the models: how large, how fast, and where.
+struct FlowPlacement {
+  double speed = 1.0;   ///< U [m/s]
+  double length = 1.0;  ///< l [m]
+  Eigen::Vector3d body =
+      Eigen::Vector3d::Zero();  ///< where the centre of the flow's own body is, world axes [m]
+};
+
+/// Turbulence at a point.
+struct FlowEnergy {
+  double k = 0.0;                                            ///< modelled and resolved [m^2/s^2]
+  double epsilon = 0.0;                                      ///< [m^2/s^3]; 0 of a laminar flow
+  Eigen::Vector3d sigma_gradient = Eigen::Vector3d::Zero();  ///< of sqrt(2 k/3) [1/s]
+  bool inside = true;                                        ///< false beyond the grid
+};
+
+/// The mean flow and the energy of a flow file as what models fly in. The stream runs along world x, the flow's y is world
+/// z, up; a flow in the plane is the same for all world y.
+///
+/// Between cells all is the quadratic B-spline of the values in their centres, which smooths by h^2/8 of the second
+/// derivative, as the solver's own error is: k and epsilon stay positive, and gradients are continuous and exact.
+/// Beyond the grid there is the stream at the inflow, and no energy.
+class FlowView final : public models::AmbientFlow {
+ public:
+  /// @throws ArgumentError if speed or length is not positive and finite, or the place not finite
+  FlowView(std::shared_ptr<const StoredFlow> flow, const FlowPlacement& placement);
+
+  models::AmbientSample sample(double t, const Eigen::Vector3d& position) const override;
+  /// Two cells.
+  double length() const override;
+  FlowEnergy energy(const Eigen::Vector3d& position) const;
+  /// Whether the grid holds the point, half a cell at its borders left out.
+  bool inside(const Eigen::Vector3d& position) const;
+
+ private:
+  struct Value;
+  Value value_of(const Field& field, const Eigen::Vector3d& position) const;
+  /// In cells from the centre of the first.
+  Eigen::Vector3d in_cells(const Eigen::Vector3d& position) const;
+
+  std::shared_ptr<const StoredFlow> flow_;
+  FlowPlacement placement_;
+  const Field* velocity_[3] = {};  ///< along the flow's axes; null: none
+  const Field* k_ = nullptr;
+  const Field* epsilon_ = nullptr;  ///< null of a laminar flow
+  Field open_k_, open_epsilon_;     ///< 0 in closed cells
+};
+
+}  // namespace samara::flow

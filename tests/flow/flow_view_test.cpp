@@ -1,0 +1,73 @@
+#include "samara/flow/files/flow_view.h"
+
+#include <cmath>
+#include <memory>
+
+#include <catch2/catch.hpp>
+
+#include "flow_cases.h"
+#include "samara/base/errors.h"
+
+using namespace samara::flow;
+
+namespace {
+
+/// A made-up flow: u = 1 + x/10 - y/5, v = -y/10 + x/4, (w = z/20), k = (2 + x/3)^2, epsilon = 3.
+std::shared_ptr<const StoredFlow> made_up(int dimensions) {
+  auto flow = std::make_shared<StoredFlow>(MacGrid(dimensions, {40, 30, 24}, 0.1, {-1.0, -1.5, -1.2}));
+  const MacGrid& grid = flow->grid;
+  flow->open = grid.field(1.0);
+  for (const char* name : {"u", "v", "w", "k", "epsilon"}) flow->fields.push_back({name, "", grid.field()});
+  for (int k = 0; k < grid.cells[2]; ++k) {
+    for (int j = 0; j < grid.cells[1]; ++j) {
+      for (int i = 0; i < grid.cells[0]; ++i) {
+        const Eigen::Vector3d x = grid.centre(i, j, k);
+        const auto c = static_cast<std::size_t>(grid.at(i, j, k));
+        flow->fields[0].values[c] = 1.0 + x.x() / 10 - x.y() / 5;
+        flow->fields[1].values[c] = -x.y() / 10 + x.x() / 4;
+        flow->fields[2].values[c] = x.z() / 20;
+        flow->fields[3].values[c] = std::pow(2.0 + x.x() / 3, 2);
+        flow->fields[4].values[c] = 3.0;
+      }
+    }
+  }
+  return flow;
+}
+
+}  // namespace
+
+TEST_CASE("a flow in the world has its size and speed, its y upwards, and exact gradients", "[flow]") {
+  const int dimensions = GENERATE(2, 3);
+  const FlowPlacement placement{.speed = 3.0, .length = 0.5, .body = {10.0, -4.0, 2.0}};
+  const FlowView view(made_up(dimensions), placement);
+  // Flow place (0.73, 0.21, 0.34).
+  const Eigen::Vector3d place(10.0 + 0.365, dimensions == 3 ? -4.0 - 0.17 : 7.0, 2.0 + 0.105);
+  const samara::models::AmbientSample sample = view.sample(0.0, place);
+  CHECK(sample.velocity.x() == Approx(3.0 * (1.0 + 0.073 - 0.042)));
+  CHECK(sample.velocity.z() == Approx(3.0 * (-0.021 + 0.1825)));
+  CHECK(sample.velocity.y() == Approx(dimensions == 3 ? -3.0 * 0.017 : 0.0));
+  // Differences, also across the middle between two cells, where the spline changes.
+  const double step = 1e-6;
+  for (int j = 0; j < 3; ++j) {
+    const Eigen::Vector3d d = step * Eigen::Vector3d::Unit(j);
+    const Eigen::Vector3d slope =
+        (view.sample(0, place + d).velocity - view.sample(0, place - d).velocity) / (2 * step);
+    CHECK((slope - sample.gradient.col(j)).norm() < 1e-8);
+    const auto sigma = [&](const Eigen::Vector3d& x) { return std::sqrt(2.0 / 3.0 * view.energy(x).k); };
+    CHECK((sigma(place + d) - sigma(place - d)) / (2 * step) ==
+          Approx(view.energy(place).sigma_gradient(j)).margin(1e-7));
+  }
+  const FlowEnergy energy = view.energy(place);
+  CHECK(energy.k == Approx(9.0 * std::pow(2.0 + 0.73 / 3, 2)).epsilon(1e-3));
+  CHECK(energy.epsilon == Approx(27.0 / 0.5 * 3.0));
+  CHECK(energy.inside);
+}
+
+TEST_CASE("beyond its grid a flow is the stream, without energy", "[flow]") {
+  const FlowView view(made_up(2), {.speed = 2.0, .length = 1.0});
+  CHECK(view.sample(0.0, {50.0, 0.0, 0.0}).velocity == Eigen::Vector3d(2.0, 0.0, 0.0));
+  CHECK_FALSE(view.energy({0.0, 0.0, -1.48}).inside);
+  CHECK(view.energy({0.0, 0.0, -1.48}).k == 0.0);
+  CHECK_FALSE(view.inside({NAN, 0.0, 0.0}));
+  CHECK_THROWS_AS(FlowView(made_up(2), {.speed = -2.0}), samara::ArgumentError);
+}
