@@ -254,6 +254,35 @@ void add_explore(CLI::App& app, Arguments& arguments) {
   on_call(command, arguments.explore, values);
 }
 
+void add_plot(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<PlotArguments>();
+  CLI::App* command = app.add_subcommand("plot", "a picture of a codebook, a fit or a table, as SVG");
+  command->add_option("INPUT", values->input, "codebook, fit (.json), or table (.csv, .tsv)")->required();
+  command
+      ->add_option(
+          "--of", values->of,
+          "of a codebook: trajectories (the default), error, ranks, indices (of Sobol'); of a fit: captures "
+          "(the default), profiles")
+      ->check(CLI::IsMember({"trajectories", "error", "ranks", "indices", "captures", "profiles"}));
+  command
+      ->add_option(
+          "--set", values->set,
+          std::string("of trajectories; the middle of the box where nothing is said: ") + kAssignments)
+      ->allow_extra_args(false);
+  command->add_option("--outputs", values->outputs, "to show; default: all");
+  command->add_option("--capture", values->capture, "id of a capture of the fit; default: the first");
+  command->add_option("--points", values->points, "of errors")->capture_default_str()->check(whole_number());
+  command->add_option("--seed", values->seed, "of these points, from 0")
+      ->capture_default_str()
+      ->check(whole_number<std::uint64_t>());
+  command->add_option("--columns", values->columns, "of panels")
+      ->capture_default_str()
+      ->check(whole_number());
+  command->add_option("--title", values->title, "above the picture");
+  command->add_option("-o,--output", values->output, "picture to write, .svg")->required();
+  on_call(command, arguments.plot, values);
+}
+
 void add_validate(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<ValidateArguments>();
   CLI::App* command = app.add_subcommand("validate", "certifies a codebook again, on fresh points");
@@ -431,6 +460,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_query(app, arguments);
   add_export(app, arguments);
   add_explore(app, arguments);
+  add_plot(app, arguments);
   add_validate(app, arguments);
   add_fit(app, arguments);
   add_body(app, arguments);

@@ -90,6 +90,19 @@ struct ExploreArguments {
   std::string output;
 };
 
+struct PlotArguments {
+  std::string input;  ///< codebook, JSON of a fit, or table
+  std::string of;     ///< empty: trajectories of a codebook, captures of a fit
+  std::vector<std::string> set;
+  std::vector<std::string> outputs;
+  std::string capture;  ///< id, of a fit
+  int points = 64;      ///< of errors
+  std::uint64_t seed = 1;
+  int columns = 2;
+  std::string title;
+  std::string output;
+};
+
 struct ExportArguments {
   std::string book;
   std::string to;  ///< "paraview"
@@ -163,6 +176,7 @@ struct Arguments {
   std::optional<StatsArguments> stats;
   std::optional<ExportArguments> exported;
   std::optional<ExploreArguments> explore;
+  std::optional<PlotArguments> plot;
   std::optional<ValidateArguments> validate;
   std::optional<FitArguments> fit;
   std::optional<BodyArguments> body;

@@ -22,7 +22,7 @@ SUB_ROOMS = {
     "pgd": ["axes", "tensors", "fields", "cross", "linear", "sampling", "evolution", "nonlinear", "checks"],
     "models": ["interface", "checks", "bodies", "added_mass", "integrators", "batch", "trajectories", "equations", "fields", "laws"],
     "codebooks": [
-        "model", "book", "file", "plan", "source", "query/kernels", "query", "statistics", "certify", "fields", "build", "composition", "capi",
+        "model", "book", "file", "plan", "source", "query/kernels", "query", "statistics", "certify", "fields", "build", "composition", "figures", "capi",
     ],
     "identification": [
         "smoothing", "captures/exports", "captures", "statistics", "problem", "pages", "report",
