@@ -8,7 +8,6 @@ The Khronos validator (npm: gltf-validator) is asked where SAMARA_NODE_MODULES l
 import argparse
 import itertools
 import json
-import os
 import pathlib
 import subprocess
 import sys
@@ -21,7 +20,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "apps"))
 
 from browser import PROGRAM, Browser  # noqa: E402
-from glb_file import Glb  # noqa: E402
+from glb_file import Glb, issues  # noqa: E402
 
 SAMARA = ROOT / "build" / "release" / "apps" / "samara"
 PLATE = """model = "falling_plate_nd"
@@ -148,13 +147,10 @@ def animate(book, folder):
     times = np.linspace(0.0, 0.3, 2001)
     outputs = {o["name"]: np.array(o["values"]) for o in json.loads(samara("query", book, *point, "--json", "--at", *map(repr, times.tolist())))["outputs"]}
     _, angle = Glb(path).worst(times, np.stack([outputs[n] for n in "xyz"], 1), np.stack([outputs["q" + n] for n in "wxyz"], 1))
-    modules = os.environ.get("SAMARA_NODE_MODULES", "")
-    if os.path.isdir(os.path.join(modules, "gltf-validator")):
-        script = ("require(process.argv[2] + '/gltf-validator').validateBytes(new Uint8Array(require('fs').readFileSync(process.argv[1])))"
-                  ".then((report) => console.log(JSON.stringify(report.issues)))")
-        issues = json.loads(subprocess.run(["node", "-e", script, path, modules], check=True, capture_output=True, text=True).stdout)
-        report("glb", "errors", issues["numErrors"])
-        report("glb", "warnings", issues["numWarnings"])
+    found = issues(path)
+    if found is not None:
+        report("glb", "errors", found[0])
+        report("glb", "warnings", found[1])
     report("glb", "slerp_error", angle, "deg")
 
 

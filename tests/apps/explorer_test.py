@@ -20,7 +20,7 @@ import h5py
 import numpy as np
 
 import browser
-from glb_file import Glb
+from glb_file import Glb, issues
 from samara_case import COIN_PLAN, FOLDER, LONGEST, SAMARA, Case, book, main, run, write
 
 SAMPLES = sys.argv.pop(3) if len(sys.argv) > 3 else ""
@@ -72,6 +72,22 @@ def fallen():
     return capture, fit
 
 
+def fine_box():
+    """Faces of a closed box whose corners are all numbered, two large sides of it in 50 x 50 squares."""
+    number = lambda x, y, z: 1 + (x * 51 + y) * 51 + z
+    faces = []
+    for x in (0, 1):
+        for y, z in itertools.product(range(50), range(50)):
+            square = [number(x, y, z), number(x, y + 1, z), number(x, y + 1, z + 1), number(x, y, z + 1)]
+            faces.append(square if x else square[::-1])
+    for k in range(50):
+        faces += [[number(0, k, 0), number(0, k + 1, 0), number(1, k + 1, 0), number(1, k, 0)],
+                  [number(0, k, 50), number(1, k, 50), number(1, k + 1, 50), number(0, k + 1, 50)],
+                  [number(0, 0, k), number(1, 0, k), number(1, 0, k + 1), number(0, 0, k + 1)],
+                  [number(0, 50, k), number(0, 50, k + 1), number(1, 50, k + 1), number(1, 50, k)]]
+    return "".join("f {} {} {}\nf {} {} {}\n".format(a, b, c, a, c, d) for a, b, c, d in faces)
+
+
 class Explorer(Case):
     def test_the_page_is_complete_in_itself_and_forbids_the_network(self):
         text = explored(book("coin", COIN_PLAN)).read_text()
@@ -94,6 +110,8 @@ class Explorer(Case):
         self.check_error(run("explore", path, "--body", "disc", "-o", page), 2, "its radius and its thickness")
         self.check_error(run("explore", path, "--size", "1 cm", "-o", page), 2, "--body was expected")
         self.check_error(run("explore", path, "--body", "leaf.stl", "-o", page), 2, "--unit")
+        fine = write("fine.obj", "".join(f"v {x} {y} {z}\n" for x in range(2) for y in range(51) for z in range(51)) + fine_box())
+        self.check_error(run("explore", path, "--body", fine, "--unit", "mm", "-o", page), 2, "more than the 5000 that a page draws")
         self.check_error(run("explore", FOLDER / "none.h5", "-o", page), 3, "none.h5")
         damaged = FOLDER / "damaged.h5"
         damaged.write_bytes(path.read_bytes()[:-2000])
@@ -173,6 +191,10 @@ class ExplorerInBrowser(Case):
             values = self.evaluated(number, table[:, :count].tolist())
             scale = np.abs(table[:, count:]).max(axis=0)
             self.assertLess(np.max(np.abs(values - table[:, count:]) / scale), 1e-13, name)
+            # The page shows each of them, with time or without.
+            if number > 0:
+                self.browser.value(f"(() => {{ const s = document.getElementById('codebook'); s.value = {number}; s.dispatchEvent(new Event('change')); }})()")
+            self.assertEqual(self.browser.value("document.querySelectorAll('#curves canvas').length"), table.shape[1] - count)
             # A curve over any coordinate passes the same points.
             for along in range(count):
                 same = np.array(self.browser.value(
@@ -329,6 +351,7 @@ class ExplorerInBrowser(Case):
         glb = Glb(path)
         glb.check_against(self, times, np.stack([columns[n] for n in ["x", "y", "z"]], 1),
                           np.stack([columns[n] for n in ["qw", "qx", "qy", "qz"]], 1), size=0.07)
+        self.assertIn(issues(path), [None, [0, 0, 0, 0]])
         self.assertEqual(glb.json["nodes"][0]["extras"]["parameters"], {"C_D90": point[0], "C_R": point[1]})
 
     def test_certificates_that_are_missed_or_missing_are_told_in_red(self):
