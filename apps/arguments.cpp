@@ -1,16 +1,14 @@
 #include "arguments.h"
 
 #include <algorithm>
-#include <charconv>
-#include <limits>
 #include <map>
 #include <sstream>
 #include <string_view>
-#include <type_traits>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "option_parts.h"
 #include "output.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
@@ -20,23 +18,6 @@
 namespace samara::apps {
 
 namespace {
-
-constexpr const char* kAssignments = "NAME=VALUE, SI or with a unit: C_D=1.2, \"v(0)=10 cm/s\"";
-
-/// "2.5" and "1e3" are no whole numbers, and digits beyond the type are too large: in words, where the parser
-/// would only say that it could not convert, or take the largest number in silence.
-template <class T = int>
-CLI::Validator whole_number() {
-  return CLI::Validator(
-      [](const std::string& text) {
-        T value = 0;
-        const auto [rest, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (problem == std::errc() && rest == text.data() + text.size()) return std::string();
-        return fmt::format("is {}, expected a whole number {}of at most {}", text,
-                           std::is_unsigned_v<T> ? "from 0 on, " : "", std::numeric_limits<T>::max());
-      },
-      "");
-}
 
 /// The licence of the whole is that of its strictest part.
 std::string version_text() {
@@ -51,11 +32,6 @@ std::string version_text() {
       version(), kGplParts);
 }
 
-template <class T>
-void on_call(CLI::App* command, std::optional<T>& target, std::shared_ptr<T> values) {
-  command->callback([&target, values] { target = *values; });
-}
-
 void add_models(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<ModelsArguments>();
   CLI::App* command =
@@ -67,8 +43,6 @@ void add_models(CLI::App& app, Arguments& arguments) {
       ->excludes(json);
   on_call(command, arguments.models, values);
 }
-
-constexpr const char* kBody = "ellipsoid, disc or plate, with --size; or a mesh: OBJ, STL, PLY";
 
 void add_body_words(CLI::App& command, BodyWords& words, bool required) {
   command.add_option("--size", words.sizes,
@@ -187,14 +161,6 @@ void add_stats(CLI::App& app, Arguments& arguments) {
   on_call(command, arguments.stats, values);
 }
 
-void add_shown_words(CLI::App& command, ShownWords& words) {
-  command.add_option("--body", words.body,
-                     std::string("what is drawn, if the model's parameters do not say it: ") + kBody);
-  command.add_option("--size", words.sizes,
-                     "semi-axes of an ellipsoid; radius and thickness of a disc; full sides of a plate");
-  command.add_option("--unit", words.unit, "of a mesh file, which says none: mm, cm, m");
-}
-
 void add_query(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<QueryArguments>();
   CLI::App* command =
@@ -233,54 +199,6 @@ void add_export(CLI::App& app, Arguments& arguments) {
                    "beside it")
       ->required();
   on_call(command, arguments.exported, values);
-}
-
-void add_explore(CLI::App& app, Arguments& arguments) {
-  auto values = std::make_shared<ExploreArguments>();
-  CLI::App* command = app.add_subcommand(
-      "explore", "a page for the browser that evaluates codebooks: curves, captures, the body in motion");
-  command->add_option("BOOK", values->books, "codebook files")->required();
-  command
-      ->add_option("--capture", values->captures,
-                   "captures to show: tables, or sidecars (.toml); may be repeated")
-      ->allow_extra_args(false);
-  command->add_option("--fit", values->fit, "fit (samara fit -o FIT.json) where the sliders begin");
-  command->add_option("--outputs", values->outputs, "to show; default: all");
-  add_shown_words(*command, values->body);
-  command->add_option("--times", values->times, "at which curves are drawn")
-      ->capture_default_str()
-      ->check(whole_number());
-  command->add_option("-o,--output", values->output, "page to write, .html")->required();
-  on_call(command, arguments.explore, values);
-}
-
-void add_plot(CLI::App& app, Arguments& arguments) {
-  auto values = std::make_shared<PlotArguments>();
-  CLI::App* command = app.add_subcommand("plot", "a picture of a codebook, a fit or a table, as SVG");
-  command->add_option("INPUT", values->input, "codebook, fit (.json), or table (.csv, .tsv)")->required();
-  command
-      ->add_option(
-          "--of", values->of,
-          "of a codebook: trajectories (the default), error, ranks, indices (of Sobol'); of a fit: captures "
-          "(the default), profiles")
-      ->check(CLI::IsMember({"trajectories", "error", "ranks", "indices", "captures", "profiles"}));
-  command
-      ->add_option(
-          "--set", values->set,
-          std::string("of trajectories; the middle of the box where nothing is said: ") + kAssignments)
-      ->allow_extra_args(false);
-  command->add_option("--outputs", values->outputs, "to show; default: all");
-  command->add_option("--capture", values->capture, "id of a capture of the fit; default: the first");
-  command->add_option("--points", values->points, "of errors")->capture_default_str()->check(whole_number());
-  command->add_option("--seed", values->seed, "of these points, from 0")
-      ->capture_default_str()
-      ->check(whole_number<std::uint64_t>());
-  command->add_option("--columns", values->columns, "of panels")
-      ->capture_default_str()
-      ->check(whole_number());
-  command->add_option("--title", values->title, "above the picture");
-  command->add_option("-o,--output", values->output, "picture to write, .svg")->required();
-  on_call(command, arguments.plot, values);
 }
 
 void add_validate(CLI::App& app, Arguments& arguments) {

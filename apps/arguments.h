@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-/// What the user typed, as plain values; the only file that knows the option parser is arguments.cpp.
+/// What the user typed, as plain values; the option parser is known to arguments.cpp, picture_arguments.cpp and
+/// option_parts.h only.
 namespace samara::apps {
 
 struct ModelsArguments {
