@@ -1,8 +1,6 @@
 #include "samara/identification/explorer/explorer_page.h"
 
 #include <algorithm>
-#include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
