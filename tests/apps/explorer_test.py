@@ -73,7 +73,8 @@ def fallen():
 
 
 def fine_box():
-    """Faces of a closed box whose corners are all numbered, two large sides of it in 50 x 50 squares."""
+    """A closed box as OBJ, two sides of it in 50 x 50 squares."""
+    corners = "".join(f"v {x} {y} {z}\n" for x in range(2) for y in range(51) for z in range(51))
     number = lambda x, y, z: 1 + (x * 51 + y) * 51 + z
     faces = []
     for x in (0, 1):
@@ -85,7 +86,7 @@ def fine_box():
                   [number(0, k, 50), number(1, k, 50), number(1, k + 1, 50), number(0, k + 1, 50)],
                   [number(0, 0, k), number(1, 0, k), number(1, 0, k + 1), number(0, 0, k + 1)],
                   [number(0, 50, k), number(0, 50, k + 1), number(1, 50, k + 1), number(1, 50, k)]]
-    return "".join("f {} {} {}\nf {} {} {}\n".format(a, b, c, a, c, d) for a, b, c, d in faces)
+    return corners + "".join("f {} {} {}\nf {} {} {}\n".format(a, b, c, a, c, d) for a, b, c, d in faces)
 
 
 class Explorer(Case):
@@ -110,8 +111,7 @@ class Explorer(Case):
         self.check_error(run("explore", path, "--body", "disc", "-o", page), 2, "its radius and its thickness")
         self.check_error(run("explore", path, "--size", "1 cm", "-o", page), 2, "--body was expected")
         self.check_error(run("explore", path, "--body", "leaf.stl", "-o", page), 2, "--unit")
-        fine = write("fine.obj", "".join(f"v {x} {y} {z}\n" for x in range(2) for y in range(51) for z in range(51)) + fine_box())
-        self.check_error(run("explore", path, "--body", fine, "--unit", "mm", "-o", page), 2, "more than the 5000 that a page draws")
+        self.check_error(run("explore", path, "--body", write("fine.obj", fine_box()), "--unit", "mm", "-o", page), 2, "more than the 5000 that a page draws")
         self.check_error(run("explore", FOLDER / "none.h5", "-o", page), 3, "none.h5")
         damaged = FOLDER / "damaged.h5"
         damaged.write_bytes(path.read_bytes()[:-2000])
@@ -127,9 +127,8 @@ class Explorer(Case):
         path = FOLDER / "large.h5"
         subprocess.run([SAMPLES, "large", path], check=True)
         result = run("explore", path, "-o", FOLDER / "large.html")
-        self.assertEqual(result.returncode, 2)
+        self.assertEqual((result.returncode, (FOLDER / "large.html").exists()), (2, False))
         self.assertIn("the factors have 24.0 MB, more than the 20 MB that a page takes: fewer outputs (--outputs)", result.stderr)
-        self.assertFalse((FOLDER / "large.html").exists())
         explored(path, "--outputs", "u", name="large")
 
     def test_a_channel_that_is_no_output_is_left_out_with_a_warning(self):
@@ -365,13 +364,9 @@ class ExplorerInBrowser(Case):
             subprocess.run([SAMPLES, "reference", FOLDER], check=True)
         self.opened(explored(path, bare, name="missed"))
         shown = "[document.getElementById('certificate').className, document.getElementById('certificate').textContent]"
-        name, text = self.browser.value(shown)
-        self.assertIn("bad", name)
-        self.assertIn("Certificate missed", text)
+        self.assertRegex(" ".join(self.browser.value(shown)), "bad.*Certificate missed")
         self.browser.value("(() => { const s = document.getElementById('codebook'); s.value = 1; s.dispatchEvent(new Event('change')); })()")
-        name, text = self.browser.value(shown)
-        self.assertIn("bad", name)
-        self.assertIn("No certificate", text)
+        self.assertRegex(" ".join(self.browser.value(shown)), "bad.*No certificate")
         self.assertFalse(self.browser.value("document.getElementById('build').hidden"))
 
     def test_it_is_drawn_in_the_dark_and_on_a_phone_without_scrolling_sideways(self):
