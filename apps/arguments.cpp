@@ -1,18 +1,16 @@
 #include "arguments.h"
 
 #include <algorithm>
-#include <charconv>
-#include <limits>
 #include <map>
 #include <sstream>
 #include <string_view>
-#include <type_traits>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "flow_arguments.h"
 #include "motion_arguments.h"
+#include "option_parts.h"
 #include "output.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
@@ -22,23 +20,6 @@
 namespace samara::apps {
 
 namespace {
-
-constexpr const char* kAssignments = "NAME=VALUE, SI or with a unit: C_D=1.2, \"v(0)=10 cm/s\"";
-
-/// "2.5" and "1e3" are no whole numbers, and digits beyond the type are too large: in words, where the parser
-/// would only say that it could not convert, or take the largest number in silence.
-template <class T = int>
-CLI::Validator whole_number() {
-  return CLI::Validator(
-      [](const std::string& text) {
-        T value = 0;
-        const auto [rest, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (problem == std::errc() && rest == text.data() + text.size()) return std::string();
-        return fmt::format("is {}, expected a whole number {}of at most {}", text,
-                           std::is_unsigned_v<T> ? "from 0 on, " : "", std::numeric_limits<T>::max());
-      },
-      "");
-}
 
 /// The licence of the whole is that of its strictest part.
 std::string version_text() {
@@ -53,11 +34,6 @@ std::string version_text() {
       version(), kGplParts);
 }
 
-template <class T>
-void on_call(CLI::App* command, std::optional<T>& target, std::shared_ptr<T> values) {
-  command->callback([&target, values] { target = *values; });
-}
-
 void add_models(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<ModelsArguments>();
   CLI::App* command =
@@ -69,8 +45,6 @@ void add_models(CLI::App& app, Arguments& arguments) {
       ->excludes(json);
   on_call(command, arguments.models, values);
 }
-
-constexpr const char* kBody = "ellipsoid, disc or plate, with --size; or a mesh: OBJ, STL, PLY";
 
 void add_body_words(CLI::App& command, BodyWords& words, bool required) {
   command.add_option("--size", words.sizes,
@@ -254,14 +228,6 @@ void add_stats(CLI::App& app, Arguments& arguments) {
   on_call(command, arguments.stats, values);
 }
 
-void add_shown_words(CLI::App& command, ShownWords& words) {
-  command.add_option("--body", words.body,
-                     std::string("what is drawn, if the model's parameters do not say it: ") + kBody);
-  command.add_option("--size", words.sizes,
-                     "semi-axes of an ellipsoid; radius and thickness of a disc; full sides of a plate");
-  command.add_option("--unit", words.unit, "of a mesh file, which says none: mm, cm, m");
-}
-
 void add_query(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<QueryArguments>();
   CLI::App* command =
@@ -300,25 +266,6 @@ void add_export(CLI::App& app, Arguments& arguments) {
                    "beside it; of a flow NAME.xdmf, which refers to the flow file")
       ->required();
   on_call(command, arguments.exported, values);
-}
-
-void add_explore(CLI::App& app, Arguments& arguments) {
-  auto values = std::make_shared<ExploreArguments>();
-  CLI::App* command = app.add_subcommand(
-      "explore", "a page for the browser that evaluates codebooks: curves, captures, the body in motion");
-  command->add_option("BOOK", values->books, "codebook files")->required();
-  command
-      ->add_option("--capture", values->captures,
-                   "captures to show: tables, or sidecars (.toml); may be repeated")
-      ->allow_extra_args(false);
-  command->add_option("--fit", values->fit, "fit (samara fit -o FIT.json) where the sliders begin");
-  command->add_option("--outputs", values->outputs, "to show; default: all");
-  add_shown_words(*command, values->body);
-  command->add_option("--times", values->times, "at which curves are drawn")
-      ->capture_default_str()
-      ->check(whole_number());
-  command->add_option("-o,--output", values->output, "page to write, .html")->required();
-  on_call(command, arguments.explore, values);
 }
 
 void add_validate(CLI::App& app, Arguments& arguments) {
@@ -498,6 +445,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_query(app, arguments);
   add_export(app, arguments);
   add_explore(app, arguments);
+  add_plot(app, arguments);
   add_validate(app, arguments);
   add_fit(app, arguments);
   add_body(app, arguments);

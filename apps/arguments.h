@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-/// What the user typed, as plain values; the only file that knows the option parser is arguments.cpp.
+/// What the user typed, as plain values; the option parser is known to arguments.cpp, picture_arguments.cpp and
+/// option_parts.h only.
 namespace samara::apps {
 
 struct ModelsArguments {
@@ -117,6 +118,19 @@ struct ExploreArguments {
   std::vector<std::string> outputs;
   ShownWords body;
   int times = 200;
+  std::string output;
+};
+
+struct PlotArguments {
+  std::string input;  ///< codebook, JSON of a fit, or table
+  std::string of;     ///< empty: trajectories of a codebook, captures of a fit
+  std::vector<std::string> set;
+  std::vector<std::string> outputs;
+  std::string capture;  ///< id, of a fit
+  int points = 64;      ///< of errors
+  std::uint64_t seed = 1;
+  int columns = 2;
+  std::string title;
   std::string output;
 };
 
@@ -232,6 +246,7 @@ struct Arguments {
   std::optional<StatsArguments> stats;
   std::optional<ExportArguments> exported;
   std::optional<ExploreArguments> explore;
+  std::optional<PlotArguments> plot;
   std::optional<ValidateArguments> validate;
   std::optional<FitArguments> fit;
   std::optional<BodyArguments> body;

@@ -13,6 +13,7 @@ int run(const QueryArguments& arguments);
 int run(const StatsArguments& arguments);
 int run(const ExportArguments& arguments);
 int run(const ExploreArguments& arguments);
+int run(const PlotArguments& arguments);
 int run(const ValidateArguments& arguments);
 int run(const FitArguments& arguments);
 int run(const BodyArguments& arguments);

@@ -22,6 +22,7 @@ int dispatch(const Arguments& arguments) {
   if (arguments.stats) return run(*arguments.stats);
   if (arguments.exported) return run(*arguments.exported);
   if (arguments.explore) return run(*arguments.explore);
+  if (arguments.plot) return run(*arguments.plot);
   if (arguments.validate) return run(*arguments.validate);
   if (arguments.fit) return run(*arguments.fit);
   if (arguments.design) return run(*arguments.design);

@@ -226,6 +226,7 @@ int run(const QueryArguments& arguments) {
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
   if (names_animation(arguments.output)) return run_animated(arguments, book);
+  for (const std::string& text : arguments.body.sizes) number_or_quantity("--size", text, "m");
   if (!arguments.body.body.empty() || !arguments.body.sizes.empty() || !arguments.body.unit.empty())
     throw ArgumentError(
         "--body, --size and --unit are of what is drawn: --output with a .glb or .usda was expected");

@@ -8,7 +8,6 @@ The Khronos validator (npm: gltf-validator) is asked where SAMARA_NODE_MODULES l
 import argparse
 import itertools
 import json
-import os
 import pathlib
 import subprocess
 import sys
@@ -21,7 +20,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "apps"))
 
 from browser import PROGRAM, Browser  # noqa: E402
-from glb_file import Glb  # noqa: E402
+from glb_file import Glb, issues  # noqa: E402
 
 SAMARA = ROOT / "build" / "release" / "apps" / "samara"
 PLATE = """model = "falling_plate_nd"
@@ -79,19 +78,24 @@ MEASURE = """(async () => {
   };
   const point = (k) => coordinates.map((c, j) => j === 0 ? c.lower : c.lower + (c.upper - c.lower) * ((k * 0.618 + j * 0.37) % 1));
   const many = 20, trajectory = least(20, (k) => { for (let n = 0; n < many; ++n) curves.codebook.curve(curves.prepared, point(many * k + n)); }) / many;
-  const frames = [];
-  for (let k = 0; k < 60; ++k) {
-    const begin = performance.now();
-    state.point = point(k);
-    render("point");
-    // Charts are drawn in a microtask: a picture is finished when it can be read.
-    await Promise.resolve();
-    document.querySelector("#curves canvas").getContext("2d").getImageData(0, 0, 1, 1);
-    frames.push(performance.now() - begin);
+  // The median of 30 frames, and the least of several of these: other work disturbs it least.
+  const medians = [];
+  for (let round = 0; round < 7; ++round) {
+    const frames = [];
+    for (let k = 0; k < 30; ++k) {
+      const begin = performance.now();
+      state.point = point(30 * round + k);
+      render("point");
+      // Charts are drawn in a microtask: a picture is finished when it can be read.
+      await Promise.resolve();
+      document.querySelector("#curves canvas").getContext("2d").getImageData(0, 0, 1, 1);
+      frames.push(performance.now() - begin);
+    }
+    medians.push(frames.sort((a, b) => a - b)[15]);
+    await new Promise((go) => setTimeout(go, 100));
   }
-  frames.sort((a, b) => a - b);
   const open = performance.getEntriesByType("navigation")[0];
-  return {trajectory, frame: frames[30], open: open.domComplete - open.fetchStart};
+  return {trajectory, frame: Math.min(...medians), open: open.domComplete - open.fetchStart};
 })()"""
 
 
@@ -148,13 +152,10 @@ def animate(book, folder):
     times = np.linspace(0.0, 0.3, 2001)
     outputs = {o["name"]: np.array(o["values"]) for o in json.loads(samara("query", book, *point, "--json", "--at", *map(repr, times.tolist())))["outputs"]}
     _, angle = Glb(path).worst(times, np.stack([outputs[n] for n in "xyz"], 1), np.stack([outputs["q" + n] for n in "wxyz"], 1))
-    modules = os.environ.get("SAMARA_NODE_MODULES", "")
-    if os.path.isdir(os.path.join(modules, "gltf-validator")):
-        script = ("require(process.argv[2] + '/gltf-validator').validateBytes(new Uint8Array(require('fs').readFileSync(process.argv[1])))"
-                  ".then((report) => console.log(JSON.stringify(report.issues)))")
-        issues = json.loads(subprocess.run(["node", "-e", script, path, modules], check=True, capture_output=True, text=True).stdout)
-        report("glb", "errors", issues["numErrors"])
-        report("glb", "warnings", issues["numWarnings"])
+    found = issues(path)
+    if found is not None:
+        report("glb", "errors", found[0])
+        report("glb", "warnings", found[1])
     report("glb", "slerp_error", angle, "deg")
 
 

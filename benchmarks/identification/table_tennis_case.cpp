@@ -10,7 +10,7 @@
 
 #include "cases.h"
 #include "real_data.h"
-#include "scatter.h"
+#include "samara/io/svg_chart.h"
 #include "table_tennis.h"
 
 namespace samara::benchmarks::identification {
@@ -68,24 +68,37 @@ std::vector<SpinComparison> compare(const std::string& metric, const std::vector
 /// wrong rows it shows at once.
 void draw(const std::filesystem::path& folder, const std::vector<SpinComparison>& labelled,
           const std::vector<SpinComparison>& shifted) {
-  Panel sizes{"label, rad/s", "effective spin along the label, rad/s", {}, true};
-  Panel flights{"number of the flight", "distance between effective spin and label, rad/s", {}};
-  const auto add = [&](const std::vector<SpinComparison>& spins, const char* name, const char* color) {
-    Points of_sizes{name, color, {}}, of_flights{name, color, {}};
-    for (const SpinComparison& spin : spins) {
-      const double label = spin.labelled.norm();
-      of_sizes.at.emplace_back(label, spin.effective.dot(spin.labelled) / label);
-      of_flights.at.emplace_back(std::stod(spin.number), (spin.effective - spin.labelled).norm());
+  io::SvgPanel sizes{.title = "Sizes",
+                     .x_label = "label [rad/s]",
+                     .y_label = "effective spin along the label [rad/s]",
+                     .series = {},
+                     .with_diagonal = true,
+                     .from_zero = true};
+  io::SvgPanel flights{.title = "Distances",
+                       .x_label = "number of the flight",
+                       .y_label = "from effective spin to label [rad/s]",
+                       .series = {},
+                       .from_zero = true};
+  const auto add = [&](const std::vector<SpinComparison>& spins, const char* name, int colour) {
+    const auto count = std::ssize(spins);
+    Eigen::VectorXd label(count), along(count), number(count), distance(count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const SpinComparison& spin = spins[static_cast<std::size_t>(k)];
+      label[k] = spin.labelled.norm();
+      along[k] = spin.effective.dot(spin.labelled) / label[k];
+      number[k] = std::stod(spin.number);
+      distance[k] = (spin.effective - spin.labelled).norm();
     }
-    sizes.series.push_back(of_sizes);
-    flights.series.push_back(of_flights);
+    const auto points = io::SvgSeries::Kind::points;
+    sizes.series.push_back({.name = name, .x = label, .y = along, .kind = points, .colour = colour});
+    flights.series.push_back({.name = name, .x = number, .y = distance, .kind = points, .colour = colour});
   };
-  add(labelled, "labels of their own", "#1668b8");
-  add(shifted, "labels of other rows", "#c2410c");
+  add(labelled, "labels of their own", 0);
+  add(shifted, "labels of other rows", 1);
   std::filesystem::create_directories(folder);
   const std::filesystem::path file = folder / "table_tennis_spins.svg";
-  std::ofstream(file) << scatter_svg(
-      "Spin of table tennis balls across their way: what flights show, and labels", {sizes, flights});
+  std::ofstream(file) << io::svg_charts(
+      "Spin of table tennis balls across their way: what flights show, and labels", {sizes, flights}, 2);
   std::cerr << kCase << ": drew " << file << '\n';
 }
 

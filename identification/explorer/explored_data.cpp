@@ -1,8 +1,6 @@
 #include "samara/identification/explorer/explored_data.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/attitude_length.h"

@@ -1,8 +1,6 @@
 #include "samara/identification/explorer/explorer_page.h"
 
 #include <algorithm>
-#include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -24,6 +22,11 @@ void check_content(const ExplorerContent& content) {
   if (content.books.empty()) throw ArgumentError("no codebook is given, expected at least one");
   if (content.times < 2 || content.times > 5000)
     throw ArgumentError(fmt::format("the number of times is {}, expected 2 to 5000", content.times));
+  if (content.body && content.body->triangles.cols() > kMostExplorerTriangles) {
+    throw ArgumentError(fmt::format(
+        "the body has {} triangles, more than the {} that a page draws: a coarser mesh was expected",
+        content.body->triangles.cols(), kMostExplorerTriangles));
+  }
   std::vector<std::string> known;
   for (const ExploredBook& explored : content.books)
     for (const pgd::OutputLabel& output : explored.book.outputs()) known.push_back(output.name);

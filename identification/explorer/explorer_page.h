@@ -36,8 +36,12 @@ struct ExplorerPage {
 /// The most that the factors of all codebooks in a page may have [bytes].
 inline constexpr double kMostExplorerBytes = 20e6;
 
+/// The most triangles of a body, which the page draws one by one.
+inline constexpr int kMostExplorerTriangles = 5000;
+
 /// @throws ArgumentError if there is no book, an output is unknown to all of them, the factors that the outputs need
-///   exceed kMostExplorerBytes, `times` is not from 2 to 5000, or the fit is of another model; InputError where a file
+///   exceed kMostExplorerBytes, the body has more than kMostExplorerTriangles, `times` is not from 2 to 5000, or the fit is
+///   of another model; InputError where a file
 ///   of a book turns out damaged.
 ExplorerPage explorer_page(const ExplorerContent& content);
 

@@ -39,7 +39,7 @@ TriangleMesh elliptic_cylinder(const Eigen::Vector3d& u, const Eigen::Vector3d& 
 }
 
 TriangleMesh ellipsoid(const Eigen::Vector3d& semi_axes) {
-  return icosahedral_ellipsoid_mesh(semi_axes, 5);
+  return icosahedral_ellipsoid_mesh(semi_axes, 4);
 }
 
 TriangleMesh disc(double radius, double thickness) {

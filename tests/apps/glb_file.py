@@ -2,13 +2,29 @@
 
 import json
 import math
+import os
 import pathlib
+import shutil
 import struct
+import subprocess
 
 import numpy as np
 
 KINDS = {5121: np.uint8, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 WIDTHS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
+
+
+def issues(path):
+    """What the Khronos validator (npm: gltf-validator) counts: errors, warnings, infos and hints. None where
+    SAMARA_NODE_MODULES does not lead to it."""
+    modules = os.environ.get("SAMARA_NODE_MODULES", "")
+    if shutil.which("node") is None or not os.path.isdir(os.path.join(modules, "gltf-validator")):
+        return None
+    script = ("require(process.argv[2] + '/gltf-validator').validateBytes(new Uint8Array(require('fs').readFileSync(process.argv[1])))"
+              ".then((report) => console.log(JSON.stringify(report.issues)))")
+    answer = subprocess.run(["node", "-e", script, path, modules], check=True, capture_output=True, text=True, timeout=600)
+    counts = json.loads(answer.stdout)
+    return [counts[f"num{kind}"] for kind in ["Errors", "Warnings", "Infos", "Hints"]]
 
 
 def y_up(vectors):

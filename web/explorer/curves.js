@@ -111,7 +111,9 @@ class Curves {
               this.others ? Curves.shown(this.others[o]) : own.length ? Array(own.length).fill(null) : []];
     };
     const range = () => {
-      const all = [...this.values[o], ...(this.others ? this.others[o] : []), ...((measured && this.shifted(measured, o)) || [])];
+      const last = prepared.places[prepared.places.length - 1], now = (measured && this.shifted(measured, o)) || [];
+      const seen = now.filter((v, i) => measured.times[i] >= prepared.places[0] && measured.times[i] <= last);
+      const all = [...this.values[o], ...(this.others ? this.others[o] : []), ...seen];
       const [low, high] = kit.span(all, 0.06);
       return [low - half, high + half];
     };

@@ -46,22 +46,38 @@ const explorer = (() => {
   }
 
   // Values at the place -----------------------------------------------------------------------------------
-  function values() {
-    const {book} = state, now = curves.codebook.at(state.point), then = state.other && curves.codebook.at(withPlace(state.other));
-    $("values-heading").textContent = `Values at ${coordinate().name} = ${inUnit(state.point[state.along], coordinate().unit, 4)}`;
+  let cells = [];  // of each output: value, half of the band, compared, difference
+  function buildValues() {
     $("values").textContent = "";
-    const table = kit.table($("values"), ["output", "value#", "±#", ...(then ? ["compared#", "difference#"] : [])]);
-    book.outputs.forEach((output, o) => {
-      const number = (value, digits) => ({value: Number.isNaN(value) ? null : value, digits});
-      const line = kit.row(table, [kit.withUnit(output.name, output.unit), number(now[o], 6), number(curves.band(o) || NaN, 2),
-                                   ...(then ? [number(then[o], 6), number(now[o] - then[o], 4)] : [])]);
+    const table = kit.table($("values"), ["output", "value#", "±#", ...(state.other ? ["compared#", "difference#"] : [])]);
+    cells = state.book.outputs.map((output) => {
+      const line = kit.row(table, [kit.withUnit(output.name, output.unit), ...Array(state.other ? 4 : 2).fill({value: null})]);
       line.dataset.output = output.name;
+      return [...line.children].slice(1);
     });
     // What scrolls can be reached by keys.
     const box = table.parentElement;
+    values();
     if (box.scrollWidth > box.clientWidth) Object.assign(box, {tabIndex: 0, role: "region", ariaLabel: "Table of values"});
+  }
+  function values() {
+    const now = here(), then = state.other && curves.codebook.at(withPlace(state.other));
+    $("values-heading").textContent = `Values at ${coordinate().name} = ${inUnit(state.point[state.along], coordinate().unit, 4)}`;
+    cells.forEach((line, o) => {
+      const numbers = [[now[o], 6], [curves.band(o) || NaN, 2], ...(then ? [[then[o], 6], [now[o] - then[o], 4]] : [])];
+      numbers.forEach(([value, digits], k) => {
+        line[k].textContent = kit.shown(Number.isNaN(value) ? null : value, digits);
+        if (Number.isNaN(value)) delete line[k].dataset.value; else line[k].dataset.value = String(value);
+      });
+    });
     $("query").value = state.query();
-    return now;
+  }
+  // The outputs at the place, evaluated once a frame.
+  let known = {point: null, values: null};
+  function here() {
+    if (known.book !== state.book || !known.point || known.point.some((v, k) => v !== state.point[k]))
+      known = {book: state.book, point: [...state.point], values: curves.codebook.at(state.point)};
+    return known.values;
   }
   function withPlace(point) {
     return point.map((v, k) => k === state.along ? state.point[k] : v);
@@ -72,16 +88,16 @@ const explorer = (() => {
     if (!hasBody()) return;
     const {pose} = state.book, count = curves.prepared.places.length;
     const path = (all) => Array.from({length: count}, (unused, i) => poseOf(pose, all, i));
-    const alone = (point) => poseOf(pose, curves.codebook.at(point).map((v) => [v]), 0);
-    const sets = [{path: path(curves.values), pose: alone(state.point), colour: curves.colours.model}];
-    if (state.other) sets.push({path: path(curves.others), pose: alone(withPlace(state.other)), colour: curves.colours.second, isOutline: true});
+    const alone = (values) => poseOf(pose, values.map((v) => [v]), 0);
+    const sets = [{path: path(curves.values), pose: alone(here()), colour: curves.colours.model}];
+    if (state.other) sets.push({path: path(curves.others), pose: alone(curves.codebook.at(withPlace(state.other))), colour: curves.colours.second, isOutline: true});
     const larger = view.draw(sets, mesh(), pose.unit, curves.colours);
     $("view-note").textContent = Number.isNaN(larger) ? "Drawn as a plate: nothing says what the body looks like."
         : larger > 1.05 ? `The body is drawn ${kit.shown(larger, 2)} times its size.` : "";
     $("body").setAttribute("aria-label", sentence());
   }
   function sentence() {
-    const now = curves.codebook.at(state.point);
+    const now = here();
     return `At ${coordinate().name} = ${inUnit(state.point[state.along], coordinate().unit, 4)}: ` +
         state.book.outputs.map((output, o) => `${output.name} ${inUnit(now[o], output.unit, 4)}`).join(", ");
   }
@@ -99,18 +115,19 @@ const explorer = (() => {
     controls.build();
     speeds();
     curves.build();
+    buildValues();
     render("mark");
   }
   function render(what) {
     if (what === "point") curves.update();
     else if (what === "mark") curves.mark();
+    body();  // which looks at sizes, before others change what stands on the page
     const c = coordinate(), at = state.point[state.along];
     $("clock").value = c.list ? c.list.indexOf(at) : at;
     $("clock").setAttribute("aria-valuetext", inUnit(at, c.unit, 4));
     if (document.activeElement !== $("clock-number")) $("clock-number").value = Number(at.toPrecision(6));
     controls.show();
     values();
-    body();
     // Neither the address nor a reader of the screen follows every frame.
     clearTimeout(address);
     address = setTimeout(() => { if (!playing && !location.hash.startsWith("#check")) history.replaceState(null, "", "#" + state.toHash()); }, 250);
