@@ -5,6 +5,7 @@
 using samara::reads_as_unit;
 using samara::unit_product;
 using samara::unit_quotient;
+using samara::unit_suffix;
 
 TEST_CASE("units of labels multiply and divide as symbols do") {
   CHECK(unit_quotient("m/s", "s") == "m/s^2");
