@@ -4,12 +4,14 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "assignments.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/model/wind_file.h"
+#include "samara/flow/files/flow_view.h"
 #include "samara/models/stochastic/fluid_seen.h"
 #include "terminal.h"
 #include "winds.h"
@@ -103,14 +105,38 @@ NamedAir wind_of(const SimulateArguments& arguments, const models::ParametricMod
           .description = description};
 }
 
+NamedAir wake_of(const SimulateArguments& arguments, std::uint64_t seed, double body_radius) {
+  const CloudWords& words = arguments.cloud;
+  flow::FlowPlacement placement = {.speed = number_or_quantity("--speed", words.speed, "m/s"),
+                                   .length = number_or_quantity("--length", words.length, "m")};
+  for (const auto& [option, value] :
+       {std::pair("--speed", placement.speed), std::pair("--length", placement.length)})
+    if (!(value > 0.0)) throw ArgumentError(fmt::format("{} is {}, expected more than 0", option, value));
+  if (!words.place.empty()) placement.body = place_of("--flow-place", words.place, "x, y, z");
+  const auto stored = std::make_shared<const flow::StoredFlow>(flow::load_flow(words.flow));
+  if (std::ranges::none_of(stored->fields, [](const auto& field) { return field.name == "epsilon"; })) {
+    throw ArgumentError(fmt::format(
+        "--flow: {} is laminar, so that all realisations would be one; a flow by k-epsilon was expected",
+        words.flow));
+  }
+  const auto view = std::make_shared<const flow::FlowView>(stored, placement);
+  return {.source = models::fluid_seen_in(view, seed, seen_options(arguments, body_radius)),
+          .description = fmt::format("the flow of {} at {:.6g} m/s and {:.6g} m", words.flow, placement.speed,
+                                     placement.length)};
+}
+
 }  // namespace
 
 bool has_air(const SimulateArguments& arguments) {
-  return !arguments.cloud.turbulence.empty() || !arguments.wind.empty();
+  return !arguments.cloud.turbulence.empty() || !arguments.cloud.flow.empty() || !arguments.wind.empty();
 }
 
 NamedAir air_of(const SimulateArguments& arguments, const models::ParametricModel& model, std::uint64_t seed,
                 double body_radius) {
+  const bool has_flow = !arguments.cloud.flow.empty();
+  if (has_flow && !(arguments.wind.empty() && arguments.cloud.turbulence.empty()))
+    throw ArgumentError("--flow says another fluid than --wind or --turbulence: one of them was expected");
+  if (has_flow) return wake_of(arguments, seed, body_radius);
   if (!arguments.wind.empty()) return wind_of(arguments, model, seed, body_radius);
   const TurbulenceWords words = words_of(arguments.cloud.turbulence);
   check(words, "k", "m^2/s^2", true);

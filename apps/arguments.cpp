@@ -75,6 +75,15 @@ void add_cloud_words(CLI::App& command, CloudWords& words) {
       "--turbulence", words.turbulence,
       "uniform or decaying, then deviation=0.3 (of a component) or k=.., and scale=1 (of the eddies) or "
       "epsilon=.., and the stream that carries it, stream_x=.., stream_y=.., stream_z=..; SI or with units");
+  CLI::Option* flow =
+      option("--flow", words.flow,
+             "file of a flow (samara flow): the wake of its body, with its turbulence; the stream "
+             "runs along x, the flow's y is up");
+  option("--speed", words.speed, "of the stream of --flow, m/s or with a unit")->needs(flow);
+  option("--length", words.length, "of the body of --flow, m or with a unit")->needs(flow);
+  option("--flow-place", words.place, "where the centre of that body is: \"0, 0, 1 m\"; default: the origin")
+      ->needs(flow);
+  flow->needs("--speed", "--length");
   option("--C0", words.C_0,
          "constant of the structure function; default: by the Reynolds number of the turbulence");
   option("--body-radius", words.radius,
@@ -134,10 +143,10 @@ void add_simulate(CLI::App& app, Arguments& arguments) {
   command->add_option("--wind", values->wind,
                       "of bodies in space: file of a wind (WIND.toml), with its turbulence drawn by --seed");
   add_cloud_words(*command, values->cloud);
-  command->add_option(
-      "-o,--output", values->output,
-      "CSV file, of realisations also HDF5 (.h5), or the motion of the body (.glb or .usda), of which --body, "
-      "--size and --unit may then say what is drawn; stdout if not given");
+  command->add_option("-o,--output", values->output,
+                      "CSV file, of realisations also HDF5 (.h5), or the motion of the body (.glb or .usda), "
+                      "of which --body, "
+                      "--size and --unit may then say what is drawn; stdout if not given");
   on_call(command, arguments.simulate, values);
 }
 
@@ -194,8 +203,8 @@ void add_body(CLI::App& app, Arguments& arguments) {
 
 void add_info(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<InfoArguments>();
-  CLI::App* command =
-      app.add_subcommand("info", "axes, ranks, size, certificate and provenance of a codebook; loads and checks of a flow");
+  CLI::App* command = app.add_subcommand(
+      "info", "axes, ranks, size, certificate and provenance of a codebook; loads and checks of a flow");
   command->add_option("BOOK", values->book, "codebook file, or flow file")->required();
   command->add_flag("--json", values->json, "print one JSON object");
   on_call(command, arguments.info, values);
@@ -254,7 +263,8 @@ void add_export(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<ExportArguments>();
   CLI::App* command =
       app.add_subcommand("export", "a field of space at chosen parameters, for other programs");
-  command->add_option("BOOK", values->book, "codebook file with a coordinate of space, or flow file")->required();
+  command->add_option("BOOK", values->book, "codebook file with a coordinate of space, or flow file")
+      ->required();
   command->add_option("--to", values->to, "for whom: paraview (VTK files)")
       ->required()
       ->check(CLI::IsMember({"paraview"}));

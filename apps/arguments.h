@@ -31,8 +31,9 @@ struct CloudWords {
   std::string realisations;  ///< empty: a single trajectory is asked for
   std::string seed = "1";
   std::string first = "0";
-  std::vector<std::string> turbulence;  ///< kind and NAME=VALUE; empty: none
-  std::string C_0, radius;              ///< empty: the default
+  std::vector<std::string> turbulence;     ///< kind and NAME=VALUE; empty: none
+  std::string flow, speed, length, place;  ///< file of a flow, how fast, how large, where; empty: none
+  std::string C_0, radius;                 ///< empty: the default
   bool rotation = false;
   std::vector<std::string> states;
   std::string ground;  ///< empty: none
@@ -219,11 +220,11 @@ struct SweepArguments {
 };
 
 struct PatternsArguments {
-  std::vector<std::string> inputs;  ///< a sweep, or captures
-  std::string sidecar;              ///< of every table; empty: those beside them
-  std::string labels;               ///< a person's, of segments
-  std::vector<std::string> classes; ///< what these words mean
-  std::string length;               ///< of the body; empty: not known
+  std::vector<std::string> inputs;   ///< a sweep, or captures
+  std::string sidecar;               ///< of every table; empty: those beside them
+  std::string labels;                ///< a person's, of segments
+  std::vector<std::string> classes;  ///< what these words mean
+  std::string length;                ///< of the body; empty: not known
   int clusters = 4;
   bool json = false;
 };

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <ranges>
 
 #include <fmt/format.h>
 
@@ -54,6 +55,19 @@ models::Interval interval_of(const std::string& name, const std::string& text, c
   }
   return {number_or_quantity(name, std::string(trimmed(text.substr(0, dots))), unit),
           number_or_quantity(name, std::string(trimmed(text.substr(dots + 2))), unit)};
+}
+
+Eigen::Vector3d place_of(const std::string& option, const std::string& text, const std::string& directions) {
+  std::vector<double> numbers;
+  for (const auto part : std::views::split(text, ',')) {
+    const std::string number(trimmed({part.begin(), part.end()}));
+    numbers.push_back(number_or_quantity(option, number, "m"));
+  }
+  if (numbers.size() != 3) {
+    throw ArgumentError(fmt::format("{} is \"{}\", {} numbers; 3 were expected: {}", option, text,
+                                    numbers.size(), directions));
+  }
+  return {numbers[0], numbers[1], numbers[2]};
 }
 
 std::map<std::string, double> parse_assignments(const std::vector<std::string>& texts,

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "samara/models/trajectories/interval.h"
 
 namespace samara::apps {
@@ -23,6 +25,10 @@ double number_or_quantity(const std::string& what, const std::string& text, cons
 
 /// "0.2", or from and to: "20 deg..60 deg". @throws ArgumentError as number_or_quantity()
 models::Interval interval_of(const std::string& name, const std::string& text, const std::string& unit);
+
+/// A place in metres, "0, 5 m, 30 m". @param directions of the three, for the message
+/// @throws ArgumentError as number_or_quantity(), and unless there are three numbers
+Eigen::Vector3d place_of(const std::string& option, const std::string& text, const std::string& directions);
 
 /// Values of "NAME=VALUE" texts in SI.
 /// @param units of every name that may be set

@@ -37,6 +37,7 @@ Whole whole_from(const std::string& option, const std::string& text, Whole least
 /// The first option that only realisations understand.
 std::string stray_word(const CloudWords& words) {
   if (!words.turbulence.empty()) return "--turbulence";
+  if (!words.flow.empty()) return "--flow";
   if (!words.C_0.empty()) return "--C0";
   if (!words.radius.empty()) return "--body-radius";
   if (words.rotation) return "--rotation";
@@ -94,7 +95,7 @@ double radius_of(const SimulateArguments& arguments, const models::ParametricMod
 
 void check_outputs(const SimulateArguments& arguments) {
   for (const std::string* path : {&arguments.output, &arguments.cloud.picture}) {
-    if (!path->empty()) check_output(*path, {arguments.model, arguments.wind});
+    if (!path->empty()) check_output(*path, {arguments.model, arguments.wind, arguments.cloud.flow});
   }
   if (arguments.output.empty()) return;
   const std::string ending = std::filesystem::path(arguments.output).extension();
@@ -139,7 +140,7 @@ void check_cloud_words(const SimulateArguments& arguments) {
   seed_of(words);
   if (!has_air(arguments)) {
     throw ArgumentError(fmt::format(
-        "--realisations is {} without a flow that differs between them: --turbulence or --wind was expected",
+        "--realisations is {} without a flow that differs between them: --turbulence, --flow or --wind was expected",
         words.realisations));
   }
   if (arguments.integrator != "cvodes" && arguments.integrator != "rk4")

@@ -22,19 +22,6 @@ namespace wind = models::wind;
 
 constexpr std::array kDirections = {"along", "across", "vertical"};
 
-Eigen::Vector3d point_of(const std::string& text) {
-  std::vector<double> numbers;
-  for (const auto part : std::views::split(text, ',')) {
-    const std::string number(trimmed({part.begin(), part.end()}));
-    numbers.push_back(number_or_quantity("--at", number, "m"));
-  }
-  if (numbers.size() != 3) {
-    throw ArgumentError(fmt::format(
-        "--at is \"{}\", {} numbers; 3 were expected: along the wind, across it, up", text, numbers.size()));
-  }
-  return {numbers[0], numbers[1], numbers[2]};
-}
-
 double positive_time(const std::string& option, const std::string& text, double otherwise) {
   if (text.empty()) return otherwise;
   const double value = number_or_quantity(option, text, "s");
@@ -55,7 +42,8 @@ wind::SeriesOptions series_options(const WindArguments& arguments, const codeboo
   options.samples = static_cast<long>(samples);
   options.points.resize(3, static_cast<Eigen::Index>(arguments.at.size()));
   for (std::size_t i = 0; i < arguments.at.size(); ++i)
-    options.points.col(static_cast<Eigen::Index>(i)) = point_of(arguments.at[i]);
+    options.points.col(static_cast<Eigen::Index>(i)) =
+        place_of("--at", arguments.at[i], "along the wind, across it, up");
   return options;
 }
 

@@ -130,8 +130,8 @@ double FlowView::length() const {
   return 2.0 * flow_->grid.spacing * placement_.length;
 }
 
-FlowEnergy FlowView::energy(const Eigen::Vector3d& position) const {
-  FlowEnergy energy;
+models::Turbulence FlowView::turbulence(double, const Eigen::Vector3d& position) const {
+  models::Turbulence energy;
   energy.inside = inside(position);
   if (!energy.inside || epsilon_ == nullptr) return energy;
   const Value k = value_of(*k_, position);

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "samara/flow/files/flow_file.h"
-#include "samara/models/laws/ambient_flow.h"
+#include "samara/models/stochastic/turbulent_flow.h"
 
 namespace samara::flow {
 
@@ -15,21 +15,13 @@ struct FlowPlacement {
       Eigen::Vector3d::Zero();  ///< where the centre of the flow's own body is, world axes [m]
 };
 
-/// Turbulence at a point.
-struct FlowEnergy {
-  double k = 0.0;                                            ///< modelled and resolved [m^2/s^2]
-  double epsilon = 0.0;                                      ///< [m^2/s^3]; 0 of a laminar flow
-  Eigen::Vector3d sigma_gradient = Eigen::Vector3d::Zero();  ///< of sqrt(2 k/3) [1/s]
-  bool inside = true;                                        ///< false beyond the grid
-};
-
 /// The mean flow and the energy of a flow file as what models fly in. The stream runs along world x, the flow's y is world
 /// z, up; a flow in the plane is the same for all world y.
 ///
 /// Between cells all is the quadratic B-spline of the values in their centres, which smooths by h^2/8 of the second
 /// derivative, as the solver's own error is: k and epsilon stay positive, and gradients are continuous and exact.
 /// Beyond the grid there is the stream at the inflow, and no energy.
-class FlowView final : public models::AmbientFlow {
+class FlowView final : public models::TurbulentFlow {
  public:
   /// @throws ArgumentError if speed or length is not positive and finite, or the place not finite
   FlowView(std::shared_ptr<const StoredFlow> flow, const FlowPlacement& placement);
@@ -37,7 +29,8 @@ class FlowView final : public models::AmbientFlow {
   models::AmbientSample sample(double t, const Eigen::Vector3d& position) const override;
   /// Two cells.
   double length() const override;
-  FlowEnergy energy(const Eigen::Vector3d& position) const;
+  /// k is the modelled and the resolved one; a laminar flow has none. Not `inside` beyond the grid.
+  models::Turbulence turbulence(double t, const Eigen::Vector3d& position) const override;
   /// Whether the grid holds the point, half a cell at its borders left out.
   bool inside(const Eigen::Vector3d& position) const;
 

@@ -277,7 +277,7 @@ class BadCalls(Case):
         inputs = {"models": ["constant_rate"], "simulate": ["constant_rate"], "build": [plan], "info": [path], "query": [path],
                   "stats": [path], "explore": [path, "-o", out], "plot": [path, "-o", out], "validate": [path], "fit": [path, surplus]}
         values = {"--set": "k=2", "--until": "1", "--frames": "3", "--integrator": "rk4", "--step": "0.1", "--at": "1", "--points": "5",
-                  "--seed": "3", "--size": "1", "--added-mass": "panels", "--draws": "300", "--keep": "3", "--threads": "1", "--times": "9",
+                  "--seed": "3", "--size": "1", "--added-mass": "panels", "--draws": "300", "--keep": "3", "--threads": "1", "--speed": "1", "--length": "1", "--times": "9",
                   "--columns": "1", "--of": "ranks"}
         checked = 0
         for command, row in inputs.items():
@@ -296,7 +296,7 @@ class BadCalls(Case):
         self.assertGreater(checked, 20)
 
     def test_a_word_that_is_no_command_is_named_with_the_nearest(self):
-        self.check_error(run("foo"), 2, '"foo" is not a command', "known: models, simulate, build")
+        self.check_error(run("qqqq"), 2, '"qqqq" is not a command', "known: models, simulate, build")
         self.check_error(run("biuld", "plan.toml"), 2, 'did you mean "build"?')
 
     def test_what_has_no_effect_or_no_meaning_is_refused(self):

@@ -15,7 +15,7 @@ import xml.dom.minidom
 import h5py
 import numpy as np
 
-from samara_case import FOLDER, LONGEST, SAMARA, Case, main, run
+from samara_case import FOLDER, LONGEST, SAMARA, Case, main, run, write
 
 PAGE = (pathlib.Path(__file__).resolve().parents[2] / "docs" / "flow.md").read_text()
 CARD = ["immersed_body_in_gusts", *(f"--set={word}" for word in (
@@ -99,6 +99,56 @@ class Clouds(Case):
         result = run("simulate", *CARD, "--turbulence", "k=1", "epsilon=20", "--realisations", 8, "--until", 1, "--frames", 11, "--step", 0.005)
         self.assertEqual(result.returncode, 0)
         self.assertRegex(result.stderr, r"warning: \d+ % of the steps of 0\.005 s are longer than 0\.3 of the time .* --step [0-9.e-]+ would do")
+
+
+class Wakes(Case):
+    """Cards that fall through the wake of a plate."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.wake, cls.still = FOLDER / "wake.h5", FOLDER / "laminar.h5"
+        plan = ('[flow]\nshape = {{ kind = "rectangle", length = 1, thickness = 1 }}\nreynolds = {}\nturbulence = "{}"\n'
+                'cells_per_length = 6\nextent = {{ before = 3, behind = 6, side = 3 }}\nend = "{}"\nmax_time = 2\n')
+        for path, words in [(cls.wake, (20000, "k-epsilon", "mean")), (cls.still, (30, "none", "steady"))]:
+            result = run("flow", write(f"{path.stem}.toml", plan.format(*words)), "-o", path)
+            assert result.returncode == 4, result.stderr  # not settled, and written all the same
+
+    def fly(self, *words):
+        return run("simulate", *CARD[:-1], "--flow", self.wake, "--speed", "2 m/s", "--length", "0.5 m", "--set=z(0)=0.6", "--set=x(0)=0.8",
+                   "--until", 0.4, "--frames", 5, "--realisations", 64, *words)
+
+    def test_the_mean_flow_carries_and_the_energy_scatters(self):
+        path = FOLDER / "through.h5"
+        result = self.fly("--seed", 3, "-o", path)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("at 2 m/s and 0.5 m", result.stderr)
+        with h5py.File(path) as file:
+            self.assertGreater(file["mean"][-1, 0], 0.85)
+            self.assertGreater(file["covariance"][-1, 0, 0], 1e-8)
+        again = FOLDER / "again.h5"
+        self.fly("--seed", 3, "-o", again)
+        with h5py.File(path) as one, h5py.File(again) as other:
+            np.testing.assert_array_equal(one["mean"][:], other["mean"][:])
+
+    def test_the_place_of_the_flow_moves_all_of_it(self):
+        near = self.fly("--json")
+        far = run("simulate", *CARD[:-1], "--flow", self.wake, "--speed", 2, "--length", "50 cm", "--flow-place", "100 m, 0, 7",
+                  "--set=z(0)=7.6", "--set=x(0)=100.8", "--until", 0.4, "--frames", 5, "--realisations", 64, "--json")
+        one, other = (np.array(json.loads(r.stdout)["mean"]) for r in (near, far))
+        np.testing.assert_allclose(other - one, np.tile([100, 0, 7], (5, 1)), atol=1e-6)
+
+    def test_a_body_that_leaves_the_grid_says_so(self):
+        result = self.fly("--until", 3)
+        self.assertRegex(result.stderr, r"\d+ left")
+
+    def test_wrong_words_are_refused(self):
+        for words, parts in [(("--flow", self.still, "--speed", 1, "--length", 1), ("laminar", "k-epsilon")),
+                             (("--flow", self.wake), ("--speed",)),
+                             (("--flow", self.wake, "--speed", 0, "--length", 1), ("--speed is 0", "more than 0")),
+                             (("--flow", self.wake, "--speed", 1, "--length", 1, "--flow-place", "1, 2"), ("--flow-place", "x, y, z")),
+                             (("--flow", self.wake, "--speed", 1, "--length", 1, *GUSTS), ("another fluid",))]:
+            self.check_error(run("simulate", *CARD, "--realisations", 4, *words), 2, *parts)
+        self.check_error(run("simulate", *CARD, "--realisations", 4, "--flow", FOLDER / "none.h5", "--speed", 1, "--length", 1), 3, "none.h5")
 
 
 class BadClouds(Case):

@@ -53,11 +53,13 @@ TEST_CASE("a flow in the world has its size and speed, its y upwards, and exact 
     const Eigen::Vector3d slope =
         (view.sample(0, place + d).velocity - view.sample(0, place - d).velocity) / (2 * step);
     CHECK((slope - sample.gradient.col(j)).norm() < 1e-8);
-    const auto sigma = [&](const Eigen::Vector3d& x) { return std::sqrt(2.0 / 3.0 * view.energy(x).k); };
+    const auto sigma = [&](const Eigen::Vector3d& x) {
+      return std::sqrt(2.0 / 3.0 * view.turbulence(0.0, x).k);
+    };
     CHECK((sigma(place + d) - sigma(place - d)) / (2 * step) ==
-          Approx(view.energy(place).sigma_gradient(j)).margin(1e-7));
+          Approx(view.turbulence(0.0, place).sigma_gradient(j)).margin(1e-7));
   }
-  const FlowEnergy energy = view.energy(place);
+  const samara::models::Turbulence energy = view.turbulence(0.0, place);
   CHECK(energy.k == Approx(9.0 * std::pow(2.0 + 0.73 / 3, 2)).epsilon(1e-3));
   CHECK(energy.epsilon == Approx(27.0 / 0.5 * 3.0));
   CHECK(energy.inside);
@@ -66,8 +68,8 @@ TEST_CASE("a flow in the world has its size and speed, its y upwards, and exact 
 TEST_CASE("beyond its grid a flow is the stream, without energy", "[flow]") {
   const FlowView view(made_up(2), {.speed = 2.0, .length = 1.0});
   CHECK(view.sample(0.0, {50.0, 0.0, 0.0}).velocity == Eigen::Vector3d(2.0, 0.0, 0.0));
-  CHECK_FALSE(view.energy({0.0, 0.0, -1.48}).inside);
-  CHECK(view.energy({0.0, 0.0, -1.48}).k == 0.0);
+  CHECK_FALSE(view.turbulence(0.0, {0.0, 0.0, -1.48}).inside);
+  CHECK(view.turbulence(0.0, {0.0, 0.0, -1.48}).k == 0.0);
   CHECK_FALSE(view.inside({NAN, 0.0, 0.0}));
   CHECK_THROWS_AS(FlowView(made_up(2), {.speed = -2.0}), samara::ArgumentError);
 }
