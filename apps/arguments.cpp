@@ -75,15 +75,12 @@ void add_cloud_words(CLI::App& command, CloudWords& words) {
       "--turbulence", words.turbulence,
       "uniform or decaying, then deviation=0.3 (of a component) or k=.., and scale=1 (of the eddies) or "
       "epsilon=.., and the stream that carries it, stream_x=.., stream_y=.., stream_z=..; SI or with units");
-  CLI::Option* flow =
-      option("--flow", words.flow,
-             "file of a flow (samara flow): the wake of its body, with its turbulence; the stream "
-             "runs along x, the flow's y is up");
-  option("--speed", words.speed, "of the stream of --flow, m/s or with a unit")->needs(flow);
-  option("--length", words.length, "of the body of --flow, m or with a unit")->needs(flow);
-  option("--flow-place", words.place, "where the centre of that body is: \"0, 0, 1 m\"; default: the origin")
-      ->needs(flow);
-  flow->needs("--speed", "--length");
+  option("--flow", words.flow,
+         "file of a flow (samara flow): the wake of its body, with its turbulence; the stream runs along x, "
+         "the flow's y is up");
+  option("--speed", words.speed, "of the stream of --flow, m/s or with a unit");
+  option("--length", words.length, "of the body of --flow, m or with a unit");
+  option("--flow-place", words.place, "where the centre of that body is: \"0, 0, 1 m\"; default: the origin");
   option("--C0", words.C_0,
          "constant of the structure function; default: by the Reynolds number of the turbulence");
   option("--body-radius", words.radius,

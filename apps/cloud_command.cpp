@@ -38,6 +38,9 @@ Whole whole_from(const std::string& option, const std::string& text, Whole least
 std::string stray_word(const CloudWords& words) {
   if (!words.turbulence.empty()) return "--turbulence";
   if (!words.flow.empty()) return "--flow";
+  if (!words.speed.empty()) return "--speed";
+  if (!words.length.empty()) return "--length";
+  if (!words.place.empty()) return "--flow-place";
   if (!words.C_0.empty()) return "--C0";
   if (!words.radius.empty()) return "--body-radius";
   if (words.rotation) return "--rotation";
@@ -138,10 +141,16 @@ void check_cloud_words(const SimulateArguments& arguments) {
   }
   whole_from("--realisations", words.realisations, 1L);
   seed_of(words);
+  const bool is_placed = !words.speed.empty() || !words.length.empty() || !words.place.empty();
+  if (is_placed && words.flow.empty())
+    throw ArgumentError("--speed, --length and --flow-place are of --flow, which was expected");
+  if (!words.flow.empty() && (words.speed.empty() || words.length.empty()))
+    throw ArgumentError("--flow is dimensionless: --speed and --length were expected with it");
   if (!has_air(arguments)) {
-    throw ArgumentError(fmt::format(
-        "--realisations is {} without a flow that differs between them: --turbulence, --flow or --wind was expected",
-        words.realisations));
+    throw ArgumentError(
+        fmt::format("--realisations is {} without a flow that differs between them: --turbulence, --flow or "
+                    "--wind was expected",
+                    words.realisations));
   }
   if (arguments.integrator != "cvodes" && arguments.integrator != "rk4")
     throw ArgumentError(

@@ -113,9 +113,9 @@ class Wakes(Case):
             result = run("flow", write(f"{path.stem}.toml", plan.format(*words)), "-o", path)
             assert result.returncode == 4, result.stderr  # not settled, and written all the same
 
-    def fly(self, *words):
+    def fly(self, *words, until=0.4):
         return run("simulate", *CARD[:-1], "--flow", self.wake, "--speed", "2 m/s", "--length", "0.5 m", "--set=z(0)=0.6", "--set=x(0)=0.8",
-                   "--until", 0.4, "--frames", 5, "--realisations", 64, *words)
+                   "--until", until, "--frames", 5, "--realisations", 64, *words)
 
     def test_the_mean_flow_carries_and_the_energy_scatters(self):
         path = FOLDER / "through.h5"
@@ -134,12 +134,12 @@ class Wakes(Case):
         near = self.fly("--json")
         far = run("simulate", *CARD[:-1], "--flow", self.wake, "--speed", 2, "--length", "50 cm", "--flow-place", "100 m, 0, 7",
                   "--set=z(0)=7.6", "--set=x(0)=100.8", "--until", 0.4, "--frames", 5, "--realisations", 64, "--json")
-        one, other = (np.array(json.loads(r.stdout)["mean"]) for r in (near, far))
+        one, other = (np.array([t["mean"] for t in json.loads(r.stdout)["times"]]) for r in (near, far))
         np.testing.assert_allclose(other - one, np.tile([100, 0, 7], (5, 1)), atol=1e-6)
 
     def test_a_body_that_leaves_the_grid_says_so(self):
-        result = self.fly("--until", 3)
-        self.assertRegex(result.stderr, r"\d+ left")
+        result = self.fly(until=3)
+        self.assertRegex(result.stderr, r"\d+ left_flow")
 
     def test_wrong_words_are_refused(self):
         for words, parts in [(("--flow", self.still, "--speed", 1, "--length", 1), ("laminar", "k-epsilon")),
@@ -175,7 +175,7 @@ class BadClouds(Case):
 
     def test_flows_that_are_none(self):
         ten = ["--realisations", 10]
-        self.refused(ten, "without a flow that differs between them: --turbulence or --wind was expected", CARD)
+        self.refused(ten, "without a flow that differs between them: --turbulence, --flow or --wind was expected", CARD)
         for words, sentence in ((["swirling", "k=1"], "expected uniform or decaying"),
                                 (["k=1"], "neither of epsilon and scale"),
                                 (["k=1", "deviation=1", "epsilon=1"], "both of k and deviation"),
