@@ -205,7 +205,7 @@ std::string format_glb(const AnimatedScene& scene) {
   file["animations"] = Json::array({std::move(animation)});
   buffer.describe(file);
   std::string chunks;
-  append_chunk(chunks, "JSON", file.dump(), ' ');
+  append_chunk(chunks, "JSON", file.dump(-1, ' ', false, Json::error_handler_t::replace), ' ');
   append_chunk(chunks, std::string_view("BIN\0", 4).data(), buffer.bytes(), '\0');
   constexpr std::size_t kHeader = 12;
   const std::size_t length = kHeader + chunks.size();
