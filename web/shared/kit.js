@@ -2,11 +2,12 @@
 // What all pages are made of: elements, tables, charts by uPlot. Texts of files only ever become text nodes.
 const kit = (() => {
   // Whatever fails is shown on the page, in an element with the id "errors".
-  window.addEventListener("error", (event) => {
+  function complain(message) {
     const errors = document.getElementById("errors");
     errors.hidden = false;
-    errors.textContent += event.message + "\n";
-  });
+    errors.textContent += message + "\n";
+  }
+  window.addEventListener("error", (event) => complain(event.message));
 
   // Elements ----------------------------------------------------------------------------------------------
   function element(tag, text, name) {
@@ -28,7 +29,7 @@ const kit = (() => {
   }
   // Of numbers that are far below one.
   function small(value, digits = 3) {
-    return value !== 0 && Math.abs(value) < 0.01 ? value.toExponential(digits - 1) : shown(value, digits);
+    return value !== null && value !== 0 && Math.abs(value) < 0.01 ? value.toExponential(digits - 1) : shown(value, digits);
   }
   function counted(number, noun) {
     return `${number} ${noun}${number === 1 ? "" : "s"}`;
@@ -138,6 +139,6 @@ const kit = (() => {
     }, 200);
   }
 
-  return {element, add, section, shown, small, counted, withUnit, row, table, colours, width, chart, points, line, rules, span,
+  return {complain, element, add, section, shown, small, counted, withUnit, row, table, colours, width, chart, points, line, rules, span,
           countPainted};
 })();
