@@ -12,6 +12,7 @@ class Curves {
   build() {
     const {state, parent} = this, {book, along} = state, coordinate = book.coordinates[along];
     this.codebook = new Codebook(book);
+    this.preparedFor = null;
     const count = state.data.times;
     const places = coordinate.list || Array.from({length: count}, (unused, i) => i === count - 1 ? coordinate.upper
         : coordinate.lower + (coordinate.upper - coordinate.lower) * i / (count - 1));
@@ -130,11 +131,19 @@ class Curves {
     this.charts.push({plot, data});
   }
 
-  // Measured angles, each at the turn that is next to the curve.
+  // Measured angles, each at the turn that is next to the curve; quaternions with the sign that is.
   shifted(measured, o) {
-    if (!measured.isAngle) return measured.values;
+    const {attitude, outputs} = this.state.book;
+    if (attitude && attitude.places.includes(o)) {
+      const model = this.atMeasured(measured), parts = attitude.places.map((place) => [place, this.state.measured(outputs[place])]);
+      if (parts.some(([, part]) => !part)) return measured.values;
+      const along = (i) => parts.reduce((sum, [place, part]) => sum + model[place][i] * part.values[i], 0);
+      return measured.values.map((v, i) => v !== null && along(i) < 0 ? -v : v);
+    }
+    const {period} = measured;
+    if (period === 0) return measured.values;
     const model = this.atMeasured(measured)[o];
-    return measured.values.map((v, i) => v === null ? null : v + 2 * Math.PI * Math.round(((Number.isNaN(model[i]) ? v : model[i]) - v) / (2 * Math.PI)));
+    return measured.values.map((v, i) => v === null ? null : v + period * Math.round(((Number.isNaN(model[i]) ? v : model[i]) - v) / period));
   }
 
   atMeasured(measured) {
@@ -147,7 +156,7 @@ class Curves {
     const note = kit.add(parent, "p", null, "soft");
     const data = () => {
       const model = this.atMeasured(measured)[o], now = this.shifted(measured, o);
-      const rest = now.map((v, i) => v === null || Number.isNaN(model[i]) ? null : v - model[i]), seen = rest.filter((v) => v !== null);
+      const rest = now.map((v, i) => v === null || Number.isNaN(model[i]) ? null : measured.gain * (v - model[i])), seen = rest.filter((v) => v !== null);
       const rms = Math.sqrt(seen.reduce((s, v) => s + v * v, 0) / seen.length);
       note.textContent = seen.length ? `Residuals: rms ${kit.shown(rms, 3)}${output.unit === "1" ? "" : " " + output.unit} of ${kit.counted(seen.length, "frame")}`
           : "No frame of this capture lies in the time of the codebook";
