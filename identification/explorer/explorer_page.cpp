@@ -175,9 +175,13 @@ ExplorerPage explorer_page(const ExplorerContent& content) {
                {"books", Json::array()},
                {"captures", Json::array()},
                {"fit", content.fit ? fit_json_of(*content.fit) : Json(nullptr)}};
-  for (const ExploredBook& explored : content.books)
+  for (const ExploredBook& explored : content.books) {
     data["books"].push_back(
         explored_book(explored, outputs_to_show(explored.book, content.outputs), content.body, numbers));
+    if (content.body && data["books"].back()["pose"].is_null())
+      page.warnings.push_back(fmt::format(
+          "{} moves no body with the outputs of the page, and the body is not drawn", explored.file));
+  }
   if (content.fit && !content.captures.empty()) {
     const std::string sentence = left_out_of(*content.fit);
     if (!sentence.empty()) page.warnings.push_back(sentence);

@@ -98,7 +98,9 @@ class Explorer(Case):
 
     def test_what_stands_in_files_cannot_become_markup(self):
         plan = COIN_PLAN.replace("model", f"title = '''{HOSTILE}'''\nmodel", 1)
-        text = explored(book("hostile", plan)).read_text()
+        path = FOLDER / "<img src=x onerror=alert(1)>.h5"
+        path.write_bytes(book("hostile", plan).read_bytes())
+        text = explored(path, "--capture", write("<img src=y>.csv", "t[s],x[m]\n0,0\n0.1,0.05\n0.2,0.2\n")).read_text()
         self.assertNotIn("<img", text)
         self.assertEqual(text.count("</script>"), 4)
 
@@ -130,6 +132,31 @@ class Explorer(Case):
         self.assertEqual((result.returncode, (FOLDER / "large.html").exists()), (2, False))
         self.assertIn("the factors have 24.0 MB, more than the 20 MB that a page takes: fewer outputs (--outputs)", result.stderr)
         explored(path, "--outputs", "u", name="large")
+
+    def test_a_picture_of_the_middle_of_the_box_takes_a_value_of_a_list(self):
+        subprocess.run([SAMPLES, "reference", FOLDER], check=True)
+        result = run("plot", FOLDER / "kinds.h5", "-o", FOLDER / "kinds.svg")
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_a_body_that_is_not_drawn_is_told(self):
+        path = book("coin", COIN_PLAN)
+        result = run("explore", path, "--outputs", "v", "--body", "disc", "--size", "1", "0.1", "-o", FOLDER / "still.html")
+        self.assertIn("coin.h5 moves no body with the outputs of the page", result.stderr)
+
+    def test_one_number_of_a_quaternion_brings_the_others_and_a_free_shape_is_named(self):
+        text = explored(book("card", CARD_PLAN), "--outputs", "qw", name="quaternion").read_text()
+        data = json.loads(re.search('id="explored">(.*?)</script>', text).group(1))["books"][0]
+        self.assertEqual([output["name"] for output in data["outputs"]], ["qw", "qx", "qy", "qz"])
+        self.assertEqual(data["attitude"]["places"], [0, 1, 2, 3])
+        free = COIN_PLAN.replace('thickness = "2.55 mm"\n', "").replace("C_D = [0.8, 1.6]", 'C_D = [1.1, 1.2]\nthickness = ["2.5 mm", "2.6 mm"]')
+        text = explored(book("free", free), name="free").read_text()
+        data = json.loads(re.search('id="explored">(.*?)</script>', text).group(1))["books"][0]
+        self.assertEqual(data["body"]["changes"], ["thickness"])
+
+    def test_bytes_that_are_no_text_do_not_stop_the_page(self):
+        path = FOLDER / os.fsdecode(b"caf\xe9.h5")
+        path.write_bytes(book("coin", COIN_PLAN).read_bytes())
+        self.assertIn("caf\ufffd.h5", explored(path, name="bytes").read_text())
 
     def test_a_channel_that_is_no_output_is_left_out_with_a_warning(self):
         capture = write("more.csv", "t[s],x[m],height[m]\n0,0,1\n0.1,0.01,1\n0.2,0.05,1\n")
@@ -371,6 +398,7 @@ class ExplorerInBrowser(Case):
         self.assertEqual(self.browser.value(count), 2)
         self.browser.value("document.getElementById('keep').click(); document.getElementById('slopes').click()")
         self.assertEqual(self.browser.value(count), 4)
+        self.assertEqual(self.browser.value("[...document.querySelectorAll('#curves canvas')].filter((c) => !c.getAttribute('aria-label')).length"), 0)
         self.browser.value("(() => { const s = document.getElementById('coordinate-1'); s.value = 0.9; s.dispatchEvent(new Event('input')); })()")
         self.browser.until("explorer.state.point[1] !== explorer.state.other[1]")
         self.browser.until("document.querySelectorAll('#values tr[data-output=v] td').length === 5 &&"
@@ -439,7 +467,8 @@ class ExplorerInBrowser(Case):
         # Time alone makes a motion.
         self.choose("over", 1)
         self.assertTrue(self.browser.value("document.getElementById('glb').hidden"))
-        self.assertEqual(glb.json["nodes"][0]["extras"]["parameters"], {"C_D90": point[0], "C_R": point[1]})
+        extras = glb.json["scenes"][0]["extras"]["parameters"]
+        self.assertEqual([extras[name] for name in ["C_D90", "C_R", "C_T"]], [*point, 0.91])
 
     def test_coins_fall_and_plates_turn_as_the_library_says(self):
         self.opened(explored(book("coin", COIN_PLAN), name="poses"), "#p.C_D=1.31&p.v(0)=0.25")

@@ -120,14 +120,12 @@ class Curves {
     };
     kit.add(parent, "h3", kit.withUnit(output.name, output.unit));
     const plot = kit.chart(parent, {
-      x: this.label(), y: kit.withUnit(output.name, output.unit), height: 190, legend: false, yScale: {range},
+      x: this.label(), y: kit.withUnit(output.name, output.unit), says: `${output.name} over ${this.label()}`, height: 190, legend: false, yScale: {range},
       xScale: prepared.places.length > 1 ? {range: () => kit.span(prepared.places, 0.01)} : {}, hooks: {draw: [points, this.cursor()]},
       bands: half > 0 ? [{series: [2, 3], fill: colours.model + "40"}] : [],
       series: [kit.line("codebook", colours.model, prepared.places.length < 2 ? {points: {show: true}} : {}), {show: half > 0, points: {show: false}},
                {show: half > 0, points: {show: false}}, kit.line("for comparison", colours.second, {dash: [6, 4]})],
     }, data());
-    plot.root.querySelector("canvas").setAttribute("aria-label", `${output.name} over ${this.label()}`);
-    plot.root.querySelector("canvas").setAttribute("role", "img");
     this.charts.push({plot, data});
   }
 
@@ -164,7 +162,7 @@ class Curves {
       return [measured.times, rest];
     };
     const first = data();
-    const plot = kit.chart(parent, {x: this.label(), y: "residual", height: 130, legend: false, hooks: {draw: [...kit.rules([{at: 0, axis: "y", colour: colours.faint}]).draw, this.cursor()]},
+    const plot = kit.chart(parent, {x: this.label(), y: "residual", says: `Residuals of ${output.name} over ${this.label()}`, height: 130, legend: false, hooks: {draw: [...kit.rules([{at: 0, axis: "y", colour: colours.faint}]).draw, this.cursor()]},
                                     xScale: {range: () => kit.span(this.prepared.places, 0.01)}, series: [kit.points("measured − codebook", colours.measured)]}, first);
     this.charts.push({plot, data});
   }
@@ -179,7 +177,7 @@ class Curves {
     })];
     const tones = [this.colours.model, this.colours.second, this.colours.good, this.colours.measured, this.colours.doubt || this.colours.threshold, this.colours.soft, this.colours.ink];
     kit.add(parent, "p", `Sensitivities: d${output.name}/d.., times the width of the box`, "soft");
-    const plot = kit.chart(parent, {x: this.label(), y: kit.withUnit(output.name, output.unit), height: 170, hooks: {draw: [this.cursor()]},
+    const plot = kit.chart(parent, {x: this.label(), y: kit.withUnit(output.name, output.unit), says: `Sensitivities of ${output.name} over ${this.label()}`, height: 170, hooks: {draw: [this.cursor()]},
                                     xScale: {range: () => kit.span(this.prepared.places, 0.01)},
                                     series: others.map((k, n) => kit.line(book.coordinates[k].name, tones[n % tones.length], {dash: [[], [6, 4], [2, 3], [10, 3, 2, 3]][n % 4]}))}, data());
     this.charts.push({plot, data});

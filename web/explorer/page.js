@@ -96,8 +96,10 @@ const explorer = (() => {
     const sets = [{path: path(curves.values), pose: alone(here()), colour: curves.colours.model}];
     if (state.other) sets.push({path: path(curves.others), pose: alone(curves.codebook.at(withPlace(state.other))), colour: curves.colours.second, isOutline: true});
     const larger = view.draw(sets, mesh(), pose.unit, curves.colours);
-    $("view-note").textContent = Number.isNaN(larger) ? "Drawn as a plate: nothing says what the body looks like."
-        : larger > 1.05 ? `The body is drawn ${kit.shown(larger, 2)} times its size.` : "";
+    const changes = state.book.body ? state.book.body.changes : [];
+    $("view-note").textContent = (Number.isNaN(larger) ? "Drawn as a plate: nothing says what the body looks like. "
+        : larger > 1.05 ? `The body is drawn ${kit.shown(larger, 2)} times its size. ` : "") +
+        (changes.length ? `It is that of the middle of the box, whatever ${changes.join(", ")} may be.` : "");
     $("body").setAttribute("aria-label", sentence());
   }
   function sentence() {
@@ -241,7 +243,7 @@ const explorer = (() => {
       return high - low;
     })));
     const {times, poses} = denseKeys(posesAt, c.lower, c.upper, sizeOf(shape));
-    return glbOf({name: book.model, mesh: shape, times, poses, extras: {model: book.model, codebook: book.file, parameters: Object.fromEntries(parameters()), start: c.lower}});
+    return glbOf({name: book.model, mesh: shape, times, poses, extras: {model: book.model, codebook: book.file, parameters: {...book.fixed, ...Object.fromEntries(parameters())}, start: c.lower}});
   }
   // All that is drawn, one below the other.
   function picture() {

@@ -4,7 +4,9 @@
 // The data of the page, with its numbers in place.
 function readExplored() {
   const data = JSON.parse(document.getElementById("explored").textContent);
-  const bytes = Uint8Array.from(atob(document.getElementById("numbers").textContent), (c) => c.charCodeAt(0));
+  const stored = document.getElementById("numbers"), text = atob(stored.textContent), bytes = new Uint8Array(text.length);
+  for (let k = 0; k < text.length; ++k) bytes[k] = text.charCodeAt(k);
+  stored.textContent = "";  // which may be of 27 MB
   const view = new DataView(bytes.buffer), numbers = new Float64Array(bytes.length / 8);
   for (let k = 0; k < numbers.length; ++k) numbers[k] = view.getFloat64(8 * k, true);
   const get = ([at, count]) => numbers.subarray(at, at + count);

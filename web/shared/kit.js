@@ -71,12 +71,13 @@ const kit = (() => {
   function width(parent) {
     return Math.max(260, Math.min(parent.clientWidth || 640, 1040));
   }
-  // Options: x and y, labels; height; series; hooks; xScale, yScale; whole, for numbers that count; bands; legend.
+  // Options: x and y, labels; height; series; hooks; xScale, yScale; whole, for numbers that count; bands; legend; says, what a picture is
+  // to who cannot see it.
   function chart(parent, options, data) {
     const {ink, grid, line: tick} = colours();
     const axis = (label) => ({label, labelSize: 20, font: "12px system-ui", labelFont: "12px system-ui", stroke: ink,
                               grid: {stroke: grid}, ticks: {stroke: tick}});
-    return new uPlot({
+    const plot = new uPlot({
       width: width(parent), height: options.height || 240, hooks: options.hooks || {}, bands: options.bands || [],
       legend: {show: options.legend !== false},
       scales: {x: {time: false, ...(options.xScale || {})}, y: options.yScale || {}},
@@ -84,6 +85,10 @@ const kit = (() => {
       series: [{label: options.x, value: (u, v) => shown(v, 5)}, ...options.series],
       cursor: {drag: {x: true, y: true, uni: 20}},
     }, data, parent);
+    const canvas = plot.root.querySelector("canvas");
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", options.says || `${options.y} over ${options.x}`);
+    return plot;
   }
   const nothing = () => null;
   const points = (label, colour) => ({label, stroke: colour, paths: nothing, value: (u, v) => shown(v, 5),
