@@ -241,6 +241,9 @@ std::string format_usda(const AnimatedScene& scene) {
   for (const int corner : scene.triangles.reshaped())
     corners += fmt::format("{}{}", corners.empty() ? "" : ", ", corner);
   text += fmt::format("    point3f[] points = [{}]\n    int[] faceVertexIndices = [{}]\n", points, corners);
+  const Eigen::Vector3d low = scene.vertices.rowwise().minCoeff(), high = scene.vertices.rowwise().maxCoeff();
+  text += fmt::format("    float3[] extent = [({}, {}, {}), ({}, {}, {})]\n", low.x(), low.y(), low.z(),
+                      high.x(), high.y(), high.z());
   std::string counts = "3";
   for (Eigen::Index k = 1; k < scene.triangles.cols(); ++k) counts += ", 3";
   text += fmt::format("    int[] faceVertexCounts = [{}]\n}}\n\ndef Xform \"scene\"\n{{\n", counts);

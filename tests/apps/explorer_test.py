@@ -294,6 +294,9 @@ class ExplorerInBrowser(Case):
         self.browser.until("location.hash.includes('p.C_D=1.598')")
         self.assertNotEqual(before, self.browser.value("document.querySelector('#curves canvas').toDataURL()"))
         self.assertGreater(self.browser.value("Number(document.querySelector('#curves [data-rms]').dataset.rms)"), 5e-4)
+        # Who cannot see the curve is told of it when it comes to rest.
+        last = self.browser.value("explorer.curves.values[0][199]")
+        self.browser.until(f"document.querySelector('#curves canvas').getAttribute('aria-label').includes(`, ${{kit.shown({last!r}, 4)}} at 0.4 s, from `)")
         # Jumps to the worst point, and the line of the command gives what is shown there.
         self.browser.value("document.querySelector('#worst button[data-output=x]').click()")
         with h5py.File(book("coin", COIN_PLAN)) as file:
@@ -529,6 +532,13 @@ class ExplorerInBrowser(Case):
             self.browser.open(page, "#check")
             self.browser.until("document.documentElement.dataset.painted")
             self.assertEqual(self.browser.value("document.documentElement.dataset.painted"), "14")
+            # Curves, and not axes alone: of the model's colour.
+            drawn = self.browser.value(
+                "(() => { const rgb = [1, 3, 5].map((at) => parseInt(kit.colours().model.slice(at, at + 2), 16));"
+                " return [...document.querySelectorAll('canvas')].filter((c) => { const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
+                " for (let k = 0; k < d.length; k += 4) if (d[k + 3] > 200 && rgb.every((v, i) => Math.abs(d[k + i] - v) < 24)) return true;"
+                " return false; }).length; })()")
+            self.assertGreaterEqual(drawn, 13)
             self.assertLessEqual(self.browser.value("document.documentElement.scrollWidth"), width)
             self.assertEqual(self.browser.value("getComputedStyle(document.body).backgroundColor"),
                              "rgb(20, 25, 31)" if dark else "rgb(255, 255, 255)")

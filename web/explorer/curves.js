@@ -43,6 +43,20 @@ class Curves {
     for (const chart of this.charts) chart.plot.setData(chart.data());
   }
 
+  // Says in words what the curves show, to who cannot see them.
+  describe() {
+    const {book, along} = this.state, {unit} = book.coordinates[along], places = this.prepared.places;
+    book.outputs.forEach((output, o) => {
+      const values = Array.from(this.values[o]), inUnit = (v) => kit.shown(Number.isFinite(v) ? v : null, 4);
+      const [low, high] = kit.span(values, 0);
+      const words = values.some(Number.isFinite) ? `${inUnit(values[0])} at ${kit.shown(places[0], 4)}, ` +
+          `${inUnit(values[values.length - 1])} at ${kit.shown(places[places.length - 1], 4)}` + (unit === "1" ? "" : " " + unit) +
+          `, from ${inUnit(low)} to ${inUnit(high)}` + (output.unit === "1" ? "" : " " + output.unit) : "no values";
+      this.charts.find((chart) => chart.of === o).plot.root.querySelector("canvas")
+          .setAttribute("aria-label", `${output.name} over ${this.label()}: ${words}`);
+    });
+  }
+
   // After another place on the curves.
   mark() {
     for (const chart of this.charts) chart.plot.redraw(false);
@@ -126,7 +140,7 @@ class Curves {
       series: [kit.line("codebook", colours.model, prepared.places.length < 2 ? {points: {show: true}} : {}), {show: half > 0, points: {show: false}},
                {show: half > 0, points: {show: false}}, kit.line("for comparison", colours.second, {dash: [6, 4]})],
     }, data());
-    this.charts.push({plot, data});
+    this.charts.push({plot, data, of: o});
   }
 
   // Measured angles, each at the turn that is next to the curve; quaternions with the sign that is.

@@ -142,7 +142,7 @@ const explorer = (() => {
     clearTimeout(address);
     address = setTimeout(() => { if (!playing && !location.hash.startsWith("#check")) history.replaceState(null, "", "#" + state.toHash()); }, 250);
     clearTimeout(speech);
-    if (!playing) speech = setTimeout(() => { $("spoken").textContent = sentence(); }, 700);
+    if (!playing) speech = setTimeout(() => { $("spoken").textContent = sentence(); curves.describe(); }, 700);
   }
   function touch(what = "point") {
     if (wants === null) requestAnimationFrame(frame);
