@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -29,13 +30,33 @@ Eigen::VectorXd point_of(const Codebook& book, const PlotArguments& arguments) {
   std::map<std::string, std::string> units;
   for (const codebooks::Coordinate& c : book.parameters()) units[c.name] = c.unit;
   const std::map<std::string, double> values = parse_assignments(arguments.set, units);
-  Eigen::VectorXd q(std::ssize(book.parameters()));
+  Eigen::VectorXd q = codebooks::middle_of_box(book);
   for (Eigen::Index k = 0; k < q.size(); ++k) {
-    const codebooks::Coordinate& c = book.parameters()[static_cast<std::size_t>(k)];
-    const auto value = values.find(c.name);
-    q[k] = value == values.end() ? 0.5 * (c.lower + c.upper) : value->second;
+    const auto value = values.find(book.parameters()[static_cast<std::size_t>(k)].name);
+    if (value != values.end()) q[k] = value->second;
   }
   return q;
+}
+
+/// @throws ArgumentError for an option that a picture does not take
+void check_options(const PlotArguments& arguments, const std::string& picture) {
+  struct Option {
+    const char* name;
+    bool is_given;
+    std::vector<std::string> pictures;  ///< that take it
+  };
+  const PlotArguments defaults;
+  const std::vector<Option> options = {
+      {"--set", !arguments.set.empty(), {"trajectories"}},
+      {"--outputs", !arguments.outputs.empty(), {"trajectories", "error", "indices", "table"}},
+      {"--points", arguments.points != defaults.points, {"error"}},
+      {"--seed", arguments.seed != defaults.seed, {"error"}},
+      {"--capture", !arguments.capture.empty(), {"captures"}}};
+  for (const Option& option : options) {
+    if (!option.is_given || std::ranges::count(option.pictures, picture) > 0) continue;
+    throw ArgumentError(
+        fmt::format("{} is of {}, and not of {}", option.name, fmt::join(option.pictures, ", "), picture));
+  }
 }
 
 /// @throws ArgumentError for a picture of the other kind of file
@@ -51,8 +72,7 @@ Panels panels_of_book(const PlotArguments& arguments) {
   const Codebook book = codebooks::load(arguments.input);
   warn_of_missed_tolerance(book, arguments.input);
   const std::string of = picture_of(arguments, {"trajectories", "error", "ranks", "indices"});
-  if (!arguments.set.empty() && of != "trajectories")
-    throw ArgumentError(fmt::format("--set is of trajectories, and not of {}", of));
+  check_options(arguments, of);
   if (of == "error")
     return codebooks::error_panels(book, arguments.points, arguments.seed, arguments.outputs);
   if (of == "ranks") return codebooks::rank_panels(book);
@@ -61,8 +81,9 @@ Panels panels_of_book(const PlotArguments& arguments) {
 }
 
 Panels panels_of_fit(const PlotArguments& arguments) {
-  if (picture_of(arguments, {"captures", "profiles"}) == "profiles")
-    return identification::profile_panels(arguments.input);
+  const std::string of = picture_of(arguments, {"captures", "profiles"});
+  check_options(arguments, of);
+  if (of == "profiles") return identification::profile_panels(arguments.input);
   return identification::capture_panels(arguments.input, arguments.capture);
 }
 
@@ -71,6 +92,7 @@ Panels panels_of_table(const PlotArguments& arguments) {
   if (!arguments.of.empty())
     throw ArgumentError(
         fmt::format("--of is {}, but a table is shown as it is: no --of was expected", arguments.of));
+  check_options(arguments, "table");
   const io::DelimitedTable table = io::DelimitedTable::read(arguments.input);
   const std::vector<std::string>& header = table.header();
   if (header.size() < 2)

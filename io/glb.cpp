@@ -205,7 +205,7 @@ std::string format_glb(const AnimatedScene& scene) {
   file["animations"] = Json::array({std::move(animation)});
   buffer.describe(file);
   std::string chunks;
-  append_chunk(chunks, "JSON", file.dump(), ' ');
+  append_chunk(chunks, "JSON", file.dump(-1, ' ', false, Json::error_handler_t::replace), ' ');
   append_chunk(chunks, std::string_view("BIN\0", 4).data(), buffer.bytes(), '\0');
   constexpr std::size_t kHeader = 12;
   const std::size_t length = kHeader + chunks.size();
@@ -241,6 +241,9 @@ std::string format_usda(const AnimatedScene& scene) {
   for (const int corner : scene.triangles.reshaped())
     corners += fmt::format("{}{}", corners.empty() ? "" : ", ", corner);
   text += fmt::format("    point3f[] points = [{}]\n    int[] faceVertexIndices = [{}]\n", points, corners);
+  const Eigen::Vector3d low = scene.vertices.rowwise().minCoeff(), high = scene.vertices.rowwise().maxCoeff();
+  text += fmt::format("    float3[] extent = [({}, {}, {}), ({}, {}, {})]\n", low.x(), low.y(), low.z(),
+                      high.x(), high.y(), high.z());
   std::string counts = "3";
   for (Eigen::Index k = 1; k < scene.triangles.cols(); ++k) counts += ", 3";
   text += fmt::format("    int[] faceVertexCounts = [{}]\n}}\n\ndef Xform \"scene\"\n{{\n", counts);

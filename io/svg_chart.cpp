@@ -27,6 +27,7 @@ struct SvgScale {
   double lower = 0.0, upper = 1.0;
   std::vector<double> ticks = {};
   bool is_log = false;
+  int digits = 4;  ///< by which neighbouring ticks differ
 
   /// 0 at the lower end, 1 at the upper.
   double share(double value) const {
@@ -36,8 +37,10 @@ struct SvgScale {
 };
 
 SvgScale round_scale(double lower, double upper) {
-  if (!(upper > lower)) {
-    const double half = lower == 0.0 ? 0.5 : 0.05 * std::abs(lower);
+  const double largest = std::max(std::abs(lower), std::abs(upper));
+  // Less than rounding makes of a constant is one.
+  if (!(upper - lower > 1e-12 * largest)) {
+    const double half = largest < 1e-300 ? 0.5 : 0.05 * largest;
     lower -= half;
     upper += half;
   }
@@ -46,8 +49,10 @@ SvgScale round_scale(double lower, double upper) {
   double step = 10.0 * power;
   for (const double factor : {5.0, 2.0, 1.0}) step = factor * power >= rough ? factor * power : step;
   SvgScale scale{.lower = lower, .upper = upper};
-  for (double k = std::ceil(lower / step - 1e-9); k * step <= upper + 1e-9 * step; ++k)
-    scale.ticks.push_back(k * step);
+  const double first = std::ceil(lower / step - 1e-9);
+  for (int k = 0; (first + k) * step <= upper + 1e-9 * step; ++k) scale.ticks.push_back((first + k) * step);
+  const auto place_of = [](double value) { return static_cast<int>(std::floor(std::log10(value) + 1e-9)); };
+  scale.digits = std::max(4, place_of(std::max(std::abs(lower), std::abs(upper))) - place_of(step) + 1);
   return scale;
 }
 
@@ -125,13 +130,13 @@ class PanelDrawing {
         escaped_for_markup(panel_.title));
     for (const double x : x_.ticks) {
       add(R"(<path d="M{:.1f} {:.1f}v5" stroke="#555"/>)", right_of(x), top_ + kHeight);
-      add(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="middle">{:.4g}</text>)", right_of(x),
-          top_ + kHeight + 19.0, x + 0.0);
+      add(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="middle">{:.{}g}</text>)", right_of(x),
+          top_ + kHeight + 19.0, x + 0.0, x_.digits);
     }
     for (const double y : y_.ticks) {
       add(R"(<path d="M{:.1f} {:.1f}h{:.1f}" stroke="#e2e2e2"/>)", left_, down_to(y), kWidth);
-      add(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="end">{:.4g}</text>)", left_ - 7.0, down_to(y) + 4.0,
-          y + 0.0);
+      add(R"(<text x="{:.1f}" y="{:.1f}" text-anchor="end">{:.{}g}</text>)", left_ - 7.0, down_to(y) + 4.0,
+          y + 0.0, y_.digits);
     }
     add(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" fill="none" stroke="#555"/>)", left_,
         top_, kWidth, kHeight);

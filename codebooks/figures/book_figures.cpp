@@ -89,6 +89,27 @@ Compared compare(const Codebook& book, const std::vector<double>& times,
 
 }  // namespace
 
+Eigen::VectorXd middle_of_box(const Codebook& book) {
+  Eigen::VectorXd q(std::ssize(book.parameters()));
+  for (Eigen::Index k = 0; k < q.size(); ++k) {
+    const Coordinate& c = book.parameters()[static_cast<std::size_t>(k)];
+    const double middle = 0.5 * (c.lower + c.upper);
+    q[k] = middle;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Piece& piece : book.pieces()) {
+      const pgd::Axis& axis =
+          piece.groups().front().axes()[static_cast<std::size_t>(book.coordinate_index(c.name))];
+      if (!axis.is_list()) continue;
+      for (const double node : axis.nodes()) {
+        if (std::abs(node - middle) >= nearest) continue;
+        nearest = std::abs(node - middle);
+        q[k] = node;
+      }
+    }
+  }
+  return q;
+}
+
 std::vector<SvgPanel> trajectory_panels(const Codebook& book, const Eigen::VectorXd& q,
                                         const std::vector<std::string>& outputs) {
   const Coordinate& time = book.time("a picture over time");

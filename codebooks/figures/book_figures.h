@@ -9,8 +9,11 @@
 #include "samara/codebooks/book/codebook.h"
 #include "samara/io/svg_chart.h"
 
-/// What a codebook says, as panels of a picture (io/svg_chart.h). All need a codebook with time.
+/// What a codebook says, as panels of a picture (io/svg_chart.h). All panels need a codebook with time.
 namespace samara::codebooks {
+
+/// The middle of the box: of lists the value next to it. Parameters in order, SI.
+Eigen::VectorXd middle_of_box(const Codebook& book);
 
 /// Every output over time at one point. @param q parameters in order, SI  @param outputs names; empty: all
 /// @throws ArgumentError for an unknown output or without time; OutsideBoxError for a point outside the box

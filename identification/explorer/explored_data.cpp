@@ -1,10 +1,12 @@
 #include "samara/identification/explorer/explored_data.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/attitude_length.h"
 #include "samara/codebooks/certify/certify.h"
+#include "samara/codebooks/figures/book_figures.h"
 #include "samara/models/bodies/body_pose.h"
 #include "samara/models/bodies/shown_body.h"
 
@@ -142,16 +144,27 @@ Json pose_json(const Codebook& book, const std::vector<int>& outputs) {
   return json;
 }
 
-/// Of the model at the middle of the box, where its parameters say it.
-std::optional<models::TriangleMesh> body_of(const Codebook& book) {
+/// Of the model at a point, where its parameters say it.
+std::optional<models::TriangleMesh> body_of(const Codebook& book, const Eigen::VectorXd& q) {
   if (!codebooks::known_model(book.model())) return std::nullopt;
-  std::vector<double> q;
-  for (const codebooks::Coordinate& c : book.parameters()) q.push_back(0.5 * (c.lower + c.upper));
   try {
-    return models::shown_body(codebooks::model_of(book), q);
+    return models::shown_body(codebooks::model_of(book), {q.data(), static_cast<std::size_t>(q.size())});
   } catch (const ArgumentError&) {
     return std::nullopt;  // it leaves out what its model needs
   }
+}
+
+/// Coordinates that change the body.
+std::vector<std::string> shape_of(const Codebook& book, const models::TriangleMesh& body) {
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < book.parameters().size(); ++k) {
+    Eigen::VectorXd q = codebooks::middle_of_box(book);
+    q[static_cast<Eigen::Index>(k)] = book.parameters()[k].upper;
+    const auto other = body_of(book, q);
+    if (!other || other->vertices.cols() != body.vertices.cols() || other->vertices != body.vertices)
+      names.push_back(book.parameters()[k].name);
+  }
+  return names;
 }
 
 Json body_json(const models::TriangleMesh& mesh, NumberStore& numbers) {
@@ -174,6 +187,16 @@ std::vector<int> outputs_to_show(const Codebook& book, const std::vector<std::st
     const std::string& name = book.outputs()[static_cast<std::size_t>(o)].name;
     if (wanted.empty() || std::ranges::count(wanted, name) > 0) outputs.push_back(o);
   }
+  // The numbers of a quaternion have a length together.
+  std::vector<int> all(static_cast<std::size_t>(book.output_count()));
+  std::iota(all.begin(), all.end(), 0);
+  const auto attitude = codebooks::quaternion_places(book, all);
+  const auto is_wanted = [&](int place) { return std::ranges::count(outputs, place) > 0; };
+  if (attitude && std::ranges::any_of(*attitude, is_wanted)) {
+    outputs.insert(outputs.end(), attitude->begin(), attitude->end());
+    std::ranges::sort(outputs);
+    outputs.erase(std::unique(outputs.begin(), outputs.end()), outputs.end());
+  }
   return outputs;
 }
 
@@ -195,9 +218,7 @@ nlohmann::ordered_json explored_book(const ExploredBook& explored, const std::ve
                                      const std::optional<models::TriangleMesh>& body, NumberStore& numbers) {
   const Codebook& book = explored.book;
   Json json = {{"file", explored.file},
-               {"title", book.title()},
                {"model", book.model().name},
-               {"about", book.model().title},
                {"hasTime", book.has_time()},
                {"coordinates", Json::array()},
                {"outputs", Json::array()},
@@ -218,8 +239,11 @@ nlohmann::ordered_json explored_book(const ExploredBook& explored, const std::ve
   }
   if (const auto attitude = codebooks::AttitudeLength::of(book, outputs))
     json["attitude"] = {{"places", attitude->places()}, {"length", attitude->length()}};
-  if (const auto mesh = body ? body : body_of(book); mesh && !json["pose"].is_null())
+  const auto mesh = body ? body : body_of(book, codebooks::middle_of_box(book));
+  if (mesh && !json["pose"].is_null()) {
     json["body"] = body_json(*mesh, numbers);
+    json["body"]["changes"] = body ? std::vector<std::string>() : shape_of(book, *mesh);
+  }
   for (const codebooks::Piece& piece : book.pieces())
     json["pieces"].push_back(piece_json(piece, book, outputs, numbers));
   return json;

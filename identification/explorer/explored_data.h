@@ -22,7 +22,8 @@ class NumberStore {
   std::vector<double> values_;
 };
 
-/// Places of the wanted outputs in a book, in its order. @param wanted empty: all
+/// Places of the wanted outputs in a book, in its order; who wants one number of a quaternion gets all four.
+/// @param wanted empty: all
 std::vector<int> outputs_to_show(const codebooks::Codebook& book, const std::vector<std::string>& wanted);
 
 /// What the factors of some outputs of a book take. Reads no more than it has to. [bytes]

@@ -1,6 +1,9 @@
 #include "samara/identification/explorer/explorer_page.h"
 
 #include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -85,9 +88,68 @@ Json capture_json(const Capture& capture, const ExplorerContent& content,
   return json;
 }
 
+/// The windows of a capture that a fit saw, each with times from its own first frame, as spans() names and cuts them;
+/// else the capture itself.
+std::vector<Capture> captures_of_fit(const Capture& capture, const std::optional<FitResult>& fit,
+                                     std::vector<std::string>& warnings) {
+  std::vector<Capture> windows;
+  if (fit) {
+    for (const CaptureFit& seen : fit->captures) {
+      if (seen.whole != capture.id || seen.id == capture.id || seen.times.size() == 0) continue;
+      std::vector<Eigen::Index> begins;
+      for (Eigen::Index i = 0; i < capture.times.size(); ++i)
+        if (fmt::format("{} from {:.4g} s", capture.id, capture.times[i]) == seen.id) begins.push_back(i);
+      if (begins.size() != 1) {
+        warnings.push_back(
+            fmt::format("{} of the frames of capture \"{}\" may be the first of \"{}\" of the "
+                        "fit, which is not shown",
+                        begins.size(), capture.id, seen.id));
+        continue;
+      }
+      const Eigen::VectorXd times = capture.times.array() - capture.times[begins[0]];
+      const auto end = std::ranges::upper_bound(times, seen.times[seen.times.size() - 1] + 1e-9);
+      const auto count = end - times.begin() - begins[0];
+      Capture window = capture;
+      window.id = seen.id;
+      window.times = times.segment(begins[0], count);
+      for (Channel& channel : window.channels)
+        channel.values = channel.values.segment(begins[0], count).eval();
+      windows.push_back(std::move(window));
+    }
+  }
+  if (windows.empty()) windows.push_back(capture);
+  return windows;
+}
+
+/// What the fit knows of how captures were seen that the page leaves out, in words; empty for nothing.
+std::string left_out_of(const FitResult& fit) {
+  std::vector<std::string> parts;
+  if (fit.setup.camera.scale) parts.emplace_back("the scale of a camera");
+  if (fit.setup.camera.rotation) parts.emplace_back("the turn of a camera");
+  if (fit.setup.compared.averaged_frames > 1)
+    parts.push_back(fmt::format("frames that are means of {}", fit.setup.compared.averaged_frames));
+  if (parts.empty()) return {};
+  return fmt::format("the fit has {}: residuals on the page are without", fmt::join(parts, " and "));
+}
+
+/// Names of coordinates of the measurement with the values that the fit holds for all captures.
+Json measurement_json(const FitResult& fit) {
+  Json json = Json::object();
+  const auto add = [&](const std::string& name, double value) {
+    if (name == kDelay || name.starts_with("gain of ")) json[name] = value;
+  };
+  for (const auto* values : {&fit.fixed, &fit.setup.unknowns.fixed})
+    for (const auto& [name, value] : *values) add(name, value);
+  for (const Coefficient& c : fit.coefficients) add(c.name, c.value);
+  return json;
+}
+
 Json fit_json_of(const FitResult& fit) {
   Json json = {{"message", fit.message},
                {"converged", fit.status == FitStatus::converged},
+               {"leftOut", left_out_of(fit)},
+               {"periods", fit.setup.compared.periods},
+               {"measurement", measurement_json(fit)},
                {"coefficients", Json::array()},
                {"captures", Json::array()}};
   for (const Coefficient& c : fit.coefficients) {
@@ -95,9 +157,9 @@ Json fit_json_of(const FitResult& fit) {
     json["coefficients"].back()["error"] = c.standard_error ? Json(*c.standard_error) : Json(nullptr);
   }
   for (const CaptureFit& capture : fit.captures) {
-    Json own = Json::object();
+    Json own = capture.known;
     for (const Nuisance& nuisance : capture.nuisances) own[nuisance.name] = nuisance.value;
-    json["captures"].push_back({{"id", capture.id}, {"own", own}});
+    json["captures"].push_back({{"id", capture.id}, {"start", capture.start}, {"own", own}});
   }
   return json;
 }
@@ -113,11 +175,21 @@ ExplorerPage explorer_page(const ExplorerContent& content) {
                {"books", Json::array()},
                {"captures", Json::array()},
                {"fit", content.fit ? fit_json_of(*content.fit) : Json(nullptr)}};
-  for (const ExploredBook& explored : content.books)
+  for (const ExploredBook& explored : content.books) {
     data["books"].push_back(
         explored_book(explored, outputs_to_show(explored.book, content.outputs), content.body, numbers));
-  for (const Capture& capture : content.captures)
-    data["captures"].push_back(capture_json(capture, content, page.warnings));
+    if (content.body && data["books"].back()["pose"].is_null())
+      page.warnings.push_back(fmt::format(
+          "{} moves no body with the outputs of the page, and the body is not drawn", explored.file));
+  }
+  if (content.fit && !content.captures.empty()) {
+    const std::string sentence = left_out_of(*content.fit);
+    if (!sentence.empty()) page.warnings.push_back(sentence);
+  }
+  for (const Capture& capture : content.captures) {
+    for (const Capture& shown : captures_of_fit(capture, content.fit, page.warnings))
+      data["captures"].push_back(capture_json(shown, content, page.warnings));
+  }
   std::ranges::sort(page.warnings);
   page.warnings.erase(std::unique(page.warnings.begin(), page.warnings.end()), page.warnings.end());
 
@@ -127,7 +199,8 @@ ExplorerPage explorer_page(const ExplorerContent& content) {
       {.title = name.empty() ? first.model().name : name,
        .summary = fmt::format("A codebook of the model {}, to explore.", first.model().name),
        .markup = page::kExplorerMarkup,
-       .data = {{"explored", data.dump()}, {"numbers", base64(numbers.values()), false}},
+       .data = {{"explored", data.dump(-1, ' ', false, Json::error_handler_t::replace)},
+                {"numbers", base64(numbers.values()), false}},
        .styles = {page::kExplorerStyle},
        .scripts = {page::kExplorerEvaluate, page::kExplorerBody, page::kExplorerGlb, page::kExplorerState,
                    page::kExplorerCurves, page::kExplorerControls, page::kExplorerPage}});

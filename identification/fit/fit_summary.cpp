@@ -127,7 +127,10 @@ CameraOptions resolved(const FitProblem& problem, const CameraOptions& options) 
 void add_setup(const models::FamilyInfo& family, const FitProblem& problem, const FitOptions& options,
                FitResult& result) {
   FitOptions& setup = result.setup;
-  for (const ComparedOutput& output : problem.outputs) setup.compared.outputs.push_back(output.name);
+  for (const ComparedOutput& output : problem.outputs) {
+    setup.compared.outputs.push_back(output.name);
+    setup.compared.periods[output.name] = output.period;
+  }
   if (problem.attitude_scale)
     setup.compared.outputs.insert(setup.compared.outputs.end(), family.attitude.begin(),
                                   family.attitude.end());

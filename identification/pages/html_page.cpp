@@ -47,7 +47,7 @@ std::string html_text(const HtmlPage& page) {
 <html lang="en">
 <head>
 <meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 )";
   text += fmt::format("<title>{}</title>\n<style>\n{}\n{}", title, page::kChartStyle, page::kStyle);

@@ -69,6 +69,7 @@ Json json_of(const CaptureFit& capture) {
           {"known", capture.known},
           {"cluster", capture.cluster},
           {"frames", capture.frames},
+          {"start", number(capture.start)},
           {"nuisances", nuisances},
           {"residuals", json_of(capture.residuals)},
           {"times", column(capture.times)},

@@ -40,6 +40,7 @@ FitOptions setup_of(const ParsedJson& object) {
   FitOptions setup;
   setup.compared.outputs = object.at("outputs").get<Names>();
   setup.compared.averaged_frames = object.at("averaged_frames").get<int>();
+  setup.compared.periods = object.value("periods", setup.compared.periods);
   setup.unknowns.shared = object.at("shared").get<Names>();
   setup.unknowns.per_capture = object.at("per_capture").get<Names>();
   setup.unknowns.fixed = object.at("fixed").get<std::map<std::string, double>>();
@@ -91,6 +92,7 @@ Json setup_json(const FitOptions& setup) {
   }
   return {{"outputs", setup.compared.outputs},
           {"averaged_frames", setup.compared.averaged_frames},
+          {"periods", setup.compared.periods},
           {"shared", setup.unknowns.shared},
           {"per_capture", setup.unknowns.per_capture},
           {"known", known},

@@ -54,6 +54,7 @@ CaptureFit capture_of(const ParsedJson& object) {
   const auto id = object.at("id").get<std::string>();
   CaptureFit capture{
       .id = id, .file = object.at("file").get<std::string>(), .whole = object.value("whole", id)};
+  capture.start = number_of(object, "start").value_or(0.0);
   if (object.contains("known")) capture.known = object.at("known").get<std::map<std::string, double>>();
   if (object.contains("nuisances")) {
     for (const ParsedJson& n : object.at("nuisances")) {

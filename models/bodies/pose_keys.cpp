@@ -13,6 +13,8 @@ namespace samara::models {
 namespace {
 
 constexpr std::array kShares = {0.25, 0.5, 0.75};
+/// Of the whole: single precision, in which animations hold their times, tells no shorter intervals apart.
+constexpr double kShortest = 1e-6;
 
 /// Whether a pose lies within the limits of the share of the way from a to b.
 bool is_between(const BodyPose& a, const BodyPose& b, double share, const BodyPose& pose,
@@ -58,6 +60,8 @@ PoseKeys dense_pose_keys(const std::function<std::vector<BodyPose>(const std::ve
         for (std::size_t k = 0; k < kShares.size(); ++k)
           is_near =
               is_near && is_between(keys.poses[i], keys.poses[i + 1], kShares[k], found[at + k], limits);
+        // Over a jump no line is near, however short.
+        is_near = is_near || keys.times[i + 1] - keys.times[i] < kShortest * (to - from);
         if (!is_near) {
           next.times.push_back(asked[at + 1]);
           next.poses.push_back(found[at + 1]);

@@ -121,7 +121,9 @@ class Browser:
             event = self.message()
             if event.get("method") == "Browser.downloadProgress" and event["params"]["state"] == "completed":
                 new = set(os.listdir(self.folder.name)) - before
-                return pathlib.Path(self.folder.name, new.pop())
+                path = pathlib.Path(self.folder.name, new.pop())
+                # So that the next one of this name is seen to be new.
+                return path.rename(path.with_name(f"{self.number}-{path.name}"))
         raise TimeoutError("nothing was saved")
 
     def look(self, width, height, dark=False, calm=False):

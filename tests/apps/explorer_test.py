@@ -98,7 +98,9 @@ class Explorer(Case):
 
     def test_what_stands_in_files_cannot_become_markup(self):
         plan = COIN_PLAN.replace("model", f"title = '''{HOSTILE}'''\nmodel", 1)
-        text = explored(book("hostile", plan)).read_text()
+        path = FOLDER / "<img src=x onerror=alert(1)>.h5"
+        path.write_bytes(book("hostile", plan).read_bytes())
+        text = explored(path, "--capture", write("<img src=y>.csv", "t[s],x[m]\n0,0\n0.1,0.05\n0.2,0.2\n")).read_text()
         self.assertNotIn("<img", text)
         self.assertEqual(text.count("</script>"), 4)
 
@@ -130,6 +132,31 @@ class Explorer(Case):
         self.assertEqual((result.returncode, (FOLDER / "large.html").exists()), (2, False))
         self.assertIn("the factors have 24.0 MB, more than the 20 MB that a page takes: fewer outputs (--outputs)", result.stderr)
         explored(path, "--outputs", "u", name="large")
+
+    def test_a_picture_of_the_middle_of_the_box_takes_a_value_of_a_list(self):
+        subprocess.run([SAMPLES, "reference", FOLDER], check=True)
+        result = run("plot", FOLDER / "kinds.h5", "-o", FOLDER / "kinds.svg")
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_a_body_that_is_not_drawn_is_told(self):
+        path = book("coin", COIN_PLAN)
+        result = run("explore", path, "--outputs", "v", "--body", "disc", "--size", "1", "0.1", "-o", FOLDER / "still.html")
+        self.assertIn("coin.h5 moves no body with the outputs of the page", result.stderr)
+
+    def test_one_number_of_a_quaternion_brings_the_others_and_a_free_shape_is_named(self):
+        text = explored(book("card", CARD_PLAN), "--outputs", "qw", name="quaternion").read_text()
+        data = json.loads(re.search('id="explored">(.*?)</script>', text).group(1))["books"][0]
+        self.assertEqual([output["name"] for output in data["outputs"]], ["qw", "qx", "qy", "qz"])
+        self.assertEqual(data["attitude"]["places"], [0, 1, 2, 3])
+        free = COIN_PLAN.replace('thickness = "2.55 mm"\n', "").replace("C_D = [0.8, 1.6]", 'C_D = [1.1, 1.2]\nthickness = ["2.5 mm", "2.6 mm"]')
+        text = explored(book("free", free), name="free").read_text()
+        data = json.loads(re.search('id="explored">(.*?)</script>', text).group(1))["books"][0]
+        self.assertEqual(data["body"]["changes"], ["thickness"])
+
+    def test_bytes_that_are_no_text_do_not_stop_the_page(self):
+        path = FOLDER / os.fsdecode(b"caf\xe9.h5")
+        path.write_bytes(book("coin", COIN_PLAN).read_bytes())
+        self.assertIn("caf\ufffd.h5", explored(path, name="bytes").read_text())
 
     def test_a_channel_that_is_no_output_is_left_out_with_a_warning(self):
         capture = write("more.csv", "t[s],x[m],height[m]\n0,0,1\n0.1,0.01,1\n0.2,0.05,1\n")
@@ -267,6 +294,9 @@ class ExplorerInBrowser(Case):
         self.browser.until("location.hash.includes('p.C_D=1.598')")
         self.assertNotEqual(before, self.browser.value("document.querySelector('#curves canvas').toDataURL()"))
         self.assertGreater(self.browser.value("Number(document.querySelector('#curves [data-rms]').dataset.rms)"), 5e-4)
+        # Who cannot see the curve is told of it when it comes to rest.
+        last = self.browser.value("explorer.curves.values[0][199]")
+        self.browser.until(f"document.querySelector('#curves canvas').getAttribute('aria-label').includes(`, ${{kit.shown({last!r}, 4)}} at 0.4 s, from `)")
         # Jumps to the worst point, and the line of the command gives what is shown there.
         self.browser.value("document.querySelector('#worst button[data-output=x]').click()")
         with h5py.File(book("coin", COIN_PLAN)) as file:
@@ -285,6 +315,77 @@ class ExplorerInBrowser(Case):
         self.assertEqual(self.browser.value("explorer.state.point"), worst)
         self.check_quiet()
 
+    def choose(self, id, value):
+        self.browser.value(f"(() => {{ const s = document.getElementById('{id}'); s.value = {value}; s.dispatchEvent(new Event('change')); }})()")
+
+    def shown_rms(self):
+        return self.browser.value("Number(document.querySelector('#curves [data-rms]').dataset.rms)")
+
+    def test_residuals_are_those_of_the_codebook_that_is_chosen(self):
+        capture, _ = fallen()
+        second = book("finer", COIN_PLAN.replace("relative = 1e-3", "relative = 1e-7"))
+        self.opened(explored(book("coin", COIN_PLAN), second, "--capture", capture, name="second"))
+        pieces = self.browser.value("explorer.state.data.books.map((b) => JSON.stringify(b.pieces.map((p) => p.axes[0])))")
+        self.assertNotEqual(*pieces)
+        self.choose("codebook", 1)
+        rows = list(csv.DictReader(capture.read_text().splitlines()))
+        answer, = [o for o in self.queried(second, ["t", "C_D", "v(0)"], self.browser.value("explorer.state.point.slice(1)"),
+                                           [float(row["t[s]"]) for row in rows]) if o["name"] == "x"]
+        rest = np.array([float(row["x[m]"]) for row in rows]) - answer["values"]
+        self.assertAlmostEqual(self.shown_rms(), float(np.sqrt(np.mean(rest ** 2))), delta=1e-12)
+        self.check_quiet()
+
+    def test_residuals_are_without_what_the_fit_found_of_clock_and_sensor(self):
+        # Windows of a capture have values of their own, and names of their own.
+        times = np.linspace(0.0, 0.4, 41)
+        result = run("query", book("coin", COIN_PLAN), "--set", "C_D=1.25", "--set", "v(0)=0.1", "--at", *(repr(float(t)) for t in times))
+        x = np.array([float(row["x[m]"]) for row in csv.DictReader(result.stdout.splitlines())])
+        seen = 1.03 * x + 1e-4 * (-1.0) ** np.arange(41)
+        capture = write("seen.csv", "t[s],x[m]\n" + "".join(f"{t - 0.01!r},{v!r}\n" for t, v in zip(times[2:].tolist(), seen[2:].tolist())))
+        clock = write("clock.toml", 'delay = { range = ["0 ms", "20 ms"] }\ngain = { x = { range = [0.9, 1.1] } }\noffsets = []\n')
+        for name, words in [("clock", ["--config", clock]), ("windows", ["--config", write("windows.toml", 'span = "0.2 s"\nstride = "0.1 s"\n')])]:
+            fit = FOLDER / f"{name}.json"
+            result = run("fit", book("coin", COIN_PLAN), capture, *words, "-o", fit)
+            self.assertTrue(fit.exists(), result.stderr)
+            captures = json.loads(fit.read_text())["captures"]
+            self.assertEqual(len(captures) > 1, name == "windows")
+            self.opened(explored(book("coin", COIN_PLAN), "--capture", capture, "--fit", fit, name=name))
+            for number, own in enumerate(captures):
+                self.choose("capture", number)
+                self.assertEqual(self.browser.value(f"explorer.state.data.captures[{number}].id"), own["id"])
+                self.assertAlmostEqual(self.shown_rms(), own["residuals"][0]["rms"], delta=1e-9)
+            self.check_quiet()
+
+    def test_angles_and_quaternions_are_shown_at_the_turn_next_to_the_curve(self):
+        self.opened(explored(book("coin", COIN_PLAN), name="turns"))
+        shifted = "Curves.prototype.shifted.call({state: {book: %s, measured: (o) => o}, atMeasured: () => %s}, %s, 0)"
+        self.assertAlmostEqual(self.browser.value(shifted % ("{outputs: []}", "[[3.1]]", "{period: Math.PI, values: [-0.1]}"))[0], np.pi - 0.1, delta=1e-15)
+        self.assertEqual(self.browser.value(shifted % ("{outputs: []}", "[[3.1]]", "{period: 0, values: [-0.1]}")), [-0.1])
+        parts = "[{values: [-0.6, 0.6, null]}, {values: [0.8, -0.8, 0.8]}]"
+        self.assertEqual(self.browser.value(shifted % (f"{{attitude: {{places: [0, 1]}}, outputs: {parts}}}", "[[0.6, 0.6, 0.6], [-0.8, -0.8, -0.8]]", parts + "[0]")),
+                         [0.6, 0.6, None])
+
+    def test_what_a_fit_knows_and_the_page_leaves_out_is_told_in_red(self):
+        capture, fit = fallen()
+        seen = json.loads(fit.read_text())
+        seen["setup"]["averaged_frames"] = 5
+        result = run("explore", book("coin", COIN_PLAN), "--capture", capture, "--fit", write("means.json", json.dumps(seen)), "-o", FOLDER / "means.html")
+        self.assertIn("the fit has frames that are means of 5", result.stderr)
+        self.opened(FOLDER / "means.html")
+        self.assertEqual(self.browser.value("document.getElementById('left-out').className"), "bad")
+
+    def test_the_keyboard_stays_where_it_is_when_the_form_is_built_anew(self):
+        self.opened(explored(book("coin", COIN_PLAN), name="focus"))
+        for id, after in [("slopes", "slopes"), ("keep", "keep"), ("drop", "keep")]:
+            self.browser.value(f"document.getElementById('{id}').focus()")
+            self.browser.press(" ")
+            self.browser.until(f"document.activeElement.id === '{after}'")
+        self.assertEqual(self.browser.value("[explorer.state.slopes, explorer.state.other]"), [True, None])
+        # An address without a comparison shows none, whatever was there before.
+        self.browser.value("document.getElementById('keep').click(); location.hash = '#p.C_D=1.3'")
+        self.browser.until("explorer.state.point[1] === 1.3 && explorer.state.other === null")
+        self.check_quiet()
+
     def test_what_lies_outside_the_box_is_refused_where_it_is_typed_and_in_the_address(self):
         self.opened(explored(book("coin", COIN_PLAN), name="outside"), "#p.C_D=7&p.v(0)=0.2&over=nonsense")
         self.assertEqual(self.browser.value("explorer.state.point"), [0, (0.8 + 1.6) / 2, 0.2])
@@ -300,6 +401,7 @@ class ExplorerInBrowser(Case):
         self.assertEqual(self.browser.value(count), 2)
         self.browser.value("document.getElementById('keep').click(); document.getElementById('slopes').click()")
         self.assertEqual(self.browser.value(count), 4)
+        self.assertEqual(self.browser.value("[...document.querySelectorAll('#curves canvas')].filter((c) => !c.getAttribute('aria-label')).length"), 0)
         self.browser.value("(() => { const s = document.getElementById('coordinate-1'); s.value = 0.9; s.dispatchEvent(new Event('input')); })()")
         self.browser.until("explorer.state.point[1] !== explorer.state.other[1]")
         self.browser.until("document.querySelectorAll('#values tr[data-output=v] td').length === 5 &&"
@@ -315,7 +417,7 @@ class ExplorerInBrowser(Case):
         self.browser.value("document.getElementById('play').click()")
         self.browser.until("explorer.state.point[0] > 0.02")
         self.browser.value("document.getElementById('play').click()")
-        self.assertEqual(self.browser.value("document.getElementById('play').getAttribute('aria-pressed')"), "false")
+        self.assertEqual(self.browser.value("document.getElementById('play').textContent"), "Play")
         self.browser.look(1200, 900, calm=True)
         begin = self.browser.value("explorer.state.point[0]")
         pictures = self.browser.value(
@@ -324,6 +426,18 @@ class ExplorerInBrowser(Case):
             " setTimeout(() => { clearInterval(look); document.getElementById('play').click(); done(seen.size); }, 800); })")
         self.assertLessEqual(pictures, 3)
         self.assertNotEqual(begin, self.browser.value("explorer.state.point[0]"))
+        self.check_quiet()
+
+    def test_a_list_is_played_from_value_to_value(self):
+        if not (FOLDER / "kinds.h5").exists():
+            subprocess.run([SAMPLES, "reference", FOLDER], check=True)
+        self.opened(explored(FOLDER / "kinds.h5", name="list"))
+        list = self.browser.value("explorer.state.book.coordinates.findIndex((c) => c.list && c.list.length > 1)")
+        self.choose("over", list)
+        values = self.browser.value("explorer.state.book.coordinates[explorer.state.along].list")
+        self.browser.value("document.getElementById('speed').value = 1; document.getElementById('play').click()")
+        for value in values[1:]:
+            self.browser.until(f"explorer.state.point[{list}] === {value}")
         self.check_quiet()
 
     def test_what_is_saved_is_read_back(self):
@@ -353,7 +467,49 @@ class ExplorerInBrowser(Case):
         glb.check_against(self, times, np.stack([columns[n] for n in ["x", "y", "z"]], 1),
                           np.stack([columns[n] for n in ["qw", "qx", "qy", "qz"]], 1), size=0.07)
         self.assertIn(issues(path), [None, [0, 0, 0, 0]])
-        self.assertEqual(glb.json["nodes"][0]["extras"]["parameters"], {"C_D90": point[0], "C_R": point[1]})
+        # Time alone makes a motion.
+        self.choose("over", 1)
+        self.assertTrue(self.browser.value("document.getElementById('glb').hidden"))
+        extras = glb.json["scenes"][0]["extras"]["parameters"]
+        self.assertEqual([extras[name] for name in ["C_D90", "C_R", "C_T"]], [*point, 0.91])
+
+    def test_coins_fall_and_plates_turn_as_the_library_says(self):
+        self.opened(explored(book("coin", COIN_PLAN), name="poses"), "#p.C_D=1.31&p.v(0)=0.25")
+        path = FOLDER / "coin.glb"
+        path.write_bytes(self.browser.saved("glb").read_bytes())
+        times = np.linspace(0.0, 0.4, 101)
+        answer, = [o for o in self.queried(book("coin", COIN_PLAN), ["t", "C_D", "v(0)"], [1.31, 0.25], times.tolist()) if o["name"] == "x"]
+        depth, zero = np.array(answer["values"]), np.zeros(101)
+        Glb(path).check_against(self, times, np.stack([zero, zero, -depth], 1), np.tile([1.0, 0.0, 0.0, 0.0], (101, 1)), size=0.02)
+        # A plate: x and y as x and z of the world, theta from x to the chord, and its normal to the left of that.
+        pose = self.browser.value("(() => { const {p, q} = poseOf({kind: 'plane', places: [2, 0, 1]}, [[2], [0.4], [1]], 0);"
+                                  " return [p, turned(q, [1, 0, 0]), turned(q, [0, 0, 1])]; })()")
+        np.testing.assert_allclose(pose, [[1, 0, 2], [np.cos(0.4), 0, np.sin(0.4)], [-np.sin(0.4), 0, np.cos(0.4)]], atol=1e-15)
+
+    def test_a_jump_of_a_motion_stands_between_two_keys_and_a_gap_is_refused(self):
+        self.opened(explored(book("coin", COIN_PLAN), name="jumps"))
+        keys = ("denseKeys((times) => times.map((t) => ({p: [t, 0, t < 1.3 ? 0 : %s], q: [1, 0, 0, 0]})), 1, 1.5, 0.1)")
+        times = np.array(self.browser.value(f"{keys % 0.01}.times"))
+        self.assertLess(len(times), 200)
+        self.assertTrue(np.all(np.diff((times - 1.0).astype(np.float32)) > 0))
+        self.assertLess(np.min(np.diff(times)), 1e-6)
+        message = self.browser.value(f"(() => {{ try {{ {keys % 'NaN'}; }} catch (e) {{ return e.message; }} }})()")
+        self.assertIn("has no pose at 1.3", message)
+
+    def test_an_error_without_bound_is_told_in_red_and_the_page_works(self):
+        path = FOLDER / "unbounded.h5"
+        path.write_bytes(book("coin", COIN_PLAN).read_bytes())
+        with h5py.File(path, "r+") as file:
+            for place in [file["certificate"], file["certificate/x"]]:
+                for name in [n for n in place.attrs if n.startswith("max") and not n.endswith("norm_defect")]:
+                    place.attrs[name] = np.inf
+            file["certificate"].attrs["met"] = np.zeros((), file["certificate"].attrs["met"].dtype)
+        self.opened(explored(path, name="unbounded"))
+        shown = self.browser.value("[document.getElementById('certificate').className, document.getElementById('certificate').textContent,"
+                                   " document.querySelector('#worst button').textContent]")
+        self.assertRegex(" ".join(shown), "bad.*Certificate missed.*without bound.*Worst point of all: x, without bound")
+        self.assertEqual(self.browser.value("document.querySelectorAll('#curves canvas').length"), 2)
+        self.check_quiet()
 
     def test_certificates_that_are_missed_or_missing_are_told_in_red(self):
         missed = COIN_PLAN.replace('"v(0)" = [0.0, 0.4]', '"v(0)" = { range = [0.0, 0.4], nodes = 2 }')
@@ -376,6 +532,13 @@ class ExplorerInBrowser(Case):
             self.browser.open(page, "#check")
             self.browser.until("document.documentElement.dataset.painted")
             self.assertEqual(self.browser.value("document.documentElement.dataset.painted"), "14")
+            # Curves, and not axes alone: of the model's colour.
+            drawn = self.browser.value(
+                "(() => { const rgb = [1, 3, 5].map((at) => parseInt(kit.colours().model.slice(at, at + 2), 16));"
+                " return [...document.querySelectorAll('canvas')].filter((c) => { const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
+                " for (let k = 0; k < d.length; k += 4) if (d[k + 3] > 200 && rgb.every((v, i) => Math.abs(d[k + i] - v) < 24)) return true;"
+                " return false; }).length; })()")
+            self.assertGreaterEqual(drawn, 13)
             self.assertLessEqual(self.browser.value("document.documentElement.scrollWidth"), width)
             self.assertEqual(self.browser.value("getComputedStyle(document.body).backgroundColor"),
                              "rgb(20, 25, 31)" if dark else "rgb(255, 255, 255)")

@@ -93,12 +93,19 @@ class Plots(Case):
         self.assertEqual([len(curve) for curve in curves(picture)], [3, 4])
         self.assertEqual(len(curves(drawn(table, "--outputs", "v"))), 1)
 
+    def test_a_column_that_is_constant_but_for_its_last_bit_is_drawn(self):
+        table = write("held.csv", "t[s],g[m/s^2]\n0,9.81\n1,9.810000000000002\n")
+        self.assertEqual(len(curves(drawn(table))), 1)
+
     def test_bad_calls_are_told_in_one_sentence(self):
         svg, path = FOLDER / "refused.svg", book("coin", COIN_PLAN)
         self.check_error(run("plot", path, "--of", "profiles", "-o", svg), 2, "trajectories, error, ranks, indices was expected")
         self.check_error(run("plot", path, "--set", "C_D=7", "-o", svg), 5, "C_D")
         self.check_error(run("plot", path, "--of", "error", "--points", "0", "-o", svg), 2, "number of points is 0")
         self.check_error(run("plot", path, "--of", "ranks", "--set", "C_D=1", "-o", svg), 2, "--set is of trajectories")
+        self.check_error(run("plot", path, "--of", "ranks", "--outputs", "x", "-o", svg), 2, "--outputs is of trajectories, error, indices, table")
+        self.check_error(run("plot", path, "--points", "9", "-o", svg), 2, "--points is of error, and not of trajectories")
+        self.check_error(run("plot", write("two.csv", "t[s],x[m]\n1,2\n"), "--capture", "a", "-o", svg), 2, "--capture is of captures")
         self.check_error(run("plot", write("one.csv", "t[s]\n1\n"), "-o", svg), 3, "one column")
         self.check_error(run("plot", write("none.json", "{}"), "-o", svg), 3, "JSON of a fit")
         self.check_error(run("plot", path, "-o", path), 2, "which it would overwrite")

@@ -59,7 +59,11 @@ TEST_CASE("how captures were seen is read from the JSON of a fit, or told from i
   result.setup.camera = {.scale = 0.02, .axes = {"x"}};
   result.setup.priors.coordinates["v(0)"] = {.mean = 0.1, .deviation = 0.05};
   result.setup.unknowns.known.emplace("C_m", "C_m");
+  result.setup.compared.periods["x"] = 0.5;
+  result.captures[1].start = 0.25;
   const FitResult read = read_fit(files.put("fit.json", fit_json(result)));
+  CHECK(read.setup.compared.periods == result.setup.compared.periods);
+  CHECK(read.captures[1].start == 0.25);
   CHECK(read.setup.compared.outputs == std::vector<std::string>{"x"});
   CHECK(read.setup.unknowns.shared == std::vector<std::string>{"C_D"});
   CHECK(read.setup.unknowns.per_capture == std::vector<std::string>{"v(0)"});

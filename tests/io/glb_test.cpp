@@ -57,6 +57,7 @@ TEST_CASE("an animation has a node for each body, one mesh, and chunks as long a
   CHECK(count(text, "\"primitives\"") == 1);
   CHECK(count(text, R"("a \"scene\"")") == 2);  // of the scene, and of its animation
   CHECK(count(samara::io::format_usda(scene()), "inherits = </_shape>") == 2);
+  CHECK(count(samara::io::format_usda(scene()), "float3[] extent = [(0, 0, 0), (1, 1, 1)]") == 1);
 }
 
 TEST_CASE("rotations take the shorter way, and keys that single floats cannot tell apart become one") {

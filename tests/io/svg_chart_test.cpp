@@ -58,7 +58,21 @@ TEST_CASE("panels of nothing, and of one value, have axes") {
     CHECK(picture.find("nan") == std::string::npos);
     CHECK(picture.find("inf") == std::string::npos);
   }
+  // All but the last bit constant, as what is held by a computation.
+  for (const double value : {1.0, 9.81, -3e8, 5e-324}) {
+    const Eigen::Vector2d nearly(value, std::nextafter(value, 1e9));
+    CHECK(svg_charts("", {panel_of(nearly, nearly)}, 1).size() < 10000);
+  }
   CHECK_THROWS_AS(svg_charts("", {}, 1), samara::ArgumentError);
   CHECK_THROWS_AS(svg_charts("", {panel_of(Eigen::Vector2d(0, 1), Eigen::Vector3d(0, 1, 2))}, 1),
                   samara::ArgumentError);
+}
+
+TEST_CASE("ticks that differ have labels that differ") {
+  const std::string picture =
+      svg_charts("", {panel_of(Eigen::Vector2d(100.01, 100.05), Eigen::Vector2d(-250000.0, -249998.0))}, 1);
+  CHECK(occurrences(picture, ">100<") == 0);
+  CHECK(occurrences(picture, ">100.02<") == 1);
+  CHECK(occurrences(picture, ">-2.5e+05<") == 0);
+  CHECK(occurrences(picture, ">-249999<") == 1);
 }

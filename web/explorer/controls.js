@@ -41,6 +41,8 @@ class Controls {
     kit.add(line, "label", "Sensitivities").htmlFor = "slopes";
     box.addEventListener("change", () => { state.slopes = box.checked; this.changed("all"); });
     if (data.fit) kit.add(form, "p", data.fit.message, data.fit.converged ? "soft" : "bad");
+    const isLess = data.fit && data.fit.leftOut && state.fitted(state.capture);
+    if (isLess) kit.add(form, "p", data.fit.leftOut[0].toUpperCase() + data.fit.leftOut.slice(1) + ".", "bad").id = "left-out";
   }
 
   button(parent, id, text, act) {
@@ -58,7 +60,6 @@ class Controls {
     made.addEventListener("change", () => {
       act(made.value);
       this.changed("all");
-      document.getElementById(id).focus();
     });
   }
 

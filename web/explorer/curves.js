@@ -12,6 +12,7 @@ class Curves {
   build() {
     const {state, parent} = this, {book, along} = state, coordinate = book.coordinates[along];
     this.codebook = new Codebook(book);
+    this.preparedFor = null;
     const count = state.data.times;
     const places = coordinate.list || Array.from({length: count}, (unused, i) => i === count - 1 ? coordinate.upper
         : coordinate.lower + (coordinate.upper - coordinate.lower) * i / (count - 1));
@@ -40,6 +41,20 @@ class Curves {
   update() {
     this.evaluate();
     for (const chart of this.charts) chart.plot.setData(chart.data());
+  }
+
+  // Says in words what the curves show, to who cannot see them.
+  describe() {
+    const {book, along} = this.state, {unit} = book.coordinates[along], places = this.prepared.places;
+    book.outputs.forEach((output, o) => {
+      const values = Array.from(this.values[o]), inUnit = (v) => kit.shown(Number.isFinite(v) ? v : null, 4);
+      const [low, high] = kit.span(values, 0);
+      const words = values.some(Number.isFinite) ? `${inUnit(values[0])} at ${kit.shown(places[0], 4)}, ` +
+          `${inUnit(values[values.length - 1])} at ${kit.shown(places[places.length - 1], 4)}` + (unit === "1" ? "" : " " + unit) +
+          `, from ${inUnit(low)} to ${inUnit(high)}` + (output.unit === "1" ? "" : " " + output.unit) : "no values";
+      this.charts.find((chart) => chart.of === o).plot.root.querySelector("canvas")
+          .setAttribute("aria-label", `${output.name} over ${this.label()}: ${words}`);
+    });
   }
 
   // After another place on the curves.
@@ -119,22 +134,28 @@ class Curves {
     };
     kit.add(parent, "h3", kit.withUnit(output.name, output.unit));
     const plot = kit.chart(parent, {
-      x: this.label(), y: kit.withUnit(output.name, output.unit), height: 190, legend: false, yScale: {range},
+      x: this.label(), y: kit.withUnit(output.name, output.unit), says: `${output.name} over ${this.label()}`, height: 190, legend: false, yScale: {range},
       xScale: prepared.places.length > 1 ? {range: () => kit.span(prepared.places, 0.01)} : {}, hooks: {draw: [points, this.cursor()]},
       bands: half > 0 ? [{series: [2, 3], fill: colours.model + "40"}] : [],
       series: [kit.line("codebook", colours.model, prepared.places.length < 2 ? {points: {show: true}} : {}), {show: half > 0, points: {show: false}},
                {show: half > 0, points: {show: false}}, kit.line("for comparison", colours.second, {dash: [6, 4]})],
     }, data());
-    plot.root.querySelector("canvas").setAttribute("aria-label", `${output.name} over ${this.label()}`);
-    plot.root.querySelector("canvas").setAttribute("role", "img");
-    this.charts.push({plot, data});
+    this.charts.push({plot, data, of: o});
   }
 
-  // Measured angles, each at the turn that is next to the curve.
+  // Measured angles, each at the turn that is next to the curve; quaternions with the sign that is.
   shifted(measured, o) {
-    if (!measured.isAngle) return measured.values;
+    const {attitude, outputs} = this.state.book;
+    if (attitude && attitude.places.includes(o)) {
+      const model = this.atMeasured(measured), parts = attitude.places.map((place) => [place, this.state.measured(outputs[place])]);
+      if (parts.some(([, part]) => !part)) return measured.values;
+      const along = (i) => parts.reduce((sum, [place, part]) => sum + model[place][i] * part.values[i], 0);
+      return measured.values.map((v, i) => v !== null && along(i) < 0 ? -v : v);
+    }
+    const {period} = measured;
+    if (period === 0) return measured.values;
     const model = this.atMeasured(measured)[o];
-    return measured.values.map((v, i) => v === null ? null : v + 2 * Math.PI * Math.round(((Number.isNaN(model[i]) ? v : model[i]) - v) / (2 * Math.PI)));
+    return measured.values.map((v, i) => v === null ? null : v + period * Math.round(((Number.isNaN(model[i]) ? v : model[i]) - v) / period));
   }
 
   atMeasured(measured) {
@@ -147,7 +168,7 @@ class Curves {
     const note = kit.add(parent, "p", null, "soft");
     const data = () => {
       const model = this.atMeasured(measured)[o], now = this.shifted(measured, o);
-      const rest = now.map((v, i) => v === null || Number.isNaN(model[i]) ? null : v - model[i]), seen = rest.filter((v) => v !== null);
+      const rest = now.map((v, i) => v === null || Number.isNaN(model[i]) ? null : measured.gain * (v - model[i])), seen = rest.filter((v) => v !== null);
       const rms = Math.sqrt(seen.reduce((s, v) => s + v * v, 0) / seen.length);
       note.textContent = seen.length ? `Residuals: rms ${kit.shown(rms, 3)}${output.unit === "1" ? "" : " " + output.unit} of ${kit.counted(seen.length, "frame")}`
           : "No frame of this capture lies in the time of the codebook";
@@ -155,7 +176,7 @@ class Curves {
       return [measured.times, rest];
     };
     const first = data();
-    const plot = kit.chart(parent, {x: this.label(), y: "residual", height: 130, legend: false, hooks: {draw: [...kit.rules([{at: 0, axis: "y", colour: colours.faint}]).draw, this.cursor()]},
+    const plot = kit.chart(parent, {x: this.label(), y: "residual", says: `Residuals of ${output.name} over ${this.label()}`, height: 130, legend: false, hooks: {draw: [...kit.rules([{at: 0, axis: "y", colour: colours.faint}]).draw, this.cursor()]},
                                     xScale: {range: () => kit.span(this.prepared.places, 0.01)}, series: [kit.points("measured − codebook", colours.measured)]}, first);
     this.charts.push({plot, data});
   }
@@ -170,7 +191,7 @@ class Curves {
     })];
     const tones = [this.colours.model, this.colours.second, this.colours.good, this.colours.measured, this.colours.doubt || this.colours.threshold, this.colours.soft, this.colours.ink];
     kit.add(parent, "p", `Sensitivities: d${output.name}/d.., times the width of the box`, "soft");
-    const plot = kit.chart(parent, {x: this.label(), y: kit.withUnit(output.name, output.unit), height: 170, hooks: {draw: [this.cursor()]},
+    const plot = kit.chart(parent, {x: this.label(), y: kit.withUnit(output.name, output.unit), says: `Sensitivities of ${output.name} over ${this.label()}`, height: 170, hooks: {draw: [this.cursor()]},
                                     xScale: {range: () => kit.span(this.prepared.places, 0.01)},
                                     series: others.map((k, n) => kit.line(book.coordinates[k].name, tones[n % tones.length], {dash: [[], [6, 4], [2, 3], [10, 3, 2, 3]][n % 4]}))}, data());
     this.charts.push({plot, data});

@@ -1,9 +1,15 @@
 // Writes the motion of a body as binary glTF 2.0: one node, linear keys, y up.
 
 // Times at which a line between poses is at most half a degree and a thousandth of the body from the motion.
-// posesAt: times to poses.
-function denseKeys(posesAt, from, to, size) {
-  const ANGLE = 0.4 * Math.PI / 180, DISTANCE = 8e-4 * size, MOST = 20000;
+// posesOf: times to poses. A jump, as where pieces of a codebook meet, stands between two keys a millionth of the whole
+// apart: single precision, in which they are held, tells no nearer ones apart.
+function denseKeys(posesOf, from, to, size) {
+  const ANGLE = 0.4 * Math.PI / 180, DISTANCE = 8e-4 * size, MOST = 20000, SHORTEST = 1e-6 * (to - from);
+  const posesAt = (times) => {
+    const poses = posesOf(times), gap = poses.findIndex(({p, q}) => ![...p, ...q].every(Number.isFinite));
+    if (gap >= 0) throw new Error(`the codebook has no pose at ${kit.shown(times[gap], 5)}: no .glb is saved`);
+    return poses;
+  };
   let times = Array.from({length: 65}, (unused, i) => from + (to - from) * i / 64), poses = posesAt(times);
   let settled = new Array(64).fill(false);
   while (settled.includes(false) && times.length < MOST) {
@@ -18,7 +24,8 @@ function denseKeys(posesAt, from, to, size) {
       if (!done) {
         const own = found.slice(at, at + 3), middle = asked[at + 1];
         at += 3;
-        const isNear = own.every((pose, k) => isBetween(poses[i], end.pose, [0.25, 0.5, 0.75][k], pose, ANGLE, DISTANCE));
+        const isNear = end.t - times[i] < SHORTEST ||
+            own.every((pose, k) => isBetween(poses[i], end.pose, [0.25, 0.5, 0.75][k], pose, ANGLE, DISTANCE));
         if (!isNear) {
           next.times.push(middle);
           next.poses.push(own[1]);
@@ -33,6 +40,7 @@ function denseKeys(posesAt, from, to, size) {
     });
     ({times, poses, settled} = next);
   }
+  if (settled.includes(false)) throw new Error(`the motion needs more than ${MOST} keys: no .glb is saved`);
   return {times, poses};
 }
 
@@ -69,8 +77,8 @@ function glbOf({name, mesh, times, poses, extras}) {
   const ends = (k, choose) => [0, 1, 2].map((axis) => choose(...Array.from({length: corners.length / 3}, (unused, i) => corners[3 * i + axis])));
   const accessor = (bufferView, componentType, count, type, more = {}) => ({bufferView, componentType, count, type, ...more});
   const json = {
-    asset: {version: "2.0", generator: "samara explore"}, scene: 0, scenes: [{nodes: [0], name}],
-    nodes: [{name: "body", mesh: 0, extras}],
+    asset: {version: "2.0", generator: "samara explore"}, scene: 0, scenes: [{nodes: [0], name, extras}],
+    nodes: [{name: "body", mesh: 0}],
     meshes: [{primitives: [{attributes: {POSITION: 0}, indices: 1, material: 0}]}],
     materials: [{pbrMetallicRoughness: {baseColorFactor: [0.55, 0.33, 0.16, 1], metallicFactor: 0, roughnessFactor: 0.8}}],
     accessors: [accessor(0, 5126, corners.length / 3, "VEC3", {min: ends(0, Math.min), max: ends(0, Math.max)}),

@@ -7,18 +7,22 @@ const explorer = (() => {
   const controls = new Controls($("controls"), state, (what) => what === "all" ? buildAll() : touch());
   const calm = matchMedia("(prefers-reduced-motion: reduce)");
   let wants = null;     // what the next frame has to do: "mark" (the place on the curves moved) or "point"
-  let playing = false, last = 0, speech = 0, address = 0;
+  let playing = false, running = 0, last = 0, speech = 0, address = 0;
 
   const coordinate = () => state.book.coordinates[state.along];
   const hasBody = () => state.book.pose !== null;
+  const hasMotion = () => hasBody() && state.book.hasTime && state.along === 0;  // which can be saved
   const mesh = () => state.book.body && (state.book.shape = state.book.shape || meshOf(state.book.body));
   const inUnit = (value, unit, digits = 5) => kit.shown(value, digits) + (unit === "1" ? "" : " " + unit);
+
+  // Numbers that are not finite come as null: an error without bound, or, where nothing was compared, none that is known.
+  const ofRange = (error, isKnown, whose) => error !== null ? `${kit.small(error)} of ${whose} range` : isKnown ? "without bound" : "unknown";
 
   // Head --------------------------------------------------------------------------------------------------
   function head() {
     const {book} = state, c = book.certificate, at = (x) => x.map((v, k) => `${book.coordinates[k].name} = ${inUnit(v, book.coordinates[k].unit, 4)}`).join(", ");
     $("certificate").textContent = !c ? `No certificate: nobody knows how far this codebook of ${book.model} is from its equations.`
-        : `Certificate ${c.verdict}: largest error ${c.max === null ? "unknown" : kit.small(c.max)} of an output's range (asked for ${c.tolerance}), ` +
+        : `Certificate ${c.verdict}: largest error ${ofRange(c.max, c.points > c.failed, "an output's")} (asked for ${c.tolerance}), ` +
           `at ${c.points} points${c.times ? ` × ${c.times} times` : ""}, against ${c.integrator}` + (c.failed ? `, which failed at ${c.failed} points.` : ".");
     $("certificate").className = "lead " + (c && c.met ? "good" : "bad");
     $("certificate").dataset.met = String(Boolean(c && c.met));
@@ -27,14 +31,14 @@ const explorer = (() => {
     $("worst").textContent = "";
     if (!c) return;
     const errors = book.outputs.map((output, o) => ({output, ...c.outputs[o]})).filter((e) => e.worst && e.worst.length === book.coordinates.length)
-        .sort((one, other) => other.max - one.max);
+        .sort((one, other) => (other.max ?? Infinity) - (one.max ?? Infinity) || 0);
     let parent = $("worst");
     errors.forEach((error, n) => {
       if (n === 1) {
         parent = kit.add($("worst"), "details");
         kit.add(parent, "summary", "Worst points of the other outputs");
       }
-      const button = kit.add(parent, "button", `Worst point${n ? "" : " of all"}: ${error.output.name}, ${kit.small(error.max)} of its range`);
+      const button = kit.add(parent, "button", `Worst point${n ? "" : " of all"}: ${error.output.name}, ${ofRange(error.max, true, "its")}`);
       Object.assign(button, {type: "button", title: at(error.worst)});
       button.dataset.output = error.output.name;
       button.addEventListener("click", () => {
@@ -92,8 +96,10 @@ const explorer = (() => {
     const sets = [{path: path(curves.values), pose: alone(here()), colour: curves.colours.model}];
     if (state.other) sets.push({path: path(curves.others), pose: alone(curves.codebook.at(withPlace(state.other))), colour: curves.colours.second, isOutline: true});
     const larger = view.draw(sets, mesh(), pose.unit, curves.colours);
-    $("view-note").textContent = Number.isNaN(larger) ? "Drawn as a plate: nothing says what the body looks like."
-        : larger > 1.05 ? `The body is drawn ${kit.shown(larger, 2)} times its size.` : "";
+    const changes = state.book.body ? state.book.body.changes : [];
+    $("view-note").textContent = (Number.isNaN(larger) ? "Drawn as a plate: nothing says what the body looks like. "
+        : larger > 1.05 ? `The body is drawn ${kit.shown(larger, 2)} times its size. ` : "") +
+        (changes.length ? `It is that of the middle of the box, whatever ${changes.join(", ")} may be.` : "");
     $("body").setAttribute("aria-label", sentence());
   }
   function sentence() {
@@ -104,8 +110,9 @@ const explorer = (() => {
 
   // Frames ------------------------------------------------------------------------------------------------
   function buildAll() {
+    const focused = document.activeElement && document.activeElement.id;
     document.querySelector(".panes").classList.toggle("without-body", !hasBody());
-    $("glb").hidden = !hasBody();
+    $("glb").hidden = !hasMotion();
     const c = coordinate(), place = {min: c.list ? 0 : c.lower, max: c.list ? c.list.length - 1 : c.upper, step: c.list ? 1 : "any"};
     Object.assign($("clock"), place);
     Object.assign($("clock-number"), {min: c.lower, max: c.upper});
@@ -117,6 +124,9 @@ const explorer = (() => {
     curves.build();
     buildValues();
     render("mark");
+    // What was built anew keeps the keyboard; of what is gone, its neighbour takes it.
+    const next = focused && ($(focused) || $("keep"));
+    if (next && next !== document.activeElement) next.focus();
   }
   function render(what) {
     if (what === "point") curves.update();
@@ -132,7 +142,7 @@ const explorer = (() => {
     clearTimeout(address);
     address = setTimeout(() => { if (!playing && !location.hash.startsWith("#check")) history.replaceState(null, "", "#" + state.toHash()); }, 250);
     clearTimeout(speech);
-    if (!playing) speech = setTimeout(() => { $("spoken").textContent = sentence(); }, 700);
+    if (!playing) speech = setTimeout(() => { $("spoken").textContent = sentence(); curves.describe(); }, 700);
   }
   function touch(what = "point") {
     if (wants === null) requestAnimationFrame(frame);
@@ -160,23 +170,24 @@ const explorer = (() => {
     const c = coordinate(), rate = $("speed").dataset.real === "true" ? Number($("speed").value) : length() / Number($("speed").value);
     // Who asked for less motion sees a picture twice a second.
     if (calm.matches && now - last < 500) return touch("mark");
-    let at = state.point[state.along] + Math.min(now - last, calm.matches ? 600 : 100) / 1000 * rate;
+    // Of a list the place between its values goes on, too.
+    const shown = state.nearest(c, running) === state.point[state.along] ? running : state.point[state.along];
+    let at = shown + Math.min(now - last, calm.matches ? 600 : 100) / 1000 * rate;
     last = now;
     if (at > c.upper) at = c.lower;
+    running = at;
     state.point[state.along] = state.nearest(c, at);
     touch("mark");
   }
   function stop() {
     playing = false;
     $("play").textContent = "Play";
-    $("play").setAttribute("aria-pressed", "false");
   }
   $("play").addEventListener("click", () => {
     if (playing) return stop(), touch("mark");
     playing = true;
     last = performance.now();
     $("play").textContent = "Pause";
-    $("play").setAttribute("aria-pressed", "true");
     touch("mark");
   });
   $("clock").addEventListener("input", () => {
@@ -198,10 +209,11 @@ const explorer = (() => {
   }
   let held = null;
   $("body").addEventListener("pointerdown", (event) => { held = [event.clientX, event.clientY]; $("body").setPointerCapture(event.pointerId); });
-  $("body").addEventListener("pointerup", () => { held = null; });
+  for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) $("body").addEventListener(end, () => { held = null; });
   $("body").addEventListener("pointermove", (event) => {
     if (!held) return;
     view.turn -= (event.clientX - held[0]) * 0.01;
+    view.turn -= 2 * Math.PI * Math.round(view.turn / (2 * Math.PI));
     view.tilt = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, view.tilt + (event.clientY - held[1]) * 0.01));
     held = [event.clientX, event.clientY];
     $("turn").value = view.turn * 180 / Math.PI;
@@ -231,7 +243,7 @@ const explorer = (() => {
       return high - low;
     })));
     const {times, poses} = denseKeys(posesAt, c.lower, c.upper, sizeOf(shape));
-    return glbOf({name: book.model, mesh: shape, times, poses, extras: {model: book.model, codebook: book.file, parameters: Object.fromEntries(parameters()), start: c.lower}});
+    return glbOf({name: book.model, mesh: shape, times, poses, extras: {model: book.model, codebook: book.file, parameters: {...book.fixed, ...Object.fromEntries(parameters())}, start: c.lower}});
   }
   // All that is drawn, one below the other.
   function picture() {
@@ -259,7 +271,13 @@ const explorer = (() => {
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   }
   $("csv").addEventListener("click", () => save("trajectory.csv", csv(), "text/csv"));
-  $("glb").addEventListener("click", () => save("motion.glb", motion(), "model/gltf-binary"));
+  $("glb").addEventListener("click", () => {
+    try {
+      save("motion.glb", motion(), "model/gltf-binary");
+    } catch (problem) {
+      kit.complain(problem.message);
+    }
+  });
   $("png").addEventListener("click", () => picture().toBlob((blob) => save("explorer.png", blob, "image/png")));
   $("copy").addEventListener("click", async () => {
     const field = $("query");
@@ -274,7 +292,11 @@ const explorer = (() => {
 
   // Begin -------------------------------------------------------------------------------------------------
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", buildAll);
-  window.addEventListener("hashchange", () => { state.fromHash(location.hash); buildAll(); });
+  window.addEventListener("hashchange", () => {
+    state.choose(state.number);  // what the address leaves out is as at the beginning
+    state.fromHash(location.hash);
+    buildAll();
+  });
   let width = window.innerWidth;
   window.addEventListener("resize", () => {
     if (window.innerWidth === width) return;

@@ -4,7 +4,9 @@
 // The data of the page, with its numbers in place.
 function readExplored() {
   const data = JSON.parse(document.getElementById("explored").textContent);
-  const bytes = Uint8Array.from(atob(document.getElementById("numbers").textContent), (c) => c.charCodeAt(0));
+  const stored = document.getElementById("numbers"), text = atob(stored.textContent), bytes = new Uint8Array(text.length);
+  for (let k = 0; k < text.length; ++k) bytes[k] = text.charCodeAt(k);
+  stored.textContent = "";  // which may be of 27 MB
   const view = new DataView(bytes.buffer), numbers = new Float64Array(bytes.length / 8);
   for (let k = 0; k < numbers.length; ++k) numbers[k] = view.getFloat64(8 * k, true);
   const get = ([at, count]) => numbers.subarray(at, at + count);
@@ -74,9 +76,22 @@ class State {
     this.take(Object.fromEntries(this.data.fit.coefficients.map((c) => [c.name, c.value])));
   }
 
+  // What a fit says of a capture, or nothing.
+  fitted(capture) {
+    return this.data.fit && capture >= 0 && this.data.fit.captures.find((c) => c.id === this.data.captures[capture].id);
+  }
+
   ownOf(capture) {
-    const found = this.data.fit && capture >= 0 && this.data.fit.captures.find((c) => c.id === this.data.captures[capture].id);
+    const found = this.fitted(capture);
     return found ? found.own : {};
+  }
+
+  // Since the release, by the delay of the capture's clock and the start of its motion.
+  timesOf(capture) {
+    const found = this.fitted(capture), shown = this.data.captures[capture];
+    if (!found) return shown.times;
+    const delay = {...this.data.fit.measurement, ...found.own}.delay || 0;
+    return shown.sinceStart = shown.sinceStart || shown.times.map((t) => t - found.start + delay);
   }
 
   takeCapture(number) {
@@ -84,14 +99,19 @@ class State {
     this.take(this.ownOf(number));
   }
 
-  // Measured values of an output, as the model counts them: without the offset that the fit found.
+  // Measured values of an output, as the model counts them: without the delay, the gain and the offset that the fit
+  // found. period: of an angle; 0 for what does not repeat.
   measured(output) {
     if (this.capture < 0 || !this.book.hasTime || this.along !== 0) return null;
     const capture = this.data.captures[this.capture];
     const channel = capture.channels.find((c) => c.quantity === output.name && c.unit === output.unit);
     if (!channel) return null;
-    const offset = this.ownOf(this.capture)[`offset of ${output.name}`] || 0;
-    return {times: capture.times, values: channel.values.map((v) => v === null ? null : v - offset), isAngle: channel.isAngle};
+    const found = this.fitted(this.capture), own = found ? {...this.data.fit.measurement, ...found.own} : {};
+    const offset = own[`offset of ${output.name}`] || 0, gain = own[`gain of ${output.name}`] || 1;
+    const known = found ? this.data.fit.periods[output.name] : undefined;
+    const period = known === undefined ? (channel.isAngle ? 2 * Math.PI : 0) : known;
+    return {times: this.timesOf(this.capture), values: channel.values.map((v) => v === null ? null : (v - offset) / gain), gain,
+            period: period / Math.abs(gain)};
   }
 
   toHash() {

@@ -2,11 +2,12 @@
 // What all pages are made of: elements, tables, charts by uPlot. Texts of files only ever become text nodes.
 const kit = (() => {
   // Whatever fails is shown on the page, in an element with the id "errors".
-  window.addEventListener("error", (event) => {
+  function complain(message) {
     const errors = document.getElementById("errors");
     errors.hidden = false;
-    errors.textContent += event.message + "\n";
-  });
+    errors.textContent += message + "\n";
+  }
+  window.addEventListener("error", (event) => complain(event.message));
 
   // Elements ----------------------------------------------------------------------------------------------
   function element(tag, text, name) {
@@ -28,7 +29,7 @@ const kit = (() => {
   }
   // Of numbers that are far below one.
   function small(value, digits = 3) {
-    return value !== 0 && Math.abs(value) < 0.01 ? value.toExponential(digits - 1) : shown(value, digits);
+    return value !== null && value !== 0 && Math.abs(value) < 0.01 ? value.toExponential(digits - 1) : shown(value, digits);
   }
   function counted(number, noun) {
     return `${number} ${noun}${number === 1 ? "" : "s"}`;
@@ -70,12 +71,13 @@ const kit = (() => {
   function width(parent) {
     return Math.max(260, Math.min(parent.clientWidth || 640, 1040));
   }
-  // Options: x and y, labels; height; series; hooks; xScale, yScale; whole, for numbers that count; bands; legend.
+  // Options: x and y, labels; height; series; hooks; xScale, yScale; whole, for numbers that count; bands; legend; says, what a picture is
+  // to who cannot see it.
   function chart(parent, options, data) {
     const {ink, grid, line: tick} = colours();
     const axis = (label) => ({label, labelSize: 20, font: "12px system-ui", labelFont: "12px system-ui", stroke: ink,
                               grid: {stroke: grid}, ticks: {stroke: tick}});
-    return new uPlot({
+    const plot = new uPlot({
       width: width(parent), height: options.height || 240, hooks: options.hooks || {}, bands: options.bands || [],
       legend: {show: options.legend !== false},
       scales: {x: {time: false, ...(options.xScale || {})}, y: options.yScale || {}},
@@ -83,6 +85,10 @@ const kit = (() => {
       series: [{label: options.x, value: (u, v) => shown(v, 5)}, ...options.series],
       cursor: {drag: {x: true, y: true, uni: 20}},
     }, data, parent);
+    const canvas = plot.root.querySelector("canvas");
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", options.says || `${options.y} over ${options.x}`);
+    return plot;
   }
   const nothing = () => null;
   const points = (label, colour) => ({label, stroke: colour, paths: nothing, value: (u, v) => shown(v, 5),
@@ -138,6 +144,6 @@ const kit = (() => {
     }, 200);
   }
 
-  return {element, add, section, shown, small, counted, withUnit, row, table, colours, width, chart, points, line, rules, span,
+  return {complain, element, add, section, shown, small, counted, withUnit, row, table, colours, width, chart, points, line, rules, span,
           countPainted};
 })();

@@ -92,3 +92,22 @@ TEST_CASE("keys are as dense as the motion needs, and no denser than a few times
   CHECK_FALSE(dense_pose_keys(poses_at, 0.0, 1.0, {.distance = 1e-3, .most = 100}).is_dense);
   CHECK_THROWS_AS(dense_pose_keys(poses_at, 1.0, 1.0, limits), samara::ArgumentError);
 }
+
+TEST_CASE("a jump of a motion stands between two keys that single precision tells apart") {
+  const auto poses_at = [](const std::vector<double>& times) {
+    std::vector<BodyPose> poses;
+    for (const double t : times) poses.push_back({{t, 0.0, t < 1.3 ? 0.0 : 0.01}, Eigen::Vector4d::UnitX()});
+    return poses;
+  };
+  const PoseKeys keys = dense_pose_keys(poses_at, 1.0, 1.5, {.distance = 1e-4});
+  CHECK(keys.is_dense);
+  CHECK(keys.times.size() < 100);
+  bool has_jump = false;
+  for (std::size_t i = 1; i < keys.times.size(); ++i) {
+    REQUIRE(static_cast<float>(keys.times[i] - 1.0) > static_cast<float>(keys.times[i - 1] - 1.0));
+    const double step = keys.poses[i].p_WB.z() - keys.poses[i - 1].p_WB.z();
+    CHECK((step == 0.0 || keys.times[i] - keys.times[i - 1] < 1e-6));
+    has_jump = has_jump || step == 0.01;
+  }
+  CHECK(has_jump);
+}
