@@ -142,11 +142,11 @@ struct SweepArguments {
 };
 
 struct PatternsArguments {
-  std::vector<std::string> inputs;  ///< a sweep, or captures
-  std::string sidecar;              ///< of every table; empty: those beside them
-  std::string labels;               ///< a person's, of segments
-  std::vector<std::string> classes; ///< what these words mean
-  std::string length;               ///< of the body; empty: not known
+  std::vector<std::string> inputs;   ///< a sweep, or captures
+  std::string sidecar;               ///< of every table; empty: those beside them
+  std::string labels;                ///< a person's, of segments
+  std::vector<std::string> classes;  ///< what these words mean
+  std::string length;                ///< of the body; empty: not known
   int clusters = 4;
   bool json = false;
 };
