@@ -206,6 +206,9 @@ TEST_CASE("records that cannot be meant are refused in one sentence") {
   CHECK(with([](MotionRecord& r) {
           r = in_space(r), r.normals.row(3) *= 2.0;
         }).find("the normal in frame 3") != std::string::npos);
+  CHECK(with([](MotionRecord& r) {
+          r.normals = in_space(r).normals;
+        }).find("has normals and angles, expected one") != std::string::npos);
   CHECK(error_text<samara::ArgumentError>([&] {
           features(record, {.settle_share = 1.0});
         }).find("settle_share is 1") != std::string::npos);
