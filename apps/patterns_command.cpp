@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -309,8 +310,14 @@ int patterns_of_captures(const PatternsArguments& arguments) {
 int run(const PatternsArguments& arguments) {
   if (arguments.clusters < 1 || arguments.clusters > 100)
     throw ArgumentError(fmt::format("--clusters is {}, expected 1 to 100", arguments.clusters));
-  if (arguments.inputs.size() == 1 && motion::is_sweep(arguments.inputs.front()))
-    return patterns_of_sweep(arguments);
+  // What is called a sweep is read as one, so that a damaged one is refused for what it is.
+  const auto is_sweep = [](const std::filesystem::path& path) {
+    return path.extension() == ".h5" || motion::is_sweep(path);
+  };
+  const auto sweep = std::ranges::find_if(arguments.inputs, is_sweep);
+  if (sweep != arguments.inputs.end() && arguments.inputs.size() > 1)
+    throw ArgumentError(fmt::format("\"{}\" is a sweep, which was expected alone", *sweep));
+  if (sweep != arguments.inputs.end()) return patterns_of_sweep(arguments);
   return patterns_of_captures(arguments);
 }
 

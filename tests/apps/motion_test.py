@@ -124,6 +124,10 @@ class Sweeps(Case):
         self.check_error(run("sweep", FOLDER / "good.toml", "-o", note), 2, "is a file, and no sweep")
         self.check_error(run("patterns", swept(), "--clusters", "0"), 2, "--clusters is 0")
         self.check_error(run("patterns", FOLDER / "missing.csv"), 3, "missing.csv")
+        self.check_error(run("patterns", swept(), swept()), 2, "is a sweep, which was expected alone")
+        half = FOLDER / "half.h5"
+        half.write_bytes(swept().read_bytes()[:3000])
+        self.check_error(run("patterns", half), 3, "half.h5", "HDF5")
 
 
 class Patterns(Case):
