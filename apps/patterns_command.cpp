@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -24,7 +25,23 @@ namespace {
 using motion::Feature;
 using motion::Sweep;
 
-/// Clusters of some features beside the rule, for the falls of a release that know them all.
+const std::vector<Feature> kOurs = {Feature::tilt, Feature::flips, Feature::drift, Feature::recurrence};
+const std::vector<Feature> kSource = {Feature::d, Feature::e};
+
+/// Falls of a release that know all features that are clustered, so that all clusters are of the same falls.
+std::vector<std::size_t> known_falls(const Sweep& sweep, Eigen::Index release) {
+  std::vector<std::size_t> falls;
+  for (Eigen::Index n = 0; n < sweep.fall_count(); ++n) {
+    const auto k = static_cast<std::size_t>(n);
+    const auto is_known = [&](Feature feature) { return sweep.features[k].knows(feature); };
+    if (sweep.release_of(n) == release && std::ranges::all_of(kOurs, is_known) &&
+        std::ranges::all_of(kSource, is_known))
+      falls.push_back(k);
+  }
+  return falls;
+}
+
+/// Clusters of some features beside the rule.
 struct ClusteredFalls {
   std::string name;
   motion::Clusters clusters;
@@ -32,26 +49,19 @@ struct ClusteredFalls {
   double adjusted_rand = 0.0;
 };
 
-ClusteredFalls clustered(const Sweep& sweep, Eigen::Index release, const std::string& name,
+ClusteredFalls clustered(const Sweep& sweep, const std::vector<std::size_t>& falls, const std::string& name,
                          const std::vector<Feature>& features, bool mixture, int clusters) {
   std::vector<int> rule;
   std::vector<double> numbers;
-  for (Eigen::Index n = 0; n < sweep.fall_count(); ++n) {
-    const motion::Features& f = sweep.features[static_cast<std::size_t>(n)];
-    if (sweep.release_of(n) != release) continue;
-    bool known = true;
-    for (const Feature feature : features) known = known && f.knows(feature);
-    if (!known) continue;
-    for (const Feature feature : features) numbers.push_back(f[feature]);
-    rule.push_back(static_cast<int>(sweep.labels[static_cast<std::size_t>(n)].pattern));
+  for (const std::size_t n : falls) {
+    for (const Feature feature : features) numbers.push_back(sweep.features[n][feature]);
+    rule.push_back(static_cast<int>(sweep.labels[n].pattern));
   }
   const auto columns = static_cast<Eigen::Index>(features.size());
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Eigen::MatrixXd points = motion::standardised(
       Eigen::Map<const Rows>(numbers.data(), static_cast<Eigen::Index>(rule.size()), columns));
   const motion::ClusterOptions options = {.clusters = clusters};
-  if (static_cast<int>(rule.size()) < clusters)
-    return {name, {}, Eigen::MatrixXi::Zero(motion::kPatterns, clusters), 0.0};
   ClusteredFalls result = {name, mixture ? gaussian_mixture(points, options) : k_means(points, options),
                            Eigen::MatrixXi::Zero(motion::kPatterns, clusters), 0.0};
   for (std::size_t n = 0; n < rule.size(); ++n) ++result.counts(rule[n], result.clusters.assignment[n]);
@@ -59,12 +69,13 @@ ClusteredFalls clustered(const Sweep& sweep, Eigen::Index release, const std::st
   return result;
 }
 
+/// None where fewer falls know their features than there are clusters.
 std::vector<ClusteredFalls> all_clusters(const Sweep& sweep, Eigen::Index release, int clusters) {
-  const std::vector<Feature> ours = {Feature::tilt, Feature::flips, Feature::drift, Feature::recurrence};
-  return {
-      clustered(sweep, release, "k-means of tilt, flips, drift, recurrence", ours, false, clusters),
-      clustered(sweep, release, "Gaussian mixture of the same", ours, true, clusters),
-      clustered(sweep, release, "k-means of the source's (d, e)", {Feature::d, Feature::e}, false, clusters)};
+  const std::vector<std::size_t> falls = known_falls(sweep, release);
+  if (static_cast<int>(falls.size()) < clusters) return {};
+  return {clustered(sweep, falls, "k-means of tilt, flips, drift, recurrence", kOurs, false, clusters),
+          clustered(sweep, falls, "Gaussian mixture of the same", kOurs, true, clusters),
+          clustered(sweep, falls, "k-means of the source's (d, e)", kSource, false, clusters)};
 }
 
 std::vector<std::string> cluster_names(int clusters) {
@@ -134,9 +145,12 @@ Json release_json(const Sweep& sweep, Eigen::Index release, int clusters) {
       {"left_one_out", map.left_one_out()}, {"border_share", map.border_share()}, {"regions", Json::array()}};
   for (const motion::MapRegion& region : map.regions())
     one["regions"].push_back({{"pattern", to_string(region.pattern)}, {"points", region.falls}});
+  one["clusters"] = Json::array();
   for (const ClusteredFalls& c : all_clusters(sweep, release, clusters))
-    one["clusters"].push_back(
-        {{"name", c.name}, {"adjusted_rand", c.adjusted_rand}, {"message", c.clusters.message}});
+    one["clusters"].push_back({{"name", c.name},
+                               {"falls", c.counts.sum()},
+                               {"adjusted_rand", c.adjusted_rand},
+                               {"message", c.clusters.message}});
   one["landing"] = landing_json(sweep, release);
   return one;
 }
@@ -145,7 +159,8 @@ std::string release_report(const Sweep& sweep, Eigen::Index release, int cluster
   std::string text = fmt::format("\nrelease {}\n{}{}", release_text(sweep, release),
                                  map_text(motion::PatternMap(sweep, release)), landing_text(sweep, release));
   for (const ClusteredFalls& c : all_clusters(sweep, release, clusters)) {
-    text += fmt::format("{}: adjusted Rand index {:.2f} with the rule\n{}", c.name, c.adjusted_rand,
+    text += fmt::format("{}, {} falls: adjusted Rand index {:.2f} with the rule\n{}", c.name, c.counts.sum(),
+                        c.adjusted_rand,
                         confusion_table(c.counts, motion::pattern_names(), cluster_names(clusters)));
   }
   return text;
@@ -295,8 +310,14 @@ int patterns_of_captures(const PatternsArguments& arguments) {
 int run(const PatternsArguments& arguments) {
   if (arguments.clusters < 1 || arguments.clusters > 100)
     throw ArgumentError(fmt::format("--clusters is {}, expected 1 to 100", arguments.clusters));
-  if (arguments.inputs.size() == 1 && motion::is_sweep(arguments.inputs.front()))
-    return patterns_of_sweep(arguments);
+  // What is called a sweep is read as one, so that a damaged one is refused for what it is.
+  const auto is_sweep = [](const std::filesystem::path& path) {
+    return path.extension() == ".h5" || motion::is_sweep(path);
+  };
+  const auto sweep = std::ranges::find_if(arguments.inputs, is_sweep);
+  if (sweep != arguments.inputs.end() && arguments.inputs.size() > 1)
+    throw ArgumentError(fmt::format("\"{}\" is a sweep, which was expected alone", *sweep));
+  if (sweep != arguments.inputs.end()) return patterns_of_sweep(arguments);
   return patterns_of_captures(arguments);
 }
 

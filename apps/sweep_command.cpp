@@ -60,12 +60,16 @@ int run(const SweepArguments& arguments) {
   clear_progress();
   if (!result.complete) return end_interrupted_sweep(options, result.message);
   if (result.taken_up > 0) narrate(fmt::format("took up {} falls of an earlier sweep", result.taken_up));
+  // What was swept is not lost if refining is interrupted.
+  if (plan.refine > 0) save(result.sweep, options.checkpoint);
   for (int round = 0; round < plan.refine; ++round) {
     if (!refine(plan, {.progress = options.progress}, result.sweep)) break;
   }
   clear_progress();
-  if (is_interrupted()) return end_interrupted_sweep({}, "interrupted while it was refined");
+  if (is_interrupted()) return end_interrupted_sweep(options, "interrupted while it was refined");
   save(result.sweep, arguments.output);
+  std::error_code ignored;
+  std::filesystem::remove(options.checkpoint, ignored);
   narrate(fmt::format("swept {} falls in {:.2f} s: {}", result.sweep.fall_count(), result.seconds,
                       arguments.output));
   if (arguments.json) {

@@ -228,17 +228,19 @@ Eigen::MatrixXd Hdf5Reader::matrix(const std::string& dataset, const DatasetExpe
   return rows_first;
 }
 
-Hdf5Block Hdf5Reader::block(const std::string& dataset) const {
+Hdf5Block Hdf5Reader::block(const std::string& dataset, const DatasetExpectation& expectation) const {
   const Session session;
   const hdf5::File& file = impl_->file;
   const Source source = hdf5::open_dataset(file, hdf5::absolute(dataset));
   check_rank(file, source, 3);
+  check_extent(file, source, 0, expectation.rows);
+  check_extent(file, source, 1, expectation.columns);
   hdf5::check_doubles(file, source);
   Hdf5Block block;
   for (std::size_t k = 0; k < 3; ++k) block.size[k] = static_cast<Eigen::Index>(source.dimensions[k]);
   block.values.resize(source.elements());
   hdf5::read_doubles(file, source, block.values);
-  check_finite(file, source, block.values);
+  if (expectation.finite) check_finite(file, source, block.values);
   return block;
 }
 

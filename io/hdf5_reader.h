@@ -25,7 +25,7 @@ namespace samara::io {
 /// What a dataset must look like. The default: any size, all values finite.
 struct DatasetExpectation {
   std::optional<Eigen::Index> rows = {};     ///< size of the first dimension
-  std::optional<Eigen::Index> columns = {};  ///< size of the second dimension; matrices only
+  std::optional<Eigen::Index> columns = {};  ///< size of the second dimension, where there is one
   bool finite = true;                        ///< refuse NaN and infinities
 };
 
@@ -70,8 +70,8 @@ class Hdf5Reader {
   Eigen::VectorXd vector(const std::string& dataset, const DatasetExpectation& expectation = {}) const;
   /// A dataset of two dimensions, of doubles or single floats.
   Eigen::MatrixXd matrix(const std::string& dataset, const DatasetExpectation& expectation = {}) const;
-  /// A dataset of three dimensions, of doubles or single floats, all finite.
-  Hdf5Block block(const std::string& dataset) const;
+  /// A dataset of three dimensions, of doubles or single floats.
+  Hdf5Block block(const std::string& dataset, const DatasetExpectation& expectation = {}) const;
   /// A dataset of one dimension of strings of a fixed size.
   std::vector<std::string> texts(const std::string& dataset) const;
 

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <sstream>
 
+#include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
 
 #include "motion/cases.h"
@@ -54,8 +55,10 @@ void report_agreement(const std::string& test_case, const std::vector<Labelled>&
   }
   const motion::Agreement all = motion::agreement(pooled.truth, pooled.rule, kClasses);
   const double n = static_cast<double>(seeds.size());
+  // 97.5 % point of Student's t: the scatter is that of few seeds.
+  const double student = boost::math::quantile(boost::math::students_t(std::max(1.0, n - 1.0)), 0.975);
   const Eigen::RowVector3d half =
-      1.96 / std::sqrt(n) *
+      student / std::sqrt(n) *
       ((each.rowwise() - each.colwise().mean()).array().square().colwise().sum() / std::max(1.0, n - 1.0))
           .sqrt();
   const Eigen::RowVector3d least = each.colwise().minCoeff();

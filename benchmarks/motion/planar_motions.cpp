@@ -102,8 +102,9 @@ std::vector<motion::Pattern> final_patterns(const Eigen::MatrixXd& plates) {
               motion::MotionRecord record = record_of(batch, n);
               record.position_noise = record.angle_noise = 0.0;
               const double exponent = std::log(size(last) / size(0)) / (batch.times[last] - batch.times[0]);
-              patterns[static_cast<std::size_t>(plate)] =
-                  label(motion::features(record, {.settle_share = 0.0, .exponent = exponent})).pattern;
+              motion::FeatureOptions watched = {.settle_share = 0.0};
+              if (std::isfinite(exponent)) watched.exponent = exponent;  // the tangent may have died out
+              patterns[static_cast<std::size_t>(plate)] = label(motion::features(record, watched)).pattern;
             });
   return patterns;
 }

@@ -1,6 +1,7 @@
 #include "samara/motion/patterns/features.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include <Eigen/Cholesky>
@@ -83,7 +84,9 @@ void add_revolution(const SmoothedMotion& settled, Features& features) {
   const double mean = radii.mean();
   features[Feature::turns] = std::abs(net) / (2.0 * std::numbers::pi);
   if (total > 0.0) features[Feature::winding] = std::abs(net) / total;
-  if (mean > 0.0) features[Feature::wobble] = std::sqrt((radii.array() - mean).square().mean()) / mean;
+  const double noise = settled.position_noise * settled.position_noise;
+  const double scatter = (radii.array() - mean).square().mean() - noise;
+  if (mean > 0.0) features[Feature::wobble] = std::sqrt(std::max(0.0, scatter)) / mean;
 }
 
 /// Frames of the reversals along the main direction of the horizontal velocity.
@@ -127,7 +130,7 @@ void add_path_features(const SmoothedMotion& whole, const SmoothedMotion& settle
   }
   if (walked > 0.0) features[Feature::straightness] = std::min(1.0, way.head<2>().norm() / walked);
   const double speed = std::abs(features[Feature::fall]);
-  const double noise = 2.0 * settled.velocity_noise * settled.velocity_noise;
+  const double noise = settled.ground_directions * settled.velocity_noise * settled.velocity_noise;
   const double sway = settled.velocities.leftCols<2>().rowwise().squaredNorm().mean() - noise;
   features[Feature::sway] = std::sqrt(std::max(0.0, sway)) / speed;
   features[Feature::sway_noise] = std::sqrt(noise) / speed;
@@ -157,8 +160,24 @@ void add_source_features(const SmoothedMotion& whole, Features& features) {
   features[Feature::d] = mean.norm();
   ground.rowwise() -= mean;
   const MainDirections main = main_directions(ground);
-  if (main.first_variance > 0.0)
-    features[Feature::e] = std::sqrt(1.0 - main.second_variance / main.first_variance);
+  const double noise = whole.position_noise * whole.position_noise;
+  const double first = main.first_variance - noise;
+  const double second = whole.ground_directions > 1 ? main.second_variance - noise : main.second_variance;
+  if (first > 0.0) features[Feature::e] = std::sqrt(1.0 - std::max(0.0, second) / first);
+}
+
+void check_options(const FeatureOptions& options) {
+  require(options.settle_share >= 0.0 && options.settle_share < 1.0, "settle_share", options.settle_share,
+          "a number from 0 to below 1");
+  if (options.settle) require_not_negative(*options.settle, "settle");
+  if (options.exponent)
+    require(std::isfinite(*options.exponent), "exponent", *options.exponent, "a finite number");
+  const auto require_margin = [](double margin, const char* name) {
+    require(margin >= 0.0 && margin < 0.5 * std::numbers::pi, name, margin, "an angle from 0 to below pi/2");
+  };
+  require_margin(options.flip_margin_plane, "flip_margin_plane");
+  require_margin(options.flip_margin_space, "flip_margin_space");
+  require_margin(options.swing_margin, "swing_margin");
 }
 
 Eigen::Index settled_frame(const SmoothedMotion& motion, const FeatureOptions& options) {
@@ -232,8 +251,7 @@ Features features(const MotionRecord& record, const FeatureOptions& options) {
 }
 
 Features features(const SmoothedMotion& motion, double length, const FeatureOptions& options) {
-  require(options.settle_share >= 0.0 && options.settle_share < 1.0, "settle_share", options.settle_share,
-          "a number from 0 to below 1");
+  check_options(options);
   const Eigen::Index first = settled_frame(motion, options);
   const SmoothedMotion settled = part(motion, first, motion.frame_count() - first);
   Features all;

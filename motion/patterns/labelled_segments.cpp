@@ -22,14 +22,21 @@ PatternClasses own_names() {
   return classes;
 }
 
-bool is_called(const Capture& capture, const std::string& name) {
-  if (capture.id == name) return true;
+/// Before or after a slash.
+bool is_part_of_id(const Capture& capture, const std::string& name) {
   return capture.id.ends_with("/" + name) || capture.id.starts_with(name + "/");
 }
 
 const Capture& capture_of(const LabelledSegment& segment, const std::vector<Capture>& captures) {
+  std::vector<const Capture*> fitting;
   for (const Capture& capture : captures) {
-    if (is_called(capture, segment.capture)) return capture;
+    if (capture.id == segment.capture) return capture;
+    if (is_part_of_id(capture, segment.capture)) fitting.push_back(&capture);
+  }
+  if (fitting.size() == 1) return *fitting.front();
+  if (fitting.size() > 1) {
+    throw ArgumentError(fmt::format("labels name the capture \"{}\", which may be \"{}\" or \"{}\"",
+                                    segment.capture, fitting[0]->id, fitting[1]->id));
   }
   std::vector<std::string> known;
   for (const Capture& capture : captures) known.push_back(capture.id);
@@ -39,8 +46,8 @@ const Capture& capture_of(const LabelledSegment& segment, const std::vector<Capt
 }
 
 Eigen::Index frame_number(const io::DelimitedTable& table, std::size_t row, double value) {
-  if (std::isfinite(value) && value >= 0.0 && value == std::floor(value))
-    return static_cast<Eigen::Index>(value);
+  constexpr double kMost = 1e9;
+  if (value >= 0.0 && value <= kMost && value == std::floor(value)) return static_cast<Eigen::Index>(value);
   throw table.error(row, fmt::format("has the frame {}, expected a whole number from 0 on", value));
 }
 

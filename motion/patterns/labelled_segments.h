@@ -13,7 +13,7 @@
 namespace samara::motion {
 
 struct LabelledSegment {
-  std::string capture;               ///< its id, or the part of it before or after a slash
+  std::string capture;  ///< its id, or the part of it before or after a slash, if that is of one only
   Eigen::Index first = 0, last = 0;  ///< frames of the capture, from 0, both of the segment
   std::string label;                 ///< the person's word
 
@@ -41,7 +41,8 @@ struct SegmentAgreement {
 
 /// The rule on each segment by itself, without settling time.
 /// @param length m, of the body; 0: not known
-/// @throws ArgumentError for a segment of an unknown capture (the nearest is named), or beyond its frames.
+/// @throws ArgumentError for a segment of an unknown capture (the nearest is named), of several, or beyond its
+/// frames.
 SegmentAgreement compare(const std::vector<LabelledSegment>& segments,
                          const std::vector<identification::Capture>& captures,
                          const PatternClasses& classes = {}, double length = 0.0,

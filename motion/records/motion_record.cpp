@@ -52,6 +52,8 @@ void check(const MotionRecord& record) {
   require_rows(record.positions.rows(), frames, "positions");
   if (record.normals.rows() > 0) require_rows(record.normals.rows(), frames, "normals");
   if (record.angles.size() > 0) require_rows(record.angles.size(), frames, "angles");
+  if (record.normals.rows() > 0 && record.angles.size() > 0)
+    throw ArgumentError("the record has normals and angles, expected one of the two");
   for (Eigen::Index k = 0; k < frames; ++k) {
     if (!std::isfinite(record.times[k]) || (k > 0 && record.times[k] <= record.times[k - 1])) {
       throw ArgumentError(fmt::format(

@@ -41,7 +41,8 @@ struct MotionRecord {
 inline constexpr Eigen::Index kFewestFrames = 12;
 
 /// @throws ArgumentError naming the frame: sizes that differ, times that do not increase, numbers that are not
-/// finite, normals that are no unit vectors (to 1e-3), fewer than kFewestFrames, a negative length or noise.
+/// finite, normals that are no unit vectors (to 1e-3) or stand beside angles, fewer than kFewestFrames, a negative
+/// length or noise.
 void check(const MotionRecord& record);
 
 /// Frames first, .., first + count - 1.

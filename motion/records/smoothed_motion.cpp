@@ -122,7 +122,9 @@ SmoothedMotion smoothed(const MotionRecord& record) {
                                [&](const Smooth& at) { return at.rate_share * noise <= quiet; });
   motion.positions = path.values;
   motion.velocities = path.rates;
+  motion.position_noise = path.value_share * noise;
   motion.velocity_noise = path.rate_share * noise;
+  if ((record.positions.col(1).array() == record.positions(0, 1)).all()) motion.ground_directions = 1;
   if (!record.has_attitude()) return motion;
   const Eigen::MatrixXd attitude =
       record.is_planar() ? Eigen::MatrixXd(record.angles) : Eigen::MatrixXd(record.normals);

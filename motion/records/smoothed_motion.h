@@ -14,7 +14,9 @@ struct SmoothedMotion {
   Eigen::MatrixX3d positions, velocities;  ///< m, m/s
   Eigen::MatrixX3d normals;                ///< unit vectors; no rows: not known
   Eigen::VectorXd angles;                  ///< rad, unwrapped; no rows: not planar, or not known
-  double velocity_noise = 0.0;             ///< m/s, standard deviation left in a component
+  double position_noise = 0.0;             ///< m, standard deviation left in a coordinate
+  double velocity_noise = 0.0;             ///< m/s, likewise in a component
+  int ground_directions = 2;               ///< horizontal ones with noise in them; 1 where y never changes
   double angle_noise = 0.0;                ///< rad, left in an angle, or in a component of the normal
   double frame_angle = 0.0;  ///< rad, largest turn of the plate between two frames as they were seen
 

@@ -45,10 +45,9 @@ Disturbed disturbed(const SweepPlan& plan, const Eigen::MatrixXd& points) {
   return {models::ParametricModel(plan.model, fixed, free), tangents, std::move(all)};
 }
 
-/// 1/scale of each state, 0 of a place.
-Eigen::VectorXd weights_of(const models::ParametricModel& model, const Eigen::MatrixXd& points) {
+/// 1/scale of each state of a fall, 0 of a place.
+Eigen::VectorXd weights_of(const models::ParametricModel& model, const Eigen::VectorXd& q) {
   const models::ModelInfo& info = model.model().info();
-  const Eigen::VectorXd q = points.row(0);
   const models::Scales scales = model.scales({q.data(), static_cast<std::size_t>(q.size())});
   Eigen::VectorXd weights(static_cast<Eigen::Index>(info.states.size()));
   for (std::size_t i = 0; i < info.states.size(); ++i) {
@@ -70,9 +69,9 @@ Eigen::VectorXd lyapunov_exponents(const SweepPlan& plan, const Eigen::MatrixXd&
   const models::BatchTrajectories batch = integrate_batch(
       all.model, all.points, times,
       {.step = plan.step, .threads = threads, .tangents = all.tangents, .progress = progress});
-  const Eigen::VectorXd weights = weights_of(all.model, all.points);
   Eigen::VectorXd exponents(points.rows());
   for (Eigen::Index n = 0; n < points.rows(); ++n) {
+    const Eigen::VectorXd weights = weights_of(all.model, all.points.row(n));
     const auto size = [&](Eigen::Index k) {
       Eigen::VectorXd tangent = batch.tangents[0].col(batch.column(n, k));
       if (batch.tangents.size() > 1) {

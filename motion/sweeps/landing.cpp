@@ -1,15 +1,26 @@
 #include "samara/motion/sweeps/landing.h"
 
 #include <cmath>
+#include <limits>
 
 namespace samara::motion {
 
 namespace {
 
+constexpr double kNotTold = std::numeric_limits<double>::quiet_NaN();
+
 LandingStatistics statistics_of(Pattern pattern, const std::vector<Eigen::Vector3d>& landed) {
   LandingStatistics s;
   s.pattern = pattern;
   s.falls = static_cast<int>(landed.size());
+  s.mean_error.setConstant(kNotTold);
+  s.covariance.setConstant(kNotTold);
+  s.distance_error = kNotTold;
+  if (landed.empty()) {
+    s.mean.setConstant(kNotTold);
+    s.distance = s.time = kNotTold;
+    return s;
+  }
   const double n = static_cast<double>(landed.size());
   double squares = 0.0;
   for (const Eigen::Vector3d& one : landed) {
@@ -19,6 +30,7 @@ LandingStatistics statistics_of(Pattern pattern, const std::vector<Eigen::Vector
     s.time += one.z() / n;
   }
   if (landed.size() < 2) return s;
+  s.covariance.setZero();
   for (const Eigen::Vector3d& one : landed)
     s.covariance += (one.head<2>() - s.mean) * (one.head<2>() - s.mean).transpose() / (n - 1.0);
   s.mean_error = (s.covariance.diagonal() / n).cwiseSqrt();

@@ -7,7 +7,9 @@
 namespace samara::motion {
 
 /// Where the falls of one pattern land, measured from the point of release: what the dissertation draws from formulas
-/// (3.9), (3.10). In the world's axes, so that the azimuth of the release shows.
+/// (3.9), (3.10). In the world's axes, so that the azimuth of the release shows. NaN is what so few falls do not tell:
+/// errors and covariance of fewer than two, means of none. In a refined sweep shares and means are those of its points,
+/// which crowd at borders, not of the box, and inherited falls land nowhere.
 struct LandingStatistics {
   Pattern pattern = Pattern::unresolved;
   int falls = 0;                                   ///< that landed
@@ -15,7 +17,7 @@ struct LandingStatistics {
   double share_error = 0.0;                        ///< standard error, of independent points
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();  ///< m
   Eigen::Vector2d mean_error = Eigen::Vector2d::Zero();  ///< m, standard error
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< m^2; zero for fewer than 2 falls
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< m^2
   double distance = 0.0, distance_error = 0.0;  ///< m, mean from the release, with its standard error
   double time = 0.0;                            ///< s, mean
 };

@@ -83,6 +83,11 @@ void append_fall(const Sweep& source, std::size_t fall, bool old, Sweep& sweep) 
   sweep.status.push_back(old ? source.status[fall] : FallStatus::inherited);
   if (!old) sweep.labels.back().why = "as all old points around it";
   const Eigen::Index at = sweep.fall_count() - 1;
+  if (!source.trajectories.empty()) {
+    const Eigen::MatrixXd& kept = source.trajectories[fall];
+    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    sweep.trajectories.push_back(old ? kept : Eigen::MatrixXd::Constant(kept.rows(), kept.cols(), unknown));
+  }
   sweep.reached[at] = old ? source.reached[n] : 0.0;
   if (old) sweep.landing.row(at) = source.landing.row(n);
 }

@@ -144,11 +144,11 @@ void read_labels(const io::Hdf5Reader& file, Eigen::Index falls, Sweep& sweep) {
 
 void read_trajectories(const io::Hdf5Reader& file, Eigen::Index falls, Sweep& sweep) {
   if (!file.has("/trajectories/states")) return;
-  const io::Hdf5Block block = file.block("/trajectories/states");
-  if (block.size[0] != falls)
-    throw file.error("/trajectories/states", "is not of as many falls as there are labels");
+  const io::Hdf5Block block = file.block("/trajectories/states", {.rows = falls, .finite = false});
   sweep.times = file.vector("/trajectories/times", {.rows = block.size[1]});
   sweep.state_names = file.texts("/trajectories/state_names");
+  if (static_cast<Eigen::Index>(sweep.state_names.size()) != block.size[2])
+    throw file.error("/trajectories/state_names", "are not as many as the states");
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const auto size = static_cast<std::size_t>(block.size[1] * block.size[2]);
   for (std::size_t n = 0; n < static_cast<std::size_t>(falls); ++n)

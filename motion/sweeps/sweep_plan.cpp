@@ -12,6 +12,7 @@
 #include "samara/codebooks/model/model_file.h"
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
+#include "samara/motion/sweeps/pattern_map.h"
 
 namespace samara::motion {
 
@@ -166,6 +167,12 @@ void read_run(const TomlTable& root, SweepPlan& plan) {
   if (plan.until / std::min(plan.step, plan.interval) > kMostSteps)
     throw run.error(
         "step", fmt::format("is {}, which takes more than {} steps, expected fewer", plan.step, kMostSteps));
+  constexpr double kMostFrames = 1e6;
+  if (plan.until / plan.interval > kMostFrames) {
+    throw run.error(run.has("interval") ? "interval" : "step",
+                    fmt::format("makes {:.3g} frames of a fall, expected at most {:.3g}: a longer interval",
+                                plan.until / plan.interval, kMostFrames));
+  }
   const std::string length = MotionStates(info).is_planar() && time == "1" ? "1" : "m";
   if (run.has("height")) plan.height = positive(run, "height", run.quantity("height", length));
   plan.keep_trajectories = run.choice("keep", {"features", "trajectories"}) == "trajectories";
@@ -194,12 +201,20 @@ void read_rest(const TomlTable& root, SweepPlan& plan) {
 void check_falls(const TomlTable& root, const SweepPlan& plan) {
   double falls = static_cast<double>(plan.release_count());
   if (plan.is_grid()) {
-    for (const SweepAxis& axis : plan.axes) falls *= static_cast<double>(axis.values.size());
+    // Each round halves the intervals.
+    for (const SweepAxis& axis : plan.axes)
+      falls *= std::ldexp(static_cast<double>(axis.values.size()) - 1.0, plan.refine) + 1.0;
   } else {
-    falls *= plan.sample;
+    falls *= plan.sample * std::pow(1.2, plan.refine);
   }
-  if (falls > kMostFalls)
-    throw root.error("axes", fmt::format("take {} falls, expected at most {}", falls, kMostFalls));
+  if (falls > kMostFalls) {
+    throw root.error("axes", fmt::format("take {:.8g} falls{}, expected at most {}", falls,
+                                         plan.refine > 0 ? " when they are refined" : "", kMostFalls));
+  }
+  if (!plan.is_grid() && plan.refine > 0 && plan.sample <= PatternMap::kNeighbours) {
+    throw root.table("sample").error("count", fmt::format("is {}, expected at least {} to be refined",
+                                                          plan.sample, PatternMap::kNeighbours + 1));
+  }
   const double frames = plan.until / plan.interval + 1.0;
   const double numbers = falls * frames * static_cast<double>(plan.model->info().states.size());
   constexpr double kMostNumbers = 2.5e8;

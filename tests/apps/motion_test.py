@@ -67,6 +67,7 @@ class Sweeps(Case):
             self.assertEqual(sum(release["counts"].values()), 45)
             self.assertEqual(sum(region["points"] for region in release["regions"]), 45)
             self.assertEqual(len(release["clusters"]), 3)
+            self.assertEqual(len({cluster["falls"] for cluster in release["clusters"]}), 1)
             ours, _, source = [cluster["adjusted_rand"] for cluster in release["clusters"]]
             self.assertGreater(ours, source)
 
@@ -87,6 +88,32 @@ class Sweeps(Case):
             other = write("other.toml", PLATES)
             self.check_error(run("sweep", other, "-o", path), 3, "belongs to another plan")
 
+    def test_clusters_of_different_features_are_of_the_same_falls(self):
+        # Damped plates descend steadily: without swings their recurrence is not known, but d and e are.
+        damped = PLATES.replace("C_R = { from = 2.2, to = 3.2, count = 5 }", "mu1 = { from = 0.2, to = 4, count = 5 }")
+        answer = json.loads(run("patterns", swept("damped", damped), "--json").stdout)
+        with h5py.File(FOLDER / "damped.h5") as file:
+            names = [name.decode() for name in file["feature_names"]]
+            recurrence = file["features"][:, names.index("recurrence")].reshape(45, 2)
+        self.assertTrue(numpy.isnan(recurrence).any())
+        for k, release in enumerate(answer["releases"]):
+            known = numpy.isfinite(recurrence[:, k]).sum()
+            self.assertEqual([cluster["falls"] for cluster in release["clusters"]], [known] * 3)
+
+    def test_a_sweep_interrupted_while_it_is_refined_goes_on_without_its_falls_again(self):
+        plan = write("finer.toml", PLATES.replace("until = 120", "until = 400") + "[refine]\nrounds = 6\n")
+        path, part = FOLDER / "finer.h5", FOLDER / "finer.h5.part"
+        process = subprocess.Popen([SAMARA, "sweep", plan, "-o", path], stderr=subprocess.PIPE, text=True)
+        end = time.monotonic() + 20
+        while not part.exists() and process.poll() is None and time.monotonic() < end:
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=LONGEST)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertIn("is kept: the same line goes on from there", errors)
+        with h5py.File(part) as file:
+            self.assertEqual(len(file["labels"]), 90)
+
     def test_sweeps_and_patterns_that_cannot_be_meant_are_refused(self):
         self.check_error(run("sweep", write("bad.toml", PLATES.replace("C_R", "C_Q")), "-o", FOLDER / "bad.h5"), 3,
                          "bad.toml:6", "C_Q", "did you mean")
@@ -97,6 +124,10 @@ class Sweeps(Case):
         self.check_error(run("sweep", FOLDER / "good.toml", "-o", note), 2, "is a file, and no sweep")
         self.check_error(run("patterns", swept(), "--clusters", "0"), 2, "--clusters is 0")
         self.check_error(run("patterns", FOLDER / "missing.csv"), 3, "missing.csv")
+        self.check_error(run("patterns", swept(), swept()), 2, "is a sweep, which was expected alone")
+        half = FOLDER / "half.h5"
+        half.write_bytes(swept().read_bytes()[:3000])
+        self.check_error(run("patterns", half), 3, "half.h5", "HDF5")
 
 
 class Patterns(Case):

@@ -111,6 +111,43 @@ TEST_CASE("noise is subtracted from variances") {
   CHECK(noisy_moving[Feature::recurrence] < 0.1);
 }
 
+TEST_CASE("noise of one horizontal direction is not subtracted twice where a record has one only") {
+  // Swaying sideways in the plane y = 0 a little more than the noise.
+  MotionRecord record;
+  record.times = Eigen::VectorXd::LinSpaced(4001, 0.0, 400.0);
+  record.positions.setZero(4001, 3);
+  record.positions.col(0) = 0.08 * (0.5 * record.times.array()).sin();
+  record.positions.col(2) = -record.times;
+  record.length = 2.0;
+  const double clean = features(record)[Feature::sway];
+  CHECK_THAT(clean, WithinRel(0.04 / std::sqrt(2.0), 0.01));
+  MotionRecord with_noise = noisy(record, 0.05, 0.0, 8);
+  with_noise.positions.col(1).setZero();
+  const Features planar = features(with_noise);
+  REQUIRE(planar[Feature::sway_noise] > 0.4 * clean);  // or nothing is tested
+  CHECK_THAT(planar[Feature::sway], WithinRel(clean, 0.1));
+  const Features in_both = features(noisy(record, 0.05, 0.0, 8));
+  CHECK_THAT(in_both[Feature::sway_noise], WithinRel(std::sqrt(2.0) * planar[Feature::sway_noise], 0.1));
+}
+
+TEST_CASE("noise is subtracted from the scatter of radii, and from the variances of the ground") {
+  // A circle, of which noise makes the radius uneven, and a line, which noise makes wide.
+  MotionRecord round;
+  round.times = Eigen::VectorXd::LinSpaced(601, 0.0, 60.0);
+  round.positions.resize(601, 3);
+  round.positions.col(0) = round.times.array().cos();
+  round.positions.col(1) = round.times.array().sin();
+  round.positions.col(2) = -round.times;
+  round.length = 2.0;
+  const Features uneven = features(noisy(round, 0.2, 0.0, 9));
+  CHECK(uneven[Feature::wobble] < 0.05);
+  MotionRecord line = round;
+  line.positions.col(1).setZero();
+  line.positions.col(0) *= 0.5;
+  line.positions.col(1).setConstant(1e-12);
+  CHECK(features(noisy(line, 0.2, 0.0, 10))[Feature::e] > 0.99);
+}
+
 TEST_CASE("fourth differences tell the noise of a smooth motion") {
   MotionRecord record = noisy(plate({{"inertia_ratio", 1.0}}, 400.0, 0.1), 0.03, 0.07, 5);
   CHECK_THAT(noise_of(record.positions.col(0)), WithinRel(0.03, 0.05));
@@ -169,12 +206,24 @@ TEST_CASE("records that cannot be meant are refused in one sentence") {
   CHECK(with([](MotionRecord& r) {
           r = in_space(r), r.normals.row(3) *= 2.0;
         }).find("the normal in frame 3") != std::string::npos);
+  CHECK(with([](MotionRecord& r) {
+          r.normals = in_space(r).normals;
+        }).find("has normals and angles, expected one") != std::string::npos);
   CHECK(error_text<samara::ArgumentError>([&] {
           features(record, {.settle_share = 1.0});
         }).find("settle_share is 1") != std::string::npos);
   CHECK(error_text<samara::ArgumentError>([&] {
           features(record, {.settle = 119.0});
         }).find("settle is 119") != std::string::npos);
+  const auto refused = [&](const FeatureOptions& options) {
+    return error_text<samara::ArgumentError>([&] { features(record, options); });
+  };
+  CHECK(refused({.settle = -1.0}).find("settle is -1") == 0);
+  CHECK(refused({.settle = NAN}).find("settle is nan") == 0);
+  CHECK(refused({.exponent = INFINITY}).find("exponent is inf") == 0);
+  CHECK(refused({.flip_margin_plane = NAN}).find("flip_margin_plane is nan") == 0);
+  CHECK(refused({.flip_margin_space = 2.0}).find("flip_margin_space is 2") == 0);
+  CHECK(refused({.swing_margin = -0.1}).find("swing_margin is -0.1") == 0);
   CHECK(error_text<samara::ArgumentError>([] { feature_of("tlit"); }).find("did you mean \"tilt\"") !=
         std::string::npos);
 }

@@ -82,12 +82,18 @@ TEST_CASE("labels that do not fit the captures are refused in one sentence") {
   CHECK(refused("a,0,100,zigzga\n").find("labels.csv:2") != std::string::npos);
   CHECK(refused("a,9,9,zigzag\n").find("ends at frame 9, expected one after 9") != std::string::npos);
   CHECK(refused("a,0.5,9,zigzag\n").find("has the frame 0.5") != std::string::npos);
+  CHECK(refused("a,0,1e300,zigzag\n").find("has the frame 1e+300") != std::string::npos);
   CHECK(refused("").find("has no segments") != std::string::npos);
   const auto unfit = [&](const LabelledSegment& segment) {
     return error_text<samara::ArgumentError>([&] { compare({segment}, captures); });
   };
   CHECK(unfit({"c", 0, 100, "zigzag"}).find("labels name the capture \"c\"") == 0);
   CHECK(unfit({"a", 0, 481, "zigzag"}).find("ends at frame 481, expected at most 480") != std::string::npos);
+  const std::vector<Capture> twice = {captures[0], capture_of("other/a", plate({{"inertia_ratio", 1.35}}))};
+  CHECK(error_text<samara::ArgumentError>([&] {
+          compare({{"a", 0, 100, "zigzag"}}, twice);
+        }).find("which may be \"drops/a\" or \"other/a\"") != std::string::npos);
+  CHECK(compare({{"other/a", 0, 480, "zigzag"}}, twice).labels.size() == 1);
   CHECK(error_text<samara::ArgumentError>([] { pattern_classes({"1:zigzag"}); }).find("WORD=PATTERN") !=
         std::string::npos);
 }

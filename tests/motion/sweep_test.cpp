@@ -42,14 +42,22 @@ std::string refusal(const std::string& from, const std::string& to) {
   return error_text<samara::InputError>([&] { plates("", from, to); });
 }
 
+/// To the bit, or both not known.
+bool are_same(double first, double second) {
+  return first == second || (std::isnan(first) && std::isnan(second));
+}
+
 void check_same_falls(const Sweep& first, const Sweep& second) {
   REQUIRE(first.fall_count() == second.fall_count());
   for (std::size_t n = 0; n < first.labels.size(); ++n) {
     CHECK(first.labels[n].pattern == second.labels[n].pattern);
-    for (std::size_t f = 0; f < kFeatures; ++f) {
-      const double a = first.features[n].values[f], b = second.features[n].values[f];
-      CHECK((a == b || (std::isnan(a) && std::isnan(b))));
-    }
+    CHECK(first.labels[n].margin == second.labels[n].margin);
+    CHECK(first.status[n] == second.status[n]);
+    for (std::size_t f = 0; f < kFeatures; ++f)
+      CHECK(are_same(first.features[n].values[f], second.features[n].values[f]));
+    const auto k = static_cast<Eigen::Index>(n);
+    CHECK(first.reached[k] == second.reached[k]);
+    for (Eigen::Index c = 0; c < 3; ++c) CHECK(are_same(first.landing(k, c), second.landing(k, c)));
   }
 }
 
@@ -127,6 +135,55 @@ TEST_CASE("a sweep comes back from its file, trajectories as well, and damaged f
         std::string::npos);
 }
 
+TEST_CASE("a sweep of falls that landed keeps their trajectories as far as they go, in its file as well") {
+  const TemporaryDirectory folder;
+  const auto path = folder.path() / "sweep.h5";
+  const Sweep sweep = run_sweep(plates("height = 30\nkeep = \"trajectories\"\n")).sweep;
+  save(sweep, path);
+  const Sweep again = load_sweep(path);
+  check_same_falls(sweep, again);
+  REQUIRE(again.trajectories.size() == sweep.trajectories.size());
+  for (std::size_t n = 0; n < again.trajectories.size(); ++n) {
+    REQUIRE(sweep.status[n] == FallStatus::landed);
+    for (Eigen::Index k = 0; k < again.times.size(); ++k) {
+      const double x = again.trajectories[n](k, 4);
+      CHECK(are_same(x, sweep.trajectories[n](k, 4)));
+      CHECK(std::isfinite(x) == (again.times[k] <= sweep.reached[static_cast<Eigen::Index>(n)] + 1e-9));
+    }
+  }
+}
+
+TEST_CASE("the exponent of a fall does not depend on the falls that are run beside it") {
+  const std::string body = R"(model = "immersed_body"
+[fixed]
+b = "2 cm"
+c = "0.01 cm"
+density = 1200
+C_D0 = 0.05
+C_w = 2
+C_D90 = 0.61
+C_T = 1.81
+C_R = 1.21
+[axes]
+a = LENGTHS
+[releases]
+tilt = ["10 deg"]
+[run]
+until = "1 s"
+step = "1 ms"
+spread = true
+)";
+  const auto swept = [&](const std::string& lengths) {
+    std::string text = body;
+    text.replace(text.find("LENGTHS"), 7, lengths);
+    return run_sweep(parse_sweep_plan(text, "body.toml")).sweep;
+  };
+  const Sweep alone = swept("[0.035]"), beside = swept("[0.021, 0.035]");
+  const double exponent = alone.features[0][Feature::spread];
+  REQUIRE(std::isfinite(exponent));
+  CHECK(beside.features[1][Feature::spread] == exponent);
+}
+
 TEST_CASE("exponents are those of the model sheet, and a fall in a plane is disturbed within it") {
   const Sweep plane = run_sweep(plates("spread = true\n", "until = 120", "until = 600")).sweep;
   for (Eigen::Index n = 0; n < plane.fall_count(); ++n) {
@@ -187,6 +244,17 @@ TEST_CASE("falls end on the ground, and where they land is counted by pattern") 
   }
   CHECK(share == Approx(1.0));
   CHECK(falls == 18);
+  // One fall has no scatter, none no mean.
+  Sweep few = sweep;
+  few.landing.setConstant(NAN);
+  few.landing.row(0) << 3.0, 4.0, 5.0;
+  for (const LandingStatistics& s : landing_statistics(few, 0)) {
+    CHECK(std::isnan(s.mean_error.x()));
+    CHECK(std::isnan(s.distance_error));
+    CHECK(std::isnan(s.covariance(0, 0)));
+    CHECK(std::isnan(s.mean.x()) == (s.falls == 0));
+    if (s.falls == 1) CHECK(s.distance == Approx(5.0));
+  }
 }
 
 TEST_CASE("a map says what lies where, how surely, and how far the border is") {
@@ -248,6 +316,21 @@ TEST_CASE("a refined grid runs only what lies between different labels") {
           coarse.labels[static_cast<std::size_t>(2 * n)].pattern);
     CHECK(sweep.status[static_cast<std::size_t>(2 * same)] != FallStatus::inherited);
   }
+  const Sweep whole = run_sweep(plates("", "count = 9 }\nC_R = [1.4, 3.14159]",
+                                       "count = 17 }\nC_R = { from = 2.2, to = 3.2, count = 17 }"))
+                          .sweep;
+  int compared = 0;
+  for (Eigen::Index n = 0; n < whole.fall_count(); ++n) {
+    const auto k = static_cast<std::size_t>(n);
+    const Eigen::Index point = whole.point_of(n);
+    CHECK((whole.points.row(point) - sweep.points.row(point)).norm() < 1e-12);
+    if (sweep.status[k] == FallStatus::inherited || whole.points.row(point) != sweep.points.row(point))
+      continue;
+    ++compared;
+    for (std::size_t f = 0; f < kFeatures; ++f)
+      CHECK(are_same(sweep.features[k].values[f], whole.features[k].values[f]));
+  }
+  CHECK(compared > 2 * 81);
   const SweepPlan drawn = plates("[sample]\ncount = 100\nseed = 3\n",
                                  "inertia_ratio = { from = 0.8, to = 2.4, count = 9 }\nC_R = [1.4, 3.14159]",
                                  "inertia_ratio = { from = 0.8, to = 2.4 }\nC_R = { from = 1.4, to = 3.2 }");
@@ -255,6 +338,17 @@ TEST_CASE("a refined grid runs only what lies between different labels") {
   REQUIRE(refine(drawn, {}, sample));
   CHECK(sample.points.rows() == 120);
   CHECK(sample.fall_count() == 240);
+}
+
+TEST_CASE("a refined grid keeps the trajectories of the falls that were run") {
+  const SweepPlan plan = plates("interval = 2\nkeep = \"trajectories\"\n[refine]\nrounds = 1\n");
+  Sweep sweep = run_sweep(plan).sweep;
+  const Sweep coarse = sweep;
+  REQUIRE(refine(plan, {}, sweep));
+  REQUIRE(sweep.trajectories.size() == sweep.labels.size());
+  CHECK(sweep.trajectories.front() == coarse.trajectories.front());
+  for (std::size_t n = 0; n < sweep.labels.size(); ++n)
+    CHECK(sweep.trajectories[n].allFinite() == (sweep.status[n] != FallStatus::inherited));
 }
 
 TEST_CASE("plans of sweeps that cannot be meant are refused with their line") {
@@ -267,6 +361,13 @@ TEST_CASE("plans of sweeps that cannot be meant are refused with their line") {
   CHECK(refusal("count = 9", "count = 9000000").find("expected at most 10000000") != std::string::npos);
   CHECK(refusal("[1.4, 3.14159]", "[3.0, 1.4]").find("expected them to increase") != std::string::npos);
   CHECK(refusal("settle = 60", "settle = 119").find("which leaves 5 frames") != std::string::npos);
+  CHECK(refusal("settle = 60", "settle = 60\n[refine]\nrounds = 10").find("falls") != std::string::npos);
+  CHECK(error_text<samara::InputError>([] {
+          plates("[sample]\ncount = 5\n[refine]\nrounds = 1\n",
+                 "inertia_ratio = { from = 0.8, to = 2.4, count = 9 }\nC_R = [1.4, 3.14159]",
+                 "inertia_ratio = { from = 0.8, to = 2.4 }\nC_R = { from = 1.4, to = 3.2 }");
+        }).find("expected at least 8") != std::string::npos);
+  CHECK(refusal("step = 0.05", "step = 0.05\ninterval = 1e-5").find("frames") != std::string::npos);
   CHECK(refusal("step = 0.05", "step = 0").find("is 0, expected more than 0") != std::string::npos);
   CHECK(refusal("falling_plate_nd", "vertical_fall").find("its motions have no patterns") !=
         std::string::npos);
