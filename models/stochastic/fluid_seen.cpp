@@ -76,9 +76,7 @@ class FluidSeen final : public AirAlongPath {
     const AmbientSample mean = flow_.sample(t, middle);
     // The body's own change of velocity by this gust moves it, too: without it what the fluid carries does not stay mixed.
     const Eigen::Vector3d change = mean.velocity + sigma * w_ - body.air;
-    const Eigen::Vector3d end =
-        body.position + h * body.velocity +
-        0.5 * h * (body.attitude * (body.follows * (body.attitude.transpose() * change)));
+    const Eigen::Vector3d end = body.position_after(h, change);
     AirSeen seen = seen_at(body.t + h, end, flow_.turbulence(body.t + h, end));
     seen.gradient = mean.gradient;
     seen.time_scale =
