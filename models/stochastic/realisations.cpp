@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -70,7 +71,11 @@ RealisationPlan plan_of(const ParametricModel& model, std::span<const double> po
         fmt::format("steps of {} s to t = {} s are more than {}; a longer step or fewer times were expected",
                     options.step, times.back(), options.max_steps));
   }
-  RealisationPlan plan = {.model = model,
+  std::map<std::string, double> fixed = model.fixed();
+  for (const std::string& name : layout.parameter_names()) fixed[name] = 0.0;
+  std::vector<std::string> free;
+  for (const FreeCoordinate& coordinate : model.free()) free.push_back(coordinate.name);
+  RealisationPlan plan = {.model = {model.shared_model(), fixed, free},
                           .point = point,
                           .air = air,
                           .times = {times.begin(), times.end()},
@@ -88,7 +93,7 @@ RealisationPlan plan_of(const ParametricModel& model, std::span<const double> po
         "ground [m] is {}, expected below the start, which is at a height of {} m", *options.ground, height));
   }
   ParameterValues all;
-  all.value = model.parameters(point);
+  all.value = plan.model.parameters(point);
   all.given.assign(all.value.size(), 1);
   plan.follows = layout.follows(model.model(), x, all);
   return plan;

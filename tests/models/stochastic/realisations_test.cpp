@@ -144,7 +144,8 @@ TEST_CASE("a realisation has the same bits alone, in any pack, on any number of 
     CHECK(same_bits(all, realise(model, {}, *air, kTimes, {.realisations = 600, .threads = 2, .keep = 600})));
     const Ensemble ten = realise(model, {}, *air, kTimes, {.realisations = 10, .keep = 10});
     for (std::size_t n = 0; n < 10; ++n) CHECK(same_bits(ten.kept[n], all.kept[n]));
-    for (const long n : {17L, 333L}) {
+    // Many, as a product that is rounded once less shows now and then only.
+    for (long n = 4; n < 600; n += 13) {
       const Ensemble alone = realise(model, {}, *air, kTimes, {.realisations = 1, .first = n, .keep = 1});
       CHECK(same_bits(alone.kept[0], all.kept[static_cast<std::size_t>(n)]));
     }
@@ -197,65 +198,6 @@ TEST_CASE(
     "standard errors are what groups of realisations scatter by, and lie where realisations are copies") {
   CHECK_THAT(scatter_over_claim(*breeze()), WithinAbs(1.0, 0.2));
   CHECK_FALSE(std::abs(scatter_over_claim(Twins(breeze())) - 1.0) < 0.2);
-}
-
-TEST_CASE("a linear body has the share of the fluid's energy that its response time leaves") {
-  // Drag c v with c = 1/2 rho A C_D Re_drag nu/diameter, in units where the fluid has sigma = 1, T = 1.
-  const auto air =
-      fluid_seen_in(uniform_turbulence(1.5, 4.0 * 1.5 / (3.0 * 6.0)), 3, {.C_0 = 6.0, .crossing = false});
-  for (const double tau : {0.01, 0.1, 1.0, 10.0}) {
-    const ParametricModel body(find_model("sphere_flight_in_gusts"),
-                               {{"diameter", 1.0},
-                                {"C_D", 1e-9},
-                                {"C_M", 0.0},
-                                {"Re_drag", 1e9},
-                                {"nu", 1.0},
-                                {"fluid_density", 8.0 / std::numbers::pi},
-                                {"mass", tau},
-                                {"displaced_mass", 0.0},
-                                {"added_mass", 0.0},
-                                {"inertia", 1.0},
-                                {"g", 0.0}},
-                               {});
-    std::vector<double> times;
-    for (int k = 0; k < 20; ++k) times.push_back(5.0 * (1.0 + tau) + 2.0 * k * (1.0 + tau));
-    const double step = tau < 0.05 ? 0.02 : 0.1;
-    const Ensemble cloud =
-        realise(body, {}, *air, times, {.realisations = 1024, .step = step, .states = {"vx", "vy", "vz"}});
-    double energy = 0.0;
-    for (const Eigen::MatrixXd& covariance : cloud.covariance) energy += covariance.trace() / 60.0;
-    CHECK_THAT(energy, WithinRel(1.0 / (1.0 + tau), 0.015));
-  }
-}
-
-TEST_CASE("bodies as heavy as the fluid stay mixed with it, heavy ones gather where it is calm") {
-  const auto air = fluid_seen_in(std::make_shared<WavyEnergy>(0.0, 0.0), 3, {.C_0 = kC0, .crossing = false});
-  const auto concentration = [&](double mass) {
-    // Drag of 100 v; times in units of 1 s, where T is 0.1.
-    const ParametricModel body(find_model("sphere_flight_in_gusts"),
-                               {{"diameter", 1.0},
-                                {"C_D", 1e-9},
-                                {"C_M", 0.0},
-                                {"Re_drag", 1e9},
-                                {"nu", 1.0},
-                                {"fluid_density", 800.0 / std::numbers::pi},
-                                {"mass", mass},
-                                {"displaced_mass", 1.0},
-                                {"added_mass", 0.5},
-                                {"inertia", 1.0},
-                                {"g", 0.0}},
-                               {});
-    const std::vector<double> end = {3.0};
-    const Ensemble cloud = realise(body, {}, *air, end, {.realisations = 2048, .step = 0.01, .keep = 2048});
-    Eigen::ArrayXd z(2048);
-    for (Eigen::Index n = 0; n < z.size(); ++n) z[n] = cloud.kept[static_cast<std::size_t>(n)](0, 2);
-    return concentrations(z, 5);
-  };
-  // Five bins of 410 each scatter by 5 %; without the drift the calm one would have three times as many.
-  CHECK((concentration(1.0).array() - 1.0).abs().maxCoeff() < 0.2);
-  // Turbophoresis, here with a response time of 2 T (M. W. Reeks, J. Aerosol Sci. 14 (1983) 729-739).
-  const Eigen::VectorXd heavy = concentration(20.0);
-  CHECK(heavy[4] > 2.0 * heavy[0]);
 }
 
 TEST_CASE("antithetic pairs are mirror images, and their errors come from pairs") {
@@ -330,7 +272,7 @@ TEST_CASE("a realisation that leaves the flow or is not finite ends with that, a
         return AmbientSample{.velocity = {1.0, 0.0, 0.0}};
       },
       [](double, const Eigen::Vector3d& x) {
-        return Turbulence{.k = x.z() < 0.5 ? -1.0 : 0.1, .epsilon = 0.1, .inside = x.x() < 0.05};
+        return Turbulence{.k = x.z() < 0.5 ? -1.0 : 0.1, .epsilon = 0.1, .inside = x.x() < 0.6};
       },
       1.0);
   const std::vector<double> times = {0.0, 0.2, 2.0};
