@@ -149,7 +149,7 @@ TEST_CASE("a realisation has the same bits alone, in any pack, on any number of 
       const Ensemble alone = realise(model, {}, *air, kTimes, {.realisations = 1, .first = n, .keep = 1});
       CHECK(same_bits(alone.kept[0], all.kept[static_cast<std::size_t>(n)]));
     }
-    // Cancelled once 256 of them are done.
+    // Stopped early.
     const Ensemble begun =
         realise(model, {}, *air, kTimes, {.realisations = 600, .keep = 600, .relative_error = 1e9});
     CHECK(begun.realisations() == 256);
@@ -164,10 +164,13 @@ TEST_CASE("a realisation has the same bits alone, in any pack, on any number of 
 }
 
 TEST_CASE("one generator behind all realisations is found out") {
-  const SharedGenerator shared;
-  const RealiseOptions options = {.realisations = 40, .threads = 1, .keep = 40};
-  CHECK_FALSE(
-      same_bits(realise(leaf(), {}, shared, kTimes, options), realise(leaf(), {}, shared, kTimes, options)));
+  const auto path_of_17 = [](const AirSource& air, const RealiseOptions& options) {
+    return realise(leaf(), {}, air, kTimes, options).kept[static_cast<std::size_t>(17 - options.first)];
+  };
+  const RealiseOptions many = {.realisations = 40, .threads = 1, .keep = 40},
+                       alone = {.realisations = 1, .first = 17, .threads = 1, .keep = 1};
+  CHECK_FALSE(same_bits(path_of_17(SharedGenerator(), many), path_of_17(SharedGenerator(), alone)));
+  CHECK(same_bits(path_of_17(*breeze(), many), path_of_17(*breeze(), alone)));
 }
 
 TEST_CASE("noise is independent between realisations, components, steps and streams") {
@@ -192,6 +195,61 @@ TEST_CASE("noise is independent between realisations, components, steps and stre
   for (const double sum : sums) CHECK(std::abs(sum / kNumbers) < allowed);
   CHECK_THAT(squares / kNumbers, WithinAbs(1.0, std::sqrt(2.0) * allowed));
   CHECK_THAT(fourth / kNumbers, WithinAbs(3.0, std::sqrt(96.0) * allowed));
+}
+
+TEST_CASE("neighbouring realisations have nothing to do with each other") {
+  const std::vector<double> end = {0.3};
+  const auto flights_in = [&](const AirSource& air) {
+    const Ensemble cloud = realise(leaf(), {}, air, end, {.realisations = 1024, .keep = 1024});
+    Eigen::ArrayXd x(1024);
+    for (Eigen::Index n = 0; n < 1024; ++n) x[n] = cloud.kept[static_cast<std::size_t>(n)](0, 0);
+    x -= x.mean();
+    return (x.head(1023) * x.tail(1023)).sum() / x.square().sum();
+  };
+  CHECK(std::abs(flights_in(*breeze())) < 4.0 / std::sqrt(1024.0));
+  CHECK(flights_in(Twins(breeze())) > 0.3);
+}
+
+TEST_CASE("an energy that is none makes realisations not finite, and nothing else") {
+  const double nan = std::nan("");
+  for (const auto& [k, epsilon] : {std::pair{-1.0, 1.0}, {1.0, -1.0}, {1.0, 0.0}, {1.0, nan}, {nan, 1.0}}) {
+    const auto flow = turbulent_flow([](double, const Eigen::Vector3d&) { return AmbientSample(); },
+                                     [k = k, epsilon = epsilon](double, const Eigen::Vector3d& x) {
+                                       // Leaves fall into it.
+                                       return x.z() > 0.99 ? Turbulence{.k = 0.1, .epsilon = 0.2}
+                                                           : Turbulence{.k = k, .epsilon = epsilon};
+                                     },
+                                     1.0);
+    for (const SeenOptions& options :
+         {SeenOptions{}, SeenOptions{.C_0 = 6.0, .radius = 0.02, .rotation = true}}) {
+      const Ensemble cloud = realise(leaf(), {}, *fluid_seen_in(flow, 3, options), std::vector<double>{0.5},
+                                     {.realisations = 8});
+      CHECK(cloud.count(RealisationStatus::not_finite) == 8);
+    }
+  }
+}
+
+TEST_CASE("an ensemble is resumed as it was begun or not at all") {
+  const auto air = breeze();
+  const RealiseOptions options = {.realisations = 512, .ground = -1.0, .relative_error = 1e9};
+  const Ensemble begun = realise(leaf(), {}, *air, kTimes, options);
+  const auto resumed = [&](const auto& change, double height = 1.0) {
+    RealiseOptions other = options;
+    change(other);
+    return resume(begun, leaf(height), {}, *air, kTimes, other);
+  };
+  CHECK_NOTHROW(resumed([](RealiseOptions&) {}));
+  CHECK_THROWS_WITH(resumed([](RealiseOptions& other) { other.antithetic = true; }),
+                    Contains("has other pairs"));
+  CHECK_THROWS_WITH(resumed([](RealiseOptions& other) {
+                      other.states = {"z", "y", "x"};
+                    }),
+                    Contains("has other states"));
+  CHECK_THROWS_WITH(resumed([](RealiseOptions& other) { other.step = 2e-3; }), Contains("has another step"));
+  CHECK_THROWS_WITH(resumed([](RealiseOptions& other) { other.ground = -2.0; }),
+                    Contains("has another ground"));
+  CHECK_THROWS_WITH(resumed([](RealiseOptions& other) { other.keep = 3; }), Contains("trajectories kept"));
+  CHECK_THROWS_WITH(resumed([](RealiseOptions&) {}, 2.0), Contains("other values of the model"));
 }
 
 TEST_CASE(
@@ -318,6 +376,7 @@ TEST_CASE("options of realisations outside their meaning are refused") {
   CHECK_THROWS_WITH(realise(leaf(), {}, *breeze(), kTimes, {.step = 0.0}), Contains("step"));
   CHECK_THROWS_WITH(realise(leaf(), {}, *breeze(), kTimes, {.states = {"speed"}}),
                     Contains("no state \"speed\""));
+  CHECK_THROWS_WITH(realise(leaf(), {}, *breeze(), kTimes, {.first = 1L << 62}), Contains("first is 4611"));
   CHECK_THROWS_WITH(realise(leaf(), {}, *breeze(), {}, {}), Contains("number of times is 0"));
   CHECK_THROWS_AS(resume({}, leaf(), {}, *breeze(), kTimes), samara::ArgumentError);
 }
