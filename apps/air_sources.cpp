@@ -35,13 +35,15 @@ TurbulenceWords words_of(const std::vector<std::string>& texts) {
     words.decays = texts[0] == "decaying";
     settings.erase(settings.begin());
   }
-  words.values = parse_assignments(settings, {{"k", "m^2/s^2"},
-                                              {"deviation", "m/s"},
-                                              {"epsilon", "m^2/s^3"},
-                                              {"scale", "m"},
-                                              {"stream_x", "m/s"},
-                                              {"stream_y", "m/s"},
-                                              {"stream_z", "m/s"}});
+  words.values = parse_assignments(settings,
+                                   {{"k", "m^2/s^2"},
+                                    {"deviation", "m/s"},
+                                    {"epsilon", "m^2/s^3"},
+                                    {"scale", "m"},
+                                    {"stream_x", "m/s"},
+                                    {"stream_y", "m/s"},
+                                    {"stream_z", "m/s"}},
+                                   "--turbulence");
   return words;
 }
 
@@ -72,7 +74,8 @@ bool has_air(const SimulateArguments& arguments) {
   return !arguments.cloud.turbulence.empty();
 }
 
-NamedAir air_of(const SimulateArguments& arguments, std::uint64_t seed, double body_radius) {
+NamedAir air_of(const SimulateArguments& arguments, const models::ParametricModel& model, std::uint64_t seed,
+                double body_radius) {
   const TurbulenceWords words = words_of(arguments.cloud.turbulence);
   check(words, "k", "m^2/s^2", true);
   check(words, "deviation", "m/s", true);
@@ -87,6 +90,11 @@ NamedAir air_of(const SimulateArguments& arguments, std::uint64_t seed, double b
   const Eigen::Vector3d stream(words.value("stream_x").value_or(0.0), words.value("stream_y").value_or(0.0),
                                words.value("stream_z").value_or(0.0));
   models::SeenOptions seen = {.radius = body_radius, .rotation = arguments.cloud.rotation};
+  // Of the fluid that the body is in; that of air where a model does not say.
+  const std::vector<models::ParameterInfo>& parameters = model.model().info().parameters;
+  const auto nu = std::ranges::find(parameters, "nu", &models::ParameterInfo::name);
+  if (nu != parameters.end())
+    seen.viscosity = model.parameters({})[static_cast<std::size_t>(nu - parameters.begin())];
   if (!arguments.cloud.C_0.empty()) {
     seen.C_0 = number_or_quantity("--C0", arguments.cloud.C_0, "1");
     if (!(seen.C_0 > 0.0))

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "arguments.h"
+#include "samara/models/interface/parametric_model.h"
 #include "samara/models/stochastic/air_along_path.h"
 
 namespace samara::apps {
@@ -18,8 +19,10 @@ struct NamedAir {
 /// Whether the call says what fluid it is.
 bool has_air(const SimulateArguments& arguments);
 
+/// @param model whose viscosity is that of the fluid, where it has one
 /// @param body_radius [m] over which the body averages the fluid
 /// @throws ArgumentError for words that do not make a flow.
-NamedAir air_of(const SimulateArguments& arguments, std::uint64_t seed, double body_radius);
+NamedAir air_of(const SimulateArguments& arguments, const models::ParametricModel& model, std::uint64_t seed,
+                double body_radius);
 
 }  // namespace samara::apps

@@ -24,8 +24,10 @@ namespace samara::apps {
 
 namespace {
 
+/// `missing` where the option was not given.
 template <class Whole>
-Whole whole_from(const std::string& option, const std::string& text, Whole least) {
+Whole whole_from(const std::string& option, const std::string& text, Whole least, Whole missing = 0) {
+  if (text.empty()) return missing;
   Whole value = 0;
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
@@ -42,7 +44,10 @@ std::string stray_word(const CloudWords& words) {
   if (words.rotation) return "--rotation";
   if (!words.ground.empty()) return "--ground";
   if (!words.states.empty()) return "--states";
-  if (words.keep > 0) return "--keep";
+  if (!words.keep.empty()) return "--keep";
+  if (!words.seed.empty()) return "--seed";
+  if (!words.first.empty()) return "--first";
+  if (!words.threads.empty()) return "--threads";
   if (words.antithetic) return "--antithetic";
   if (!words.relative_error.empty()) return "--relative-error";
   if (!words.picture.empty()) return "--picture";
@@ -67,9 +72,9 @@ models::RealiseOptions options_of(const SimulateArguments& arguments, const mode
   models::RealiseOptions options = {.realisations = whole_from("--realisations", words.realisations, 1L),
                                     .first = whole_from("--first", words.first, 0L),
                                     .step = step_of(arguments, model),
-                                    .threads = words.threads,
+                                    .threads = whole_from("--threads", words.threads, 0),
                                     .states = words.states,
-                                    .keep = words.keep,
+                                    .keep = whole_from("--keep", words.keep, 0L),
                                     .antithetic = words.antithetic,
                                     .progress = progress_line()};
   if (!words.ground.empty()) options.ground = length_from("--ground", words.ground);
@@ -96,12 +101,14 @@ void check_outputs(const SimulateArguments& arguments) {
   for (const std::string* path : {&arguments.output, &arguments.cloud.picture}) {
     if (!path->empty()) check_output(*path, {arguments.model});
   }
-  if (arguments.output.empty()) return;
+  const std::string& picture = arguments.cloud.picture;
+  if (!picture.empty() && std::filesystem::path(picture).extension() != ".svg")
+    throw ArgumentError(fmt::format("--picture is {}, expected a name that ends in .svg", picture));
   const std::string ending = std::filesystem::path(arguments.output).extension();
-  if (ending != ".h5" && ending != ".csv")
+  if (!arguments.output.empty() && ending != ".h5" && ending != ".csv")
     throw ArgumentError(
         fmt::format("--output is {}, expected a name that ends in .csv or .h5", arguments.output));
-  if (ending == ".csv" && arguments.cloud.keep > 0)
+  if (ending != ".h5" && !arguments.cloud.keep.empty())
     throw ArgumentError("--keep: trajectories go into a file that ends in .h5, with --output");
 }
 
@@ -168,9 +175,10 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
   const models::RealiseOptions options = options_of(arguments, model);
   check_outputs(arguments);
   check_memory(options, times.size(), model.model().info());
-  const auto seed = whole_from("--seed", arguments.cloud.seed, std::uint64_t{0});
+  const auto seed = whole_from("--seed", arguments.cloud.seed, std::uint64_t{0}, std::uint64_t{1});
   const models::GustLayout layout(model.model());
-  const NamedAir air = air_of(arguments, seed, radius_of(arguments, model));
+  const double radius = radius_of(arguments, model);
+  const NamedAir air = air_of(arguments, model, seed, radius);
   catch_interrupts();
   models::Ensemble cloud = models::realise(model, {}, *air.source,
                                            {times.data(), static_cast<std::size_t>(times.size())}, options);
@@ -183,9 +191,17 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
   if (!arguments.cloud.picture.empty())
     io::write_text_atomically(arguments.cloud.picture, cloud_picture(cloud, layout, options.ground));
   // Those that only the picture wanted.
-  cloud.kept.resize(std::min(cloud.kept.size(), static_cast<std::size_t>(arguments.cloud.keep)));
-  const CloudFile file = {
-      .cloud = cloud, .model = model, .seed = seed, .step = options.step, .air = air.description};
+  const long wanted = whole_from("--keep", arguments.cloud.keep, 0L);
+  cloud.kept.resize(std::min(cloud.kept.size(), static_cast<std::size_t>(wanted)));
+  const CloudFile file = {.cloud = cloud,
+                          .model = model,
+                          .seed = seed,
+                          .step = options.step,
+                          .ground = options.ground,
+                          .body_radius = radius,
+                          .C_0 = arguments.cloud.C_0,
+                          .rotation = arguments.cloud.rotation,
+                          .air = air.description};
   if (std::filesystem::path(arguments.output).extension() == ".h5") {
     write_cloud(arguments.output, file);
   } else if (!arguments.output.empty() || !arguments.cloud.json) {
