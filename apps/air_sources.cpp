@@ -40,13 +40,15 @@ TurbulenceWords words_of(const std::vector<std::string>& texts) {
     words.decays = texts[0] == "decaying";
     settings.erase(settings.begin());
   }
-  words.values = parse_assignments(settings, {{"k", "m^2/s^2"},
-                                              {"deviation", "m/s"},
-                                              {"epsilon", "m^2/s^3"},
-                                              {"scale", "m"},
-                                              {"stream_x", "m/s"},
-                                              {"stream_y", "m/s"},
-                                              {"stream_z", "m/s"}});
+  words.values = parse_assignments(settings,
+                                   {{"k", "m^2/s^2"},
+                                    {"deviation", "m/s"},
+                                    {"epsilon", "m^2/s^3"},
+                                    {"scale", "m"},
+                                    {"stream_x", "m/s"},
+                                    {"stream_y", "m/s"},
+                                    {"stream_z", "m/s"}},
+                                   "--turbulence");
   return words;
 }
 
@@ -71,8 +73,14 @@ void check(const TurbulenceWords& words, const std::string& name, const char* un
   }
 }
 
-models::SeenOptions seen_options(const SimulateArguments& arguments, double body_radius) {
+models::SeenOptions seen_options(const SimulateArguments& arguments, const models::ParametricModel& model,
+                                 double body_radius) {
   models::SeenOptions seen = {.radius = body_radius, .rotation = arguments.cloud.rotation};
+  // Of the fluid that the body is in; that of air where a model does not say.
+  const std::vector<models::ParameterInfo>& parameters = model.model().info().parameters;
+  const auto nu = std::ranges::find(parameters, "nu", &models::ParameterInfo::name);
+  if (nu != parameters.end())
+    seen.viscosity = model.parameters({})[static_cast<std::size_t>(nu - parameters.begin())];
   if (arguments.cloud.C_0.empty()) return seen;
   seen.C_0 = number_or_quantity("--C0", arguments.cloud.C_0, "1");
   if (!(seen.C_0 > 0.0))
@@ -89,7 +97,7 @@ NamedAir wind_of(const SimulateArguments& arguments, const models::ParametricMod
   const std::string description = "wind of " + arguments.wind;
   if (file.seen) {
     const auto layer = models::wind::surface_layer(file.wind.profile, file.wind.towards, *file.seen);
-    return {.source = models::fluid_seen_in(layer, seed, seen_options(arguments, body_radius)),
+    return {.source = models::fluid_seen_in(layer, seed, seen_options(arguments, model, body_radius)),
             .description = description};
   }
   if (!file.wind.turbulence)
@@ -105,7 +113,8 @@ NamedAir wind_of(const SimulateArguments& arguments, const models::ParametricMod
           .description = description};
 }
 
-NamedAir wake_of(const SimulateArguments& arguments, std::uint64_t seed, double body_radius) {
+NamedAir wake_of(const SimulateArguments& arguments, const models::ParametricModel& model, std::uint64_t seed,
+                 double body_radius) {
   const CloudWords& words = arguments.cloud;
   flow::FlowPlacement placement = {.speed = number_or_quantity("--speed", words.speed, "m/s"),
                                    .length = number_or_quantity("--length", words.length, "m")};
@@ -120,7 +129,7 @@ NamedAir wake_of(const SimulateArguments& arguments, std::uint64_t seed, double 
         words.flow));
   }
   const auto view = std::make_shared<const flow::FlowView>(stored, placement);
-  return {.source = models::fluid_seen_in(view, seed, seen_options(arguments, body_radius)),
+  return {.source = models::fluid_seen_in(view, seed, seen_options(arguments, model, body_radius)),
           .description = fmt::format("the flow of {} at {:.6g} m/s and {:.6g} m", words.flow, placement.speed,
                                      placement.length)};
 }
@@ -136,7 +145,7 @@ NamedAir air_of(const SimulateArguments& arguments, const models::ParametricMode
   const bool has_flow = !arguments.cloud.flow.empty();
   if (has_flow && !(arguments.wind.empty() && arguments.cloud.turbulence.empty()))
     throw ArgumentError("--flow says another fluid than --wind or --turbulence: one of them was expected");
-  if (has_flow) return wake_of(arguments, seed, body_radius);
+  if (has_flow) return wake_of(arguments, model, seed, body_radius);
   if (!arguments.wind.empty()) return wind_of(arguments, model, seed, body_radius);
   const TurbulenceWords words = words_of(arguments.cloud.turbulence);
   check(words, "k", "m^2/s^2", true);
@@ -154,7 +163,7 @@ NamedAir air_of(const SimulateArguments& arguments, const models::ParametricMode
   const auto flow = words.decays ? models::decaying_turbulence(k, epsilon, stream)
                                  : models::uniform_turbulence(k, epsilon, stream);
   return {
-      models::fluid_seen_in(flow, seed, seen_options(arguments, body_radius)),
+      models::fluid_seen_in(flow, seed, seen_options(arguments, model, body_radius)),
       fmt::format(
           "{} turbulence, k = {:.6g} m^2/s^2, epsilon = {:.6g} m^2/s^3, stream ({:.6g}, {:.6g}, {:.6g}) m/s",
           words.decays ? "decaying" : "uniform", k, epsilon, stream.x(), stream.y(), stream.z())};

@@ -69,8 +69,7 @@ void add_cloud_words(CLI::App& command, CloudWords& words) {
   option("--realisations", words.realisations,
          "how many flights of the same release: their statistics take the place of the trajectory");
   option("--seed", words.seed,
-         "of the noise, or of the turbulence of --wind: the same seed gives the same flights")
-      ->capture_default_str();
+         "of the noise, or of the turbulence of --wind: the same seed gives the same flights; default: 1");
   option(
       "--turbulence", words.turbulence,
       "uniform or decaying, then deviation=0.3 (of a component) or k=.., and scale=1 (of the eddies) or "
@@ -91,14 +90,13 @@ void add_cloud_words(CLI::App& command, CloudWords& words) {
   option("--ground", words.ground, "height at which a body has landed, m or with a unit");
   option("--states", words.states, "whose statistics are wanted, one a time; default: the place")
       ->allow_extra_args(false);
-  option("--keep", words.keep, "trajectories of that many first realisations go into the file")
-      ->check(whole_number());
-  option("--first", words.first, "number of the first realisation: any can be seen again by itself")
-      ->capture_default_str();
+  option("--keep", words.keep, "trajectories of that many first realisations go into the file");
+  option("--first", words.first,
+         "number of the first realisation: any can be seen again by itself; default: 0");
   command.add_flag("--antithetic", words.antithetic, "in pairs of opposite noise")->group(kGroup);
   option("--relative-error", words.relative_error,
          "stop once the mean displacement is known within this share of its root mean square");
-  option("--threads", words.threads, "0: as many as the machine has")->check(whole_number());
+  option("--threads", words.threads, "default, and 0: as many as the machine has");
   option("--picture", words.picture, "SVG of paths, mean and landing places");
   command
       .add_flag("--json", words.json,

@@ -28,19 +28,18 @@ struct BodyWords {
 
 /// Many realisations of one motion in a random flow.
 struct CloudWords {
-  std::string realisations;  ///< empty: a single trajectory is asked for
-  std::string seed = "1";
-  std::string first = "0";
+  std::string realisations;                ///< empty: a single trajectory is asked for
+  std::string seed, first;                 ///< empty: 1 and 0
   std::vector<std::string> turbulence;     ///< kind and NAME=VALUE; empty: none
   std::string flow, speed, length, place;  ///< file of a flow, how fast, how large, where; empty: none
   std::string C_0, radius;                 ///< empty: the default
   bool rotation = false;
   std::vector<std::string> states;
   std::string ground;  ///< empty: none
-  int keep = 0;
+  std::string keep;    ///< empty: none
   bool antithetic = false;
   std::string relative_error;  ///< empty: all realisations
-  int threads = 0;
+  std::string threads;         ///< empty: as many as the machine has
   std::string picture;
   bool json = false;
 };

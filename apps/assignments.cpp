@@ -71,19 +71,21 @@ Eigen::Vector3d place_of(const std::string& option, const std::string& text, con
 }
 
 std::map<std::string, double> parse_assignments(const std::vector<std::string>& texts,
-                                                const std::map<std::string, std::string>& units) {
+                                                const std::map<std::string, std::string>& units,
+                                                const std::string& option) {
   std::vector<std::string> known;
   for (const auto& [name, unit] : units) known.push_back(name);
   std::map<std::string, double> values;
   for (const std::string& text : texts) {
-    const auto [name, given] = setting_of("--set", text);
+    const auto [name, given] = setting_of(option, text);
     const auto unit = units.find(name);
     if (unit == units.end()) {
-      throw ArgumentError(fmt::format("--set: unknown name \"{}\"{}", name, suggestion(name, known)));
+      throw ArgumentError(fmt::format("{}: unknown name \"{}\"{}", option, name, suggestion(name, known)));
     }
-    const double value = number_or_quantity(name, given, unit->second);
+    const double value =
+        number_or_quantity(option == "--set" ? name : option + ": " + name, given, unit->second);
     if (!values.emplace(name, value).second)
-      throw ArgumentError(fmt::format("--set: \"{}\" is set twice", name));
+      throw ArgumentError(fmt::format("{}: \"{}\" is set twice", option, name));
   }
   return values;
 }

@@ -32,9 +32,11 @@ Eigen::Vector3d place_of(const std::string& option, const std::string& text, con
 
 /// Values of "NAME=VALUE" texts in SI.
 /// @param units of every name that may be set
+/// @param option that the texts were given to; said of every value, unless it is --set
 /// @throws ArgumentError for a text without "=", an unknown name (the nearest is named), one set twice, or a
 /// bad value.
 std::map<std::string, double> parse_assignments(const std::vector<std::string>& texts,
-                                                const std::map<std::string, std::string>& units);
+                                                const std::map<std::string, std::string>& units,
+                                                const std::string& option = "--set");
 
 }  // namespace samara::apps

@@ -24,8 +24,10 @@ namespace samara::apps {
 
 namespace {
 
+/// `missing` where the option was not given.
 template <class Whole>
-Whole whole_from(const std::string& option, const std::string& text, Whole least) {
+Whole whole_from(const std::string& option, const std::string& text, Whole least, Whole missing = 0) {
+  if (text.empty()) return missing;
   Whole value = 0;
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
@@ -35,7 +37,7 @@ Whole whole_from(const std::string& option, const std::string& text, Whole least
 }
 
 /// The first option that only realisations understand.
-std::string stray_word(const CloudWords& words) {
+std::string stray_word(const CloudWords& words, bool has_wind) {
   if (!words.turbulence.empty()) return "--turbulence";
   if (!words.flow.empty()) return "--flow";
   if (!words.speed.empty()) return "--speed";
@@ -46,7 +48,10 @@ std::string stray_word(const CloudWords& words) {
   if (words.rotation) return "--rotation";
   if (!words.ground.empty()) return "--ground";
   if (!words.states.empty()) return "--states";
-  if (words.keep > 0) return "--keep";
+  if (!words.keep.empty()) return "--keep";
+  if (!words.seed.empty() && !has_wind) return "--seed";
+  if (!words.first.empty()) return "--first";
+  if (!words.threads.empty()) return "--threads";
   if (words.antithetic) return "--antithetic";
   if (!words.relative_error.empty()) return "--relative-error";
   if (!words.picture.empty()) return "--picture";
@@ -71,9 +76,9 @@ models::RealiseOptions options_of(const SimulateArguments& arguments, const mode
   models::RealiseOptions options = {.realisations = whole_from("--realisations", words.realisations, 1L),
                                     .first = whole_from("--first", words.first, 0L),
                                     .step = step_of(arguments, model),
-                                    .threads = words.threads,
+                                    .threads = whole_from("--threads", words.threads, 0),
                                     .states = words.states,
-                                    .keep = words.keep,
+                                    .keep = whole_from("--keep", words.keep, 0L),
                                     .antithetic = words.antithetic,
                                     .progress = progress_line()};
   if (!words.ground.empty()) options.ground = length_from("--ground", words.ground);
@@ -100,13 +105,31 @@ void check_outputs(const SimulateArguments& arguments) {
   for (const std::string* path : {&arguments.output, &arguments.cloud.picture}) {
     if (!path->empty()) check_output(*path, {arguments.model, arguments.wind, arguments.cloud.flow});
   }
-  if (arguments.output.empty()) return;
+  const std::string& picture = arguments.cloud.picture;
+  if (!picture.empty() && std::filesystem::path(picture).extension() != ".svg")
+    throw ArgumentError(fmt::format("--picture is {}, expected a name that ends in .svg", picture));
   const std::string ending = std::filesystem::path(arguments.output).extension();
-  if (ending != ".h5" && ending != ".csv")
+  if (!arguments.output.empty() && ending != ".h5" && ending != ".csv")
     throw ArgumentError(
         fmt::format("--output is {}, expected a name that ends in .csv or .h5", arguments.output));
-  if (ending == ".csv" && arguments.cloud.keep > 0)
+  if (ending != ".h5" && !arguments.cloud.keep.empty())
     throw ArgumentError("--keep: trajectories go into a file that ends in .h5, with --output");
+}
+
+/// Before anything is allocated: what a wave of 256 realisations, the sums and the kept trajectories take.
+void check_memory(const models::RealiseOptions& options, Eigen::Index frames, const models::ModelInfo& info) {
+  constexpr double kMostBytes = 2e9;
+  const double states = options.states.empty() ? 3.0 : static_cast<double>(options.states.size());
+  const auto kept = static_cast<double>(std::min(options.keep, options.realisations));
+  const double values =
+      256.0 * states + 30.0 * states * states + kept * static_cast<double>(info.states.size());
+  const double bytes = sizeof(double) * values * static_cast<double>(frames);
+  if (bytes > kMostBytes) {
+    throw ArgumentError(
+        fmt::format("--frames is {} with {} trajectories to keep, which would take {:.1f} GB; at most "
+                    "{:.0f} frames were expected",
+                    frames, kept, 1e-9 * bytes, kMostBytes / (sizeof(double) * values)));
+  }
 }
 
 void warn_of_steps(const models::Ensemble& cloud, double step) {
@@ -128,13 +151,13 @@ void warn_of_steps(const models::Ensemble& cloud, double step) {
 }  // namespace
 
 std::uint64_t seed_of(const CloudWords& words) {
-  return whole_from("--seed", words.seed, std::uint64_t{0});
+  return whole_from("--seed", words.seed, std::uint64_t{0}, std::uint64_t{1});
 }
 
 void check_cloud_words(const SimulateArguments& arguments) {
   const CloudWords& words = arguments.cloud;
   if (words.realisations.empty()) {
-    const std::string stray = stray_word(words);
+    const std::string stray = stray_word(words, !arguments.wind.empty());
     if (!stray.empty())
       throw ArgumentError(fmt::format("{} is of realisations: --realisations was expected", stray));
     return;
@@ -165,9 +188,11 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
               const Eigen::VectorXd& times) {
   const models::RealiseOptions options = options_of(arguments, model);
   check_outputs(arguments);
+  check_memory(options, times.size(), model.model().info());
   const std::uint64_t seed = seed_of(arguments.cloud);
   const models::GustLayout layout(model.model());
-  const NamedAir air = air_of(arguments, model, seed, radius_of(arguments, model));
+  const double radius = radius_of(arguments, model);
+  const NamedAir air = air_of(arguments, model, seed, radius);
   catch_interrupts();
   models::Ensemble cloud = models::realise(model, {}, *air.source,
                                            {times.data(), static_cast<std::size_t>(times.size())}, options);
@@ -180,9 +205,17 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
   if (!arguments.cloud.picture.empty())
     io::write_text_atomically(arguments.cloud.picture, cloud_picture(cloud, layout, options.ground));
   // Those that only the picture wanted.
-  cloud.kept.resize(std::min(cloud.kept.size(), static_cast<std::size_t>(arguments.cloud.keep)));
-  const CloudFile file = {
-      .cloud = cloud, .model = model, .seed = seed, .step = options.step, .air = air.description};
+  const long wanted = whole_from("--keep", arguments.cloud.keep, 0L);
+  cloud.kept.resize(std::min(cloud.kept.size(), static_cast<std::size_t>(wanted)));
+  const CloudFile file = {.cloud = cloud,
+                          .model = model,
+                          .seed = seed,
+                          .step = options.step,
+                          .ground = options.ground,
+                          .body_radius = radius,
+                          .C_0 = arguments.cloud.C_0,
+                          .rotation = arguments.cloud.rotation,
+                          .air = air.description};
   if (std::filesystem::path(arguments.output).extension() == ".h5") {
     write_cloud(arguments.output, file);
   } else if (!arguments.output.empty() || !arguments.cloud.json) {

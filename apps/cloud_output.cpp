@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/version.h"
 #include "samara/io/hdf5_writer.h"
 
 namespace samara::apps {
@@ -53,6 +54,32 @@ Json landing_json(const LandingStatistics& landing) {
           {"covariance", rows(landing.covariance)},
           {"covariance_error", rows(landing.covariance_error)},
           {"quantiles", quantiles}};
+}
+
+/// Values of the model that were flown, by name: parameters with their defaults, and initial values "s(0)".
+struct NamedValues {
+  std::vector<std::string> names, units;
+  std::vector<double> values;
+
+  explicit NamedValues(const models::ParametricModel& model) {
+    const models::ModelInfo& info = model.model().info();
+    for (const models::ParameterInfo& parameter : info.parameters) {
+      names.push_back(parameter.name);
+      units.push_back(parameter.unit);
+    }
+    values = model.parameters({});
+    std::vector<double> initial(info.states.size());
+    model.initial({}, initial);
+    for (const models::StateInfo& state : info.states) {
+      names.push_back(state.name + "(0)");
+      units.push_back(state.unit);
+    }
+    values.insert(values.end(), initial.begin(), initial.end());
+  }
+};
+
+std::string structure_constant_of(const CloudFile& file) {
+  return file.C_0.empty() ? "by the Reynolds number of the turbulence" : file.C_0;
 }
 
 /// size[0] x size[1] x size[2] from matrices of one size.
@@ -103,6 +130,9 @@ Json cloud_json(const CloudFile& file) {
                      {"covariance", rows(cloud.covariance[at])},
                      {"covariance_error", rows(cloud.covariance_error[at])}});
   }
+  const NamedValues named(file.model);
+  Json values;
+  for (std::size_t j = 0; j < named.names.size(); ++j) values[named.names[j]] = number(named.values[j]);
   Json object = {{"model", file.model.model().info().name},
                  {"air", file.air},
                  {"seed", file.seed},
@@ -110,6 +140,13 @@ Json cloud_json(const CloudFile& file) {
                  {"realisations", cloud.realisations()},
                  {"antithetic", cloud.antithetic},
                  {"step", file.step},
+                 {"ground", file.ground ? Json(*file.ground) : Json(nullptr)},
+                 {"body_radius", file.body_radius},
+                 {"C_0", structure_constant_of(file)},
+                 {"rotation", file.rotation},
+                 {"generator", fmt::format("samara {}", version())},
+                 {"cancelled", cloud.cancelled},
+                 {"values", values},
                  {"status", status},
                  {"relative_error", number(cloud.relative_error)},
                  {"steps_beyond_a_tenth", cloud.steps.beyond_tenth},
@@ -135,6 +172,19 @@ void write_cloud(const std::string& path, const CloudFile& file) {
   out.write_integer_attribute("/", "realisations", cloud.realisations());
   out.write_integer_attribute("/", "antithetic", cloud.antithetic ? 1 : 0);
   out.write_number_attribute("/", "step", file.step);
+  if (file.ground) out.write_number_attribute("/", "ground", *file.ground);
+  out.write_number_attribute("/", "body_radius", file.body_radius);
+  out.write_text_attribute("/", "C_0", structure_constant_of(file));
+  out.write_integer_attribute("/", "rotation", file.rotation ? 1 : 0);
+  out.write_text_attribute("/", "generator", fmt::format("samara {}", version()));
+  out.write_integer_attribute("/", "cancelled", cloud.cancelled ? 1 : 0);
+  out.write_number_attribute("/", "steps_beyond_a_tenth", cloud.steps.beyond_tenth);
+  out.write_number_attribute("/", "steps_beyond_a_third", cloud.steps.beyond_third);
+  const NamedValues named(file.model);
+  out.write_texts("/value_names", named.names);
+  out.write_texts("/value_units", named.units);
+  out.write_vector("/values",
+                   Eigen::Map<const Eigen::VectorXd>(named.values.data(), std::ssize(named.values)));
   out.write_vector("/t", cloud.times);
   out.make_scale("/t", "t");
   out.write_texts("/states", cloud.states);
@@ -200,6 +250,7 @@ std::string cloud_summary(const CloudFile& file, const models::GustLayout& layou
     fmt::format_to(std::back_inserter(text), "; half turns {} +- {}", three(cloud.mean_half_turns.value),
                    three(cloud.mean_half_turns.error));
   }
+  if (cloud.cancelled) text += "; interrupted";
   return text;
 }
 

@@ -17,7 +17,11 @@ struct CloudFile {
   const models::ParametricModel& model;
   std::uint64_t seed = 0;
   double step = 0.0;  ///< [s]
-  std::string air;    ///< what they fly through, in words
+  std::optional<double> ground = {};
+  double body_radius = 0.0;  ///< [m]
+  std::string C_0;           ///< as it was given; empty: by the Reynolds number of the turbulence
+  bool rotation = false;
+  std::string air;  ///< what they fly through, in words
 };
 
 struct CloudTable {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include <fmt/format.h>
@@ -32,6 +33,12 @@ class Panel {
   }
 
   void frame(std::string& svg) {
+    if (!(low_.array() <= high_.array()).all()) {
+      fmt::format_to(std::back_inserter(svg),
+                     R"(<text x="{:.1f}" y="{:.1f}" text-anchor="middle">nothing to show</text>)",
+                     left_ + 0.5 * kPanelWidth, 0.5 * kPanelHeight);
+      return;
+    }
     const Eigen::Vector2d middle = 0.5 * (low_ + high_);
     const Eigen::Vector2d room(kPanelWidth - 2.0 * kMargin, kPanelHeight - 2.0 * kMargin);
     const Eigen::Vector2d size = (high_ - low_).cwiseMax(1e-6);
@@ -45,14 +52,14 @@ class Panel {
     const double x_end = left_ + kPanelWidth - kMargin, y_end = kPanelHeight - kMargin;
     fmt::format_to(out, R"(<rect class="frame" x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}"/>)",
                    left_ + kMargin, kMargin, room.x(), room.y());
-    for (double x = tick * std::ceil((middle.x() - half.x()) / tick); x <= middle.x() + half.x(); x += tick) {
+    for (const double x : ticks(middle.x() - half.x(), middle.x() + half.x(), tick)) {
       const double at = place({x, 0.0}).x();
       fmt::format_to(
           out,
           R"(<path class="frame" d="M{0:.1f} {1:.1f}v5"/><text x="{0:.1f}" y="{2:.1f}" text-anchor="middle">{3}</text>)",
           at, y_end, y_end + 19.0, label(x, tick));
     }
-    for (double y = tick * std::ceil((middle.y() - half.y()) / tick); y <= middle.y() + half.y(); y += tick) {
+    for (const double y : ticks(middle.y() - half.y(), middle.y() + half.y(), tick)) {
       const double at = place({0.0, y}).y();
       fmt::format_to(
           out,
@@ -100,6 +107,18 @@ class Panel {
     }
     return 10.0 * step;
   }
+  /// Multiples of `tick` in a range, which may be finer than doubles are there: counted, so that they come to an end.
+  static std::vector<double> ticks(double from, double to, double tick) {
+    constexpr int kMost = 20;
+    std::vector<double> all;
+    const double first = std::ceil(from / tick);
+    for (int i = 0; i < kMost; ++i) {
+      const double at = tick * (first + i);
+      if (at > to) break;
+      if (all.empty() || at > all.back()) all.push_back(at);
+    }
+    return all;
+  }
   static std::string label(double value, double tick) {
     return fmt::format("{:.4g}", std::abs(value) < 1e-9 * tick ? 0.0 : value);
   }
@@ -120,7 +139,7 @@ Outline ellipse(const Eigen::Vector2d& middle, const Eigen::Matrix2d& covariance
   const double c = std::sqrt(std::max(0.0, covariance(1, 1) - b * b));
   Outline points;
   for (int i = 0; i <= 48; ++i) {
-    const double angle = 2.0 * M_PI * i / 48.0;
+    const double angle = 2.0 * std::numbers::pi * i / 48.0;
     points.emplace_back(middle +
                         Eigen::Vector2d(a * std::cos(angle), b * std::cos(angle) + c * std::sin(angle)));
   }
@@ -151,7 +170,9 @@ SideView side_view(const models::Ensemble& cloud, const models::GustLayout& layo
     }
     view.paths.push_back(std::move(path));
   }
-  const bool of_place = cloud.states.size() == layout.position().size() && cloud.states.front() == "x";
+  std::vector<std::string> place = {"x", "y"};
+  if (layout.space() != models::GustLayout::Space::plane) place.emplace_back("z");
+  const bool of_place = cloud.states == place;
   const auto last = static_cast<Eigen::Index>(cloud.states.size()) - 1;
   for (Eigen::Index k = 0; of_place && k < cloud.times.size(); ++k) {
     // A mean over the few that still fly is no path of the cloud.

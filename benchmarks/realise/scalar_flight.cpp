@@ -58,9 +58,9 @@ double fly_one_by_one(const std::vector<double>& x_0, const std::vector<double>&
     std::ranges::copy(x_0, x.begin());
     Eigen::Vector3d w = draw();
     Eigen::Vector3d air = gusts.sigma * w;
-    Eigen::Vector3d mean_u_r = velocity_of(x) - air;
+    Eigen::Vector3d mean_u_r = velocity_of(x);
     for (long k = 0; k < steps; ++k) {
-      mean_u_r -= std::expm1(-step / gusts.T) * (velocity_of(x) - air - mean_u_r);
+      mean_u_r -= std::expm1(-0.1 * step / gusts.T) * (velocity_of(x) - air - mean_u_r);
       const double speed = mean_u_r.norm(), bs = 0.565 * 6.0 / gusts.C_0 * speed / gusts.sigma;
       const double along = std::exp(-step / gusts.T * std::sqrt(1.0 + bs * bs));
       const double across = std::exp(-step / gusts.T * std::sqrt(1.0 + 4.0 * bs * bs));

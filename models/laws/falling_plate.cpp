@@ -40,11 +40,11 @@ struct FallingPlate {
             "x' = vx cos(theta) - vy sin(theta),  y' = vx sin(theta) + vy cos(theta),  "
             "G = (-2 C_T a vx vy/v + 2 C_R a^2 w)/(1 + Re_lift/Re),  "
             "(Fx, Fy) = fluid_density a (1 + Re_drag/Re) (A - B (vx^2 - vy^2)/v^2) v (vx, vy),  "
-            "v = sqrt(vx^2 + vy^2 + speed_floor^2),  Re = 2 a v/nu,  U = sqrt(|density/fluid_density - 1| g "
-            "b),  "
-            "m = pi density a b,  m_f = pi fluid_density a b,  I = m (a^2 + b^2)/4,  "
-            "m11 = pi fluid_density b^2,  m22 = pi fluid_density a^2,  "
-            "I_a = pi/8 fluid_density (a^2 - b^2)^2,  a = semi_chord,  b = semi_thickness",
+            "v = sqrt(vx^2 + vy^2 + speed_floor^2),  Re = 2 a v/nu,  "
+            "U = sqrt(|density/fluid_density - 1| g b),  m = pi density a b,  "
+            "m_f = pi fluid_density a b,  I = m (a^2 + b^2)/4,  m11 = pi fluid_density b^2,  "
+            "m22 = pi fluid_density a^2,  I_a = pi/8 fluid_density (a^2 - b^2)^2,  a = semi_chord,  "
+            "b = semi_thickness",
         .frames =
             "vx, vy in body axes: x' along the chord, y' along the normal, theta the angle of x' above the "
             "horizontal; x, y in the world, y upward; forces and masses per metre of span",
@@ -152,8 +152,8 @@ struct FallingPlateInGusts {
     kSpin = kMaterial + 2,
     kParameters
   };
-  static constexpr std::size_t kTerms =
-      kPlanarTerms + 1;  ///< the last one is that of the fluid's acceleration
+  /// The last one is that of the fluid's acceleration.
+  static constexpr std::size_t kTerms = kPlanarTerms + 1;
 
   static ModelInfo info() {
     ModelInfo info = FallingPlate::info();
@@ -161,27 +161,25 @@ struct FallingPlateInGusts {
     info.title = "Falling elliptic plate in its plane, in a fluid that changes in time, per unit span";
     info.equations =
         "(m + m11) ux' = (m + m22) w uy - fluid_density G uy - (m - m_f) g sin(theta) - Fx + m_f "
-        "(gust_material_x "
-        "cos(theta) + gust_material_y sin(theta)) - m (gust_rate_x cos(theta) + gust_rate_y sin(theta)),  "
+        "(gust_material_x cos(theta) + gust_material_y sin(theta)) - m (gust_rate_x cos(theta) + "
+        "gust_rate_y sin(theta)),  "
         "(m + m22) uy' = -(m + m11) w ux + fluid_density G ux - (m - m_f) g cos(theta) - Fy + m_f "
-        "(gust_material_y "
-        "cos(theta) - gust_material_x sin(theta)) - m (gust_rate_y cos(theta) - gust_rate_x sin(theta)),  "
+        "(gust_material_y cos(theta) - gust_material_x sin(theta)) - m (gust_rate_y cos(theta) - "
+        "gust_rate_x sin(theta)),  "
         "(I + I_a) w' = (m11 - m22) ux uy - pi fluid_density a^4 (mu1 U/a + mu2 |w_r|) w_r,  theta' = w,  "
         "x' = vx cos(theta) - vy sin(theta),  y' = vx sin(theta) + vy cos(theta),  "
-        "ux = vx - Wx cos(theta) - Wy sin(theta),  uy = vy + Wx sin(theta) - Wy cos(theta),  w_r = w - "
-        "gust_spin,  "
-        "Wx = gust_x + (t - gust_start) gust_rate_x,  Wy = gust_y + (t - gust_start) gust_rate_y,  "
+        "ux = vx - Wx cos(theta) - Wy sin(theta),  uy = vy + Wx sin(theta) - Wy cos(theta),  "
+        "w_r = w - gust_spin,  Wx = gust_x + (t - gust_start) gust_rate_x,  "
+        "Wy = gust_y + (t - gust_start) gust_rate_y,  "
         "G = (-2 C_T a ux uy/v + 2 C_R a^2 w_r)/(1 + Re_lift/Re),  "
         "(Fx, Fy) = fluid_density a (1 + Re_drag/Re) (A - B (ux^2 - uy^2)/v^2) v (ux, uy),  "
-        "v = sqrt(ux^2 + uy^2 + speed_floor^2),  Re = 2 a v/nu,  U = sqrt(|density/fluid_density - 1| g b),  "
-        "m = pi density a b,  m_f = pi fluid_density a b,  I = m (a^2 + b^2)/4,  m11 = pi fluid_density b^2, "
-        " "
-        "m22 = pi fluid_density a^2,  I_a = pi/8 fluid_density (a^2 - b^2)^2,  a = semi_chord,  b = "
-        "semi_thickness";
+        "v = sqrt(ux^2 + uy^2 + speed_floor^2),  Re = 2 a v/nu,  "
+        "U = sqrt(|density/fluid_density - 1| g b),  m = pi density a b,  m_f = pi fluid_density a b,  "
+        "I = m (a^2 + b^2)/4,  m11 = pi fluid_density b^2,  m22 = pi fluid_density a^2,  "
+        "I_a = pi/8 fluid_density (a^2 - b^2)^2,  a = semi_chord,  b = semi_thickness";
     info.validity +=
-        ". The fluid is the same over the chord. Realisations (samara simulate --realisations) set the gust "
-        "step by "
-        "step; by itself it is one ramp in time";
+        ". The fluid is the same over the chord. Realisations (samara simulate --realisations) set the "
+        "gust step by step; by itself it is one ramp in time";
     info.symmetries = {"translation of x", "translation of y", "turn of the body by pi"};
     append(info.parameters,
            {any_value("gust_start", "s", 0.0, "time at which the velocity is (gust_x, gust_y)"),

@@ -31,9 +31,8 @@ ModelInfo ImmersedBodyIn<GustRamp>::info() const {
       "w_air = (gust_x, gust_y, gust_z) + (t - gust_start) (gust_rate_x, gust_rate_y, gust_rate_z);  "
       "Dw_air/Dt is (gust_material_x, gust_material_y, gust_material_z)";
   info.validity +=
-      "; a fluid that is the same over the length of the body. Realisations (samara simulate --realisations) "
-      "set "
-      "the gust step by step; by itself it is one ramp in time";
+      "; a fluid that is the same over the length of the body. Realisations (samara simulate "
+      "--realisations) set the gust step by step; by itself it is one ramp in time";
   // No rotation about z: the gust would have to turn with the state.
   info.symmetries = translations();
   append(info.parameters, GustRamp::parameters());

@@ -19,23 +19,16 @@ struct SphereFlightInGusts {
     info.title = "Spinning sphere in flight, in a fluid that changes in time";
     info.equations =
         "(m + m_a) v_r' = -1/2 rho A (C_D (1 + Re_drag/Re) + spin_drag S) V v_r + 1/2 rho A C_M r w_r x "
-        "v_r/(1 + "
-        "magnus_saturation S) + (m - m_f) (0, 0, -g) + m_f a_f - m dw_air/dt;  "
-        "v_r = v - w_air;  "
-        "(x, y, z)' = v;  "
-        "w' = -spin_decay w_r;  "
-        "w_r = w - (gust_spin_x, gust_spin_y, gust_spin_z);  "
-        "V = sqrt(|v_r|^2 + speed_floor^2);  "
-        "S = sqrt(r^2 |w_r|^2 + speed_floor^2)/V;  "
-        "Re = diameter V/nu;  "
-        "A = pi r^2;  r = diameter/2;  rho = fluid_density;  m = mass;  m_a = added_mass;  m_f = "
-        "displaced_mass;  "
+        "v_r/(1 + magnus_saturation S) + (m - m_f) (0, 0, -g) + m_f a_f - m dw_air/dt;  v_r = v - w_air;  "
+        "(x, y, z)' = v;  w' = -spin_decay w_r;  w_r = w - (gust_spin_x, gust_spin_y, gust_spin_z);  "
+        "V = sqrt(|v_r|^2 + speed_floor^2);  S = sqrt(r^2 |w_r|^2 + speed_floor^2)/V;  "
+        "Re = diameter V/nu;  A = pi r^2;  r = diameter/2;  rho = fluid_density;  m = mass;  "
+        "m_a = added_mass;  m_f = displaced_mass;  "
         "w_air = (gust_x, gust_y, gust_z) + (t - gust_start) (gust_rate_x, gust_rate_y, gust_rate_z);  "
         "a_f = (gust_material_x, gust_material_y, gust_material_z)";
     info.validity +=
-        ". A fluid that is the same over the diameter. Realisations (samara simulate --realisations) set the "
-        "gust "
-        "step by step; by itself it is one ramp in time";
+        ". A fluid that is the same over the diameter. Realisations (samara simulate --realisations) set "
+        "the gust step by step; by itself it is one ramp in time";
     // No rotation about z: the gust would have to turn with the state.
     info.symmetries = translations();
     append(info.parameters, GustRamp::parameters());

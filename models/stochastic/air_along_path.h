@@ -19,25 +19,39 @@ struct BodyOnPath {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      ///< over the ground [m/s]
   Eigen::Matrix3d attitude = Eigen::Matrix3d::Identity();  ///< R_WB; identity for bodies without one
-  Eigen::Vector3d air = Eigen::Vector3d::Zero();           ///< what it was told the velocity is here [m/s]
+  /// 1 along the axes of the world that it can move along, otherwise 0: in a plane (1, 0, 1).
+  Eigen::Vector3d axes = Eigen::Vector3d::Ones();
+  Eigen::Vector3d air = Eigen::Vector3d::Zero();  ///< the velocity it was told, along its axes [m/s]
   /// What a sudden change of the air changes of its velocity, (m + M)^-1 (m_f + M), both in body axes: the identity for
   /// a body as heavy as the fluid, about zero for a heavy one.
   Eigen::Matrix3d follows = Eigen::Matrix3d::Zero();
-  /// In which drag takes up the rest of such a change, |(m + M) u_r|/|F|; asked for by AirAlongPath::needs_response,
-  /// otherwise 0 [s]
+  /// Of what else changes its velocity (weight, drag, lift), as in the step before [m/s^2].
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
+  /// In which drag takes up the rest of such a change, |(m + M) u_r|/|F| [s]; 0 unless AirAlongPath::needs_response
+  /// asks for it.
   double response_time = 0.0;
+
+  /// What a change of the air changes of its velocity at once.
+  Eigen::Vector3d followed(const Eigen::Vector3d& change) const {
+    return attitude * (follows * (attitude.transpose() * change));
+  }
+  /// Where it will be after a step of length h [s], over which the air changes by `change` [m/s].
+  Eigen::Vector3d position_after(double h, const Eigen::Vector3d& change) const {
+    return position + h * velocity + 0.5 * h * (followed(change) + h * acceleration);
+  }
 };
 
 /// The air where the body is at the end of a step.
 struct AirSeen {
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< of the fluid [m/s]
-  /// gradient(i, j) = d velocity_i/d x_j of the part that is a field [1/s]: by it the acceleration along the fluid's
-  /// path differs from that along the body's.
+  /// Of the fluid [m/s]. Of this and of `rotation` a body takes what it can move by.
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  /// gradient(i, j) = d velocity_i/d x_j in the middle of the step, as far as it is known (the mean, and the deviation of
+  /// the gusts) [1/s]: by it the acceleration along the fluid's path differs from that along the body's.
   Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< angular velocity of a rotational gust [rad/s]
   /// In which the air changes along the path [s]: steps should be shorter than a tenth of it
   double time_scale = std::numeric_limits<double>::infinity();
-  bool inside = true;  ///< false: the body has left the flow, and its realisation ends
+  bool inside = true;  ///< false: the body leaves the flow, and its realisation ends with this step
 };
 
 /// The air along the path of one realisation; has a state, belongs to one thread.
@@ -48,8 +62,7 @@ class AirAlongPath {
   /// The air at the start; called once, before all steps.
   virtual AirSeen start(const BodyOnPath& body) = 0;
 
-  /// The air at the end of a step of length h [s] from where the body is. Its velocity there may be predicted:
-  /// position + h velocity.
+  /// The air at the end of a step of length h [s] from where the body is, at position_after().
   virtual AirSeen step(const BodyOnPath& body, double h) = 0;
 
   /// Whether `response_time` is of use at the next step: it costs as much as the step itself.

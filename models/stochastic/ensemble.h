@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,8 @@ struct Estimated {
 
 /// Shares of steps that are longer than the air changes along the path.
 struct StepShares {
-  double beyond_tenth =
-      0.0;  ///< h > 0.1 of AirSeen::time_scale: more than 5 % of error where energy has a gradient
+  /// h > 0.1 of AirSeen::time_scale: more than 5 % of error where the energy has a gradient.
+  double beyond_tenth = 0.0;
   double beyond_third = 0.0;  ///< h >= 0.3 of it
   double shortest = 0.0;      ///< the scale that one step in twenty stays below [s]
 };
@@ -58,11 +59,14 @@ struct Ensemble {
   /// Of the first realisations, as many as asked for: times x all states; NaN after their end.
   std::vector<Eigen::MatrixXd> kept;
   StepShares steps;
-  long first = 0;           ///< number of the first realisation
-  bool antithetic = false;  ///< realisations 2 i and 2 i + 1 are a pair
-  bool cancelled = false;   ///< by the progress callback; what is here is complete
-  double relative_error =
-      0.0;  ///< of the mean displacement at the last time (or at the landing), see RealiseOptions
+  long first = 0;                     ///< number of the first realisation
+  bool antithetic = false;            ///< realisations 2 i and 2 i + 1 are a pair
+  double step = 0.0;                  ///< upper bound [s]
+  std::optional<double> ground = {};  ///< [m]
+  std::vector<double> values;         ///< initial values and parameters that were flown
+  bool cancelled = false;             ///< by the progress callback; what is here is complete
+  /// Of the mean displacement at the last time (or at the landing), see RealiseOptions.
+  double relative_error = 0.0;
 
   long realisations() const { return static_cast<long>(status.size()); }
   long count(RealisationStatus which) const;

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include <fmt/format.h>
+
 #include "samara/base/errors.h"
 #include "samara/base/normals.h"
 #include "samara/base/require.h"
@@ -68,6 +70,11 @@ ParticlePaths follow_fluid(const TurbulentFlow& flow, const Eigen::Matrix3Xd& st
                            std::span<const double> times, const ParticleOptions& options) {
   check_step(options.step);
   check_times(times);
+  check_max_steps(options.max_steps);
+  if (!times.empty() && are_too_many(times, options.step, options.max_steps))
+    throw ArgumentError(
+        fmt::format("steps of {} s to t = {} s are more than {}; a longer step or fewer times were expected",
+                    options.step, times.back(), options.max_steps));
   require_not_negative(options.C_0, "C_0");
   require_positive(options.viscosity, "viscosity [m^2/s]");
   if (!start.allFinite())

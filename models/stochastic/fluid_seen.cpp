@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 #include "samara/base/errors.h"
 #include "samara/base/normals.h"
 #include "samara/base/require.h"
@@ -12,6 +14,10 @@
 namespace samara::models {
 
 namespace {
+
+/// Over how many T the relative velocity is averaged: over fewer, much of what is random would count as a drift through
+/// the eddies, and T would depend on the gust itself.
+constexpr double kTimesOfMean = 10.0;
 
 enum NoiseStream : std::uint16_t { kGustNoise = 1, kSpinNoise = 2 };
 
@@ -59,9 +65,9 @@ class FluidSeen final : public AirAlongPath {
     if (options_.rotation) spin_ = spins_.next();
     const Turbulence here = flow_.turbulence(body.t, body.position);
     has_gradient_ = !here.sigma_gradient.isZero(0.0);
-    AirSeen seen = seen_at(body.t, body.position, here);
-    mean_u_r_ = body.velocity - seen.velocity;
-    return seen;
+    at_once_ = bounded(body.follows);
+    mean_u_r_ = body.axes.cwiseProduct(body.velocity - flow_.sample(body.t, body.position).velocity);
+    return seen_at(body.t, body.position, here);
   }
 
   AirSeen step(const BodyOnPath& body, double h) override {
@@ -71,16 +77,18 @@ class FluidSeen final : public AirAlongPath {
     const LangevinScales scales = scales_of(energy);
     has_gradient_ = !energy.sigma_gradient.isZero(0.0);
     const double sigma = attenuated(scales);
+    const Eigen::Vector3d before = w_;
     move_gust(body, h, energy, scales, sigma);
-    if (options_.rotation && energy.epsilon > 0.0) move_spin(h, energy.epsilon);
+    if (options_.rotation && energy.k > 0.0) move_spin(h, energy.epsilon);
     const AmbientSample mean = flow_.sample(t, middle);
     // The body's own change of velocity by this gust moves it, too: without it what the fluid carries does not stay mixed.
     const Eigen::Vector3d change = mean.velocity + sigma * w_ - body.air;
-    const Eigen::Vector3d end =
-        body.position + h * body.velocity +
-        0.5 * h * (body.attitude * (body.follows * (body.attitude.transpose() * change)));
+    const Eigen::Vector3d end = body.position_after(h, change);
     AirSeen seen = seen_at(body.t + h, end, flow_.turbulence(body.t + h, end));
+    // Along the path of the fluid, too, its deviation changes.
     seen.gradient = mean.gradient;
+    if (has_gradient_ && scales.sigma > 0.0)
+      seen.gradient += 0.5 * sigma / scales.sigma * (before + w_) * energy.sigma_gradient.transpose();
     seen.time_scale =
         std::min(shortest_time_, scales.time_scale(energy.sigma_gradient, body.velocity.norm()));
     return seen;
@@ -112,7 +120,7 @@ class FluidSeen final : public AirAlongPath {
   AirSeen seen_at(double t, const Eigen::Vector3d& position, const Turbulence& energy) {
     AirSeen seen;
     seen.velocity = flow_.sample(t, position).velocity + attenuated(scales_of(energy)) * w_;
-    if (options_.rotation) seen.rotation = 0.99 * eddy_rate(energy.epsilon) * spin_;
+    if (options_.rotation && energy.k > 0.0) seen.rotation = 0.99 * eddy_rate(energy.epsilon) * spin_;
     seen.inside = energy.inside;
     return seen;
   }
@@ -123,7 +131,7 @@ class FluidSeen final : public AirAlongPath {
     if (!(scales.sigma > 0.0)) return;  // still fluid keeps w for where it is not
     if (h / scales.T != blend_steps_) {
       blend_steps_ = h / scales.T;
-      blend_ = -std::expm1(-blend_steps_);
+      blend_ = -std::expm1(-blend_steps_ / kTimesOfMean);
     }
     mean_u_r_ += blend_ * (body.velocity - body.air - mean_u_r_);
     const double speed = mean_u_r_.norm();
@@ -139,8 +147,7 @@ class FluidSeen final : public AirAlongPath {
     Eigen::Vector3d next = across.kept * w_ + across.noise * xi;
     next += ((along.kept - across.kept) * axis.dot(w_) + (along.noise - across.noise) * axis.dot(xi)) * axis;
     if (has_gradient_) {
-      const Eigen::Vector3d drift =
-          share_of_drift(body, scales.T) * (sigma / scales.sigma) * energy.sigma_gradient;
+      const Eigen::Vector3d drift = sigma / scales.sigma * drift_of(body, scales.T, energy.sigma_gradient);
       next += (1.0 - across.kept) * T_across * drift;
       next += ((1.0 - along.kept) * T_along - (1.0 - across.kept) * T_across) * axis.dot(drift) * axis;
     }
@@ -149,9 +156,17 @@ class FluidSeen final : public AirAlongPath {
 
   /// The drift is that of the fluid's own particles: a body has of it what it follows at once, and of the rest what its
   /// drag follows in the time of an eddy (P. A. Bocksell, E. Loth, Int. J. Multiphase Flow 32 (2006) 1234-1253).
-  static double share_of_drift(const BodyOnPath& body, double T) {
-    const double at_once = body.follows.trace() / 3.0;
-    return at_once + (1.0 - at_once) / (1.0 + body.response_time / T);
+  Eigen::Vector3d drift_of(const BodyOnPath& body, double T, const Eigen::Vector3d& gradient) const {
+    const Eigen::Vector3d at_once = body.attitude * (at_once_ * (body.attitude.transpose() * gradient));
+    return at_once + (gradient - at_once) / (1.0 + body.response_time / T);
+  }
+
+  /// A body that overtakes the fluid, as a bubble does, has the drift of the fluid and no more.
+  static Eigen::Matrix3d bounded(const Eigen::Matrix3d& follows) {
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
+    axes.computeDirect(0.5 * (follows + follows.transpose()));
+    const Eigen::Vector3d shares = axes.eigenvalues().cwiseMax(0.0).cwiseMin(1.0);
+    return axes.eigenvectors() * shares.asDiagonal() * axes.eigenvectors().transpose();
   }
 
   void move_spin(double h, double epsilon) {
@@ -170,11 +185,13 @@ class FluidSeen final : public AirAlongPath {
   NoiseAhead gusts_, spins_;
   Eigen::Vector3d w_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d spin_ = Eigen::Vector3d::Zero();
-  /// Relative to the fluid seen, averaged over an eddy's time: what a particle of the fluid has is zero.
+  Eigen::Matrix3d at_once_ =
+      Eigen::Matrix3d::Zero();  ///< BodyOnPath::follows, between 0 and 1 along its axes
+  /// Relative to the fluid seen, averaged over ten times an eddy's: what a particle of the fluid has is zero.
   Eigen::Vector3d mean_u_r_ = Eigen::Vector3d::Zero();
   Turbulence of_ = {};  ///< what the scales are of
   LangevinScales scales_{of_, options_};
-  double blend_steps_ = 0.0, blend_ = 0.0;  ///< of that average, by h/T
+  double blend_steps_ = 0.0, blend_ = 0.0;  ///< weight of a step in that average, by h/T
   double ratio_ = 0.0, left_ = 1.0;         ///< radius over scale, and the share of sigma that is left of it
   double shortest_time_ = 0.0;
   bool has_gradient_ = false;

@@ -3,12 +3,16 @@
 #include <cmath>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "samara/models/interface/model.h"
 #include "samara/models/stochastic/air_along_path.h"
 
 namespace samara::models {
+
+/// Terms of a law that do not take up a gust: weight, the pressure of a fluid that accelerates, rates of axes.
+inline constexpr std::string_view kNotDrag[] = {"inertia", "gravity and buoyancy", "ambient acceleration"};
 
 /// How gusts reach a model: by parameters of these names, and states of these kinds. A law of one's own that has them
 /// flies through gusts like those of Samara.
@@ -19,7 +23,8 @@ namespace samara::models {
 ///   in a plane gust_start, gust_{x,y}, gust_rate_{x,y}, gust_material_{x,y}, gust_spin
 ///              with the states vx, vy, w, theta, x, y of falling_plate, y upward
 ///
-/// In the world of the flow a plane is that of x and z.
+/// In the world of the flow a plane is that of x and z. Of a law's force terms those of the names in kNotDrag are not
+/// counted as drag, where the time in which the body takes up a gust is needed.
 class GustLayout {
  public:
   enum class Space { body, point, plane };
@@ -29,6 +34,8 @@ class GustLayout {
 
   Space space() const { return space_; }
   bool has_attitude() const { return space_ != Space::point; }
+  /// BodyOnPath::axes
+  Eigen::Vector3d axes() const { return {1.0, space_ == Space::plane ? 0.0 : 1.0, 1.0}; }
   /// Of the place, in the order of the model: x, y, z, or x, y. The last one is the height.
   const std::vector<int>& position() const { return position_; }
   /// Of the angular velocity.

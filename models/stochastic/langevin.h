@@ -17,8 +17,10 @@ struct LangevinScales {
   double L = 0.0;  ///< scale of von Karman's spectrum [m]
 
   LangevinScales(const Turbulence& at, const SeenOptions& options) {
-    if (!(at.k > 0.0)) {
-      if (std::isnan(at.k) || at.k < 0.0) sigma = std::numeric_limits<double>::quiet_NaN();
+    if (at.k == 0.0) return;
+    // An energy that is none makes what sees it not finite, and that alone: other realisations go on.
+    if (!(at.k > 0.0 && at.epsilon > 0.0 && std::isfinite(at.k) && std::isfinite(at.epsilon))) {
+      sigma = std::numeric_limits<double>::quiet_NaN();
       return;
     }
     sigma = std::sqrt(2.0 / 3.0 * at.k);

@@ -1,5 +1,6 @@
 #include "samara/models/stochastic/realisation_pack.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -33,6 +34,9 @@ struct Flight {
   std::unique_ptr<AirAlongPath> air;
   BodyOnPath body;
   Eigen::Vector3d start = Eigen::Vector3d::Zero();
+  /// Of its change of velocity in this step, the gust's at once.
+  Eigen::Vector3d followed = Eigen::Vector3d::Zero();
+  bool leaves = false;  ///< the flow, with this step
   TurnCounter turns;
   RealisationRecord record;
 
@@ -45,7 +49,7 @@ class FlightPack {
       : plan_(plan),
         progress_(progress),
         lanes_(plan.model, kernel, {}),
-        response_(plan.model.model(), plan.layout),
+        response_(plan.model, plan.point, plan.layout),
         flights_(static_cast<std::size_t>(lanes_.width())),
         t_(flights_.size(), 0.0),
         state_(static_cast<std::size_t>(plan.model.state_count())) {}
@@ -54,9 +58,9 @@ class FlightPack {
   bool fly(long first, long last, long keep) {
     board(first, last, keep);
     double t = 0.0;
-    for (std::size_t k = 0; k < plan_.times.size(); ++k) {
+    for (std::size_t k = 0; k < plan_.times.size() && any_goes_on(); ++k) {
       const EqualSteps steps = equal_steps(t, plan_.times[k], plan_.step);
-      for (long step = 0; step < steps.count; ++step) {
+      for (long step = 0; step < steps.count && any_goes_on(); ++step) {
         if (step % 256 == 0 && !progress_.goes_on()) return false;
         take_step(t + static_cast<double>(step) * steps.length, steps.length);
       }
@@ -70,6 +74,8 @@ class FlightPack {
   RealisationRecord& record(int lane) { return flights_[static_cast<std::size_t>(lane)].record; }
 
  private:
+  bool any_goes_on() const { return std::ranges::any_of(flights_, &Flight::goes_on); }
+
   template <class Act>
   void for_flying(const Act& act) {
     for (int lane = 0; lane < lanes_.width(); ++lane) {
@@ -91,13 +97,14 @@ class FlightPack {
       const auto draw = static_cast<std::uint64_t>(plan_.antithetic ? number / 2 : number);
       flight.air = plan_.air.realisation(draw, plan_.antithetic && number % 2 == 1);
       flight.body.follows = plan_.follows;
+      flight.body.axes = plan_.layout.axes();
       flight.record.landing.realisation = number;
       flight.record.chosen.setConstant(times, static_cast<Eigen::Index>(plan_.states.size()), kNaN);
       if (number < keep) flight.record.all.setConstant(times, plan_.model.state_count(), kNaN);
       look(flight, lane);
       flight.start = flight.body.position;
       const AirSeen seen = flight.air->start(flight.body);
-      flight.body.air = seen.velocity;
+      flight.body.air = flight.body.axes.cwiseProduct(seen.velocity);
       if (!seen.inside) flight.record.status = RealisationStatus::left_flow;
     }
   }
@@ -113,23 +120,34 @@ class FlightPack {
   void meet_air(Flight& flight, int lane, double t, double h) {
     BodyOnPath& body = flight.body;
     body.t = t;
-    if (flight.air->needs_response()) body.response_time = response_(lanes_, lane, t, body.air);
-    const AirSeen seen = flight.air->step(body, h);
+    body.response_time = flight.air->needs_response() ? response_(lanes_, lane, t, body.air) : 0.0;
+    AirSeen seen = flight.air->step(body, h);
     flight.record.steps.add(h, seen.time_scale);
-    if (!seen.inside) {
-      flight.record.status = RealisationStatus::left_flow;
+    if (!seen.velocity.allFinite()) {
+      flight.record.status = RealisationStatus::not_finite;
       return;
     }
-    const Eigen::Vector3d rate = (seen.velocity - body.air) / h;
-    const Eigen::Vector3d material = rate + seen.gradient * (body.air - body.velocity);
+    // The ground may be where the flow ends: the step is taken all the same, in air as it is here.
+    flight.leaves = !seen.inside;
+    if (flight.leaves) seen = {.velocity = body.air, .rotation = seen.rotation};
+    const Eigen::Vector3d next = body.axes.cwiseProduct(seen.velocity);
+    const Eigen::Vector3d change = next - body.air;
+    const Eigen::Vector3d rate = change / h;
+    // In the middle of the step, or the advection would be right to first order only.
+    flight.followed = body.followed(change);
+    const Eigen::Vector3d relative =
+        body.air - body.velocity + 0.5 * (change - flight.followed - h * body.acceleration);
+    const Eigen::Vector3d material = rate + seen.gradient * relative;
     plan_.layout.write([&](int j, double value) { lanes_.set_parameter(j, lane, value); }, t, body.air, rate,
                        material, seen.rotation);
-    body.air = seen.velocity;
+    body.air = next;
   }
 
   void look_after(Flight& flight, int lane, double t, double h) {
     const Eigen::Vector3d before = flight.body.position;
+    const Eigen::Vector3d velocity = flight.body.velocity;
     look(flight, lane);
+    flight.body.acceleration = (flight.body.velocity - velocity - flight.followed) / h;
     const Eigen::Vector3d& now = flight.body.position;
     // What is not finite in any state is so in these at the next step, too.
     if (!now.allFinite() || !flight.body.velocity.allFinite()) {
@@ -140,6 +158,8 @@ class FlightPack {
       flight.record.landing.t = t + share * h;
       flight.record.landing.position = before + share * (now - before);
       flight.record.displacement = flight.record.landing.position - flight.start;
+    } else if (flight.leaves) {
+      flight.record.status = RealisationStatus::left_flow;
     }
   }
 

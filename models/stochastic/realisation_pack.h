@@ -15,7 +15,7 @@ namespace samara::models {
 
 /// What all realisations of an ensemble share.
 struct RealisationPlan {
-  const ParametricModel& model;
+  ParametricModel model;  ///< with gusts of zero, which every kernel takes for given
   std::span<const double> point;
   const AirSource& air;
   std::vector<double> times;
@@ -32,8 +32,8 @@ struct RealisationRecord {
   RealisationStatus status = RealisationStatus::flying;
   Landing landing;
   int half_turns = 0;
-  Eigen::VectorXd
-      displacement;  ///< world, from the start to the landing or the last time; empty: it came to neither
+  /// World, from the start to the landing or the last time; empty: it came to neither.
+  Eigen::VectorXd displacement;
   Eigen::MatrixXd chosen;  ///< times x chosen states; NaN after its end
   Eigen::MatrixXd all;     ///< times x states, where it is kept
   StepCounts steps;

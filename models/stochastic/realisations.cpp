@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,7 +24,13 @@ constexpr long kWave = 8 * kGroup;
 
 void check_options(const RealiseOptions& options) {
   require(options.realisations >= 1, "realisations", options.realisations, "at least 1");
+  // Numbers of realisations are exact as doubles, and their sum is one.
+  constexpr long kMost = 1L << 52;
+  require(options.realisations <= kMost, "realisations", options.realisations,
+          fmt::format("at most {}", kMost));
   require(options.first >= 0, "first", options.first, "0 or more");
+  require(options.first <= kMost, "first", options.first, fmt::format("at most {}", kMost));
+  require(options.keep <= kMost, "keep", options.keep, fmt::format("at most {}", kMost));
   require(!options.antithetic || options.first % 2 == 0, "first", options.first,
           "an even number, for antithetic pairs");
   require(!options.antithetic || options.realisations % 2 == 0, "realisations", options.realisations,
@@ -70,7 +77,11 @@ RealisationPlan plan_of(const ParametricModel& model, std::span<const double> po
         fmt::format("steps of {} s to t = {} s are more than {}; a longer step or fewer times were expected",
                     options.step, times.back(), options.max_steps));
   }
-  RealisationPlan plan = {.model = model,
+  std::map<std::string, double> fixed = model.fixed();
+  for (const std::string& name : layout.parameter_names()) fixed[name] = 0.0;
+  std::vector<std::string> free;
+  for (const FreeCoordinate& coordinate : model.free()) free.push_back(coordinate.name);
+  RealisationPlan plan = {.model = {model.shared_model(), fixed, free},
                           .point = point,
                           .air = air,
                           .times = {times.begin(), times.end()},
@@ -88,7 +99,7 @@ RealisationPlan plan_of(const ParametricModel& model, std::span<const double> po
         "ground [m] is {}, expected below the start, which is at a height of {} m", *options.ground, height));
   }
   ParameterValues all;
-  all.value = model.parameters(point);
+  all.value = plan.model.parameters(point);
   all.given.assign(all.value.size(), 1);
   plan.follows = layout.follows(model.model(), x, all);
   return plan;
@@ -181,16 +192,31 @@ bool run_wave(const RealisationPlan& plan, long first, long last, const RealiseO
   return true;
 }
 
+std::vector<std::string> names_of(const RealisationPlan& plan) {
+  std::vector<std::string> names;
+  for (const int state : plan.states)
+    names.push_back(plan.model.model().info().states[static_cast<std::size_t>(state)].name);
+  return names;
+}
+
+/// All parameters and initial values that are flown.
+std::vector<double> begun_with(const RealisationPlan& plan) {
+  std::vector<double> values(static_cast<std::size_t>(plan.model.state_count()));
+  plan.model.initial(plan.point, values);
+  const std::vector<double> parameters = plan.model.parameters(plan.point);
+  values.insert(values.end(), parameters.begin(), parameters.end());
+  return values;
+}
+
 /// The statistics, from the sums.
 void conclude(const RealisationPlan& plan, const EnsembleSums& sums, Ensemble& ensemble) {
   const ModelInfo& info = plan.model.model().info();
   const auto times = static_cast<Eigen::Index>(plan.times.size());
   const auto states = static_cast<Eigen::Index>(plan.states.size());
   ensemble.times = Eigen::Map<const Eigen::VectorXd>(plan.times.data(), times);
-  ensemble.states.clear();
   ensemble.units.clear();
+  ensemble.states = names_of(plan);
   for (const int state : plan.states) {
-    ensemble.states.push_back(info.states[static_cast<std::size_t>(state)].name);
     ensemble.units.push_back(info.states[static_cast<std::size_t>(state)].unit);
   }
   ensemble.flying.resize(times);
@@ -213,6 +239,9 @@ void conclude(const RealisationPlan& plan, const EnsembleSums& sums, Ensemble& e
                     .beyond_third = static_cast<double>(sums.steps.beyond_third()) / steps,
                     .shortest = sums.steps.scale_below(0.05)};
   ensemble.antithetic = plan.antithetic;
+  ensemble.step = plan.step;
+  ensemble.ground = plan.ground;
+  ensemble.values = begun_with(plan);
   ensemble.relative_error = sums.relative_error();
   ensemble.sums = std::make_shared<EnsembleSums>(sums);
 }
@@ -253,13 +282,23 @@ Ensemble resume(const Ensemble& begun, const ParametricModel& model, std::span<c
           "a multiple of 256");
   require(begun.first == options.first, "first", options.first,
           fmt::format("{}, as it was begun", begun.first));
+  const auto check = [](bool is_same, const char* what) {
+    if (!is_same)
+      throw ArgumentError(
+          fmt::format("the ensemble to resume has {}; what it was begun with was expected", what));
+  };
+  check(
+      begun.times.size() == static_cast<Eigen::Index>(times.size()) && std::ranges::equal(begun.times, times),
+      "other times");
+  check(begun.states == names_of(plan), "other states");
+  check(begun.antithetic == options.antithetic, "other pairs");
+  check(begun.step == options.step, "another step");
+  check(begun.ground == options.ground, "another ground");
+  check(begun.values == begun_with(plan), "other values of the model");
+  check(std::ssize(begun.kept) == std::min(options.keep, begun.realisations()),
+        "another number of trajectories kept");
   Ensemble ensemble = begun;
   ensemble.cancelled = false;
-  const auto states = static_cast<Eigen::Index>(plan.states.size());
-  if (begun.times.size() != static_cast<Eigen::Index>(times.size()) ||
-      !std::ranges::equal(begun.times, times) || begun.mean.cols() != states)
-    throw ArgumentError(
-        "the ensemble to resume has other times or states; those it was begun with were expected");
   return run_from(std::move(ensemble), *begun.sums, plan, options);
 }
 

@@ -17,8 +17,8 @@
 ///   const Ensemble cloud = realise(leaf, {}, *fluid_seen_in(uniform_turbulence(0.3, 0.2), 7), times, {.ground = 0.0});
 ///
 /// Bodies fly side by side in the lanes of SIMD registers, packs of them shared between threads. A realisation has the
-/// same bits alone, among others, on any number of threads and after resume(); with the lanes of another processor it
-/// may differ in the last digits of sines and cosines.
+/// same bits alone, among others, on any number of threads and after resume(); another processor or
+/// library of mathematics may change last digits, and where flights tumble that is another sample.
 namespace samara::models {
 
 struct RealiseOptions {
@@ -30,13 +30,13 @@ struct RealiseOptions {
   std::vector<std::string> states = {};  ///< whose statistics are kept; empty: those of the place
   std::optional<double> ground = {};     ///< height at which a body has landed [m]; it must start above
   long keep = 0;                         ///< trajectories of that many first realisations are kept
-  bool antithetic =
-      false;  ///< realisations in pairs of opposite noise: their number and `first` must be even
+  /// Realisations in pairs of opposite noise: their number and `first` must be even.
+  bool antithetic = false;
   /// Stop as soon as the standard error of the mean displacement at the last time (at the landing, with a ground) is
   /// within this share of its root mean square; looked at every 256 realisations; 0: do not.
   double relative_error = 0.0;
   long max_steps = 100000000;      ///< most steps of a realisation
-  ProgressCallback progress = {};  ///< asked between two times; cancels after the last 256 that were finished
+  ProgressCallback progress = {};  ///< asked every 256 steps; cancels after the last 256 that were finished
 };
 
 /// @param model with the parameters of gusts (gust_layout.h), none of them fixed or free
@@ -47,8 +47,9 @@ Ensemble realise(const ParametricModel& model, std::span<const double> point, co
                  std::span<const double> times, const RealiseOptions& options = {});
 
 /// Goes on from an ensemble that was cancelled or stopped early, up to options.realisations: the result is that of an
-/// undisturbed run, to the bit. All else is to be as it was.
-/// @throws ArgumentError as above, or if it was not made by realise() or does not end on a multiple of 256.
+/// undisturbed run, to the bit. All else is to be as it was; the air cannot be compared.
+/// @throws ArgumentError as above, if it was not made by realise() or does not end on a multiple of 256, and if times,
+///   states, values, step, ground, pairs or kept trajectories are others.
 Ensemble resume(const Ensemble& begun, const ParametricModel& model, std::span<const double> point,
                 const AirSource& air, std::span<const double> times, const RealiseOptions& options = {});
 

@@ -6,13 +6,13 @@
 
 namespace samara::models {
 
-ResponseTime::ResponseTime(const Model& model, const GustLayout& layout) : model_(model), layout_(layout) {
-  const ModelInfo& info = model.info();
-  for (const ForceTermInfo& term : info.force_terms) {
-    is_of_fluid_.push_back(term.name != "inertia" && term.name != "gravity and buoyancy" &&
-                           term.name != "ambient acceleration");
-  }
-  p_.value.resize(info.parameters.size());
+ResponseTime::ResponseTime(const ParametricModel& model, std::span<const double> point,
+                           const GustLayout& layout)
+    : model_(model.model()), layout_(layout) {
+  const ModelInfo& info = model_.info();
+  for (const ForceTermInfo& term : info.force_terms)
+    is_of_fluid_.push_back(std::ranges::count(kNotDrag, term.name) == 0);
+  p_.value = model.parameters(point);
   p_.given.assign(info.parameters.size(), 1);
   x_.resize(info.states.size());
   terms_.resize(info.force_terms.size());
@@ -21,7 +21,6 @@ ResponseTime::ResponseTime(const Model& model, const GustLayout& layout) : model
 double ResponseTime::operator()(const Lanes& lanes, int lane, double t, const Eigen::Vector3d& air) {
   if (terms_.empty()) return 0.0;
   lanes.read(lane, x_);
-  for (std::size_t j = 0; j < p_.value.size(); ++j) p_.value[j] = lanes.parameter(static_cast<int>(j), lane);
   const Eigen::Vector3d none = Eigen::Vector3d::Zero();
   layout_.write([&](int j, double value) { p_.value[static_cast<std::size_t>(j)] = value; }, t, air, none,
                 none, none);

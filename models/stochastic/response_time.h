@@ -8,11 +8,12 @@
 namespace samara::models {
 
 /// The time in which drag takes up a change of the air, from what any model tells of its forces: the momentum
-/// u_r . (m + M) u_r / |F . u_r| along the relative velocity, F the forces of the fluid without inertia, weight and
-/// pressure gradient. For drag alone it is |(m + M) u_r| / |F|.
+/// u_r . (m + M) u_r / |F . u_r| along the relative velocity, F the forces of the fluid: all terms of the
+/// model but those of kNotDrag. For drag alone it is |(m + M) u_r| / |F|.
 class ResponseTime {
  public:
-  ResponseTime(const Model& model, const GustLayout& layout);
+  /// The parameters are those of the model at a point; gusts are set by the call.
+  ResponseTime(const ParametricModel& model, std::span<const double> point, const GustLayout& layout);
 
   /// [s]; infinite where the body moves with the fluid, 0 for a model that lists neither forces nor an energy.
   double operator()(const Lanes& lanes, int lane, double t, const Eigen::Vector3d& air);

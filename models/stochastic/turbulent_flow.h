@@ -25,7 +25,8 @@ struct Turbulence {
 class TurbulentFlow : public AmbientFlow {
  public:
   /// @param position world axes [m]
-  /// @returns k >= 0, epsilon > 0 wherever k > 0; both finite wherever `inside`
+  /// @returns k >= 0, epsilon > 0 wherever k > 0; both finite wherever `inside`. Realisations that come to anything
+  ///   else end as not_finite.
   virtual Turbulence turbulence(double t, const Eigen::Vector3d& position) const = 0;
 };
 

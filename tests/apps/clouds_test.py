@@ -34,6 +34,7 @@ class Clouds(Case):
         self.assertEqual(result.returncode, 0, result.stderr)
         summary, = [line for line in PAGE.splitlines() if line.startswith("1000 realisations in uniform")]
         number = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
+        self.assertEqual(result.stderr.split("; landing")[0], summary.split("; landing")[0])
         self.assertEqual(number.sub("#", result.stderr.strip()), number.sub("#", summary))
         # Tumbling makes much of the last digits of a machine's functions: then it is another sample.
         for (said, error), (found, _) in zip(*(re.findall(r"(\S+) \+- ([0-9.]+)", text) for text in (summary, result.stderr))):
@@ -87,6 +88,45 @@ class Clouds(Case):
         for a, b in zip(at_rest, carried):
             self.assertAlmostEqual(float(b["z.mean[m]"]), float(a["z[m]"]), delta=1e-10)
             self.assertAlmostEqual(float(b["x.mean[m]"]), 2 * float(a["t[s]"]), delta=1e-10)
+
+    def test_files_say_what_was_flown(self):
+        words = ["--realisations", 4, "--until", 0.1, "--frames", 2, "--ground", -5, "--C0", 2.1]
+        cloud(*words, "-o", FOLDER / "said.h5")
+        as_json = json.loads(cloud(*words, "--json").stdout)
+        with h5py.File(FOLDER / "said.h5") as file:
+            values = dict(zip(file["value_names"].asstr()[:], file["values"][:]))
+            self.assertEqual(file.attrs["ground"], -5)
+            self.assertEqual(file.attrs["C_0"], b"2.1")
+            self.assertEqual(file.attrs["cancelled"], 0)
+            self.assertTrue(file.attrs["generator"].startswith(b"samara "))
+            self.assertAlmostEqual(file.attrs["body_radius"], (0.035 * 0.02)**0.5)
+        self.assertEqual((values["a"], values["z(0)"], values["C_R"]), (0.035, 2.0, 1.21))
+        self.assertEqual(as_json["values"]["density"], 1200)
+        self.assertEqual((as_json["ground"], as_json["C_0"], as_json["cancelled"]), (-5, "2.1", False))
+
+    def test_a_plate_in_water_has_the_constant_of_water(self):
+        words = ["--set", "semi_chord=0.02", "--set", "semi_thickness=0.002", "--set", "density=1500", "--set", "nu=1e-6", *GUSTS,
+                 "--realisations", 2, "--until", 0.2, "--frames", 2]
+        in_water = run("simulate", "falling_plate_in_gusts", *words)
+        k = 1.5 * 0.3**2
+        epsilon = 0.43 * k**1.5 / 0.5
+        Re = (20 / 3)**0.5 * k / (1.0e-6 * epsilon)**0.5
+        by_hand = run("simulate", "falling_plate_in_gusts", *words, "--C0", repr(6.5 * (1 + 140 * Re**(-4 / 3))**-0.75))
+        self.assertEqual(in_water.returncode, 0, in_water.stderr)
+        rows = [[[float(word) for word in row] for row in list(csv.reader(io.StringIO(answer.stdout)))[1:]] for answer in (in_water, by_hand)]
+        np.testing.assert_allclose(rows[0], rows[1], rtol=1e-9)
+
+    def test_pictures_of_far_away_places_and_of_other_states_come_to_an_end(self):
+        words = ["--realisations", 3, "--until", 0.1, "--frames", 3]
+        far = cloud(*words, "--set", "x(0)=1e16", "--picture", FOLDER / "far.svg")
+        self.assertEqual(far.returncode, 0, far.stderr)
+        other = cloud(*words, *(f"--states={name}" for name in ("x", "ux", "wx")), "--picture", FOLDER / "other.svg")
+        self.assertEqual(other.returncode, 0, other.stderr)
+        for name, has_mean in (("far", True), ("other", False)):
+            paths = xml.dom.minidom.parse(str(FOLDER / f"{name}.svg")).getElementsByTagName("path")
+            self.assertEqual(any(path.getAttribute("class") == "mean" for path in paths), has_mean, name)
+            self.assertEqual(sum(path.getAttribute("class") == "path" for path in paths), 3)
+            self.assertLess(len(paths), 60)
 
     def test_pairs_and_early_stops_are_told(self):
         pairs = json.loads(cloud("--realisations", 64, "--antithetic", "--until", 0.3, "--frames", 2, "--json").stdout)
@@ -172,6 +212,14 @@ class BadClouds(Case):
         self.refused(["--realisations", 3, "--antithetic"], "an even number")
         self.refused([*ten, "-o", FOLDER / "cloud.txt"], "expected a name that ends in .csv or .h5")
         self.refused([*ten, "--keep", 3, "-o", FOLDER / "cloud.csv"], "trajectories go into a file that ends in .h5")
+        self.refused([*ten, "--keep", 3], "trajectories go into a file that ends in .h5")
+        self.refused([*ten, "--keep", -3, "-o", FOLDER / "cloud.h5"], "--keep is -3, expected a whole number from 0 on")
+        self.refused([*ten, "--picture", FOLDER / "cloud.png"], "expected a name that ends in .svg")
+        self.refused([*ten, "--first", 2**62], "first is 4611686018427387904; at most 4503599627370496 was expected")
+
+    def test_more_than_memory_holds(self):
+        self.refused(["--realisations", 100000, "--keep", 100000, "--frames", 10001, "-o", FOLDER / "cloud.h5"], "which would take 104")
+        self.refused(["--realisations", 10, "--frames", 2900000], "frames were expected")
 
     def test_flows_that_are_none(self):
         ten = ["--realisations", 10]
@@ -181,13 +229,15 @@ class BadClouds(Case):
                                 (["k=1", "deviation=1", "epsilon=1"], "both of k and deviation"),
                                 (["k=-1", "epsilon=1"], "k is -1 m^2/s^2, expected 0 or more"),
                                 (["k=1", "epsilon=0"], "epsilon is 0 m^2/s^3, expected more than 0"),
-                                (["k=nan", "epsilon=1"], "k is nan, expected a finite number"),
-                                (["k=1", "epsilon=1", "wind=2"], "wind")):
+                                (["k=nan", "epsilon=1"], "--turbulence: k is nan, expected a finite number"),
+                                (["k=1", "epsilon=1", "k"], '--turbulence "k" has no "=", expected NAME=VALUE'),
+                                (["k=1", "epsilon=1", "wind=2"], '--turbulence: unknown name "wind"')):
             self.refused([*ten, "--turbulence", *words], sentence, CARD)
 
     def test_words_of_another_kind_of_run(self):
         self.refused([], "--turbulence is of realisations: --realisations was expected")
-        self.refused(["--ground", 0], "--ground is of realisations", CARD)
+        for words in (["--ground", 0], ["--seed", 3], ["--first", 3], ["--threads", 1], ["--keep", 3]):
+            self.refused(words, f"{words[0]} is of realisations", CARD)
         self.refused(["--realisations", 10, "--forces"], "--forces is of single trajectories")
         self.refused(["--realisations", 10, "--integrator", "adaptive"], "--integrator is adaptive: realisations take steps of rk4")
         self.refused([*GUSTS, "--realisations", 10], "it cannot fly through gusts", ["immersed_body", *CARD[1:]])

@@ -77,13 +77,12 @@ inline Process stepped(const std::function<double(double u, double h, double nor
   };
 }
 
-/// Concentrations in bins, of particles that were even at first.
+/// Concentrations in bins of a period, of particles that were even at first.
 inline Eigen::VectorXd concentrations(const Eigen::ArrayXd& z, int bins) {
   Eigen::VectorXd count = Eigen::VectorXd::Zero(bins);
   for (const double place : z) {
     const double folded = place - std::floor(place);
-    const double half = folded < 0.5 ? folded : 1.0 - folded;  // the fields are symmetric about 1/2
-    count[std::min(bins - 1, static_cast<int>(half * 2.0 * bins))] += 1.0;
+    count[std::min(bins - 1, static_cast<int>(folded * bins))] += 1.0;
   }
   return count * bins / static_cast<double>(z.size());
 }
