@@ -19,7 +19,7 @@ class Browser:
 
     def __init__(self, width=1200, height=900, longest=60.0):
         self.longest, self.number, self.buffer = longest, 0, b""
-        self.requests, self.complaints = [], []
+        self.requests, self.complaints, self.downloads = [], [], 0
         self.folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         to_read, self.to = os.pipe()
         self.back, to_write = os.pipe()
@@ -70,6 +70,8 @@ class Browser:
             self.requests.append(parameters["request"]["url"])
         elif method == "Runtime.exceptionThrown":
             self.complaints.append(parameters["exceptionDetails"].get("exception", {}).get("description", "?"))
+        elif method == "Browser.downloadProgress" and parameters["state"] == "completed":
+            self.downloads += 1  # which may come before the answer to the click
         elif method == "Log.entryAdded" and parameters["entry"]["level"] == "error":
             self.complaints.append(parameters["entry"]["text"])
         return event
@@ -114,12 +116,13 @@ class Browser:
 
     def saved(self, click):
         """The file that a click on the element of that id saves."""
-        before = set(os.listdir(self.folder.name))
+        before, downloads = set(os.listdir(self.folder.name)), self.downloads
         self.value(f"document.getElementById({json.dumps(click)}).click()")
         end = time.monotonic() + self.longest
         while time.monotonic() < end:
-            event = self.message()
-            if event.get("method") == "Browser.downloadProgress" and event["params"]["state"] == "completed":
+            if self.downloads == downloads:
+                self.message()
+            else:
                 new = set(os.listdir(self.folder.name)) - before
                 path = pathlib.Path(self.folder.name, new.pop())
                 # So that the next one of this name is seen to be new.

@@ -295,8 +295,8 @@ class ExplorerInBrowser(Case):
         self.assertNotEqual(before, self.browser.value("document.querySelector('#curves canvas').toDataURL()"))
         self.assertGreater(self.browser.value("Number(document.querySelector('#curves [data-rms]').dataset.rms)"), 5e-4)
         # Who cannot see the curve is told of it when it comes to rest.
-        last = self.browser.value("explorer.curves.values[0][199]")
-        self.browser.until(f"document.querySelector('#curves canvas').getAttribute('aria-label').includes(`, ${{kit.shown({last!r}, 4)}} at 0.4 s, from `)")
+        end, last = self.browser.value("[explorer.curves.prepared.places[199], explorer.curves.values[0][199]]")
+        self.browser.until(f"document.querySelector('#curves canvas').getAttribute('aria-label').includes(`, ${{kit.shown({last!r}, 4)}} at ${{kit.shown({end!r}, 4)}} `)")
         # Jumps to the worst point, and the line of the command gives what is shown there.
         self.browser.value("document.querySelector('#worst button[data-output=x]').click()")
         with h5py.File(book("coin", COIN_PLAN)) as file:
