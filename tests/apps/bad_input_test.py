@@ -294,7 +294,7 @@ class BadCalls(Case):
         self.assertGreater(checked, 20)
 
     def test_a_word_that_is_no_command_is_named_with_the_nearest(self):
-        self.check_error(run("foo"), 2, '"foo" is not a command', "known: models, simulate, build")
+        self.check_error(run("qqqq"), 2, '"qqqq" is not a command', "known: models, simulate, build")
         self.check_error(run("biuld", "plan.toml"), 2, 'did you mean "build"?')
 
     def test_what_has_no_effect_or_no_meaning_is_refused(self):
