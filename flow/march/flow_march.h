@@ -61,6 +61,7 @@ class FlowMarch {
 
   /// The longest step that the velocity allows now.
   double allowed_step();
+  /// @param step where more than half a cell flows out in it, parallel streams become unstable
   StepReport advance(double step);
   StepReport advance() { return advance(allowed_step()); }
 
