@@ -56,6 +56,7 @@ class FlowMarch {
   explicit FlowMarch(FlowSetup setup);
 
   /// Velocity at the start by place, component by component at the centres of its faces; then made free of divergence.
+  /// @throws ArgumentError if it is not finite at one of them
   void set_velocity(const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& velocity);
   void set_turbulence(double k, double epsilon);
 
