@@ -47,6 +47,7 @@ void check_case(const FlowCase& flow, double max_memory) {
   for (const double length : {flow.extent.before, flow.extent.behind, flow.extent.side})
     require(length > 0.5 && length <= 1000.0, "extent", length, "more than 0.5 and at most 1000 body lengths",
             "flow");
+  require_positive(max_memory, "max_memory", "flow");
   const double share = blockage(flow);
   if (share > kMostBlockage)
     throw ArgumentError(
