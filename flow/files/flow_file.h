@@ -42,8 +42,8 @@ struct StoredFlow {
 
   MacGrid grid;
   FlowSummary summary;
-  std::vector<CentreField>
-      fields;  ///< u, v, (w), p, k (modelled and resolved), k_modelled, k_resolved, epsilon
+  /// u, v, (w), p, k (modelled and resolved), k_modelled, k_resolved, epsilon
+  std::vector<CentreField> fields;
   Field open;  ///< of cells
 
   /// @throws ArgumentError, naming those that are there, for another

@@ -16,11 +16,16 @@ namespace {
 
 FlowSetup checked(FlowSetup setup) {
   setup.borders.check(setup.grid.dimensions);
+  for (int d = 0; d < setup.grid.dimensions; ++d) {
+    if (setup.borders.periodic(d))
+      require(setup.grid.cells[static_cast<std::size_t>(d)] >= 2, "cells",
+              setup.grid.cells[static_cast<std::size_t>(d)], "at least 2 along a periodic direction",
+              "FlowMarch");
+  }
   require_positive(setup.viscosity, "viscosity", "FlowMarch");
   require_positive(setup.courant, "courant", "FlowMarch");
   require(setup.courant <= 0.5, "courant", setup.courant, "at most 0.5", "FlowMarch");
   require_positive(setup.divergence, "divergence", "FlowMarch");
-  require_positive(setup.largest_step, "largest_step", "FlowMarch");
   require_positive(setup.largest_eddy_viscosity, "largest_eddy_viscosity", "FlowMarch");
   if (!setup.body_force.allFinite()) throw ArgumentError("FlowMarch: body_force is not finite");
   if (!setup.body) return setup;
@@ -116,7 +121,7 @@ double FlowMarch::allowed_step() {
     }
     return largest;
   });
-  return std::min(setup_.largest_step, setup_.courant * grid.spacing / std::max(rate, 1e-12));
+  return setup_.courant * grid.spacing / std::max(rate, 1e-12);
 }
 
 StepReport FlowMarch::advance(double step) {

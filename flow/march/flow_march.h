@@ -35,7 +35,6 @@ struct FlowSetup {
   PressureSolverKind pressure = PressureSolverKind::automatic;
   /// Largest share of a cell that flows out of it in a step, all directions together. Up to 0.5 k and eps stay positive.
   double courant = 0.45;
-  double largest_step = 1e30;
   /// Guard of nu_T, of which k_epsilon.h speaks.
   double largest_eddy_viscosity = 0.2;
   /// Largest h div u/U that is left.

@@ -148,11 +148,6 @@ class DirectPressure final : public PressureSolver {
 
 }  // namespace
 
-std::string to_string(PressureSolverKind kind) {
-  constexpr std::array kNames = {"automatic", "multigrid", "direct"};
-  return kNames.at(static_cast<std::size_t>(kind));
-}
-
 std::unique_ptr<PressureSolver> make_pressure_solver(PressureSolverKind kind, PoissonMatrix matrix) {
   if (kind == PressureSolverKind::direct) return std::make_unique<DirectPressure>(std::move(matrix));
   return std::make_unique<MultigridSolver>(std::move(matrix));

@@ -235,6 +235,11 @@ relative = 0.05
                     file[name][3, 4] = value
                 self.check_error(run("info", changed), 3, "changed.h5", name, sentence)
 
+        changed.write_bytes(flow().read_bytes())
+        with h5py.File(changed, "r+", libver="latest") as file:
+            file["grid"].attrs["cells"] = numpy.array([54.0 * 36, 1, 1])
+        self.check_error(run("info", changed), 3, "has 1 cells along y, expected at least 2")
+
     def test_no_other_file_is_lost_to_a_flow(self):
         other = write("other.txt", "mine")
         self.check_error(run("flow", write("again.toml", PLAN), "-o", other), 2, "is a file, and neither a flow nor a codebook")

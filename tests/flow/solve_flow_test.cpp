@@ -192,6 +192,8 @@ TEST_CASE("what cannot be solved is refused before anything is taken", "[flow]")
   flow = small_square();
   flow.cells_per_length = 20000;
   CHECK_THROWS_WITH(solve_flow(flow), Catch::Contains("expected at most max_memory, 2 GB"));
+  flow.cells_per_length = 429496730;
+  CHECK_THROWS_WITH(solve_flow(flow), Catch::Contains("cells_per_length is 429496730"));
   FlowOptions options;
   options.max_memory = std::nan("");
   CHECK_THROWS_WITH(solve_flow(small_square(), options), Catch::Contains("max_memory is nan"));
