@@ -20,8 +20,8 @@
 ///   |S|^2 = 2 S:S, |W|^2 = 2 W:W
 ///
 /// Each part is solved so that it keeps k and eps positive: transport within bounds (monotone_transport.h), production
-/// only adds, and decay is exact; production acts between two halves of the decay. Nothing is clipped; the guard nu_T <= `largest_eddy_viscosity` counts where it acts,
-/// and a developed flow must not need it.
+/// only adds, and decay is exact; production acts between two halves of the decay. Nothing is clipped; the guard
+/// nu_T <= `largest_eddy_viscosity` counts where it acts, and a developed flow must not need it.
 namespace samara::flow {
 
 /// k and eps after a time without production: k = k0 (1 + (C_2 - 1) eps0 t/k0)^(-1/(C_2 - 1)), eps = eps0 (k/k0)^C_2.
