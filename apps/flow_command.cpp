@@ -46,7 +46,10 @@ flow::FlowOptions flow_options(const FlowArguments& arguments, const flow::FlowP
   std::error_code ignored;
   if (arguments.resume && !fs::exists(options.checkpoint, ignored))
     throw ArgumentError(fmt::format("--resume: there is no {} to go on from", options.checkpoint.string()));
-  if (arguments.fresh) fs::remove(options.checkpoint, ignored);
+  if (arguments.fresh) {
+    flow::check_case(plan.flow, plan.max_memory);  // no plan that is refused takes hours of another with it
+    fs::remove(options.checkpoint, ignored);
+  }
   options.progress = progress_line();
   return options;
 }
@@ -106,14 +109,23 @@ int run(const FlowArguments& arguments) {
                      options.checkpoint.string()));
     return kInterrupted;
   }
-  if (result.status == flow::FlowStatus::diverged)
-    throw NoResultError(fmt::format("the flow diverged: {}; no file is written", result.message));
-  flow::save_flow(result, plan, arguments.output);
   std::error_code ignored;
-  fs::remove(options.checkpoint, ignored);
+  if (result.status == flow::FlowStatus::diverged) {
+    const bool kept = fs::exists(options.checkpoint, ignored);
+    throw NoResultError(fmt::format(
+        "the flow diverged: {}; no file is written{}", result.message,
+        kept ? fmt::format(", and {} keeps the state of at most a minute before", options.checkpoint.string())
+             : std::string()));
+  }
+  flow::save_flow(result, plan, arguments.output);
   print(to_table(flow::load_flow(arguments.output), arguments.output));
-  if (result.status != flow::FlowStatus::max_time) return kDone;
-  warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
+  if (result.status != flow::FlowStatus::max_time) {
+    fs::remove(options.checkpoint, ignored);
+    return kDone;
+  }
+  warn(fmt::format(
+      "{} is written and marked: {}; {} is kept: the same line with a larger max_time goes on from there",
+      arguments.output, result.message, options.checkpoint.string()));
   return kToleranceMissed;
 }
 

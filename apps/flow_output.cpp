@@ -26,8 +26,8 @@ std::string to_table(const flow::StoredFlow& stored, const std::string& path) {
       fmt::format("Re {:.4g}, angle of attack {:.4g} rad; {} x {} x {} cells of {:.4g} l, {:.3g} % blocked\n",
                   s.reynolds, s.angle_of_attack, grid.cells[0], grid.cells[1], grid.cells[2], grid.spacing,
                   100.0 * s.checks.blockage);
-  const std::string error = s.drag_half_width >= 0.0 ? fmt::format(" +- {:.2g} (95 %)", s.drag_half_width)
-                                                     : std::string(" of unknown error");
+  const std::string error = s.drag_half_width ? fmt::format(" +- {:.2g} (95 %)", *s.drag_half_width)
+                                              : std::string(" of unknown error");
   text += fmt::format("C_D {:.4f}{}   C_D' {:.4f}\nC_L {:.4f}   C_L' {:.4f}   C_M {:.4f}\n", s.drag, error,
                       s.drag_rms, s.lift, s.lift_rms, s.moment);
   text += fmt::format("Strouhal number {:.4f}\nbubble ends {:.3f} l behind the centre\n", s.strouhal,
@@ -55,7 +55,7 @@ Json to_json(const flow::StoredFlow& stored) {
                  {"cells", stored.grid.cells},
                  {"spacing", stored.grid.spacing},
                  {"C_D", s.drag},
-                 {"C_D_half_width", s.drag_half_width >= 0.0 ? Json(s.drag_half_width) : Json(nullptr)},
+                 {"C_D_half_width", s.drag_half_width ? Json(*s.drag_half_width) : Json(nullptr)},
                  {"C_D_rms", s.drag_rms},
                  {"C_L", s.lift},
                  {"C_L_rms", s.lift_rms},
@@ -64,16 +64,12 @@ Json to_json(const flow::StoredFlow& stored) {
                  {"bubble_end", s.bubble_end},
                  {"averaged_time", s.averaged_time},
                  {"time", s.time}};
-  object["checks"] = {{"divergence", s.checks.divergence},
-                      {"force_disagreement", s.checks.force_disagreement},
-                      {"unconverged", s.checks.unconverged},
-                      {"energy_defect", s.checks.energy_defect},
-                      {"clipped_cells", s.checks.clipped_cells},
-                      {"guarded_cells", s.checks.guarded_cells},
-                      {"production", s.checks.production},
-                      {"y_plus", {s.checks.y_plus_low, s.checks.y_plus_high}},
-                      {"viscous_share", s.checks.viscous_share},
-                      {"blockage", s.checks.blockage}};
+  object["checks"] = {
+      {"divergence", s.checks.divergence},       {"force_disagreement", s.checks.force_disagreement},
+      {"unconverged", s.checks.unconverged},     {"energy_defect", s.checks.energy_defect},
+      {"clipped_cells", s.checks.clipped_cells}, {"guarded_cells", s.checks.guarded_cells},
+      {"production", s.checks.production},       {"y_plus", {s.checks.y_plus_low, s.checks.y_plus_high}},
+      {"viscous_share", s.checks.viscous_share}, {"blockage", s.checks.blockage}};
   object["fields"] = Json::array();
   for (const flow::CentreField& field : stored.fields)
     object["fields"].push_back({{"name", field.name}, {"unit", field.unit}});

@@ -97,7 +97,6 @@ Field in_centres(const MacGrid& grid, const Field& faces, int d) {
 template <class Summary, class Visitor>
 void visit_numbers(Summary& s, const Visitor& visit) {
   visit("/loads", "C_D", s.drag);
-  visit("/loads", "C_D_half_width", s.drag_half_width);
   visit("/loads", "C_L", s.lift);
   visit("/loads", "C_M", s.moment);
   visit("/loads", "C_D_rms", s.drag_rms);
@@ -123,7 +122,7 @@ FlowSummary summary_of(const FlowResult& result, const FlowPlan& plan) {
   s.reynolds = plan.flow.reynolds;
   s.angle_of_attack = plan.flow.angle_of_attack;
   s.drag = result.drag.value;
-  s.drag_half_width = std::isfinite(result.drag.half_width) ? result.drag.half_width : -1.0;
+  if (std::isfinite(result.drag.half_width)) s.drag_half_width = result.drag.half_width;
   s.lift = result.lift;
   s.moment = result.moment;
   s.drag_rms = result.drag_rms;
@@ -185,6 +184,12 @@ MacGrid read_grid(const io::Hdf5Reader& file) {
       !std::isfinite(spacing) || !std::all_of(cells.begin(), cells.end(), is_count) ||
       !std::all_of(origin.begin(), origin.end(), [](double x) { return std::isfinite(x); }))
     throw file.error("/grid", "is no grid");
+  for (std::size_t d = 0; d < 3; ++d) {
+    const bool crossed = static_cast<std::int64_t>(d) < dimensions;
+    if (crossed ? cells[d] < 2.0 : cells[d] != 1.0)
+      throw file.error("/grid", fmt::format("has {} cells along {}, expected {}", cells[d], kAxes[d],
+                                            crossed ? "at least 2" : "1 in the plane"));
+  }
   // The file is as large as its fields: more memory than that is not taken for a damaged number.
   const std::vector<Eigen::Index> shape = file.shape("/centre/u");
   Eigen::Index stored = 1;
@@ -196,17 +201,31 @@ MacGrid read_grid(const io::Hdf5Reader& file) {
                  spacing, {origin[0], origin[1], origin[2]});
 }
 
-/// k must not be negative, and eps positive where there is fluid.
-void check_turbulence(const io::Hdf5Reader& file, const StoredFlow& flow) {
-  for (const CentreField& field : flow.fields) {
-    const bool energy = field.name == "k_modelled" || field.name == "k_resolved";
-    if (!energy && field.name != "epsilon") continue;
-    for (std::size_t c = 0; c < field.values.size(); ++c) {
-      if (flow.open[c] == 0.0) continue;
-      if (energy ? field.values[c] >= 0.0 : field.values[c] > 0.0) continue;
-      throw file.error("/centre/" + field.name, fmt::format("has the value {}, expected {}", field.values[c],
-                                                            energy ? "none below 0" : "positive ones"));
+/// Shares are shares, k is not negative, and eps is positive where there is fluid.
+void check_fields(const io::Hdf5Reader& file, const StoredFlow& flow) {
+  const auto every_cell = [&](const std::string& dataset, const Field& values, const char* expected,
+                              const auto& good) {
+    for (int k = 0; k < flow.grid.cells[2]; ++k) {
+      for (int j = 0; j < flow.grid.cells[1]; ++j) {
+        for (int i = 0; i < flow.grid.cells[0]; ++i) {
+          const auto c = static_cast<std::size_t>(flow.grid.at(i, j, k));
+          if (good(values[c], flow.open[c] > 0.0)) continue;
+          throw file.error(dataset, fmt::format("has the value {} in cell ({}, {}, {}), expected {}",
+                                                values[c], i, j, k, expected));
+        }
+      }
     }
+  };
+  every_cell("/body/open", flow.open, "shares from 0 to 1",
+             [](double share, bool) { return share >= 0.0 && share <= 1.0; });
+  for (const CentreField& field : flow.fields) {
+    const std::string dataset = "/centre/" + field.name;
+    if (field.name == "k" || field.name == "k_modelled" || field.name == "k_resolved")
+      every_cell(dataset, field.values, "none below 0",
+                 [](double k, bool open) { return k >= 0.0 || !open; });
+    if (field.name == "epsilon")
+      every_cell(dataset, field.values, "positive ones",
+                 [](double epsilon, bool open) { return epsilon > 0.0 || !open; });
   }
 }
 
@@ -253,6 +272,8 @@ void save_flow(const FlowResult& result, const FlowPlan& plan, const std::filesy
   visit_numbers(summary, [&](const char* group, const char* name, double value) {
     file.write_number_attribute(group, name, value);
   });
+  if (summary.drag_half_width)
+    file.write_number_attribute("/loads", "C_D_half_width", *summary.drag_half_width);
   file.write_integer_attribute("/checks", "clipped_cells", result.checks.clipped_cells);
   file.write_integer_attribute("/checks", "guarded_cells", result.checks.guarded_cells);
   file.write_integer_attribute("/checks", "unconverged", result.checks.unconverged);
@@ -295,6 +316,8 @@ StoredFlow load_flow(const std::filesystem::path& path) {
   visit_numbers(s, [&](const char* group, const char* name, double& value) {
     value = file.number_attribute(group, name);
   });
+  if (file.has_attribute("/loads", "C_D_half_width"))
+    s.drag_half_width = file.number_attribute("/loads", "C_D_half_width");
   s.checks.clipped_cells = static_cast<long>(file.integer_attribute("/checks", "clipped_cells"));
   s.checks.guarded_cells = static_cast<long>(file.integer_attribute("/checks", "guarded_cells"));
   s.checks.unconverged = static_cast<long>(file.integer_attribute("/checks", "unconverged"));
@@ -305,7 +328,7 @@ StoredFlow load_flow(const std::filesystem::path& path) {
       flow.fields.push_back(
           {name, file.text_attribute(dataset, "unit"), read_field(file, flow.grid, dataset)});
   }
-  check_turbulence(file, flow);
+  check_fields(file, flow);
   return flow;
 }
 

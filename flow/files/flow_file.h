@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,8 @@ struct CentreField {
 struct FlowSummary {
   std::string status, message, title, plan, generator;
   double reynolds = 0.0, angle_of_attack = 0.0;
-  double drag = 0.0, drag_half_width = 0.0, lift = 0.0, moment = 0.0, drag_rms = 0.0, lift_rms = 0.0;
+  double drag = 0.0, lift = 0.0, moment = 0.0, drag_rms = 0.0, lift_rms = 0.0;
+  std::optional<double> drag_half_width;  ///< of the 95 % interval; none: not known
   double strouhal = 0.0, bubble_end = 0.0, averaged_time = 0.0, time = 0.0;
   FlowChecks checks;
 };
@@ -40,15 +42,16 @@ struct StoredFlow {
 
   MacGrid grid;
   FlowSummary summary;
-  std::vector<CentreField>
-      fields;  ///< u, v, (w), p, k (modelled and resolved), k_modelled, k_resolved, epsilon
+  /// u, v, (w), p, k (modelled and resolved), k_modelled, k_resolved, epsilon
+  std::vector<CentreField> fields;
   Field open;  ///< of cells
 
   /// @throws ArgumentError, naming those that are there, for another
   const CentreField& field(const std::string& name) const;
 };
 
-/// @throws InputError if it is none, of another version, damaged, or has k < 0 or eps <= 0 in the fluid
+/// @throws InputError if it is none, of another version, damaged, of fewer than two cells a direction, or
+/// holds what is not finite, or k < 0 or eps <= 0 in the fluid
 StoredFlow load_flow(const std::filesystem::path& path);
 
 }  // namespace samara::flow

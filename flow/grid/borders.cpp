@@ -1,6 +1,7 @@
 #include "samara/flow/grid/borders.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -73,6 +74,11 @@ void Borders::check(int dimensions) const {
     const Border& opposite = side[static_cast<std::size_t>(s ^ 1)];
     if (!border.velocity.allFinite())
       throw ArgumentError(fmt::format("the velocity at the border {} is not finite", border_name(s)));
+    if (!std::isfinite(border.k) || !std::isfinite(border.epsilon) || border.k < 0.0 ||
+        (border.k > 0.0) != (border.epsilon > 0.0))
+      throw ArgumentError(fmt::format(
+          "k and epsilon at the border {} are {} and {}, expected both positive and finite, or both 0",
+          border_name(s), border.k, border.epsilon));
     if (border.kind == BorderKind::periodic && opposite.kind != BorderKind::periodic) {
       throw ArgumentError(fmt::format("the border {} is periodic, and the opposite one is not: expected both",
                                       border_name(s)));
@@ -101,6 +107,11 @@ void set_border_faces(const MacGrid& grid, const Borders& borders, FaceField& ve
           double value = 0.0;
           if (border.kind == BorderKind::inflow)
             value = border.profile ? border.profile(grid.face_centre(d, i, j, k)) : border.velocity(d);
+          if (!std::isfinite(value))
+            throw ArgumentError(
+                fmt::format("the profile of the inflow at {} is {} at ({}, {}, {}), expected a number",
+                            border_name(side), value, grid.face_centre(d, i, j, k).x(),
+                            grid.face_centre(d, i, j, k).y(), grid.face_centre(d, i, j, k).z()));
           velocity[at][static_cast<std::size_t>(grid.at(i, j, k))] = value;
         }
       }

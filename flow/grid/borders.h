@@ -38,11 +38,12 @@ struct Borders {
   bool periodic(int direction) const { return low(direction).kind == BorderKind::periodic; }
   bool has_outflow() const;
   /// @throws ArgumentError if only one border of a direction is periodic, an outflow is not at an upper border, a wall
-  /// moves across itself, or a number is not finite.
+  /// moves across itself, a number is not finite, or only one of k and epsilon is positive.
   void check(int dimensions) const;
 };
 
 /// Sets the normal velocity on the faces of borders where it is given: 0 at walls and slip, the inflow's value.
+/// @throws ArgumentError if a value of a profile is not finite
 void set_border_faces(const MacGrid& grid, const Borders& borders, FaceField& velocity);
 
 /// Fills the margins of a velocity, tangential values and continuations.

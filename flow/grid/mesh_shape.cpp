@@ -177,6 +177,8 @@ Shape mesh_shape(const models::TriangleMesh& mesh, double thickness) {
   shape.half = 0.5 * (high - low) / longest;
   shape.thickness = thickness;
   shape.sizes.assign(scaled.vertices.data(), scaled.vertices.data() + scaled.vertices.size());
+  shape.sizes.insert(shape.sizes.end(), scaled.triangles.data(),
+                     scaled.triangles.data() + scaled.triangles.size());
   shape.distance = [distance = std::make_shared<const MeshDistance>(std::move(scaled))](
                        const Eigen::Vector3d& x) { return (*distance)(x); };
   return shape;

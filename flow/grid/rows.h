@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "samara/base/parallel.h"
 #include "samara/flow/grid/mac_grid.h"
@@ -31,6 +32,28 @@ void for_rows(const MacGrid& grid, const Range& range, const Body& body) {
   });
 }
 
+/// Largest |value| of a row; infinite where one is not finite, which a maximum alone would pass over.
+inline double largest_size(const double* values, Index count) {
+  constexpr Index kLanes = 8;
+  double largest[kLanes] = {}, sum[kLanes] = {};
+  const auto look = [&](Index i, Index lane) {
+    const double size = std::abs(values[i]);
+    largest[lane] = size > largest[lane] ? size : largest[lane];
+    sum[lane] += size;
+  };
+  Index i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (Index lane = 0; lane < kLanes; ++lane) look(i + lane, lane);
+  }
+  for (; i < count; ++i) look(i, 0);
+  double all = 0.0, most = 0.0;
+  for (Index lane = 0; lane < kLanes; ++lane) {
+    all += sum[lane];
+    most = std::max(most, largest[lane]);
+  }
+  return std::isfinite(all) ? most : INFINITY;
+}
+
 /// Sums and maxima over rows, with memory for one number a row.
 class RowSums {
  public:
@@ -46,11 +69,12 @@ class RowSums {
     return sum;
   }
 
+  /// largest |of_row(first place of the row)|; infinite where one is not finite
   template <class OfRow>
   double maximum(const MacGrid& grid, const OfRow& of_row) {
     for_rows(grid, all_cells(grid),
              [&](Index row, int r) { sums_[static_cast<std::size_t>(r)] = of_row(row); });
-    return *std::max_element(sums_.begin(), sums_.end());
+    return largest_size(sums_.data(), static_cast<Index>(sums_.size()));
   }
 
  private:

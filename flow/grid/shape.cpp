@@ -85,9 +85,12 @@ double polygon_distance(const Eigen::Matrix2Xd& corners, const Eigen::Vector3d& 
 Shape ellipsoid_of(const Eigen::Vector3d& axes, int dimensions, const char* kind) {
   Eigen::Vector3d half = axes;
   if (dimensions == 2) half.z() = 0.0;
-  return {kind, dimensions,
+  return {kind,
+          dimensions,
           [axes, dimensions](const Eigen::Vector3d& x) { return ellipsoid_distance(axes, dimensions, x); },
-          half, 2.0 * axes.head(dimensions).minCoeff()};
+          half,
+          2.0 * axes.head(dimensions).minCoeff(),
+          {axes.data(), axes.data() + dimensions}};
 }
 
 Shape box_of(const Eigen::Vector3d& sides, int dimensions, const char* kind) {

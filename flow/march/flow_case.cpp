@@ -33,9 +33,13 @@ double blockage(const FlowCase& flow) {
 
 double memory_of(const FlowCase& flow) {
   const std::array<int, 3> cells = cells_of(flow);
-  // Fields of doubles: two velocities with their factors, discharges and openness, averages, the levels of the pressure.
-  const double fields = flow.shape.dimensions == 3 ? 85.0 : 64.0;
-  return 8.0 * fields * cells[0] * cells[1] * cells[2];
+  // Fields of doubles: two velocities with their factors, discharges and openness, averages, the levels of the pressure,
+  // and a checkpoint in the making.
+  const double fields = flow.shape.dimensions == 3 ? 101.0 : 70.0;
+  double bytes = 8.0 * fields;
+  for (int d = 0; d < flow.shape.dimensions; ++d)
+    bytes *= cells[static_cast<std::size_t>(d)] + 2.0 * MacGrid::kMargin;
+  return bytes;
 }
 
 void check_case(const FlowCase& flow, double max_memory) {
@@ -43,10 +47,13 @@ void check_case(const FlowCase& flow, double max_memory) {
   require(flow.intensity > 0.0 && flow.intensity <= 1.0, "intensity", flow.intensity,
           "more than 0, at most 1", "flow");
   require(std::isfinite(flow.angle_of_attack), "angle_of_attack", flow.angle_of_attack, "a number", "flow");
-  require(flow.cells_per_length >= 4, "cells_per_length", flow.cells_per_length, "at least 4", "flow");
+  // With the largest extent the cells of a direction still fit into an integer.
+  require(flow.cells_per_length >= 4 && flow.cells_per_length <= 100'000, "cells_per_length",
+          flow.cells_per_length, "from 4 to 100,000", "flow");
   for (const double length : {flow.extent.before, flow.extent.behind, flow.extent.side})
     require(length > 0.5 && length <= 1000.0, "extent", length, "more than 0.5 and at most 1000 body lengths",
             "flow");
+  require_positive(max_memory, "max_memory", "flow");
   const double share = blockage(flow);
   if (share > kMostBlockage)
     throw ArgumentError(

@@ -38,14 +38,16 @@ void visit_state(FlowRun& run, const Visitor& visit) {
   visit("change", run.change);
   visit("worst_disagreement", run.worst_disagreement);
   visit("unconverged", run.unconverged);
+  visit("not_positive", run.not_positive);
 }
 
-constexpr std::size_t kPeriodNumbers = 6, kRecordNumbers = 5;
+constexpr std::size_t kPeriodNumbers = 7, kRecordNumbers = 5;
 
 std::vector<double> flat(const std::vector<PeriodMeans>& periods) {
   std::vector<double> values;
   for (const PeriodMeans& p : periods)
-    values.insert(values.end(), {p.length, p.drag, p.lift, p.moment, p.drag_squared, p.lift_squared});
+    values.insert(values.end(), {p.length, p.drag, p.lift, p.moment, p.drag_squared, p.lift_squared,
+                                 p.by_crossing ? 1.0 : 0.0});
   return values;
 }
 
@@ -58,7 +60,7 @@ std::vector<double> flat(const std::vector<LoadRecord>& history) {
 std::vector<PeriodMeans> periods_of(const std::vector<double>& v) {
   std::vector<PeriodMeans> periods;
   for (std::size_t i = 0; i + kPeriodNumbers <= v.size(); i += kPeriodNumbers)
-    periods.push_back({v[i], v[i + 1], v[i + 2], v[i + 3], v[i + 4], v[i + 5]});
+    periods.push_back({v[i], v[i + 1], v[i + 2], v[i + 3], v[i + 4], v[i + 5], v[i + 6] != 0.0});
   return periods;
 }
 
@@ -80,12 +82,17 @@ std::vector<double> as_numbers(const Eigen::VectorXd& values) {
 }  // namespace
 
 std::string case_text(const FlowCase& flow, const FlowOptions& options) {
+  // Raise it whenever the same case takes other bits, or the state holds other numbers.
+  constexpr int kRevision = 2;
   std::string text = fmt::format(
-      "samara {} flow: {} of {} dimensions, angle {} Re {} I {} turbulence {} domain {} {} {} n {} central "
+      "samara {} flow, solver {}: {} of {} dimensions, angle {} Re {} I {} turbulence {} domain {} {} {} n "
+      "{} central "
       "{} end {} seed {}",
-      version(), flow.shape.kind, flow.shape.dimensions, flow.angle_of_attack, flow.reynolds, flow.intensity,
-      static_cast<int>(flow.turbulence), flow.extent.before, flow.extent.behind, flow.extent.side,
-      flow.cells_per_length, flow.central, static_cast<int>(options.end), options.seed);
+      version(), kRevision, flow.shape.kind, flow.shape.dimensions, flow.angle_of_attack, flow.reynolds,
+      flow.intensity, static_cast<int>(flow.turbulence), flow.extent.before, flow.extent.behind,
+      flow.extent.side, flow.cells_per_length, flow.central, static_cast<int>(options.end), options.seed);
+  for (const double extent : flow.shape.half) text += fmt::format(" {}", extent);
+  text += fmt::format(" {}", flow.shape.thickness);
   for (const double size : flow.shape.sizes) text += fmt::format(" {}", size);
   return text;
 }
@@ -115,7 +122,7 @@ bool load_checkpoint(FlowRun& run, const std::filesystem::path& path) {
     throw file.error("/", "is no checkpoint of a flow");
   if (file.text_attribute("/", "case") != run.text)
     throw file.error(
-        "/", "is a checkpoint of another case, seed or version; expected this one, or a start from nothing");
+        "/", "is a checkpoint of another case, seed or version; expected this one, or --fresh to begin anew");
   visit_state(run, [&](const std::string& name, auto& value) {
     using Value = std::remove_reference_t<decltype(value)>;
     if constexpr (std::is_arithmetic_v<Value>) {
@@ -124,7 +131,7 @@ bool load_checkpoint(FlowRun& run, const std::filesystem::path& path) {
       value = as_numbers(file.vector("/" + name, {.rows = static_cast<Eigen::Index>(value.size())}));
     }
   });
-  run.counter.set_state(as_numbers(file.vector("/counter", {.rows = 10})));
+  run.counter.set_state(as_numbers(file.vector("/counter", {.rows = 11})));
   run.discarded = periods_of(as_numbers(file.vector("/discarded")));
   run.averaged = periods_of(as_numbers(file.vector("/averaged")));
   run.history = history_of(as_numbers(file.vector("/history")));

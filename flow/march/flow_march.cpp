@@ -16,10 +16,18 @@ namespace {
 
 FlowSetup checked(FlowSetup setup) {
   setup.borders.check(setup.grid.dimensions);
+  for (int d = 0; d < setup.grid.dimensions; ++d) {
+    if (setup.borders.periodic(d))
+      require(setup.grid.cells[static_cast<std::size_t>(d)] >= 2, "cells",
+              setup.grid.cells[static_cast<std::size_t>(d)], "at least 2 along a periodic direction",
+              "FlowMarch");
+  }
   require_positive(setup.viscosity, "viscosity", "FlowMarch");
   require_positive(setup.courant, "courant", "FlowMarch");
   require(setup.courant <= 0.5, "courant", setup.courant, "at most 0.5", "FlowMarch");
   require_positive(setup.divergence, "divergence", "FlowMarch");
+  require_positive(setup.largest_eddy_viscosity, "largest_eddy_viscosity", "FlowMarch");
+  if (!setup.body_force.allFinite()) throw ArgumentError("FlowMarch: body_force is not finite");
   if (!setup.body) return setup;
   const PlacedShape& body = *setup.body;
   if (body.shape().dimensions != setup.grid.dimensions)
@@ -66,9 +74,15 @@ void FlowMarch::set_velocity(const std::function<Eigen::Vector3d(const Eigen::Ve
     end[at] += 1;
     for (int k = 0; k < end[2]; ++k) {
       for (int j = 0; j < end[1]; ++j) {
-        for (int i = 0; i < end[0]; ++i)
-          state_.u[at][static_cast<std::size_t>(grid.at(i, j, k))] =
-              velocity(grid.face_centre(d, i, j, k))(d);
+        for (int i = 0; i < end[0]; ++i) {
+          const Eigen::Vector3d x = grid.face_centre(d, i, j, k);
+          const double value = velocity(x)(d);
+          if (!std::isfinite(value))
+            throw ArgumentError(
+                fmt::format("set_velocity: the velocity is {} at ({}, {}, {}), expected a number", value,
+                            x.x(), x.y(), x.z()));
+          state_.u[at][static_cast<std::size_t>(grid.at(i, j, k))] = value;
+        }
       }
     }
     for (const Index c : open_.closed_faces[at]) state_.u[at][static_cast<std::size_t>(c)] = 0.0;
@@ -107,7 +121,7 @@ double FlowMarch::allowed_step() {
     }
     return largest;
   });
-  return std::min(setup_.largest_step, setup_.courant * grid.spacing / std::max(rate, 1e-12));
+  return setup_.courant * grid.spacing / std::max(rate, 1e-12);
 }
 
 StepReport FlowMarch::advance(double step) {

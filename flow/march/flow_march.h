@@ -35,7 +35,6 @@ struct FlowSetup {
   PressureSolverKind pressure = PressureSolverKind::automatic;
   /// Largest share of a cell that flows out of it in a step, all directions together. Up to 0.5 k and eps stay positive.
   double courant = 0.45;
-  double largest_step = 1e30;
   /// Guard of nu_T, of which k_epsilon.h speaks.
   double largest_eddy_viscosity = 0.2;
   /// Largest h div u/U that is left.
@@ -56,11 +55,13 @@ class FlowMarch {
   explicit FlowMarch(FlowSetup setup);
 
   /// Velocity at the start by place, component by component at the centres of its faces; then made free of divergence.
+  /// @throws ArgumentError if it is not finite at one of them
   void set_velocity(const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& velocity);
   void set_turbulence(double k, double epsilon);
 
   /// The longest step that the velocity allows now.
   double allowed_step();
+  /// @param step where more than half a cell flows out in it, parallel streams become unstable
   StepReport advance(double step);
   StepReport advance() { return advance(allowed_step()); }
 

@@ -40,9 +40,9 @@ std::optional<PeriodMeans> PeriodCounter::add(const LoadRecord& record) {
   const double deviation = record.lift - mean_;
   deviation_squared_ += share * (deviation * deviation - deviation_squared_);
 
-  bool ends;
+  bool ends, crosses = false;
   if (sheds()) {
-    ends = below_ > 0.0 && deviation >= 0.0;
+    crosses = ends = below_ > 0.0 && deviation >= 0.0;
     if (deviation < -0.3 * std::sqrt(deviation_squared_)) below_ = 1.0;
     // A drift of the lift alone passes its mean once, and then never again.
     ends = ends || sums_.length > kLongest;
@@ -52,6 +52,8 @@ std::optional<PeriodMeans> PeriodCounter::add(const LoadRecord& record) {
   if (!ends) return std::nullopt;
   below_ = 0.0;
   PeriodMeans means = sums_;
+  means.by_crossing = crosses && crossed_ > 0.0;
+  crossed_ = crosses ? 1.0 : 0.0;
   for (double* sum : {&means.drag, &means.lift, &means.moment, &means.drag_squared, &means.lift_squared})
     *sum /= means.length;
   sums_ = {};
@@ -59,25 +61,48 @@ std::optional<PeriodMeans> PeriodCounter::add(const LoadRecord& record) {
 }
 
 std::vector<double> PeriodCounter::state() const {
-  return {sums_.length,       sums_.drag, sums_.lift,         sums_.moment, sums_.drag_squared,
-          sums_.lift_squared, mean_,      deviation_squared_, seen_,        below_};
+  return {
+      sums_.length,       sums_.drag, sums_.lift, sums_.moment, sums_.drag_squared, sums_.lift_squared, mean_,
+      deviation_squared_, seen_,      below_,     crossed_};
 }
 
 void PeriodCounter::set_state(const std::vector<double>& state) {
-  sums_ = {state.at(0), state.at(1), state.at(2), state.at(3), state.at(4), state.at(5)};
+  sums_ = {state.at(0), state.at(1), state.at(2), state.at(3), state.at(4), state.at(5), false};
   mean_ = state.at(6);
   deviation_squared_ = state.at(7);
   seen_ = state.at(8);
   below_ = state.at(9);
+  crossed_ = state.at(10);
 }
 
 bool is_settled(const std::vector<PeriodMeans>& periods) {
-  constexpr std::size_t kPeriods = 5, kBefore = 2;
+  constexpr std::size_t kPeriods = 5;
   constexpr double kMoves = 0.02;
-  if (periods.size() < kPeriods + kBefore) return false;
+  if (periods.size() < 2 * kPeriods) return false;
   const double now = drag_of_last(periods, periods.size(), kPeriods);
-  const double before = drag_of_last(periods, periods.size() - kBefore, kPeriods);
+  const double before = drag_of_last(periods, periods.size() - kPeriods, kPeriods);
   return std::abs(now - before) < kMoves * std::abs(now);
+}
+
+bool is_known(const std::vector<PeriodMeans>& periods, double share) {
+  constexpr std::size_t kLeastPeriods = 5;
+  const std::size_t count = periods.size(), half = count / 2;
+  if (count < kLeastPeriods) return false;
+  const MeanWithError drag = mean_drag(periods);
+  const double largest = share * std::abs(drag.value);
+  const double drift = drag_of_last(periods, count, half) - drag_of_last(periods, count - half, count - half);
+  return drag.half_width < largest && std::abs(drift) < largest;
+}
+
+double shedding_frequency(const std::vector<PeriodMeans>& periods) {
+  constexpr double kLeastPeriods = 3.0;
+  double count = 0.0, length = 0.0;
+  for (const PeriodMeans& period : periods) {
+    if (!period.by_crossing) continue;
+    count += 1.0;
+    length += period.length;
+  }
+  return count >= kLeastPeriods ? count / length : 0.0;
 }
 
 MeanWithError mean_drag(const std::vector<PeriodMeans>& periods) {

@@ -17,6 +17,7 @@ struct PeriodMeans {
   double length = 0.0;
   double drag = 0.0, lift = 0.0, moment = 0.0;
   double drag_squared = 0.0, lift_squared = 0.0;
+  bool by_crossing = false;  ///< from one crossing of the lift's mean to the next: one period of what sheds
 };
 
 /// A mean of period means, with half the width of its 95 % interval (Student's, periods taken for independent).
@@ -42,13 +43,19 @@ class PeriodCounter {
   PeriodMeans sums_;
   double mean_ = 0.0, deviation_squared_ = 0.0;  ///< of the lift, of the last ten l/U
   double seen_ = 0.0;
-  double below_ = 0.0;  ///< 1 after the lift was clearly below its mean
+  double below_ = 0.0;    ///< 1 after the lift was clearly below its mean
+  double crossed_ = 0.0;  ///< 1 if the period that is counted began with a crossing
 };
 
-/// Whether the mean drag over the last five periods moves by less than 2 %: from that of two periods before.
+/// Whether the mean drag over the last five periods is within 2 % of that over the five before them.
 bool is_settled(const std::vector<PeriodMeans>& periods);
+/// Whether the mean drag is known to a share of itself: at least five periods, half the 95 % interval below it, and the
+/// means of the first and the second half no further apart, so that no slow drift passes for a mean.
+bool is_known(const std::vector<PeriodMeans>& periods, double share);
 
 /// Of drag over whole periods, weighted by their lengths.
 MeanWithError mean_drag(const std::vector<PeriodMeans>& periods);
+/// Periods per time; 0 for fewer than three periods from crossing to crossing.
+double shedding_frequency(const std::vector<PeriodMeans>& periods);
 
 }  // namespace samara::flow

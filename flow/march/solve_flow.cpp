@@ -22,7 +22,6 @@ namespace {
 
 constexpr double kSteady = 1e-4;     // of l/U^2 du/dt
 constexpr double kDragKnown = 0.01;  // half the 95 % interval over the mean
-constexpr std::size_t kLeastPeriods = 5;
 constexpr int kStepsBetweenChecks = 20;
 constexpr int kBoxMargin = 3;  // cells
 constexpr auto kBetweenCheckpoints = std::chrono::seconds(60);
@@ -61,6 +60,7 @@ void take_step(FlowRun& run) {
   const StepReport report = run.march.advance();
   run.finite = report.finite;
   if (!report.pressure.converged) ++run.unconverged;
+  if (run.march.turbulence() != nullptr) run.not_positive += run.march.turbulence()->not_positive();
   const BodyLoads loads = run.march.loads();
   LoadRecord record{run.march.state().time, report.step, 2.0 * loads.force.x(), 2.0 * loads.force.y(),
                     2.0 * loads.moment};
@@ -89,18 +89,30 @@ double change_rate(const FlowRun& run, const Field& k_before) {
   return largest / state.last_step;
 }
 
-bool mean_is_known(const FlowRun& run) {
-  if (run.averaged.size() < kLeastPeriods) return false;
-  const MeanWithError drag = mean_drag(run.averaged);
-  return drag.half_width < kDragKnown * std::abs(drag.value);
-}
-
 double disagreement(const FlowRun& run) {
   const Eigen::Vector3d surface = run.march.loads().force;
   return (run.march.force_by_box(kBoxMargin) - surface).norm() / std::max(surface.norm(), 1e-6);
 }
 
-/// What the end of a run is called.
+/// What was not reached by max_time, in words.
+std::string unreached(const FlowRun& run, const FlowOptions& options) {
+  if (options.end == FlowEnd::steady)
+    return fmt::format("the flow still changes by {:.2g} per l/U at max_time, {:.4g} l/U", run.change,
+                       options.max_time);
+  const char* const fields = run.average.time() > 0.0 ? "" : "; the fields are those of one instant";
+  if (run.averaged.size() < 2)
+    return fmt::format(
+        "the drag has no mean of known error at max_time, {:.4g} l/U: {} whole periods were "
+        "averaged, expected at least 5{}",
+        options.max_time, run.averaged.size(), fields);
+  const MeanWithError drag = mean_drag(run.averaged);
+  return fmt::format(
+      "the mean drag is known to {:.2g} % from {} periods at max_time, {:.4g} l/U, expected {:.2g} % from at "
+      "least 5 that do not drift",
+      100.0 * drag.half_width / std::abs(drag.value), run.averaged.size(), options.max_time,
+      100.0 * kDragKnown);
+}
+
 void finish(FlowRun& run, FlowStatus status, std::string message, FlowResult& result) {
   result.status = status;
   result.message = std::move(message);
@@ -134,18 +146,8 @@ void march_to_end(FlowRun& run, const FlowOptions& options, FlowResult& result) 
   Field k_before;
   while (true) {
     const FlowState& state = run.march.state();
-    if (state.time >= options.max_time) {
-      const MeanWithError drag = mean_drag(run.averaged.empty() ? run.discarded : run.averaged);
-      return finish(
-          run, FlowStatus::max_time,
-          options.end == FlowEnd::steady
-              ? fmt::format("the flow still changes by {:.2g} per l/U at max_time, {:.4g} l/U", run.change,
-                            options.max_time)
-              : fmt::format("the mean drag is known to {:.2g} % at max_time, {:.4g} l/U, expected {:.2g} %",
-                            100.0 * drag.half_width / std::abs(drag.value), options.max_time,
-                            100.0 * kDragKnown),
-          result);
-    }
+    if (state.time >= options.max_time)
+      return finish(run, FlowStatus::max_time, unreached(run, options), result);
     const bool checks = (state.steps + 1) % kStepsBetweenChecks == 0;
     if (checks && run.march.turbulence() != nullptr) k_before = run.march.turbulence()->k;
     take_step(run);
@@ -162,12 +164,14 @@ void march_to_end(FlowRun& run, const FlowOptions& options, FlowResult& result) 
         return finish(run, FlowStatus::steady, fmt::format("nothing changes after {:.4g} l/U", state.time),
                       result);
     }
-    if (options.end == FlowEnd::mean && mean_is_known(run))
+    if (options.end == FlowEnd::mean && is_known(run.averaged, kDragKnown))
       return finish(run, FlowStatus::averaged,
                     fmt::format("mean over {} periods, {:.4g} l/U", run.averaged.size(), run.average.time()),
                     result);
-    if (options.progress && !options.progress({run.averaging ? "averaging" : "developing",
-                                               std::min(1.0, state.time / options.max_time)}))
+    const bool goes_on =
+        !options.progress || options.progress({run.averaging ? "averaging" : "developing",
+                                               std::min(1.0, state.time / options.max_time)});
+    if (!goes_on && state.time < options.max_time)
       return finish(run, FlowStatus::cancelled, fmt::format("cancelled at {:.4g} l/U", state.time), result);
     const auto now = std::chrono::steady_clock::now();
     if (!options.checkpoint.empty() && now - last_checkpoint > kBetweenCheckpoints) {
@@ -214,7 +218,8 @@ void summarise(FlowRun& run, FlowResult& result) {
   const LoadRecord& last = run.history.back();
   const std::vector<PeriodMeans>& periods = run.averaged;
   if (result.status == FlowStatus::steady || periods.empty()) {
-    result.drag = {last.drag, 0.0};
+    // Of a flow that still changes, one step is no mean.
+    result.drag = {last.drag, result.status == FlowStatus::steady ? 0.0 : INFINITY};
     result.lift = last.lift;
     result.moment = last.moment;
   } else {
@@ -231,7 +236,7 @@ void summarise(FlowRun& run, FlowResult& result) {
     result.moment /= length;
     result.drag_rms = std::sqrt(std::max(0.0, drag_squared / length - result.drag.value * result.drag.value));
     result.lift_rms = std::sqrt(std::max(0.0, lift_squared / length - result.lift * result.lift));
-    if (run.counter.sheds()) result.strouhal = static_cast<double>(periods.size()) / length;
+    result.strouhal = shedding_frequency(periods);
   }
   FlowChecks& checks = result.checks;
   checks.divergence = march.divergence();
@@ -275,14 +280,25 @@ std::string to_string(FlowStatus status) {
 FlowResult solve_flow(const FlowCase& flow, const FlowOptions& options) {
   check_case(flow, options.max_memory);
   require_positive(options.max_time, "max_time", "solve_flow");
+  require(options.threads >= 0, "threads", options.threads, "0 for all cores, or their number", "solve_flow");
   FlowResult result;
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     FlowRun run(setup_of(flow), case_text(flow, options));
-    if (!(options.resume && load_checkpoint(run, options.checkpoint))) start(run, options.seed);
+    if (options.resume && load_checkpoint(run, options.checkpoint)) {
+      if (run.march.state().time >= options.max_time)
+        throw ArgumentError(
+            fmt::format("solve_flow: max_time is {:.6g} l/U, and the flow in {} stands at {:.6g} l/U; a "
+                        "max_time after that "
+                        "was expected, or --fresh to begin anew",
+                        options.max_time, options.checkpoint.string(), run.march.state().time));
+    } else {
+      start(run, options.seed);
+    }
     march_to_end(run, options, result);
-    if (result.status == FlowStatus::cancelled && !options.checkpoint.empty())
-      save_checkpoint(run, options.checkpoint);
+    result.checks.clipped_cells = run.not_positive;
+    const bool can_go_on = result.status == FlowStatus::cancelled || result.status == FlowStatus::max_time;
+    if (can_go_on && !options.checkpoint.empty()) save_checkpoint(run, options.checkpoint);
     result.grid = run.march.grid();
     result.body = run.march.openness();
     result.history = run.history;

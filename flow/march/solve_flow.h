@@ -28,7 +28,7 @@ enum class FlowEnd {
 enum class FlowStatus {
   steady,    ///< nothing changes: max |du/dt| l/U^2, |dk/dt| l/U^3 < 1e-4
   averaged,  ///< the mean is known
-  max_time,  ///< neither was reached by then; the fields are means over what there was
+  max_time,  ///< neither was reached by then; fields are means over what was averaged, or one instant without that
   diverged,  ///< a value is not finite, or k or eps not positive: no fields
   cancelled,
 };
@@ -42,9 +42,10 @@ struct FlowOptions {
   int threads = 0;          ///< 0: all cores; the result does not depend on it
   std::uint64_t seed = 1;   ///< of the kick behind the body, without which symmetric bodies shed late
   ProgressCallback progress = {};
-  std::filesystem::path checkpoint = {};  ///< state of the solver every minute; empty: none
-  bool resume = false;                    ///< from the checkpoint, if it is there, to the same bits
-  double max_memory = 2e9;                ///< bytes
+  /// State of the solver every minute, and at max_time, from where a longer run goes on; empty: none.
+  std::filesystem::path checkpoint = {};
+  bool resume = false;      ///< from the checkpoint, if it is there, to the same bits
+  double max_memory = 2e9;  ///< bytes
 };
 
 /// What the run says of its own quality.
@@ -53,9 +54,11 @@ struct FlowChecks {
   double force_disagreement = 0.0;  ///< largest difference of the forces by surface and by box, over the drag
   long unconverged = 0;             ///< steps whose pressure was not found to 1e-8
   double energy_defect = 0.0;       ///< of the budget of k in the last step
-  long clipped_cells = 0;           ///< where k or eps had to be cut: none ever is, so none but 0 is given
-  long guarded_cells = 0;           ///< where the guard of nu_T acted in the last step
-  double production = 0.0;          ///< integral of G after the last step
+  /// Of all steps, where k or eps was carried to 0 or below and a solver that clips would have cut it. Here it ends the run
+  /// as `diverged`, and then this is not 0.
+  long clipped_cells = 0;
+  long guarded_cells = 0;   ///< where the guard of nu_T acted in the last step
+  double production = 0.0;  ///< integral of G after the last step
   double y_plus_low = 0.0, y_plus_high = 0.0;
   double viscous_share = 0.0;  ///< of the wall's cells with y+ < 11.5
   double blockage = 0.0;
@@ -69,6 +72,7 @@ struct FlowResult {
   FaceField velocity;                     ///< means, on faces [U]
   Field pressure;                         ///< [density U^2]; 0 at the outflow
   Field k_modelled, k_resolved, epsilon;  ///< [U^2], [U^3/l]; the first and last are empty without a model
+  /// Of known error (half_width finite) if the flow is steady or at least two periods were averaged.
   MeanWithError drag;
   double lift = 0.0, moment = 0.0;        ///< means
   double drag_rms = 0.0, lift_rms = 0.0;  ///< deviations
@@ -85,7 +89,8 @@ struct FlowResult {
   long steps = 0;
 };
 
-/// @throws ArgumentError as check_case() does; InputError for a checkpoint of another case or version
+/// @throws ArgumentError as check_case() does, for fewer than 0 threads, or a checkpoint that stands at max_time already;
+/// InputError for a checkpoint of another case or version
 FlowResult solve_flow(const FlowCase& flow, const FlowOptions& options = {});
 
 }  // namespace samara::flow

@@ -69,7 +69,6 @@ void MomentumStep::predict(FlowState& state, double step, const Field* eddy,
                            const WallConductance* conductance) {
   eddy_ = eddy;
   conductance_ = conductance != nullptr ? conductance : &molecular_;
-  record_.step = step;
   extrapolate(state, step);
   for (int d = 0; d < grid_.dimensions; ++d) {
     const auto at = static_cast<std::size_t>(d);

@@ -27,7 +27,6 @@ using WallConductance = std::array<std::vector<double>, 3>;
 
 /// What a step computes beside the velocity, for the balances.
 struct StepRecord {
-  double step = 0.0;
   /// Of component d after the lines along j: half-implicit increments; the last is that of the predicted velocity.
   std::array<FaceField, 3> increment;
 };
@@ -56,7 +55,6 @@ class MomentumStep {
   /// Momentum that the wall at a face took, per volume.
   double wall_loss_taken(const FlowState& state, int d, std::size_t piece) const;
 
-  const WallConductance& molecular_conductance() const { return molecular_; }
   /// Faces whose velocity is solved for.
   Range unknown_faces(int d) const;
 

@@ -81,9 +81,7 @@ double Projection::divergence(const FlowState& state) {
   return sums_.maximum(grid_, [&](Index row) {
     double* const out = source_.data() + row;
     outflow_of_row(grid_, open_, state.u, row, out);
-    double largest = 0.0;
-    for (Index i = 0; i < grid_.cells[0]; ++i) largest = std::max(largest, std::abs(out[i]));
-    return largest;
+    return largest_size(out, grid_.cells[0]);
   });
 }
 

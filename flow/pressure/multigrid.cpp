@@ -31,28 +31,6 @@ void relax_row(const PoissonMatrix& matrix, Index row, Index start, const double
                          wy[i + sy] * p[i + sy] + wz[i] * p[i - sz] + wz[i + sz] * p[i + sz]);
 }
 
-/// Largest |value| of a row; infinite where one is not finite, which a maximum alone would pass over.
-double largest_size(const double* values, Index count) {
-  constexpr Index kLanes = 8;
-  double largest[kLanes] = {}, sum[kLanes] = {};
-  const auto look = [&](Index i, Index lane) {
-    const double size = std::abs(values[i]);
-    largest[lane] = size > largest[lane] ? size : largest[lane];
-    sum[lane] += size;
-  };
-  Index i = 0;
-  for (; i + kLanes <= count; i += kLanes) {
-    for (Index lane = 0; lane < kLanes; ++lane) look(i + lane, lane);
-  }
-  for (; i < count; ++i) look(i, 0);
-  double all = 0.0, most = 0.0;
-  for (Index lane = 0; lane < kLanes; ++lane) {
-    all += sum[lane];
-    most = std::max(most, largest[lane]);
-  }
-  return std::isfinite(all) ? most : INFINITY;
-}
-
 }  // namespace
 
 MultigridSolver::Level::Level(PoissonMatrix of)

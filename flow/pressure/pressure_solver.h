@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include "samara/flow/pressure/poisson.h"
 
@@ -12,9 +11,6 @@ enum class PressureSolverKind {
   multigrid,  ///< conjugate gradients, preconditioned by one V-cycle
   direct,     ///< factorised once by pgd/sparse_solver.h: bodies that are held, in the plane
 };
-
-/// "automatic", "multigrid", "direct"
-std::string to_string(PressureSolverKind kind);
 
 /// How one solve went.
 struct PressureSolve {

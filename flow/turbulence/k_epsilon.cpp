@@ -60,9 +60,8 @@ void decay(double& k, double& epsilon, double time) {
   epsilon *= std::exp(-Constants::C_2 * growth);
 }
 
-void produce(double& k, double& epsilon, double added) {
-  const double growth = std::log1p(added / k);
-  k += added;
+void produce(double& k, double& epsilon, double growth) {
+  k *= std::exp(growth);
   epsilon *= std::exp(Constants::C_1 * growth);
 }
 
@@ -90,6 +89,7 @@ KEpsilon::KEpsilon(const MacGrid& grid, const Borders& borders, const Openness& 
       transport_(grid, borders, open),
       eddy_(grid.field()),
       production_(grid.field()),
+      growth_(grid.field()),
       wall_distance_(grid.field()),
       row_sums_(static_cast<std::size_t>(grid.cells[1] * grid.cells[2])),
       sums_(grid) {
@@ -144,9 +144,11 @@ void KEpsilon::find_production(const FaceField& velocity) {
       const double squared =
           model_ == TurbulenceModel::kato_launder ? std::sqrt(rates.strain * rates.rotation) : rates.strain;
       production_[at] = eddy_[at] * squared;
+      growth_[at] = production_[at] / k[at];
     }
   });
-  for (const Index c : open_.closed_cells) production_[static_cast<std::size_t>(c)] = 0.0;
+  for (const Index c : open_.closed_cells)
+    production_[static_cast<std::size_t>(c)] = growth_[static_cast<std::size_t>(c)] = 0.0;
 }
 
 /// Beside walls: G = tau_w u_tau/(kappa y), and what the faces lose.
@@ -204,21 +206,25 @@ void KEpsilon::apply_sources(double step) {
       const auto at = static_cast<std::size_t>(c);
       const double inverse = open_.inverse_cell[at];
       if (inverse == 0.0) continue;
-      const double added = step * production_[at];
-      double energy, after;
+      // Looked at before production and walls could hide it.
+      bool positive = k[at] > 0.0 && epsilon[at] > 0.0;
+      const double before = k[at];
+      double added;
       if (wall_distance_[at] > 0.0) {
-        energy = k[at] + added;
-        after = wall_decay(energy, wall_distance_[at], step);
-        epsilon[at] = wall_dissipation(after, wall_distance_[at]);
+        added = step * production_[at];
+        k[at] = wall_decay(before + added, wall_distance_[at], step);
+        epsilon[at] = wall_dissipation(k[at], wall_distance_[at]);
       } else {
-        produce(k[at], epsilon[at], added);
-        energy = after = k[at];
-        decay(after, epsilon[at], step);
+        decay(k[at], epsilon[at], 0.5 * step);
+        const double decayed = k[at];
+        produce(k[at], epsilon[at], step * growth_[at]);
+        added = k[at] - decayed;
+        decay(k[at], epsilon[at], 0.5 * step);
       }
-      k[at] = after;
       sum[0] += added / inverse;
-      sum[1] += (energy - after) / inverse;
-      if (!(after > 0.0) || !(epsilon[at] > 0.0)) sum[2] += 1.0;
+      sum[1] += (before + added - k[at]) / inverse;
+      positive = positive && k[at] > 0.0 && epsilon[at] > 0.0;
+      if (!positive) sum[2] += 1.0;
     }
     row_sums_[static_cast<std::size_t>(r)] = sum;
   });

@@ -20,14 +20,15 @@
 ///   |S|^2 = 2 S:S, |W|^2 = 2 W:W
 ///
 /// Each part is solved so that it keeps k and eps positive: transport within bounds (monotone_transport.h), production
-/// only adds, and decay is exact. Nothing is clipped; the guard nu_T <= `largest_eddy_viscosity` counts where it acts,
-/// and a developed flow must not need it.
+/// only adds, and decay is exact; production acts between two halves of the decay. Nothing is clipped; the guard
+/// nu_T <= `largest_eddy_viscosity` counts where it acts, and a developed flow must not need it.
 namespace samara::flow {
 
 /// k and eps after a time without production: k = k0 (1 + (C_2 - 1) eps0 t/k0)^(-1/(C_2 - 1)), eps = eps0 (k/k0)^C_2.
 void decay(double& k, double& epsilon, double time);
-/// k and eps after `added` = G dt went into k: eps follows as k^C_1, the exact solution of both equations.
-void produce(double& k, double& epsilon, double added);
+/// k and eps after production at the rate G/k for a time, `growth` = G/k dt: k e^growth, eps e^(C_1 growth), the exact
+/// solution of both equations.
+void produce(double& k, double& epsilon, double growth);
 
 /// Of a stream of intensity I = u'/U whose eddies are 7 % of a length: k = 1.5 (I U)^2, eps = C_mu^{3/4} k^{3/2}/(0.07 l).
 std::array<double, 2> stream_turbulence(double intensity, double speed, double length);
@@ -58,7 +59,8 @@ class KEpsilon {
   Field k, epsilon;
 
   const EnergyBudget& budget() const { return budget_; }
-  /// Cells where k or eps was not positive after the last step: never, if the step kept to its limit.
+  /// Cells where k or eps was not positive in the last step, when it was carried there or at the end: never, if the step
+  /// kept to its limit.
   long not_positive() const { return not_positive_; }
   /// Cells where the guard of nu_T acts.
   long guarded() const { return guarded_; }
@@ -81,6 +83,7 @@ class KEpsilon {
   double largest_eddy_viscosity_;
   MonotoneTransport transport_;
   Field eddy_, production_;
+  Field growth_;         ///< G/k
   Field wall_distance_;  ///< of cells beside walls; 0 elsewhere
   WallConductance conductance_;
   std::array<double, 6> given_k_, given_epsilon_, wall_eddy_;

@@ -116,7 +116,32 @@ class Flows(Case):
         result = run("flow", plan, "-o", FOLDER / "short.h5")
         self.assertEqual(result.returncode, 4)
         self.assertIn("short.h5 is written and marked: the flow still changes by", result.stderr)
-        self.assertIn("flow, max_time", run("info", FOLDER / "short.h5").stdout)
+        told = run("info", FOLDER / "short.h5").stdout
+        self.assertIn("flow, max_time", told)
+        self.assertIn("of unknown error", told)
+        # What took hours is kept, also from a plan that is refused, and a longer run goes on from it.
+        kept = FOLDER / "short.h5.checkpoint"
+        self.check_error(run("flow", plan, "-o", FOLDER / "short.h5"), 2, "a max_time after that was expected")
+        bad = write("bad_short.toml", PLAN.replace("side = 3", "side = 1.5"))
+        self.assertEqual(run("flow", bad, "-o", FOLDER / "short.h5", "--fresh").returncode, 2)
+        other = write("other_short.toml", PLAN.replace("thickness = 1", "thickness = 0.9"))
+        self.check_error(run("flow", other, "-o", FOLDER / "short.h5"), 3, "checkpoint of another case", "--fresh")
+        self.assertTrue(kept.exists())
+        longer = write("longer.toml", PLAN)
+        self.assertEqual(run("flow", longer, "-o", FOLDER / "short.h5").returncode, 0)
+        self.assertFalse(kept.exists())
+        with h5py.File(FOLDER / "short.h5") as one, h5py.File(flow()) as whole:
+            self.assertTrue((one["fields/u"][:] == whole["fields/u"][:]).all())
+
+    def test_a_mean_of_no_period_has_no_error(self):
+        plan = write("mean.toml", PLAN.replace('"steady"', '"mean"').replace("max_time = 80", "max_time = 1"))
+        result = run("flow", plan, "-o", FOLDER / "mean.h5")
+        self.assertEqual(result.returncode, 4)
+        self.assertIn("0 whole periods were averaged, expected at least 5; the fields are those of one instant", result.stderr)
+        self.assertNotIn("nan", result.stdout + result.stderr)
+        self.assertIsNone(json.loads(run("info", FOLDER / "mean.h5", "--json").stdout)["C_D_half_width"])
+        with h5py.File(FOLDER / "mean.h5") as file:
+            self.assertNotIn("C_D_half_width", file["loads"].attrs)
 
     def test_a_mesh_in_space_stands_in_the_flow(self):
         # A box of 2 x 1 x 1: the longest extent becomes a body length.
@@ -191,12 +216,29 @@ relative = 0.05
         result = run("picture", damaged, "--field", "u", "-o", FOLDER / "damaged.png")
         self.check_error(result, 3, "damaged.h5")
 
-    def test_energy_below_zero_is_refused(self):
+    def test_values_that_no_flow_has_are_refused(self):
         changed = FOLDER / "changed.h5"
+        for name, value, sentence in [
+            ("centre/k_resolved", -0.1, "-0.1 in cell (4, 3, 0), expected none below 0"),
+            ("centre/u", numpy.nan, "expected finite numbers, found nan"),
+            ("centre/p", numpy.inf, "expected finite numbers, found inf"),
+            ("body/open", numpy.nan, "expected finite numbers, found nan"),
+            ("body/open", 1.5, "1.5 in cell (4, 3, 0), expected shares"),
+            ("centre/epsilon", 0.0, "0 in cell (4, 3, 0), expected positive ones"),
+        ]:
+            with self.subTest(name=name, value=value):
+                changed.write_bytes(flow().read_bytes())
+                with h5py.File(changed, "r+", libver="latest") as file:
+                    if name not in file:
+                        file[name] = numpy.ones_like(file["centre/k"][:])
+                        file[name].attrs["unit"] = file["centre/k"].attrs["unit"]
+                    file[name][3, 4] = value
+                self.check_error(run("info", changed), 3, "changed.h5", name, sentence)
+
         changed.write_bytes(flow().read_bytes())
         with h5py.File(changed, "r+", libver="latest") as file:
-            file["centre/k_resolved"][3, 4] = -0.1
-        self.check_error(run("info", changed), 3, "changed.h5", "/centre/k_resolved", "-0.1, expected none below 0")
+            file["grid"].attrs["cells"] = numpy.array([54.0 * 36, 1, 1])
+        self.check_error(run("info", changed), 3, "has 1 cells along y, expected at least 2")
 
     def test_no_other_file_is_lost_to_a_flow(self):
         other = write("other.txt", "mine")

@@ -2,10 +2,14 @@
 
 #include <cmath>
 #include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
 #include "flow_cases.h"
+#include "samara/flow/march/flow_checkpoint.h"
 
 using namespace samara::flow;
 using namespace flow_cases;
@@ -31,7 +35,7 @@ struct RemovedFile {
 TEST_CASE("a square in a stream sheds, and its mean drag and Strouhal number are those of the model",
           "[flow]") {
   FlowOptions options;
-  options.max_time = 120.0;
+  options.max_time = 200.0;
   const FlowResult result = solve_flow(small_square(), options);
   INFO(result.message << "; C_D " << result.drag.value << " St " << result.strouhal << " C_L' "
                       << result.lift_rms << " bubble " << result.bubble_end);
@@ -76,27 +80,109 @@ TEST_CASE("a circle at Re 40 comes to rest, with the bubble and no lift", "[flow
 
 TEST_CASE("a run that was interrupted goes on to the same bits", "[flow]") {
   const RemovedFile file;
+  FlowCase flow = small_square();
+  flow.cells_per_length = 4;
   FlowOptions options;
-  options.max_time = 3.0;
-  const FlowResult whole = solve_flow(small_square(), options);
-  CHECK(whole.status == FlowStatus::max_time);
+  options.max_time = 250.0;
+  const FlowResult whole = solve_flow(flow, options);
+  INFO(whole.message);
+  REQUIRE(whole.status == FlowStatus::averaged);
 
+  // In the middle of a period, after periods were averaged.
   options.checkpoint = file.path;
-  long calls = 0;
-  options.progress = [&](const samara::Progress&) { return ++calls < 40; };
-  const FlowResult part = solve_flow(small_square(), options);
-  CHECK(part.status == FlowStatus::cancelled);
+  long averaging = 0;
+  const auto steps_per_time = static_cast<double>(whole.steps) / whole.time;
+  options.progress = [&](const samara::Progress& progress) {
+    averaging += progress.stage == "averaging" ? 1 : 0;
+    return averaging < std::lround(0.6 * whole.averaged_time * steps_per_time);
+  };
+  const FlowResult part = solve_flow(flow, options);
+  REQUIRE(part.status == FlowStatus::cancelled);
+  CHECK(part.averaged_time > 0.0);
+  CHECK(part.steps < whole.steps);
   options.progress = {};
   options.resume = true;
+  const FlowResult rest = solve_flow(flow, options);
+  CHECK(rest.status == FlowStatus::averaged);
+  CHECK(rest.message == whole.message);
+  CHECK(rest.steps == whole.steps);
+  CHECK(rest.time == whole.time);
+  CHECK(rest.velocity == whole.velocity);
+  CHECK(rest.pressure == whole.pressure);
+  CHECK(rest.k_modelled == whole.k_modelled);
+  CHECK(rest.k_resolved == whole.k_resolved);
+  CHECK(rest.epsilon == whole.epsilon);
+  const auto numbers = [](const FlowResult& r) {
+    std::vector<double> all = {
+        r.drag.value, r.drag.half_width, r.lift,       r.moment,        r.drag_rms,
+        r.lift_rms,   r.strouhal,        r.bubble_end, r.averaged_time, r.checks.force_disagreement};
+    for (const LoadRecord& record : r.history)
+      all.insert(all.end(), {record.time, record.step, record.drag, record.lift, record.moment});
+    return all;
+  };
+  CHECK(numbers(rest) == numbers(whole));
+
+  options.seed = 2;
+  CHECK_THROWS_WITH(solve_flow(flow, options),
+                    Catch::Contains("checkpoint of another case, seed or version"));
+}
+
+TEST_CASE("a run goes on from max_time, if it is given more", "[flow]") {
+  const RemovedFile file;
+  FlowOptions options;
+  options.max_time = 1.5;
+  const FlowResult whole = solve_flow(small_square(), options);
+  options.checkpoint = file.path;
+  options.resume = true;
+  options.max_time = 1.0;
+  CHECK(solve_flow(small_square(), options).status == FlowStatus::max_time);
+  CHECK_THROWS_WITH(solve_flow(small_square(), options),
+                    Catch::Contains("a max_time after that was expected"));
+  options.max_time = 1.5;
   const FlowResult rest = solve_flow(small_square(), options);
   CHECK(rest.steps == whole.steps);
   CHECK(rest.velocity == whole.velocity);
-  CHECK(rest.k_modelled == whole.k_modelled);
-  CHECK(rest.history.size() == whole.history.size());
+}
 
-  options.seed = 2;
-  CHECK_THROWS_WITH(solve_flow(small_square(), options),
-                    Catch::Contains("checkpoint of another case, seed or version"));
+TEST_CASE("a mean that was not reached has no known error", "[flow]") {
+  FlowOptions options;
+  options.max_time = 0.2;
+  const FlowResult result = solve_flow(small_square(), options);
+  CHECK(result.status == FlowStatus::max_time);
+  CHECK(std::isinf(result.drag.half_width));
+  CHECK(
+      result.message ==
+      "the drag has no mean of known error at max_time, 0.2 l/U: 0 whole periods were averaged, expected at "
+      "least 5; the fields are those of one instant");
+}
+
+TEST_CASE("the identity of a case changes with each size of its body", "[flow]") {
+  const auto text = [](const Shape& shape) {
+    FlowCase flow = small_square();
+    flow.shape = shape;
+    return case_text(flow, {});
+  };
+  const auto polygon = [](double tip) {
+    return polygon_section((Eigen::Matrix2Xd(2, 4) << -0.5, 0.5, 0.1, -0.5, -0.2, -0.2, tip, 0.2).finished());
+  };
+  const std::vector<Shape> shapes = {ellipse_section(0.5, 0.5),
+                                     ellipse_section(0.5, 0.4),
+                                     ellipse_section(0.4, 0.5),
+                                     rectangle_section(1.0, 0.5),
+                                     rectangle_section(1.0, 0.4),
+                                     rectangle_section(0.9, 0.5),
+                                     baffle_section(1.0),
+                                     baffle_section(0.9),
+                                     polygon(0.1),
+                                     polygon(0.15),
+                                     ellipsoid_shape({0.5, 0.5, 0.5}),
+                                     ellipsoid_shape({0.5, 0.4, 0.5}),
+                                     ellipsoid_shape({0.5, 0.5, 0.4}),
+                                     box_shape({1.0, 0.5, 0.5}),
+                                     box_shape({1.0, 0.5, 0.4})};
+  std::set<std::string> texts;
+  for (const Shape& shape : shapes) texts.insert(text(shape));
+  CHECK(texts.size() == shapes.size());
 }
 
 TEST_CASE("what cannot be solved is refused before anything is taken", "[flow]") {
@@ -106,6 +192,14 @@ TEST_CASE("what cannot be solved is refused before anything is taken", "[flow]")
   flow = small_square();
   flow.cells_per_length = 20000;
   CHECK_THROWS_WITH(solve_flow(flow), Catch::Contains("expected at most max_memory, 2 GB"));
+  flow.cells_per_length = 429496730;
+  CHECK_THROWS_WITH(solve_flow(flow), Catch::Contains("cells_per_length is 429496730"));
+  FlowOptions options;
+  options.max_memory = std::nan("");
+  CHECK_THROWS_WITH(solve_flow(small_square(), options), Catch::Contains("max_memory is nan"));
+  options = {};
+  options.threads = -1;
+  CHECK_THROWS_WITH(solve_flow(small_square(), options), Catch::Contains("threads is -1"));
   flow = small_square();
   flow.extent.side = 1.5;
   CHECK_THROWS_WITH(solve_flow(flow),

@@ -1,0 +1,100 @@
+#include "samara/flow/march/load_history.h"
+
+#include <cmath>
+#include <functional>
+
+#include <catch2/catch.hpp>
+
+#include "flow_cases.h"
+
+using namespace samara::flow;
+using flow_cases::kPi;
+
+namespace {
+
+using Series = std::function<double(double)>;
+
+/// Periods of a made-up body, in steps of 0.02.
+std::vector<PeriodMeans> periods_of(const Series& drag, const Series& lift, double until) {
+  PeriodCounter counter;
+  std::vector<PeriodMeans> periods;
+  const double step = 0.02;
+  for (long s = 1; s <= std::lround(until / step); ++s) {
+    const double t = static_cast<double>(s) * step;
+    if (const auto period = counter.add({t, step, drag(t), lift(t), 0.5 * lift(t)}))
+      periods.push_back(*period);
+  }
+  return periods;
+}
+
+double sine(double t) {
+  return 0.3 * std::sin(2 * kPi * t / 7.0);
+}
+
+/// Equal periods with these drags.
+std::vector<PeriodMeans> with_drags(const std::vector<double>& drags) {
+  std::vector<PeriodMeans> periods;
+  for (const double drag : drags) periods.push_back({.length = 7.0, .drag = drag, .by_crossing = true});
+  return periods;
+}
+
+}  // namespace
+
+TEST_CASE("periods of a lift that swings are cut where it passes its mean upwards", "[flow]") {
+  const auto drag = [](double t) { return 2.0 + 0.1 * std::cos(4 * kPi * t / 7.0); };
+  const std::vector<PeriodMeans> periods = periods_of(
+      drag, [](double t) { return 0.1 + sine(t); }, 210.0);
+  REQUIRE(periods.size() >= 25);
+  for (std::size_t i = 5; i < periods.size(); ++i) {
+    CHECK(periods[i].by_crossing);
+    CHECK(periods[i].length == Approx(7.0).epsilon(0.01));
+    CHECK(periods[i].drag == Approx(2.0).epsilon(1e-3));
+    CHECK(periods[i].lift == Approx(0.1).margin(2e-3));
+    CHECK(periods[i].lift_squared - periods[i].lift * periods[i].lift == Approx(0.045).epsilon(0.02));
+  }
+  CHECK(shedding_frequency(periods) == Approx(1.0 / 7.0).epsilon(0.01));
+}
+
+TEST_CASE("windows of a still lift and forced ends of a drifting one are no periods of shedding", "[flow]") {
+  const auto one = [](double) { return 1.0; };
+  const std::vector<PeriodMeans> still = periods_of(
+      one, [](double) { return 0.2; }, 100.0);
+  CHECK(still.size() >= 19);
+  CHECK(shedding_frequency(still) == 0.0);
+  const std::vector<PeriodMeans> drifting = periods_of(
+      one, [](double t) { return 0.01 * t; }, 200.0);
+  CHECK(drifting.size() >= 5);
+  CHECK(shedding_frequency(drifting) == 0.0);
+  // The windows before shedding begins do not count with what sheds.
+  const std::vector<PeriodMeans> late = periods_of(
+      one, [](double t) { return t < 100.0 ? 0.0 : sine(t); }, 250.0);
+  CHECK(shedding_frequency(late) == Approx(1.0 / 7.0).epsilon(0.02));
+}
+
+TEST_CASE("a drag that still drifts has not settled, and its mean is not known", "[flow]") {
+  std::vector<double> slow, fast, noisy, short_run;
+  for (int i = 0; i < 10; ++i) {
+    slow.push_back(2.0 * std::pow(1.001, i));
+    // Over windows that share three of five periods this moves by 1.4 % only.
+    fast.push_back(2.0 * std::pow(1.007, i));
+    noisy.push_back(2.0 + (i % 2 == 0 ? 0.01 : -0.01));
+  }
+  CHECK(is_settled(with_drags(slow)));
+  CHECK(is_settled(with_drags(noisy)));
+  CHECK_FALSE(is_settled(with_drags(fast)));
+  CHECK_FALSE(is_settled(with_drags({2, 2, 2, 2, 2, 2, 2, 2, 2})));
+
+  CHECK(is_known(with_drags(noisy), 0.01));
+  CHECK_FALSE(is_known(with_drags({2, 2, 2, 2}), 0.01));
+  // Half of their interval is 0.98 %: a drift that passes for scatter.
+  const std::vector<PeriodMeans> drifting = with_drags({2.0, 2.01, 2.02, 2.03, 2.04});
+  CHECK(mean_drag(drifting).half_width < 0.01 * mean_drag(drifting).value);
+  CHECK_FALSE(is_known(drifting, 0.01));
+}
+
+TEST_CASE("the error of a mean drag is Student's, and that of less than two periods is not known", "[flow]") {
+  CHECK(std::isinf(mean_drag(with_drags({2.0})).half_width));
+  const MeanWithError mean = mean_drag(with_drags({1.0, 2.0, 3.0}));
+  CHECK(mean.value == Approx(2.0));
+  CHECK(mean.half_width == Approx(4.303 / std::sqrt(3.0)).epsilon(1e-9));
+}
