@@ -71,8 +71,8 @@ bool asks_for_derived(const Codebook& book, const Names& outputs) {
 }
 
 /// As at(), of outputs that are derived, too; each call prepares them.
-py::object derived_at(const Book& book, const Array& points, const codebooks::QueryOptions& options, int order,
-                      const py::object& out) {
+py::object derived_at(const Book& book, const Array& points, const codebooks::QueryOptions& options,
+                      int order, const py::object& out) {
   codebooks::DerivedQuery query(*book, options);
   if (order > 1)
     throw ArgumentError("hessian is of stored outputs; outputs without what the model derives were expected");
@@ -250,7 +250,8 @@ py::dict describe(const Book& handle) {
   const codebooks::Provenance& provenance = book.provenance();
   return py::dict(
       py::arg("title") = book.title(), py::arg("coordinates") = coordinates, py::arg("outputs") = outputs,
-      py::arg("derived") = derived, py::arg("model") = py::dict(py::arg("name") = model.name, py::arg("title") = model.title,
+      py::arg("derived") = derived,
+      py::arg("model") = py::dict(py::arg("name") = model.name, py::arg("title") = model.title,
                                   py::arg("equations") = model.equations, py::arg("frames") = model.frames,
                                   py::arg("source") = model.source, py::arg("fixed") = model.fixed),
       py::arg("build") =
