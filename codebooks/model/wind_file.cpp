@@ -112,18 +112,18 @@ models::wind::TurbulenceOptions read_turbulence(const TomlTable& table, const Pr
   }
   options.modes = static_cast<int>(modes);
   options.frozen = table.optional_boolean("frozen").value_or(false);
+  const double height = options.height.value_or(mean.height);
+  if (mean.kind == ProfileKind::logarithmic && !(height > mean.displacement + mean.roughness)) {
+    throw table.error(
+        "height", fmt::format("is {:.6g} m, expected more than displacement and roughness, {:.6g} m", height,
+                              mean.displacement + mean.roughness));
+  }
   if (options.sigma && options.length) return options;
   const std::string missing = options.sigma ? "length" : "sigma";
   if (mean.kind != ProfileKind::logarithmic || !(mean.speed > 0.0)) {
     throw table.error(
         missing,
         fmt::format("\"{}\" is missing, and follows from a logarithmic profile with a wind only", missing));
-  }
-  const double height = options.height.value_or(mean.height);
-  if (!(height > mean.displacement + mean.roughness)) {
-    throw table.error(
-        "height", fmt::format("is {:.6g} m, expected more than displacement and roughness, {:.6g} m", height,
-                              mean.displacement + mean.roughness));
   }
   return options;
 }

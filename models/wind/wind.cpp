@@ -147,7 +147,8 @@ Eigen::Vector3d Wind::direction() const {
 }
 
 ModeSpectrum mode_spectrum(const Wind& wind, double body_length) {
-  const TurbulenceOptions& o = wind.turbulence.value();
+  if (!wind.turbulence) throw ArgumentError("the wind has no turbulence; a wind with one was expected");
+  const TurbulenceOptions& o = *wind.turbulence;
   const ProfileOptions& mean = wind.profile.options();
   const double height = o.height.value_or(mean.height);
   require_positive(height, "the height of the turbulence [m]");

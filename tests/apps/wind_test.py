@@ -131,6 +131,7 @@ class BadWinds(Case):
         uniform = mean + 'profile = "uniform"\n'
         self.check_file(mean + "[turbulence]\nmodes = 0\n", "[turbulence] modes", "is 0, expected 1 to 100000")
         self.check_file(mean + '[turbulence]\nheight = "2 cm"\n', "[turbulence] height", "0.02 m")
+        self.check_file(mean + '[turbulence]\nheight = "2 cm"\nsigma = 1\nlength = 3\n', "[turbulence] height", "0.02 m")
         self.check_file(mean + "[turbulence]\nsigma = inf\n", "[turbulence] sigma")
         self.check_file(mean + '[turbulence]\nshortest = "2 m"\nlongest = "1 m"\n', "[turbulence] longest")
         self.check_file(uniform + "[turbulence]\n", '"sigma" is missing')

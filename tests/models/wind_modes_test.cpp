@@ -11,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/streams.h"
 #include "samara/models/stochastic/fluid_seen.h"
+#include "samara/models/wind/mode_sums.h"
 #include "wind_statistics.h"
 
 using namespace samara::models;
@@ -286,15 +287,31 @@ TEST_CASE("a realisation has the same bits alone and among others, and realisati
   CHECK(std::abs(components) < 4.0 * std::sqrt(draws));
 }
 
-TEST_CASE("far from the origin, after hours, modes are as exact as the phase") {
-  // Packs reduce the phase on their own; compare with the library's functions through a far shift of one mode.
-  const ModeSpectrum spectrum(
-      VonKarmanSpectrum(kSigma, kLength),
-      {.modes = 1, .lowest = 1.0, .highest = 2.0, .frozen = true, .convection = {10, 0, 0}});
-  const WindModes wind(spectrum, 1, 4);
-  const Eigen::Vector3d here(0.2, 0.5, 0.1);
-  const Eigen::Vector3d shift(10.0 * 3600.0, 0.0, 0.0);
-  CHECK((wind.sample(3600.0, here + shift).velocity - wind.sample(0.0, here).velocity).norm() < 1e-10);
+TEST_CASE("modes have the sines and cosines of the library, at phases small and large") {
+  // One mode of the frequency x and no wave vector at t = 1: its cosine along x, its sine along y.
+  const auto mode_at = [](double x) {
+    std::array<double, kModeRows* kModeLanes> numbers = {};
+    const std::size_t lane = 3;
+    numbers[3 * kModeLanes + lane] = x;
+    numbers[4 * kModeLanes + lane] = 1.0;
+    numbers[8 * kModeLanes + lane] = 1.0;
+    ModeSum sum = {};
+    const double origin[3] = {};
+    sum_modes({.numbers = numbers.data(), .count = kModeLanes}, origin, 1.0, sum);
+    return std::array{sum.velocity[0], sum.velocity[1]};
+  };
+  samara::Stream random(2026, 5);
+  std::vector<double> phases = {0.0,  1e-300, 1e-9, 1.5707963267948966, 1.5707963277948966, 3.141592653589793,
+                                22.0, 355.0};
+  for (int i = 0; i < 300; ++i) phases.push_back(std::pow(10.0, -3.0 + 8.0 * random.uniform()));
+  for (const double phase : phases) {
+    for (const double x : {phase, -phase}) {
+      const auto [cosine, sine] = mode_at(x);
+      CAPTURE(x);
+      CHECK(std::abs(cosine - std::cos(x)) < 5e-16);
+      CHECK(std::abs(sine - std::sin(x)) < 5e-16);
+    }
+  }
 }
 
 TEST_CASE("modes that make no turbulence are refused") {

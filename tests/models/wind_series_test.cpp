@@ -61,9 +61,10 @@ double coherence_of(int seeds, double step, double n, Eigen::Index a, Eigen::Ind
   return cross.real() / std::sqrt(power_a * power_b);
 }
 
+/// Of 5 m and 15 m at 0.02 and 0.1 Hz, U = 10 m/s, L_c = 170.1 m: exp(-12 hypot(n r/U, 0.12 r/L_c)).
 bool has_coherence(double near_low, double near_high, double far_low, double far_high) {
-  return std::abs(near_low - 0.885) < 0.03 && std::abs(near_high - 0.550) < 0.03 &&
-         std::abs(far_low - 0.693) < 0.03 && std::abs(far_high - 0.171) < 0.03;
+  return std::abs(near_low - 0.8805) < 0.03 && std::abs(near_high - 0.5480) < 0.03 &&
+         std::abs(far_low - 0.6827) < 0.03 && std::abs(far_high - 0.1646) < 0.03;
 }
 
 }  // namespace
@@ -137,10 +138,10 @@ TEST_CASE("points across the wind cohere as the standard says, which filtered no
   };
   const double near_low = of_wind(0.02, 1), near_high = of_wind(0.1, 1), far_low = of_wind(0.02, 2),
                far_high = of_wind(0.1, 2);
-  CHECK_THAT(near_low, WithinAbs(0.885, 0.03));
-  CHECK_THAT(near_high, WithinAbs(0.550, 0.03));
-  CHECK_THAT(far_low, WithinAbs(0.693, 0.03));
-  CHECK_THAT(far_high, WithinAbs(0.171, 0.03));
+  CHECK_THAT(near_low, WithinAbs(0.8805, 0.03));
+  CHECK_THAT(near_high, WithinAbs(0.5480, 0.03));
+  CHECK_THAT(far_low, WithinAbs(0.6827, 0.03));
+  CHECK_THAT(far_high, WithinAbs(0.1646, 0.03));
   CHECK(has_coherence(near_low, near_high, far_low, far_high));
 
   // A toy: low-passed white noise, mixed between the points to the right correlation of values.
