@@ -105,6 +105,22 @@ void check_outputs(const SimulateArguments& arguments) {
     throw ArgumentError("--keep: trajectories go into a file that ends in .h5, with --output");
 }
 
+/// Before anything is allocated: what a wave of 256 realisations, the sums and the kept trajectories take.
+void check_memory(const models::RealiseOptions& options, Eigen::Index frames, const models::ModelInfo& info) {
+  constexpr double kMostBytes = 2e9;
+  const double states = options.states.empty() ? 3.0 : static_cast<double>(options.states.size());
+  const auto kept = static_cast<double>(std::min(options.keep, options.realisations));
+  const double values =
+      256.0 * states + 30.0 * states * states + kept * static_cast<double>(info.states.size());
+  const double bytes = sizeof(double) * values * static_cast<double>(frames);
+  if (bytes > kMostBytes) {
+    throw ArgumentError(
+        fmt::format("--frames is {} with {} trajectories to keep, which would take {:.1f} GB; at most "
+                    "{:.0f} frames were expected",
+                    frames, kept, 1e-9 * bytes, kMostBytes / (sizeof(double) * values)));
+  }
+}
+
 void warn_of_steps(const models::Ensemble& cloud, double step) {
   const auto percent = [](double share) { return fmt::format("{:.0f} %", 100.0 * share); };
   const models::StepShares& shares = cloud.steps;
@@ -155,6 +171,7 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
               const Eigen::VectorXd& times) {
   const models::RealiseOptions options = options_of(arguments, model);
   check_outputs(arguments);
+  check_memory(options, times.size(), model.model().info());
   const std::uint64_t seed = seed_of(arguments.cloud);
   const models::GustLayout layout(model.model());
   const NamedAir air = air_of(arguments, model, seed, radius_of(arguments, model));

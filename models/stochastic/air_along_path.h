@@ -23,9 +23,20 @@ struct BodyOnPath {
   /// What a sudden change of the air changes of its velocity, (m + M)^-1 (m_f + M), both in body axes: the identity for
   /// a body as heavy as the fluid, about zero for a heavy one.
   Eigen::Matrix3d follows = Eigen::Matrix3d::Zero();
+  /// Of what else changes its velocity (weight, drag, lift), as in the step before [m/s^2].
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();
   /// In which drag takes up the rest of such a change, |(m + M) u_r|/|F|; asked for by AirAlongPath::needs_response,
   /// otherwise 0 [s]
   double response_time = 0.0;
+
+  /// What a change of the air changes of its velocity at once.
+  Eigen::Vector3d followed(const Eigen::Vector3d& change) const {
+    return attitude * (follows * (attitude.transpose() * change));
+  }
+  /// Where it will be after a step of length h [s], over which the air changes by `change` [m/s].
+  Eigen::Vector3d position_after(double h, const Eigen::Vector3d& change) const {
+    return position + h * velocity + 0.5 * h * (followed(change) + h * acceleration);
+  }
 };
 
 /// The air where the body is at the end of a step.
@@ -48,8 +59,7 @@ class AirAlongPath {
   /// The air at the start; called once, before all steps.
   virtual AirSeen start(const BodyOnPath& body) = 0;
 
-  /// The air at the end of a step of length h [s] from where the body is. Its velocity there may be predicted:
-  /// position + h velocity.
+  /// The air at the end of a step of length h [s] from where the body is, at position_after().
   virtual AirSeen step(const BodyOnPath& body, double h) = 0;
 
   /// Whether `response_time` is of use at the next step: it costs as much as the step itself.

@@ -72,13 +72,11 @@ class FluidSeen final : public AirAlongPath {
     has_gradient_ = !energy.sigma_gradient.isZero(0.0);
     const double sigma = attenuated(scales);
     move_gust(body, h, energy, scales, sigma);
-    if (options_.rotation && energy.epsilon > 0.0) move_spin(h, energy.epsilon);
+    if (options_.rotation && energy.k > 0.0) move_spin(h, energy.epsilon);
     const AmbientSample mean = flow_.sample(t, middle);
     // The body's own change of velocity by this gust moves it, too: without it what the fluid carries does not stay mixed.
     const Eigen::Vector3d change = mean.velocity + sigma * w_ - body.air;
-    const Eigen::Vector3d end =
-        body.position + h * body.velocity +
-        0.5 * h * (body.attitude * (body.follows * (body.attitude.transpose() * change)));
+    const Eigen::Vector3d end = body.position_after(h, change);
     AirSeen seen = seen_at(body.t + h, end, flow_.turbulence(body.t + h, end));
     seen.gradient = mean.gradient;
     seen.time_scale =
@@ -112,7 +110,7 @@ class FluidSeen final : public AirAlongPath {
   AirSeen seen_at(double t, const Eigen::Vector3d& position, const Turbulence& energy) {
     AirSeen seen;
     seen.velocity = flow_.sample(t, position).velocity + attenuated(scales_of(energy)) * w_;
-    if (options_.rotation) seen.rotation = 0.99 * eddy_rate(energy.epsilon) * spin_;
+    if (options_.rotation && energy.k > 0.0) seen.rotation = 0.99 * eddy_rate(energy.epsilon) * spin_;
     seen.inside = energy.inside;
     return seen;
   }

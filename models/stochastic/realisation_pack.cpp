@@ -33,6 +33,8 @@ struct Flight {
   std::unique_ptr<AirAlongPath> air;
   BodyOnPath body;
   Eigen::Vector3d start = Eigen::Vector3d::Zero();
+  Eigen::Vector3d followed =
+      Eigen::Vector3d::Zero();  ///< of its change of velocity in this step, the gust's at once
   TurnCounter turns;
   RealisationRecord record;
 
@@ -120,8 +122,13 @@ class FlightPack {
       flight.record.status = RealisationStatus::left_flow;
       return;
     }
-    const Eigen::Vector3d rate = (seen.velocity - body.air) / h;
-    const Eigen::Vector3d material = rate + seen.gradient * (body.air - body.velocity);
+    const Eigen::Vector3d change = seen.velocity - body.air;
+    const Eigen::Vector3d rate = change / h;
+    // In the middle of the step, or the advection would be right to first order only.
+    flight.followed = body.followed(change);
+    const Eigen::Vector3d relative =
+        body.air - body.velocity + 0.5 * (change - flight.followed - h * body.acceleration);
+    const Eigen::Vector3d material = rate + seen.gradient * relative;
     plan_.layout.write([&](int j, double value) { lanes_.set_parameter(j, lane, value); }, t, body.air, rate,
                        material, seen.rotation);
     body.air = seen.velocity;
@@ -129,7 +136,9 @@ class FlightPack {
 
   void look_after(Flight& flight, int lane, double t, double h) {
     const Eigen::Vector3d before = flight.body.position;
+    const Eigen::Vector3d velocity = flight.body.velocity;
     look(flight, lane);
+    flight.body.acceleration = (flight.body.velocity - velocity - flight.followed) / h;
     const Eigen::Vector3d& now = flight.body.position;
     // What is not finite in any state is so in these at the next step, too.
     if (!now.allFinite() || !flight.body.velocity.allFinite()) {

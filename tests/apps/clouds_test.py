@@ -123,6 +123,10 @@ class BadClouds(Case):
         self.refused([*ten, "-o", FOLDER / "cloud.txt"], "expected a name that ends in .csv or .h5")
         self.refused([*ten, "--keep", 3, "-o", FOLDER / "cloud.csv"], "trajectories go into a file that ends in .h5")
 
+    def test_more_than_memory_holds(self):
+        self.refused(["--realisations", 100000, "--keep", 100000, "--frames", 10001], "which would take 104")
+        self.refused(["--realisations", 10, "--frames", 2900000], "frames were expected")
+
     def test_flows_that_are_none(self):
         ten = ["--realisations", 10]
         self.refused(ten, "without a flow that differs between them: --turbulence or --wind was expected", CARD)

@@ -213,6 +213,8 @@ TEST_CASE("a rotational gust has the deviation and the memory of the eddies larg
     squares += then.rotation.squaredNorm() / 3.0;
     products += start.rotation.dot(then.rotation) / 3.0;
   }
+  const auto still = fluid_seen_in(uniform_turbulence(0.0, 1.0), 6, {.radius = 0.05, .rotation = true});
+  CHECK(still->realisation(0, false)->start({}).rotation.isZero(0.0));
   const double variance = 0.99 * 0.99 * rate * rate;
   CHECK_THAT(squares / kPaths, WithinRel(variance, 4.0 * std::sqrt(2.0 / (3.0 * kPaths))));
   CHECK_THAT(products / squares, WithinAbs(std::exp(-1.0), 4.0 / std::sqrt(3.0 * kPaths)));

@@ -8,6 +8,7 @@
 #include "samara/base/normals.h"
 #include "samara/models/laws/ambient_flow.h"
 #include "samara/models/laws/registry.h"
+#include "samara/models/stochastic/fluid_seen.h"
 #include "samara/models/stochastic/gust_layout.h"
 #include "samara/models/stochastic/realisations.h"
 #include "samara/models/stochastic/turbulent_flow.h"
@@ -118,6 +119,69 @@ TEST_CASE("a body in a ramp of gusts moves as in a flow that accelerates") {
       motion(find_model("immersed_body_in_gusts"), joined(kLeaf, ramp(flow.velocity, flow.rate, flow.rate)),
              start, times);
   CHECK((in_flow - in_gusts).cwiseAbs().maxCoeff() < 1e-8);
+}
+
+TEST_CASE("in a mean flow with a gradient the ramps lead to the motion in that flow, to second order") {
+  // w_air = w_0 + A x + b t, without any turbulence.
+  Eigen::Matrix3d A;
+  A << 0.8, 0.3, 1.5, -0.4, 0.2, 0.6, 0.5, -0.7, -1.0;
+  const auto sample = [A](double t, const Eigen::Vector3d& x) {
+    const Eigen::Vector3d rate(0.5, -0.8, 0.3);
+    return AmbientSample{
+        .velocity = Eigen::Vector3d(0.4, 0.0, 0.2) + A * x + rate * t, .gradient = A, .rate = rate};
+  };
+  const auto flow = turbulent_flow(
+      sample, [](double, const Eigen::Vector3d&) { return Turbulence{.epsilon = 1.0}; }, 1.0);
+  // Light, so that the pressure gradient counts.
+  const Parameters body = joined(kLeaf, {{"density", 30.0}, {"qw(0)", 0.9}, {"qx(0)", 0.3}, {"qy(0)", -0.2}});
+  const std::vector<double> times = {0.2};
+  const Eigen::RowVectorXd exact =
+      integrate(ParametricModel(immersed_body_in(flow), body, {}), {}, times, {.relative_tolerance = 1e-11})
+          .states.row(0);
+  const ParametricModel in_gusts(find_model("immersed_body_in_gusts"), body, {});
+  double errors[2];
+  for (const int halvings : {0, 1}) {
+    const Ensemble cloud = realise(in_gusts, {}, *fluid_seen_in(flow, 1), times,
+                                   {.realisations = 1, .step = 1e-3 / (1 << halvings), .keep = 1});
+    errors[halvings] = (cloud.kept[0].row(0) - exact).head<3>().norm();
+  }
+  CHECK(errors[0] < 1e-4);
+  CHECK(errors[0] / errors[1] > 3.0);
+}
+
+TEST_CASE("the radius that averages the fluid is that of the outline") {
+  const auto radius = [](const char* name, const Parameters& values) {
+    const auto model = find_model(name);
+    return outline_radius(model->info(), parameter_values(*model, values).value);
+  };
+  CHECK_THAT(radius("immersed_body_in_gusts", kLeaf), WithinRel(std::sqrt(0.035 * 0.02), 1e-14));
+  CHECK(radius("falling_plate_in_gusts", kPlate) == 0.02);
+  CHECK(radius("sphere_flight_in_gusts", {}) == 0.02);
+  CHECK(radius("constant_rate", {{"k", 1.0}}) == 0.0);
+}
+
+TEST_CASE("a plate sees of the world its plane, and turns in the sense of theta") {
+  const auto model = find_model("falling_plate_in_gusts");
+  const GustLayout layout(*model);
+  std::map<std::string, double> set;
+  layout.write(
+      [&](int j, double value) { set[model->info().parameters[static_cast<std::size_t>(j)].name] = value; },
+      0.5, {1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}, {7.0, 8.0, 9.0}, {10.0, -11.0, 12.0});
+  CHECK(set == std::map<std::string, double>{{"gust_start", 0.5},
+                                             {"gust_x", 1.0},
+                                             {"gust_y", 3.0},
+                                             {"gust_rate_x", 4.0},
+                                             {"gust_rate_y", 6.0},
+                                             {"gust_material_x", 7.0},
+                                             {"gust_material_y", 9.0},
+                                             {"gust_spin", 11.0}});
+  BodyOnPath body;
+  const double states[] = {2.0, 1.0, 0.0, 0.5, 0.3, 0.4};
+  layout.read([&](int i) { return states[i]; }, body);
+  CHECK(body.position == Eigen::Vector3d(0.3, 0.0, 0.4));
+  CHECK_THAT(body.velocity.x(), WithinAbs(2.0 * std::cos(0.5) - std::sin(0.5), 1e-15));
+  CHECK_THAT(body.velocity.z(), WithinAbs(2.0 * std::sin(0.5) + std::cos(0.5), 1e-15));
+  CHECK_THAT(body.attitude.determinant(), WithinRel(1.0, 1e-14));
 }
 
 TEST_CASE("a fluid that accelerates acts as a weight the other way on bodies in it") {
