@@ -88,7 +88,10 @@ class AirInWind final : public AirAlongPath {
 
   AirSeen start(const BodyOnPath& body) override { return seen(body, body.t, body.position); }
   AirSeen step(const BodyOnPath& body, double h) override {
-    return seen(body, body.t + h, body.position + h * body.velocity);
+    // The wind is smooth: on the way to where it will be the body goes by the change of the air in the step before.
+    AirSeen air = seen(body, body.t + h, body.position_after(h, h * rate_));
+    rate_ = (air.velocity - body.air) / h;
+    return air;
   }
 
  private:
@@ -111,6 +114,7 @@ class AirInWind final : public AirAlongPath {
   WindFlow flow_;
   Eigen::Vector2d semi_axes_;
   Eigen::Vector3d convection_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rate_ = Eigen::Vector3d::Zero();  ///< of the air along the path, in the step before [m/s^2]
   double sweeping_ = 0.0;
   double highest_ = 0.0;  ///< 0: there are no modes
 };
