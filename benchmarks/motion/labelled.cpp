@@ -36,8 +36,11 @@ void add(Labelled& to, motion::Pattern truth, motion::Pattern rule) {
 
 std::vector<int> source_clusters(const std::vector<motion::Features>& all, int clusters) {
   Eigen::MatrixXd points(static_cast<Eigen::Index>(all.size()), 2);
-  for (std::size_t n = 0; n < all.size(); ++n)
-    points.row(static_cast<Eigen::Index>(n)) << all[n][motion::Feature::d], all[n][motion::Feature::e];
+  // The source gives every motion both: where noise hides the way over the ground, it has no shape.
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    const double e = all[n][motion::Feature::e];
+    points.row(static_cast<Eigen::Index>(n)) << all[n][motion::Feature::d], std::isfinite(e) ? e : 0.0;
+  }
   return motion::k_means(motion::standardised(points), {.clusters = clusters}).assignment;
 }
 
