@@ -44,6 +44,11 @@ void on_call(CLI::App* command, std::optional<T>& target, std::shared_ptr<T> val
 /// What is drawn: --body, --size, --unit.
 void add_shown_words(CLI::App& command, ShownWords& words);
 
+/// How large and heavy a body is, and how its added mass is found.
+void add_body_words(CLI::App& command, BodyWords& words, bool required);
+
+void add_simulate(CLI::App& app, Arguments& arguments);
+void add_wind(CLI::App& app, Arguments& arguments);
 void add_explore(CLI::App& app, Arguments& arguments);
 void add_plot(CLI::App& app, Arguments& arguments);
 

@@ -56,6 +56,12 @@ SvgScale round_scale(double lower, double upper) {
   return scale;
 }
 
+/// About its middle.
+SvgScale widened(const SvgScale& scale, double range) {
+  const double middle = 0.5 * scale.lower + 0.5 * scale.upper;
+  return round_scale(middle - 0.5 * range, middle + 0.5 * range);
+}
+
 SvgScale decades(double lower, double upper) {
   const double first = std::floor(std::log10(lower));
   const double last = std::max(first + 1.0, std::ceil(std::log10(upper)));
@@ -105,7 +111,12 @@ std::vector<std::vector<const SvgSeries*>> key_of(const SvgPanel& panel) {
 class PanelDrawing {
  public:
   PanelDrawing(const SvgPanel& panel, double left, double top)
-      : panel_(panel), left_(left), top_(top), x_(scale_of(panel, false)), y_(scale_of(panel, true)) {}
+      : panel_(panel), left_(left), top_(top), x_(scale_of(panel, false)), y_(scale_of(panel, true)) {
+    if (!panel.has_equal_scales) return;
+    const double unit = std::max((x_.upper - x_.lower) / kWidth, (y_.upper - y_.lower) / kHeight);
+    x_ = widened(x_, unit * kWidth);
+    y_ = widened(y_, unit * kHeight);
+  }
 
   std::string operator()(double head) {
     draw_frame(head);

@@ -27,9 +27,10 @@ struct SvgPanel {
   std::string x_label, y_label;
   std::vector<SvgSeries> series;
   std::vector<SvgRule> rules = {};
-  bool has_log_y = false;      ///< values that are not positive are gaps
-  bool with_diagonal = false;  ///< y = x
-  bool from_zero = false;      ///< both axes begin at 0 or below
+  bool has_log_y = false;         ///< values that are not positive are gaps
+  bool with_diagonal = false;     ///< y = x
+  bool from_zero = false;         ///< both axes begin at 0 or below
+  bool has_equal_scales = false;  ///< a length is as long across as up; not with has_log_y
 };
 
 /// A picture of panels, `columns` in a row, ticks at round numbers, a key above each.
