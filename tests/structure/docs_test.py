@@ -99,7 +99,7 @@ class Lines(unittest.TestCase):
 
     WIDTH = 100
     LATER = {f"docs/{name}.md" for name in ("architecture", "bodies_in_flow", "captures", "explore", "fits", "flow", "models", "patterns",
-                                            "plans", "python", "queries")}
+                                            "plans", "queries")}
 
     def test_lines_are_short(self):
         examples = "".join(file.read_text() for file in (ROOT / "examples").rglob("*")
