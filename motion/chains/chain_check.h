@@ -5,8 +5,8 @@
 /// What a chain is worth on sequences that it was not made of, and where chains end.
 namespace samara::motion {
 
-/// Lengths of uninterrupted runs of a symbol, those that begin or end a sequence left out: how many have 1, 2, 3, 4, and
-/// more symbols.
+/// Lengths of uninterrupted runs of a symbol, those that begin or end a sequence left out: how many have 1, 2, 3, 4,
+/// and more symbols.
 Eigen::VectorXd run_lengths(const std::vector<std::vector<int>>& sequences, int symbol);
 
 struct ChainCheck {
