@@ -164,6 +164,14 @@ PatternMap::PatternMap(const Sweep& sweep, Eigen::Index release) {
     patterns_.push_back(sweep.labels[static_cast<std::size_t>(n * releases + release)].pattern);
   for (const auto& axis : sweep.axes) grid_.push_back(static_cast<Eigen::Index>(axis.size()));
   if (std::accumulate(grid_.begin(), grid_.end(), Eigen::Index{1}, std::multiplies()) != count) grid_.clear();
+  tree_ = std::make_shared<NearPoints>(places_);
+  for (std::size_t k = 0; k < kPatterns; ++k) {
+    std::vector<Eigen::Index> own;
+    for (Eigen::Index n = 0; n < size(); ++n) {
+      if (pattern(n) == static_cast<Pattern>(k)) own.push_back(n);
+    }
+    trees_[k] = std::make_shared<NearPoints>(places_(own, Eigen::all));
+  }
 }
 
 Eigen::VectorXd PatternMap::scaled(const Eigen::VectorXd& point) const {
@@ -182,14 +190,17 @@ Eigen::VectorXd PatternMap::scaled(const Eigen::VectorXd& point) const {
 }
 
 std::vector<Eigen::Index> PatternMap::nearest(const Eigen::VectorXd& place, int count) const {
-  const Eigen::VectorXd distances = (places_.rowwise() - place.transpose()).rowwise().squaredNorm();
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(size()));
-  std::iota(order.begin(), order.end(), 0);
-  const auto last = order.begin() + count;
-  std::partial_sort(order.begin(), last, order.end(), [&](Eigen::Index a, Eigen::Index b) {
-    return distances[a] < distances[b] || (distances[a] == distances[b] && a < b);
-  });
-  order.erase(last, order.end());
+  const std::span<const double> at(place.data(), static_cast<std::size_t>(place.size()));
+  std::array<Eigen::Index, kNeighbours + 1> found = {};
+  std::array<double, kNeighbours + 1> squares = {};
+  const std::size_t last =
+      tree_->nearest(at, std::span(found).first(static_cast<std::size_t>(count)), squares) - 1;
+  // Points of a grid lie at equal distances: of those at the last one the first are taken, whatever the round-off.
+  std::vector<Eigen::Index> order = tree_->within(at, squares[last] * (1.0 + 1e-9) + 1e-300);
+  std::ranges::sort(order);
+  const auto distance = [&](Eigen::Index n) { return (places_.row(n) - place.transpose()).squaredNorm(); };
+  std::ranges::stable_sort(order, {}, distance);
+  order.resize(static_cast<std::size_t>(count));
   return order;
 }
 
@@ -210,9 +221,13 @@ MapAnswer PatternMap::answer(const std::vector<Eigen::Index>& nearest) const {
 }
 
 double PatternMap::distance_to_other(const Eigen::VectorXd& place, Pattern own) const {
-  double least = std::numeric_limits<double>::infinity();
-  for (Eigen::Index n = 0; n < size(); ++n) {
-    if (pattern(n) != own) least = std::min(least, (places_.row(n) - place.transpose()).squaredNorm());
+  const std::span<const double> at(place.data(), static_cast<std::size_t>(place.size()));
+  double least = std::numeric_limits<double>::infinity(), square = 0.0;
+  Eigen::Index found = 0;
+  for (std::size_t k = 0; k < kPatterns; ++k) {
+    if (k == static_cast<std::size_t>(own) || trees_[k]->nearest(at, {&found, 1}, {&square, 1}) == 0)
+      continue;
+    least = std::min(least, square);
   }
   return std::sqrt(least);
 }

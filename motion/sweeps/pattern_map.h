@@ -1,9 +1,11 @@
 #pragma once
 
-#include <cstdint>
+#include <array>
+#include <memory>
 #include <vector>
 
 #include "samara/base/streams.h"
+#include "samara/motion/search/near_points.h"
 #include "samara/motion/sweeps/sweep.h"
 
 /// Where in a box which pattern lies, from the falls of a sweep: the map of one release, which says nothing of others.
@@ -60,7 +62,9 @@ class PatternMap {
   Eigen::VectorXd lower_, width_;
   Eigen::MatrixXd places_;  ///< points x coordinates, box of unit sides
   std::vector<Pattern> patterns_;
-  std::vector<Eigen::Index> grid_;  ///< points along each axis; empty: no grid
+  std::vector<Eigen::Index> grid_;          ///< points along each axis; empty: no grid
+  std::shared_ptr<const NearPoints> tree_;  ///< of places_
+  std::array<std::shared_ptr<const NearPoints>, kPatterns> trees_;  ///< of those of each pattern
 };
 
 /// A round of more points where they tell most, appended to the sweep.
