@@ -136,7 +136,7 @@ struct PlotArguments {
 
 struct ExportArguments {
   std::string book;
-  std::string to;  ///< "paraview"
+  std::string to;  ///< "paraview", "flat"
   std::vector<std::string> set;
   std::vector<std::string> at;
   std::string output;
