@@ -59,6 +59,11 @@ class ReadersOfPages(Case):
         self.assertEqual(unseen("..\nb\n..\na\n", "a\nb\n"), "a")
         self.assertIsNotNone(unseen("a\n", "a\nb\n"))
 
+    def test_slow_lines_and_those_of_measured_sets_are_left_to_others(self):
+        page = "```sh slow\nfalse\n```\n\n```text\nnothing\n```\n\n```sh\nls $SAMARA_DATA/none\n```\n\n```sh\necho seen\n```\n\n```text\nseen\n```\n"
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(Reader(SAMARA, folder, LONGEST).walk(self, page), 1)
+
     def test_a_wrong_exit_code_is_found(self):
         with tempfile.TemporaryDirectory() as folder:
             with self.assertRaises(AssertionError):
