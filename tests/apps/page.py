@@ -3,7 +3,8 @@
 On a page, ```sh fences hold lines for a shell, one after the other in one folder; a line that ends otherwise than well
 says so ("# exit code 5"). What a fence of ```text shows is what the fence before it prints, where ".." stands for
 anything. A fence that follows "`NAME`:" is the text of that file. Lines in ```sh slow take long: they are typed where
-SAMARA_SLOW_PAGES is set, as ./dev check does. Lines that need $SAMARA_DATA are those of measured_test.py.
+SAMARA_SLOW_PAGES is set, as ./dev check does. Those in ```sh elsewhere need what no page brings, such as a compiled program
+or a mesh of yours: other tests run the like. Lines that need $SAMARA_DATA are those of measured_test.py.
 """
 
 import os
@@ -13,7 +14,7 @@ import shutil
 import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-FENCE = re.compile(r"^```(\w*)( slow)?\n(.*?)^```$", re.M | re.S)
+FENCE = re.compile(r"^```(\w*)( slow| elsewhere)?\n(.*?)^```$", re.M | re.S)
 FILE = re.compile(r"`([\w.]+\.(?:toml|csv|json))`[^`\n]*:\n\n$")
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 TOKEN = re.compile(rf"\.\.|{NUMBER}(?:\.\.)?|[A-Za-z_]+|\S")
@@ -23,10 +24,11 @@ CLOSE = 0.02  # digits differ from one machine to another
 def steps(text):
     """("file", name, text), ("run", lines) and ("see", text) in the order of the page."""
     for match in FENCE.finditer(text):
-        kind, slow, body = match.groups()
+        kind, where, body = match.groups()
         name = FILE.search(text[:match.start()][-400:])
         if kind == "sh":
-            yield ("left" if "$SAMARA_DATA" in body or slow and not os.environ.get("SAMARA_SLOW_PAGES") else "run"), body
+            is_left = "$SAMARA_DATA" in body or where == " elsewhere" or where == " slow" and not os.environ.get("SAMARA_SLOW_PAGES")
+            yield ("left" if is_left else "run"), body
         elif kind == "text":
             yield "see", body
         elif name and kind in ("toml", "csv", "json"):

@@ -6,40 +6,32 @@ what the page says (page.py has the rules). A page of its own folder and class e
 
 import tempfile
 
-from page import ROOT, Reader, line_is_seen, steps, unseen
+from page import ROOT, Reader, line_is_seen, unseen
 from samara_case import LONGEST, SAMARA, Case, main
+
+
+PAGES = {
+    "ReadMe": "README.md",
+    "Install": "docs/install.md",
+    "FirstCodebook": "docs/tutorials/first_codebook.md",
+    "DragFromAFilm": "docs/tutorials/drag_from_a_film.md",
+    "Separation": "docs/explanation/separation.md",
+    "ModelsPage": "docs/models.md",
+    "OwnModelsPage": "docs/own_models.md",
+    "BodiesPage": "docs/bodies.md",
+    "ExplorePage": "docs/explore.md",
+}
 
 
 def walk(test, page):
     text = (ROOT / page).read_text()
-    test.assertTrue(any(kind == "run" for kind, *_ in steps(text)), f"{page} shows no lines to run")
     with tempfile.TemporaryDirectory() as folder:
-        Reader(SAMARA, folder, LONGEST).walk(test, text)
+        count = Reader(SAMARA, folder, LONGEST).walk(test, text)
+    test.assertGreater(count, 0, f"{page} shows no lines to run")
 
 
-class ReadMe(Case):
-    def test_the_lines_run(self):
-        walk(self, "README.md")
-
-
-class Install(Case):
-    def test_the_lines_run(self):
-        walk(self, "docs/install.md")
-
-
-class FirstCodebook(Case):
-    def test_the_lines_run(self):
-        walk(self, "docs/tutorials/first_codebook.md")
-
-
-class DragFromAFilm(Case):
-    def test_the_lines_run(self):
-        walk(self, "docs/tutorials/drag_from_a_film.md")
-
-
-class Separation(Case):
-    def test_the_lines_run(self):
-        walk(self, "docs/explanation/separation.md")
+for name, page in PAGES.items():
+    globals()[name] = type(name, (Case,), {"test_the_lines_run": lambda self, page=page: walk(self, page)})
 
 
 class ReadersOfPages(Case):
