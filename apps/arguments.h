@@ -227,7 +227,7 @@ struct PatternsArguments {
   std::string body;                  ///< model of the body of captures; empty: not known
   std::vector<std::string> set;      ///< values of its parameters
   std::vector<std::string> thresholds;
-  std::string report;                ///< page to write; empty: none
+  std::string report;  ///< page to write; empty: none
   int clusters = 4;
   bool json = false;
 };

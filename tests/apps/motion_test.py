@@ -154,7 +154,7 @@ step = "1 ms"
         self.assertAlmostEqual(told["points_of_one_pattern"], (labels == labels[:, :1]).all(1).mean())
         self.check_error(run("regime", "falling_plate", *there[:2], "--set", "density=9500", *there[4:], "--sweep", path), 2, "density is 9500",
                          "inside the box")
-        self.check_error(run("regime", "immersed_body", "--set", "a=1 cm", "--set", "b=1 cm", "--set", "c=1 mm", "--set", "density=1000",
+        self.check_error(run("regime", "immersed_body", "--set", "a=1 cm", "--set", "b=1 cm", "--set", "c=0.01 mm", "--set", "density=1000",
                              "--sweep", path), 2, "is of the model \"falling_plate\"")
 
     def test_an_interrupted_sweep_goes_on_where_it_stopped(self):
