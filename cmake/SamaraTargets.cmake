@@ -77,6 +77,9 @@ endfunction()
 # To be included in front of sources with machine flags; users get it with samara::eigen.
 set(SAMARA_EIGEN_ALIGNMENT samara/base/eigen_alignment.h)
 
+# Eigen as our own sources read it, precompiled: the dear parts are compiled once, in the room base.
+set(SAMARA_EIGEN_DECOMPOSITIONS ${PROJECT_SOURCE_DIR}/base/eigen_decompositions.h)
+
 # What all our libraries have in common.
 function(samara_library target)
   target_link_libraries(${target} ${ARGN})
@@ -85,7 +88,8 @@ function(samara_library target)
     POSITION_INDEPENDENT_CODE ON)
   samara_compile_options(${target})
   if("fmt::fmt" IN_LIST ARGN AND NOT target STREQUAL "samara_base")  # which knows no Eigen
-    samara_precompile(${target} samara_library_headers <Eigen/Core> <fmt/format.h> <algorithm> <cmath> <string> <vector>)
+    samara_precompile(${target} samara_library_headers ${SAMARA_EIGEN_DECOMPOSITIONS} <fmt/format.h> <algorithm> <cmath>
+      <string> <vector>)
   endif()
 endfunction()
 

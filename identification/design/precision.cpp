@@ -15,8 +15,8 @@ namespace samara::identification {
 namespace {
 
 Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& information) {
-  return Eigen::LLT<Eigen::MatrixXd>(information)
-      .solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(information.rows(), information.cols());
+  return Eigen::LLT<Eigen::MatrixXd>(information).solve(one);
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ double Precision::log_variance(const Informations& informations) const {
   for (const Eigen::MatrixXd& information : informations) {
     const Eigen::MatrixXd covariance = covariance_of(information);
     if (criterion_ == DesignCriterion::determinant) {
-      const Eigen::LLT<Eigen::MatrixXd> factor(covariance(of_, of_));
+      const Eigen::LLT<Eigen::MatrixXd> factor(covariance(of_, of_).eval());
       sum += 2.0 * factor.matrixLLT().diagonal().array().log().sum() / static_cast<double>(of_.size());
     } else {
       sum += covariance.diagonal()(of_).dot(weights_(of_)) / static_cast<double>(of_.size());

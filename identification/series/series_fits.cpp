@@ -148,7 +148,8 @@ SeriesFits::Judgement SeriesFits::judge(const FitResult& result, double factor) 
   const Eigen::MatrixXd smooth = size.asDiagonal() * differences(free, free) * size.asDiagonal();
   const Eigen::LLT<Eigen::MatrixXd> factorised(whole);
   if (factorised.info() != Eigen::Success) return judgement;
-  const Eigen::MatrixXd inverse = factorised.solve(Eigen::MatrixXd::Identity(whole.rows(), whole.cols()));
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(whole.rows(), whole.cols());
+  const Eigen::MatrixXd inverse = factorised.solve(one);
   judgement.resolution = inverse * (whole - smooth);
   judgement.effective = judgement.resolution.trace();
 

@@ -31,7 +31,7 @@ Oscillation oscillation(const Eigen::VectorXd& s, const Eigen::MatrixX2d& xy, do
   const Eigen::ArrayXd phase = 2.0 * std::numbers::pi * frequency * s.array();
   Eigen::MatrixXd basis(s.size(), 5);
   basis << Eigen::VectorXd::Ones(s.size()), s, s.cwiseAbs2(), phase.cos().matrix(), phase.sin().matrix();
-  const Eigen::MatrixXd solution = basis.householderQr().solve(xy);
+  const Eigen::MatrixXd solution = basis.householderQr().solve(Eigen::MatrixXd(xy));
   return {(xy - basis * solution).squaredNorm(), solution.bottomRows<2>()};
 }
 
@@ -92,10 +92,11 @@ std::optional<Flutter> flutter(const Eigen::VectorXd& times, const Eigen::Matrix
   }
   Flutter result;
   result.frequency = refined(s, xy, std::max(lowest, best - step), std::min(highest, best + step));
-  result.amplitude = oscillation(s, xy, result.frequency).waves.jacobiSvd().singularValues()[0];
-  Eigen::MatrixX2d line(s.size(), 2);
+  const Eigen::MatrixXd waves = oscillation(s, xy, result.frequency).waves;
+  result.amplitude = waves.jacobiSvd().singularValues()[0];
+  Eigen::MatrixXd line(s.size(), 2);
   line << Eigen::VectorXd::Ones(s.size()), s;
-  const Eigen::Vector2d fall = line.colPivHouseholderQr().solve(seen.col(2));
+  const Eigen::VectorXd heights = seen.col(2), fall = line.colPivHouseholderQr().solve(heights);
   result.fall_speed = -fall[1];
   return result;
 }

@@ -72,7 +72,7 @@ LocalPolynomial solve_local(const LocalFrames& all, const Frames& frames, double
 
   const Eigen::VectorXd root = weights.cwiseSqrt();
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(root.asDiagonal() * basis);
-  const Eigen::MatrixXd coefficients = qr.solve(root.asDiagonal() * values);
+  const Eigen::MatrixXd coefficients = qr.solve(Eigen::MatrixXd(root.asDiagonal() * values));
   LocalPolynomial fit;
   fit.residuals = values - basis * coefficients;
   fit.span = since[since.size() - 1] - since[0];

@@ -49,7 +49,7 @@ std::optional<Eigen::VectorXd> start_deviations(const FitProblem& problem,
     Eigen::MatrixXd information = by_own.transpose() * by_own;
     information.diagonal() += prior;
     const Eigen::MatrixXd covariance =
-        information.ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+        information.ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()).eval());
     deviations.push_back(covariance.diagonal().cwiseSqrt());
   }
   Eigen::VectorXd by_direction(prior.size());

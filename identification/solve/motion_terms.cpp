@@ -201,7 +201,7 @@ MotionTerms motion_terms(const FitProblem& problem, const Motion& motion,
     return terms;
   }
   terms.hessian -= H_os.transpose() * factor.solve(H_os);
-  terms.score -= H_os.transpose() * factor.solve(J_o.transpose() * equations.psi);
+  terms.score -= H_os.transpose() * factor.solve(Eigen::VectorXd(J_o.transpose() * equations.psi));
   return terms;
 }
 

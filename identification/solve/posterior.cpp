@@ -148,7 +148,8 @@ class Chain {
   void set_directions(const Eigen::MatrixXd& seen) {
     constexpr double kPresent = 10.0;
     const auto count = static_cast<double>(seen.cols());
-    const Eigen::MatrixXd whitened = directions_.partialPivLu().solve(seen.colwise() - seen.rowwise().mean());
+    const Eigen::MatrixXd whitened =
+        directions_.partialPivLu().solve((seen.colwise() - seen.rowwise().mean()).eval());
     Eigen::MatrixXd covariance = whitened * whitened.transpose() / (count + kPresent);
     covariance.diagonal().array() += kPresent / (count + kPresent);
     directions_ = directions_ * Eigen::MatrixXd(covariance.llt().matrixL());

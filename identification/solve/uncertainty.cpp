@@ -140,7 +140,7 @@ ClusterErrors clustered_errors(const FitProblem& problem, const Totals& sum, con
   ClusterErrors none{.covariance = Eigen::MatrixXd::Constant(count, count, kNaN),
                      .shares = Eigen::MatrixXd::Zero(count, problem.cluster_count)};
   if (problem.cluster_count < 2 || count == 0) return none;
-  const Eigen::LLT<Eigen::MatrixXd> hessian(sum.full_hessian()(free, free));
+  const Eigen::LLT<Eigen::MatrixXd> hessian(sum.full_hessian()(free, free).eval());
   replaced = !sum.hessian_usable || hessian.info() != Eigen::Success;
   const bool with_normal = replaced || !all_determined;
   if (with_normal && sum.mean_dpsi <= kLeastSlope) return none;

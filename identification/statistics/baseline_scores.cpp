@@ -90,7 +90,7 @@ class RateLine {
 
  private:
   double origin_, length_;
-  Eigen::Vector2d line_;
+  Eigen::VectorXd line_;
 };
 
 Eigen::VectorXd carry_on(const SeenMotion& span, Eigen::Index component, const Eigen::VectorXd& times) {

@@ -64,7 +64,7 @@ std::vector<InformationDirection> directions_of(const Coefficients& coefficients
   for (Eigen::Index k = 0; k < count; ++k) scale[k] = coefficients[static_cast<std::size_t>(k)].scale;
   const Eigen::MatrixXd symmetric = 0.5 * (information + information.transpose());
   const Eigen::MatrixXd scaled = scale.asDiagonal() * symmetric * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled / dispersion);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen((scaled / dispersion).eval());
   const double rounding = kRounding * std::max(0.0, eigen.eigenvalues()[count - 1]);
   std::vector<InformationDirection> directions;
   for (Eigen::Index j = 0; j < count; ++j) {
@@ -198,7 +198,7 @@ std::string pair_phrase(const Combination& known) {
 /// the smallest eigenvalue of the projection, in scaled coordinates.
 Combination known_combination(const Coefficients& coefficients, const Eigen::MatrixXd& projection,
                               const std::vector<int>& members) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(projection(members, members));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(projection(members, members).eval());
   Eigen::VectorXd factors = eigen.eigenvectors().col(0);
   Combination known;
   for (std::size_t k = 0; k < members.size(); ++k) {

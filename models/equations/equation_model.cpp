@@ -302,8 +302,17 @@ class EquationModel final : public Model {
   void rhs_at_points(const Eigen::Ref<const Eigen::VectorXd>& t, const Eigen::Ref<const Eigen::MatrixXd>& x,
                      const Eigen::Ref<const Eigen::MatrixXd>& p,
                      Eigen::Ref<Eigen::MatrixXd> dxdt) const override {
-    in_lanes(rates_, t, x, p, [&](Eigen::Index first, const double* results) {
-      for (Eigen::Index row = 0; row < dxdt.rows(); ++row) take(results, row, first, dxdt, row);
+    in_lanes(rates_, t, x, p, [&](std::span<const double> work, Eigen::Index first, Eigen::Index count) {
+      double* const at = dxdt.col(first).data();
+      Eigen::Index row = 0;
+      for (; row + 1 < dxdt.rows(); row += 2) {
+        const auto k = static_cast<std::size_t>(row);
+        lanes_to_points(rates_.root_lanes(work, k), rates_.root_lanes(work, k + 1), dxdt.outerStride(), count,
+                        at + row);
+      }
+      if (row < dxdt.rows())
+        lanes_to_points(rates_.root_lanes(work, static_cast<std::size_t>(row)), dxdt.outerStride(), count,
+                        at + row);
     });
   }
 
@@ -311,14 +320,17 @@ class EquationModel final : public Model {
                            const Eigen::Ref<const Eigen::MatrixXd>& x,
                            const Eigen::Ref<const Eigen::MatrixXd>& p,
                            Eigen::Ref<Eigen::MatrixXd> jacobians) const override {
-    const auto states = static_cast<Eigen::Index>(info_.states.size());
+    const std::size_t states = info_.states.size();
     jacobians.setZero();
-    in_lanes(state_jacobian_, t, x, p, [&](Eigen::Index first, const double* results) {
-      for (std::size_t k = 0; k < entries_by_state_; ++k) {
-        const auto [row, column] = entries_[k];
-        take(results, states + static_cast<Eigen::Index>(k), first, jacobians, row + states * column);
-      }
-    });
+    in_lanes(state_jacobian_, t, x, p,
+             [&](std::span<const double> work, Eigen::Index first, Eigen::Index count) {
+               double* const at = jacobians.col(first).data();
+               for (std::size_t k = 0; k < entries_by_state_; ++k) {
+                 const auto [row, column] = entries_[k];
+                 lanes_to_points(state_jacobian_.root_lanes(work, states + k), jacobians.outerStride(), count,
+                                 at + row + static_cast<Eigen::Index>(states) * column);
+               }
+             });
   }
 
   std::vector<double> completed(const ParameterValues& p) const override {
@@ -375,37 +387,22 @@ class EquationModel final : public Model {
     symbols[x.size() + info_.parameters.size()] = t;
   }
 
-  /// Row `row` of the results for the points from `first` on, as row `to` of a matrix of all points.
-  static void take(const double* results, Eigen::Index row, Eigen::Index first,
-                   Eigen::Ref<Eigen::MatrixXd>& matrix, Eigen::Index to) {
-    const Eigen::Index count = std::min<Eigen::Index>(Tape::kLanes, matrix.cols() - first);
-    const double* from = results + row * Tape::kLanes;
-    double* at = matrix.data() + first * matrix.outerStride() + to;
-    for (Eigen::Index lane = 0; lane < count; ++lane) at[lane * matrix.outerStride()] = from[lane];
-  }
-
-  /// Row `row` of a matrix of all points, from `first` on, into lanes.
-  static void give(const Eigen::Ref<const Eigen::MatrixXd>& matrix, Eigen::Index row, Eigen::Index first,
-                   double* lanes) {
-    const Eigen::Index count = std::min<Eigen::Index>(Tape::kLanes, matrix.cols() - first);
-    const double* from = matrix.data() + first * matrix.outerStride() + row;
-    for (Eigen::Index lane = 0; lane < count; ++lane) lanes[lane] = from[lane * matrix.outerStride()];
-  }
-
   /// Points in groups of kLanes; in the last one some lanes hold what nobody asks for.
   template <class TakeAll>
   void in_lanes(const Tape& tape, const Eigen::Ref<const Eigen::VectorXd>& t,
                 const Eigen::Ref<const Eigen::MatrixXd>& x, const Eigen::Ref<const Eigen::MatrixXd>& p,
                 TakeAll&& take_all) const {
     constexpr Eigen::Index kLanes = Tape::kLanes;
-    Scratch& scratch = scratch_for(tape, Tape::kLanes);
+    std::vector<double>& work = scratch_for(tape, Tape::kLanes).work;
+    double* const lanes = work.data();
+    tape.begin_lanes(work);
     for (Eigen::Index first = 0; first < x.cols(); first += kLanes) {
-      double* to = scratch.work.data();
-      for (Eigen::Index k = 0; k < x.rows(); ++k, to += kLanes) give(x, k, first, to);
-      for (Eigen::Index k = 0; k < p.rows(); ++k, to += kLanes) give(p, k, first, to);
-      std::copy_n(t.data() + first, std::min(kLanes, x.cols() - first), to);
-      tape.evaluate_lanes(scratch.work, scratch.results.data());
-      take_all(first, scratch.results.data());
+      const Eigen::Index count = std::min(kLanes, x.cols() - first);
+      points_to_lanes(x.col(first).data(), x.outerStride(), x.rows(), count, lanes);
+      points_to_lanes(p.col(first).data(), p.outerStride(), p.rows(), count, lanes + x.rows() * kLanes);
+      std::copy_n(t.data() + first, count, lanes + (x.rows() + p.rows()) * kLanes);
+      tape.evaluate_lanes(work);
+      take_all(work, first, count);
     }
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace samara::models {
@@ -24,6 +25,19 @@ std::vector<int> count_uses(const ExpressionGraph& graph, const std::vector<int>
     if (it.b >= 0) ++uses[static_cast<std::size_t>(it.b)];
   }
   return uses;
+}
+
+/// Two doubles at a time, from and to anywhere.
+using Pair = double __attribute__((vector_size(16)));
+
+Pair pair_at(const double* from) {
+  Pair pair;
+  std::memcpy(&pair, from, sizeof pair);
+  return pair;
+}
+
+void put_pair(Pair pair, double* to) {
+  std::memcpy(to, &pair, sizeof pair);
 }
 
 template <int lanes, class F>
@@ -83,10 +97,14 @@ Tape::Tape(const ExpressionGraph& graph, const std::vector<int>& roots, int symb
       place[at] = it.a;
       continue;
     }
+    if (it.operation == Operation::constant && uses[at] > 0) {
+      place[at] = static_cast<int>(places_++);
+      constants_.push_back({place[at], it.value});
+      continue;
+    }
     const Work& own = work[at];
-    const bool is_needed_constant = it.operation == Operation::constant && uses[at] > 0;
-    if (own.a < 0 && !is_needed_constant) continue;
-    Step step{it.operation, own.fused, 0, 0, 0, 0, it.value};
+    if (own.a < 0) continue;
+    Step step{it.operation, own.fused, 0, 0, 0, 0};
     const std::array<int, 3> arguments = {own.a, own.b, own.c};
     const std::array<int*, 3> places = {&step.a, &step.b, &step.c};
     for (std::size_t k = 0; k < arguments.size(); ++k) {
@@ -95,8 +113,7 @@ Tape::Tape(const ExpressionGraph& graph, const std::vector<int>& roots, int symb
       *places[k] = place[static_cast<std::size_t>(argument)];
       const bool is_first =
           std::find(arguments.begin(), arguments.begin() + k, argument) == arguments.begin() + k;
-      if (is_first && last[static_cast<std::size_t>(argument)] == node &&
-          graph[argument].operation != Operation::symbol)
+      if (is_first && last[static_cast<std::size_t>(argument)] == node && !is_leaf(graph[argument]))
         free.push_back(place[static_cast<std::size_t>(argument)]);
     }
     if (free.empty()) {
@@ -112,7 +129,7 @@ Tape::Tape(const ExpressionGraph& graph, const std::vector<int>& roots, int symb
 }
 
 template <int lanes>
-void Tape::run(double* work, double* results) const {
+void Tape::run(double* work) const {
   for (const Step& step : steps_) {
     double* const to = work + step.to * lanes;
     const double* const a = work + step.a * lanes;
@@ -132,9 +149,6 @@ void Tape::run(double* work, double* results) const {
         continue;
     }
     switch (step.operation) {
-      case Operation::constant:
-        std::fill_n(to, lanes, step.value);
-        break;
       case Operation::add:
         each<lanes>([&](int k) { to[k] = a[k] + b[k]; });
         break;
@@ -158,16 +172,63 @@ void Tape::run(double* work, double* results) const {
         break;
     }
   }
-  for (std::size_t k = 0; k < roots_.size(); ++k)
-    std::copy_n(work + roots_[k] * lanes, lanes, results + k * static_cast<std::size_t>(lanes));
 }
 
 void Tape::evaluate(std::span<double> work, double* results) const {
-  run<1>(work.data(), results);
+  for (const Constant& constant : constants_) work[static_cast<std::size_t>(constant.to)] = constant.value;
+  run<1>(work.data());
+  for (std::size_t k = 0; k < roots_.size(); ++k) results[k] = work[static_cast<std::size_t>(roots_[k])];
 }
 
-void Tape::evaluate_lanes(std::span<double> work, double* results) const {
-  run<kLanes>(work.data(), results);
+void Tape::begin_lanes(std::span<double> work) const {
+  for (const Constant& constant : constants_)
+    std::fill_n(work.data() + constant.to * kLanes, kLanes, constant.value);
+}
+
+void Tape::evaluate_lanes(std::span<double> work) const {
+  run<kLanes>(work.data());
+}
+
+void points_to_lanes(const double* points, std::ptrdiff_t stride, std::ptrdiff_t entries,
+                     std::ptrdiff_t count, double* lanes) {
+  std::ptrdiff_t k = 0;
+  for (; k + 1 < entries; k += 2) {
+    double* const first = lanes + k * Tape::kLanes;
+    double* const second = first + Tape::kLanes;
+    const double* from = points + k;
+    std::ptrdiff_t lane = 0;
+    for (; lane + 1 < count; lane += 2, from += 2 * stride) {
+      const Pair one = pair_at(from), other = pair_at(from + stride);
+      put_pair(__builtin_shufflevector(one, other, 0, 2), first + lane);
+      put_pair(__builtin_shufflevector(one, other, 1, 3), second + lane);
+    }
+    if (lane < count) {
+      first[lane] = from[0];
+      second[lane] = from[1];
+    }
+  }
+  for (; k < entries; ++k) {
+    for (std::ptrdiff_t lane = 0; lane < count; ++lane)
+      lanes[k * Tape::kLanes + lane] = points[lane * stride + k];
+  }
+}
+
+void lanes_to_points(const double* lanes, std::ptrdiff_t stride, std::ptrdiff_t count, double* points) {
+  for (std::ptrdiff_t lane = 0; lane < count; ++lane) points[lane * stride] = lanes[lane];
+}
+
+void lanes_to_points(const double* first, const double* second, std::ptrdiff_t stride, std::ptrdiff_t count,
+                     double* points) {
+  std::ptrdiff_t lane = 0;
+  for (; lane + 1 < count; lane += 2, points += 2 * stride) {
+    const Pair one = pair_at(first + lane), other = pair_at(second + lane);
+    put_pair(__builtin_shufflevector(one, other, 0, 2), points);
+    put_pair(__builtin_shufflevector(one, other, 1, 3), points + stride);
+  }
+  if (lane < count) {
+    points[0] = first[lane];
+    points[1] = second[lane];
+  }
 }
 
 }  // namespace samara::models

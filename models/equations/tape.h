@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -24,10 +25,18 @@ class Tape {
   std::size_t work_size(int lanes) const { return places_ * static_cast<std::size_t>(lanes); }
   int root_count() const { return static_cast<int>(roots_.size()); }
 
-  /// @param work scratch space of work_size(lanes); symbol k stands at lanes k*lanes, .. and stays there
-  /// @param results root k likewise
+  /// @param work scratch space of work_size(1); symbol k stands at k
+  /// @param results root k at k
   void evaluate(std::span<double> work, double* results) const;
-  void evaluate_lanes(std::span<double> work, double* results) const;
+
+  /// Points in groups of kLanes: once begin_lanes(), then for each group the symbols, of which k takes the lanes from
+  /// k kLanes on, evaluate_lanes(), and the roots from root_lanes(k) on.
+  /// @param work scratch space of work_size(kLanes)
+  void begin_lanes(std::span<double> work) const;
+  void evaluate_lanes(std::span<double> work) const;
+  const double* root_lanes(std::span<const double> work, std::size_t k) const {
+    return work.data() + roots_[k] * kLanes;
+  }
 
  private:
   /// Of a product that only one sum or difference needs, both together.
@@ -37,7 +46,6 @@ class Tape {
     Operation operation;
     Fused fused;
     int a, b, c, to;  ///< places in the scratch space; of fused steps a and b are those of the product
-    double value;
   };
 
   /// The arguments of a node, with those of a product that goes along with it. None of a leaf, of what nobody needs, and
@@ -48,12 +56,27 @@ class Tape {
   };
   static std::vector<Work> work_of(const ExpressionGraph& graph, const std::vector<int>& roots);
 
-  template <int lanes>
-  void run(double* work, double* results) const;
+  struct Constant {
+    int to;
+    double value;
+  };
 
+  template <int lanes>
+  void run(double* work) const;
+
+  std::vector<Constant> constants_;  ///< in places of their own
   std::vector<Step> steps_;
   std::vector<int> roots_;  ///< places
   std::size_t places_ = 0;
 };
+
+/// Points, `stride` doubles from one to the next, into lanes: of entry k of the points those from k kLanes on.
+void points_to_lanes(const double* points, std::ptrdiff_t stride, std::ptrdiff_t entries,
+                     std::ptrdiff_t count, double* lanes);
+
+/// The same way back, for one entry or for two that follow one another.
+void lanes_to_points(const double* lanes, std::ptrdiff_t stride, std::ptrdiff_t count, double* points);
+void lanes_to_points(const double* first, const double* second, std::ptrdiff_t stride, std::ptrdiff_t count,
+                     double* points);
 
 }  // namespace samara::models

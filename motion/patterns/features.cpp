@@ -25,16 +25,17 @@ struct MainDirections {
 };
 
 MainDirections main_directions(const Eigen::MatrixX2d& values) {
-  const Eigen::Matrix2d square = values.transpose() * values / static_cast<double>(values.rows());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(square);
+  const Eigen::MatrixXd square = values.transpose() * values / static_cast<double>(values.rows());
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(square);
   return {axes.eigenvectors().col(1), axes.eigenvalues()[1], std::max(0.0, axes.eigenvalues()[0])};
 }
 
 /// Centre of the circle that is nearest to points in the sense of Kasa: |p - c|^2 - r^2 in the mean.
 Eigen::Vector2d circle_centre(const Eigen::MatrixX2d& points) {
-  Eigen::MatrixX3d basis(points.rows(), 3);
+  Eigen::MatrixXd basis(points.rows(), 3);
   basis << points, Eigen::VectorXd::Ones(points.rows());
-  const Eigen::Vector3d solution = basis.colPivHouseholderQr().solve(points.rowwise().squaredNorm());
+  const Eigen::VectorXd squares = points.rowwise().squaredNorm();
+  const Eigen::VectorXd solution = basis.colPivHouseholderQr().solve(squares);
   return 0.5 * solution.head<2>();
 }
 
@@ -55,8 +56,8 @@ Eigen::MatrixX2d about_drifting_centre(const SmoothedMotion& settled) {
       basis.row(k).tail<2>() =
           radius > 0.0 ? Eigen::RowVector2d(relative.row(k) / radius) : Eigen::RowVector2d(0, 0);
     }
-    const Eigen::Matrix4d normal = basis.transpose() * basis;
-    const Eigen::Matrix<double, 4, 2> fit = normal.ldlt().solve(basis.transpose() * places);
+    const Eigen::MatrixXd normal = basis.transpose() * basis, sides = basis.transpose() * places;
+    const Eigen::MatrixXd fit = normal.ldlt().solve(sides);
     if (!fit.allFinite()) break;
     relative = places - basis.leftCols<2>() * fit.topRows<2>();
   }

@@ -19,8 +19,8 @@ QuadraticWeights quadratic_weights(const Eigen::VectorXd& offsets) {
   const double span = offsets.cwiseAbs().maxCoeff();
   Eigen::MatrixX3d basis(offsets.size(), 3);
   basis << Eigen::VectorXd::Ones(offsets.size()), offsets / span, (offsets / span).cwiseAbs2();
-  const Eigen::Matrix3d normal = basis.transpose() * basis;
-  const Eigen::MatrixXd solution = normal.ldlt().solve(basis.transpose());
+  const Eigen::MatrixXd across = basis.transpose(), normal = across * basis;
+  const Eigen::MatrixXd solution = normal.ldlt().solve(across);
   return {solution.row(0), solution.row(1) / span};
 }
 

@@ -121,7 +121,7 @@ class AlternatingFit {
     gram.diagonal().array() += kDamping;
     const Eigen::MatrixXd present = u_.factors[k] * u_.weights.asDiagonal();
     const Eigen::MatrixXd rhs = contracted_others(k) + kDamping * present;
-    Eigen::MatrixXd factor = gram.ldlt().solve(rhs.transpose()).transpose();
+    Eigen::MatrixXd factor = gram.ldlt().solve(Eigen::MatrixXd(rhs.transpose())).transpose();
     if (!factor.allFinite()) return;
     const Eigen::VectorXd lengths = factor.colwise().norm().transpose();
     if (lengths.minCoeff() == 0.0) return;
