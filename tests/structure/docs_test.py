@@ -4,10 +4,13 @@ What the documentation shows of the examples is what stands there; its links lea
 has all pages, and its reference pages have all keys.
 """
 
+import ast
+import json
 import pathlib
 import re
 import sys
 import textwrap
+import tomllib
 import unittest
 
 ROOT = pathlib.Path(sys.argv[1])
@@ -126,6 +129,22 @@ class Lines(unittest.TestCase):
                     self.assertNotRegex(fence, r"(?m)^samara ", f"{page.relative_to(ROOT)}: a line to type in a fence {kind}")
                 else:
                     self.assertIn(f'"{page.relative_to(ROOT)}"', text("tests/apps/pages_test.py"))
+
+
+class Texts(unittest.TestCase):
+    """A formatter that takes a file for another kind breaks what is shown of it."""
+
+    def test_what_is_shown_of_files_can_be_read(self):
+        readers = {"toml": tomllib.loads, "json": json.loads, "python": ast.parse}
+        seen = 0
+        for page in PAGES + TEXTS:
+            for fence in FENCES.findall(page.read_text()):
+                kind, _, body = fence.removeprefix("```").removesuffix("```").partition("\n")
+                if kind in readers:
+                    seen += 1
+                    with self.subTest(page=page.name, text=body[:60]):
+                        readers[kind](body)
+        self.assertGreater(seen, 40)
 
 
 class Reference(unittest.TestCase):
