@@ -225,6 +225,10 @@ struct PatternsArguments {
   std::string labels;                ///< a person's, of segments
   std::vector<std::string> classes;  ///< what these words mean
   std::string length;                ///< of the body; empty: not known
+  std::string body;                  ///< model of the body of captures; empty: not known
+  std::vector<std::string> set;      ///< values of its parameters
+  std::vector<std::string> thresholds;
+  std::string report;  ///< page to write; empty: none
   int clusters = 4;
   bool json = false;
 };
@@ -232,6 +236,7 @@ struct PatternsArguments {
 struct RegimeArguments {
   std::string model;
   std::vector<std::string> set;
+  std::string sweep;  ///< whose shares of patterns are told; empty: none
   bool json = false;
 };
 
