@@ -131,6 +131,44 @@ class Lines(unittest.TestCase):
                     self.assertIn(f'"{page.relative_to(ROOT)}"', text("tests/apps/pages_test.py"))
 
 
+class Wrapping(unittest.TestCase):
+    """docs/wrap_pages.py, which ./dev format calls."""
+
+    LONG = "word " * 30
+    PAGE = f"""# A heading that is long: {LONG}
+
+{LONG}`code that stays in one piece` {LONG}- 1. end.
+
+- an item: {LONG}
+  and its second line
+  1. an item in it: {LONG}
+
+| a | table | {LONG} |
+
+```toml
+key = "{LONG}"
+```
+
+    indented = {LONG}
+"""
+
+    def test_words_stay_and_lines_become_short(self):
+        sys.path.insert(0, str(ROOT / "docs"))
+        sys.dont_write_bytecode = True
+        import wrap_pages
+
+        before = self.PAGE.splitlines()
+        after = wrap_pages.pages_lines(before)
+        self.assertEqual(" ".join(before).split(), " ".join(after).split())
+        self.assertEqual(wrap_pages.pages_lines(after), after)
+        long = [line for line in after if len(line) > wrap_pages.WIDTH]
+        self.assertEqual([line[:4] for line in long], ["# A ", "| a ", "key ", "    "])
+        self.assertTrue(any("`code that stays in one piece`" in line for line in after))
+        self.assertFalse([line for line in after if line.startswith(("1.", "- 1."))])
+        self.assertEqual([line[:5] for line in after if line.startswith("  1.")], ["  1. "])
+        self.assertGreater(len([line for line in after if line.startswith("     word")]), 0)
+
+
 class Texts(unittest.TestCase):
     """A formatter that takes a file for another kind breaks what is shown of it."""
 
