@@ -28,6 +28,7 @@ struct Body {
   std::array<int, MarkovChain::kMostOrder> past = {};  ///< kinds, the latest last
   int past_count = 0;
   std::optional<EventKind> planned;
+  Eigen::Index followed = -1;                         ///< the segment whose coefficients it has, or moves to
   double ramp_start = 0.0;                            ///< s
   Eigen::Vector3d carried = Eigen::Vector3d::Zero();  ///< m, how far the air about it has gone
 };
@@ -98,15 +99,12 @@ struct Bodies::Impl {
   }
 
   Body& body(Eigen::Index n) { return bodies[static_cast<std::size_t>(n)]; }
-  std::span<double> state_of(Eigen::Index n) {
-    return std::span(current).subspan(static_cast<std::size_t>(n) * states, states);
+  static std::span<double> part_of(std::vector<double>& all, Eigen::Index n, std::size_t size) {
+    return std::span(all).subspan(static_cast<std::size_t>(n) * size, size);
   }
-  std::span<double> from_of(Eigen::Index n) {
-    return std::span(from).subspan(static_cast<std::size_t>(n) * coefficients, coefficients);
-  }
-  std::span<double> to_of(Eigen::Index n) {
-    return std::span(to).subspan(static_cast<std::size_t>(n) * coefficients, coefficients);
-  }
+  std::span<double> state_of(Eigen::Index n) { return part_of(current, n, states); }
+  std::span<double> from_of(Eigen::Index n) { return part_of(from, n, coefficients); }
+  std::span<double> to_of(Eigen::Index n) { return part_of(to, n, coefficients); }
   Eigen::Map<Eigen::Vector3d> last_of(Eigen::Index n) {
     return Eigen::Map<Eigen::Vector3d>(last_place.data() + 3 * n);
   }
@@ -148,6 +146,7 @@ struct Bodies::Impl {
     one.finder.restart();
     one.past_count = 0;
     one.planned.reset();
+    one.followed = -1;
     one.ramp_start = -options.ramp;
     one.carried.setZero();
     last_of(n) = place_of(state);
@@ -235,10 +234,11 @@ struct Bodies::Impl {
     one.past[static_cast<std::size_t>(one.past_count++)] = static_cast<int>(event.kind);
     const std::span<const int> past(one.past.data(), static_cast<std::size_t>(one.past_count));
     const NextPiece piece = options.choice == BodiesOptions::Choice::chain
-                                ? pieces.by_chain(one.finder.state(), past, one.stream)
-                                : pieces.by_graph(one.finder.state(), one.stream);
+                                ? pieces.after(one.followed, one.finder.state(), past, one.stream)
+                                : pieces.after(one.followed, one.finder.state(), one.stream);
     if (events.size() < events.capacity()) events.push_back({n, event.t, event.kind, one.planned, piece});
     one.planned = piece.kind;
+    one.followed = piece.segment;
     const Eigen::VectorXd& target = pieces.coefficients(piece);
     const double t = stepper.time(n);
     for (std::size_t k = 0; k < coefficients; ++k) {
