@@ -239,11 +239,12 @@ MapAnswer PatternMap::at(const Eigen::VectorXd& point) const {
   return found;
 }
 
-double PatternMap::left_one_out() const {
+double PatternMap::left_one_out(Eigen::Index of) const {
   constexpr Eigen::Index kMost = 2000;
-  const Eigen::Index stride = std::max<Eigen::Index>(1, size() / kMost);
+  const Eigen::Index count = of > 0 ? std::min(of, size()) : size();
+  const Eigen::Index stride = std::max<Eigen::Index>(1, count / kMost);
   double right = 0.0, asked = 0.0;
-  for (Eigen::Index n = 0; n < size(); n += stride) {
+  for (Eigen::Index n = 0; n < count; n += stride) {
     std::vector<Eigen::Index> around = nearest(places_.row(n), kNeighbours + 1);
     if (const auto self = std::ranges::find(around, n); self != around.end()) {
       around.erase(self);
@@ -315,7 +316,8 @@ double PatternMap::border_share() const {
   return count / static_cast<double>(size());
 }
 
-Eigen::VectorXd PatternMap::draw(Pattern wanted, Stream& stream) const {
+/// Those of the pattern, in order.
+std::vector<Eigen::Index> PatternMap::falls_of(Pattern wanted) const {
   std::vector<Eigen::Index> falls;
   std::set<std::string> there;
   for (Eigen::Index n = 0; n < size(); ++n) {
@@ -326,6 +328,11 @@ Eigen::VectorXd PatternMap::draw(Pattern wanted, Stream& stream) const {
     throw ArgumentError(fmt::format("{} is 0 of {} points of the box; there are {}", to_string(wanted),
                                     size(), join(std::vector<std::string>(there.begin(), there.end()))));
   }
+  return falls;
+}
+
+Eigen::VectorXd PatternMap::draw(Pattern wanted, Stream& stream) const {
+  const std::vector<Eigen::Index> falls = falls_of(wanted);
   const auto pick = static_cast<std::size_t>(stream.uniform() * static_cast<double>(falls.size()));
   const Eigen::VectorXd place = places_.row(falls[pick]);
   Eigen::VectorXd way(place.size());
@@ -336,6 +343,27 @@ Eigen::VectorXd PatternMap::draw(Pattern wanted, Stream& stream) const {
   const Eigen::VectorXd moved =
       (place + radius / std::max(way.norm(), 1e-300) * way).cwiseMax(0.0).cwiseMin(1.0);
   return lower_ + moved.cwiseProduct(width_);
+}
+
+Eigen::VectorXd PatternMap::clamp(Pattern wanted, const Eigen::VectorXd& point) const {
+  if (!point.allFinite()) throw ArgumentError("a coordinate of the point is not finite");
+  const std::vector<Eigen::Index> falls = falls_of(wanted);
+  const Eigen::VectorXd place =
+      scaled(point.size() == lower_.size() ? point.cwiseMax(lower_).cwiseMin(lower_ + width_).eval() : point);
+  const auto is_wanted = [&](const Eigen::VectorXd& there) {
+    return answer(nearest(there, kNeighbours)).pattern == wanted;
+  };
+  const auto in_box = [&](const Eigen::VectorXd& there) { return lower_ + there.cwiseProduct(width_); };
+  if (is_wanted(place)) return in_box(place);
+  const Eigen::Index from = *std::ranges::min_element(
+      falls, {}, [&](Eigen::Index n) { return (places_.row(n) - place.transpose()).squaredNorm(); });
+  const Eigen::VectorXd fall = places_.row(from);
+  double reached = 0.0, beyond = 1.0;
+  while (beyond - reached > 1e-6 && is_wanted(fall)) {
+    const double middle = 0.5 * (reached + beyond);
+    (is_wanted(fall + middle * (place - fall)) ? reached : beyond) = middle;
+  }
+  return in_box(fall + reached * (place - fall));
 }
 
 bool refine(const SweepPlan& plan, const SweepOptions& options, Sweep& sweep) {
