@@ -165,7 +165,7 @@ void run_many(const Options& options) {
   constexpr int kSteps = 4;
   std::string axes;
   for (const char* name : {"C_D90", "C_T", "C_R"})
-    axes += fmt::format("{} = {{ from = 0.31, to = 2.71, count = {} }}\n", name, options.quick ? 5 : 9);
+    axes += fmt::format("{} = {{ from = 0.31, to = 2.71, count = {} }}\n", name, options.quick ? 4 : 5);
   const motion::SweepPlan plan = motion::parse_sweep_plan(
       "model = \"immersed_body\"\n[fixed]\na = \"3.5 cm\"\nb = \"2 cm\"\nc = \"0.01 cm\"\ndensity = 1200\n"
       "C_D0 = 0.05\nC_w = 2\n[axes]\n" +

@@ -72,7 +72,8 @@ struct Bodies::Impl {
         from(static_cast<std::size_t>(count) * coefficients, 0.0),
         to(from),
         values(static_cast<std::size_t>(model.free_count())),
-        relative(states) {
+        relative(states),
+        read(states) {
     const EventFinder empty(moving, source.database().events);
     bodies.reserve(static_cast<std::size_t>(count));
     for (Eigen::Index n = 0; n < count; ++n)
@@ -197,8 +198,10 @@ struct Bodies::Impl {
   /// What has become of a body.
   void look(Eigen::Index n) {
     Body& one = body(n);
-    if (!stepper.finite(n)) return rest(n, BodyStatus::not_finite);
-    stepper.read(n, state_of(n));
+    stepper.read(n, read);
+    if (!std::ranges::all_of(read, [](double x) { return std::isfinite(x); }))
+      return rest(n, BodyStatus::not_finite);
+    std::ranges::copy(read, state_of(n).begin());
     const Eigen::Vector3d place = place_of(state_of(n));
     if (options.ground && place.z() <= *options.ground) return land(n, place);
     last_of(n) = place;
@@ -257,11 +260,11 @@ struct Bodies::Impl {
   models::Stepper stepper;
   std::size_t states, coefficients;
   std::vector<Body> bodies;
-  std::vector<double> current;     // states, as they are now
-  std::vector<double> last_place;  // before the last step
-  std::vector<double> from, to;    // of the ramps
-  std::vector<double> values;      // all free parameters of one body
-  std::vector<double> relative;    // a state
+  std::vector<double> current;         // states, as they are now
+  std::vector<double> last_place;      // before the last step
+  std::vector<double> from, to;        // of the ramps
+  std::vector<double> values;          // all free parameters of one body
+  std::vector<double> relative, read;  // states
   std::vector<BodyEvent> events;
   models::PoseStates pose;
   std::vector<std::size_t> pose_indices;
@@ -305,14 +308,8 @@ void Bodies::release(Eigen::Index n, const Eigen::Vector3d& place, double yaw) {
   const std::array<double, 4> numbers = {place.x(), place.y(), place.z(), yaw};
   require_finite_numbers(numbers, "the release of a body");
   Impl& run = *impl_;
-  const MotionGraph& graph = run.pieces.graph();
   const MotionDatabase& database = run.pieces.database();
-  // Segments of the largest component, one as likely as another.
-  auto pick = static_cast<Eigen::Index>(run.body(n).stream.uniform() * static_cast<double>(graph.kept));
-  Eigen::Index segment = 0;
-  for (; segment + 1 < database.segment_count(); ++segment) {
-    if (graph.is_kept(segment) && pick-- == 0) break;
-  }
+  const Eigen::Index segment = run.pieces.draw_segment(run.body(n).stream);
   Eigen::VectorXd state = database.starts.row(segment);
   if (run.moving.is_planar()) {
     state[run.where.position[0]] = place.x();
@@ -327,9 +324,7 @@ void Bodies::release(Eigen::Index n, const Eigen::Vector3d& place, double yaw) {
       state.segment<3>(run.where.velocity) += turned.conjugate() * air;
     }
   }
-  const Eigen::VectorXd& own =
-      database.runs[static_cast<std::size_t>(database.segments[static_cast<std::size_t>(segment)].run)]
-          .coefficients;
+  const Eigen::VectorXd& own = run.pieces.coefficients({segment, EventKind::swing_plus, 0.0});
   run.begin(n, {state.data(), run.states}, {own.data(), run.coefficients});
 }
 

@@ -125,6 +125,15 @@ void NextPieces::try_kinds() {
   }
 }
 
+Eigen::Index NextPieces::draw_segment(Stream& stream) const {
+  auto pick = static_cast<Eigen::Index>(stream.uniform() * static_cast<double>(graph_.kept));
+  Eigen::Index segment = 0;
+  for (; segment + 1 < database_.segment_count(); ++segment) {
+    if (graph_.is_kept(segment) && pick-- == 0) break;
+  }
+  return segment;
+}
+
 SegmentTree NextPieces::sturdy_tree() const {
   std::vector<Eigen::Index> chosen;
   for (Eigen::Index n = 0; n < database_.segment_count(); ++n) {
@@ -194,7 +203,7 @@ NextPiece NextPieces::after(Eigen::Index followed, std::span<const double> state
 NextPiece NextPieces::anywhere(std::span<const double> state, Stream& stream) const {
   constexpr std::size_t kNear = 4;
   std::array<NearSegment, kNear> found;
-  const std::size_t count = near_->nearest(state, found, {}, 1.0);
+  const std::size_t count = near_->nearest(state, found, {}, 4.0);
   std::size_t choices = 1;
   while (choices < count && found[choices].distance < reach_) ++choices;
   return piece_of(found[static_cast<std::size_t>(stream.uniform() * static_cast<double>(choices))]);

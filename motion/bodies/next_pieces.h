@@ -45,6 +45,9 @@ class NextPieces {
   /// among such segments.
   bool is_sturdy(Eigen::Index segment) const { return sturdy_[static_cast<std::size_t>(segment)] != 0; }
 
+  /// One of the graph's largest component, any as likely as another.
+  Eigen::Index draw_segment(Stream& stream) const;
+
   /// What to go on with after a segment, among its edges of the graph: the sturdy ones that begin within reach() of the
   /// state that the motion is really in. anywhere() if there is none, or no segment was followed.
   /// @param followed -1: none
@@ -56,7 +59,7 @@ class NextPieces {
                   Stream& stream) const;
 
   /// One of the four sturdy segments of the largest component that begin nearest, any within reach(); else the nearest.
-  /// (With a slack of 1, see NearPoints: it takes microseconds.)
+  /// (With a slack of 4, see NearPoints: it takes microseconds, and keeps as many kinds.)
   NextPiece anywhere(std::span<const double> state, Stream& stream) const;
 
  private:

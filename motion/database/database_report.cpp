@@ -37,9 +37,9 @@ std::string chain_text(const MotionDatabase& database, const OrderChoice& choice
   for (int i = 0; i < kKindCount; ++i) {
     text += fmt::format("  {:<7}", event_kind_names()[static_cast<std::size_t>(i)]);
     for (int j = 0; j < kKindCount; ++j) {
-      const Share share = first.share({&i, 1}, j);
+      const Chance chance = first.chance({&i, 1}, j);
       text += fmt::format("  {} {:.2f} ({:.2f} to {:.2f})", event_kind_names()[static_cast<std::size_t>(j)],
-                          share.probability, share.lower, share.upper);
+                          chance.probability, chance.lower, chance.upper);
     }
     text += "\n";
   }
@@ -88,11 +88,11 @@ std::string database_json(const MotionDatabase& database, const MotionGraph& gra
   const MarkovChain first = MarkovChain::fitted(database.kind_sequences(), kKindCount, 1);
   for (int i = 0; i < kKindCount; ++i) {
     for (int j = 0; j < kKindCount; ++j) {
-      const Share share = first.share({&i, 1}, j);
+      const Chance chance = first.chance({&i, 1}, j);
       object["chain"]["first_order"].push_back({{"from", event_kind_names()[static_cast<std::size_t>(i)]},
                                                 {"to", event_kind_names()[static_cast<std::size_t>(j)]},
-                                                {"probability", share.probability},
-                                                {"interval", {share.lower, share.upper}}});
+                                                {"probability", chance.probability},
+                                                {"interval", {chance.lower, chance.upper}}});
     }
   }
   return object.dump(2) + "\n";
