@@ -30,11 +30,13 @@ std::string regime_text(const motion::FallNumbers& n, const motion::RegimeAnswer
 }  // namespace
 
 int run(const RegimeArguments& arguments) {
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.model});
   const auto model = codebooks::open_model(arguments.model);
   std::map<std::string, std::string> units;
   for (const auto& parameter : model->info().parameters) units[parameter.name] = parameter.unit;
   for (const auto& state : model->info().states) units[state.name + "(0)"] = state.unit;
   const std::map<std::string, double> values = parse_assignments(arguments.set, units);
+  require_parameters(model->info(), values);
   const models::ParametricModel parametric(model, values, {});
   parametric.check({});
   warn_of_parameters(*model, parametric.fixed());
@@ -46,21 +48,22 @@ int run(const RegimeArguments& arguments) {
         "guess",
         numbers.Re, numbers.I_disc));
   if (!arguments.json) {
-    print(regime_text(numbers, answer));
+    write_answer(arguments.output, regime_text(numbers, answer));
     return kDone;
   }
-  print(Json{{"schema", "samara-regime/1"},
-             {"length", numbers.length},
-             {"thickness", numbers.thickness},
-             {"speed", numbers.speed},
-             {"Re", numbers.Re},
-             {"I_disc", numbers.I_disc},
-             {"I_plate", numbers.I_plate},
-             {"I_ellipse", numbers.I_ellipse},
-             {"regime", to_string(answer.regime)},
-             {"beyond", to_string(answer.beyond)},
-             {"distance", answer.distance},
-             {"measured", answer.measured}});
+  const Json object = {{"schema", "samara-regime/1"},
+                       {"length", numbers.length},
+                       {"thickness", numbers.thickness},
+                       {"speed", numbers.speed},
+                       {"Re", numbers.Re},
+                       {"I_disc", numbers.I_disc},
+                       {"I_plate", numbers.I_plate},
+                       {"I_ellipse", numbers.I_ellipse},
+                       {"regime", to_string(answer.regime)},
+                       {"beyond", to_string(answer.beyond)},
+                       {"distance", answer.distance},
+                       {"measured", answer.measured}};
+  write_answer(arguments.output, object.dump() + "\n");
   return kDone;
 }
 
