@@ -228,8 +228,7 @@ int run(const ModelsArguments& arguments) {
     for (const Listed& one : listed) longest = std::max(longest, one.info().name.size());
     std::string text;
     for (const Listed& one : listed)
-      text += fmt::format("{:<{}}  {}\n", one.info().name, longest,
-                          wrapped(one.info().title, longest + 2, screen_width(), longest + 2));
+      text += fmt::format("{:<{}}  {}\n", one.info().name, longest, one.info().title);
     write_answer(arguments.output, text);
   }
   return kDone;

@@ -9,10 +9,14 @@ namespace samara {
 
 namespace {
 
-constexpr int kErrorDigits = 2;
+constexpr int kErrorDigits = 2, kMostDigits = 6;
 
 bool is_error(const std::optional<double>& error) {
   return error && std::isfinite(*error) && *error > 0.0;
+}
+
+int first_power(double value) {
+  return value == 0.0 ? -300 : static_cast<int>(std::floor(std::log10(std::abs(value))));
 }
 
 /// The power of ten of the last digit that counts.
@@ -35,21 +39,22 @@ std::string rounded_to(double value, int power) {
     const bool is_zero = text.find_first_of("123456789") == std::string::npos;
     return is_zero && text.front() == '-' ? text.substr(1) : text;
   }
-  const int first = value == 0.0 ? power : static_cast<int>(std::floor(std::log10(std::abs(value))));
-  return fmt::format("{:.{}e}", value, std::max(0, first - power));
+  return fmt::format("{:.{}e}", value, std::max(0, first_power(value) - power));
 }
 
 }  // namespace
 
 std::string rounded(double value, std::optional<double> error, int digits) {
   if (!std::isfinite(value) || !is_error(error)) return fmt::format("{:.{}g}", value, digits);
-  return rounded_to(value, last_power(*error));
+  return rounded_to(value, std::max(last_power(*error), first_power(value) - kMostDigits + 1));
 }
 
 std::string with_error(double value, std::optional<double> error, int digits) {
   if (!std::isfinite(value) || !is_error(error)) return rounded(value, error, digits);
   const int power = last_power(*error);
-  return rounded_to(value, power) + " +- " + rounded_to(*error, power);
+  const bool is_close = power >= first_power(value) - kMostDigits + 1;
+  return rounded(value, error) + " +- " +
+         (is_close ? rounded_to(*error, power) : fmt::format("{:.{}g}", *error, kErrorDigits));
 }
 
 }  // namespace samara

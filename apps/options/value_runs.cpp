@@ -51,8 +51,8 @@ bool is_there(const std::string& word) {
   return std::filesystem::exists(word, ignored);
 }
 
-/// @param after_inputs whether inputs of the command stand before the option
-bool continues(ValueKind kind, const std::string& word, bool after_inputs) {
+/// @param takes_files whether files that follow are surely no inputs
+bool continues(ValueKind kind, const std::string& word, bool takes_files) {
   if (word.empty() || is_option(word)) return false;
   switch (kind) {
     case ValueKind::number:
@@ -62,7 +62,7 @@ bool continues(ValueKind kind, const std::string& word, bool after_inputs) {
     case ValueKind::assignment:
       return word.find('=') != std::string::npos;
     case ValueKind::file:
-      return after_inputs;
+      return takes_files;
   }
   return false;
 }
@@ -113,10 +113,13 @@ std::vector<std::string> with_rows_taken_apart(const CLI::App& app, const std::v
       }
       continue;
     }
+    // Inputs stand before the row, or behind a "--" that ends it.
+    const auto behind = words.begin() + static_cast<std::ptrdiff_t>(k);
+    const bool takes_files = after_inputs || std::find(behind, words.end(), "--") != words.end();
     // The first value may begin with a sign that is no number's; the parser says what it thinks of it.
     bool is_first = true;
     while (k + 1 < words.size() &&
-           (is_first ? !is_option(words[k + 1]) : continues(run->kind, words[k + 1], after_inputs))) {
+           (is_first ? !is_option(words[k + 1]) : continues(run->kind, words[k + 1], takes_files))) {
       const std::string& value = words[++k];
       if (value.empty()) {
         apart.insert(apart.end(), {word, value});

@@ -16,9 +16,9 @@ struct PlanChanges {
     /// between them.
     std::string value, upper;
   };
-  std::vector<Coordinate> coordinates;
-  std::optional<double> relative;
-  std::optional<int> threads;
+  std::vector<Coordinate> coordinates = {};
+  std::optional<double> relative = {};
+  std::optional<int> threads = {};
 
   bool empty() const { return coordinates.empty() && !relative && !threads; }
 };

@@ -16,8 +16,7 @@ struct QuadraticDragFall {
   static ModelInfo info() {
     return {
         .name = "quadratic_drag_fall",
-        .title =
-            "Vertical speed, without the height, of a heavy body in a light fluid; with it: vertical_fall",
+        .title = "Vertical speed alone of a heavy body in a light fluid (vertical_fall: with the height)",
         .equations =
             "u' = -(fluid_density C_D area / (2 mass)) (1 + Re_drag/Re) |u| u - g,  "
             "Re = length |u|/nu",

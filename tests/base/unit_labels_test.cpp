@@ -66,6 +66,7 @@ TEST_CASE("a value is shown to the second digit of its error") {
   CHECK(with_error(2.5, 0.0996) == "2.50 +- 0.10");  // an error that gains a digit when it is rounded
   CHECK(with_error(3.21e-9, 4.4e-11) == "3.210e-09 +- 4.4e-11");
   CHECK(with_error(3.21e8, 4.4e6) == "3.210e+08 +- 4.4e+06");
+  CHECK(with_error(1.1999254141, 1.7e-11) == "1.19993 +- 1.7e-11");
   CHECK(rounded(17.3456, 8.4) == "17.3");
   CHECK(rounded(17.3456, 84.0) == "17");
 }

@@ -30,9 +30,9 @@ const kit = (() => {
   // A value to the decimal of its error's second digit, as in the text of the report.
   function rounded(value, error, digits = 4) {
     if (!(error > 0) || !isFinite(error) || value === null || value === undefined) return shown(value, digits);
-    const power = Math.floor(Math.log10(Number(error.toPrecision(2))) + 1e-9) - 1, scale = 10 ** Math.max(power, 0);
+    const first = value === 0 ? -300 : Math.floor(Math.log10(Math.abs(value)));
+    const power = Math.max(Math.floor(Math.log10(Number(error.toPrecision(2))) + 1e-9) - 1, first - 5), scale = 10 ** Math.max(power, 0);
     if (Math.abs(value) < 1e6 && power > -7) return (power > 0 ? Math.round(value / scale) * scale : value).toFixed(Math.max(-power, 0));
-    const first = value === 0 ? power : Math.floor(Math.log10(Math.abs(value)));
     return value.toExponential(Math.max(0, first - power));
   }
   // Of numbers that are far below one.
