@@ -165,18 +165,20 @@ void add_query(CLI::App& app, Arguments& arguments) {
 void add_export(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<ExportArguments>();
   CLI::App* command =
-      app.add_subcommand("export", "a field of space at chosen parameters, for other programs");
-  command->add_option("BOOK", values->book, "codebook file with a coordinate of space, or flow file")
-      ->required();
-  command->add_option("--to", values->to, "for whom: paraview (VTK files)")
+      app.add_subcommand("export", "a codebook for programs without Samara; fields of space, flows");
+  command->add_option("BOOK", values->book, "codebook file, or flow file")->required();
+  command
+      ->add_option("--to", values->to,
+                   "for whom: paraview (a field of space at chosen parameters, as VTK files), or flat (the "
+                   "codebook as samara_eval.h reads it, a header in C for programs without any library)")
       ->required()
-      ->check(CLI::IsMember({"paraview"}));
+      ->check(CLI::IsMember({"paraview", "flat"}));
   command->add_option("--set", values->set, kAssignments)->allow_extra_args(false);
   command->add_option("--at", values->at, kTimes);
   command
       ->add_option("-o,--output", values->output,
                    "file to write: NAME.vtu for one time, NAME.pvd for several, with NAME_0000.vtu and so on "
-                   "beside it; of a flow NAME.xdmf, which refers to the flow file")
+                   "beside it; of a flow NAME.xdmf, which refers to the flow file; NAME.flat")
       ->required();
   command->add_flag("--json", values->json, kJsonOfFile);
   on_call(command, arguments.exported, values);

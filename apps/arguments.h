@@ -159,7 +159,7 @@ struct PlotArguments {
 
 struct ExportArguments {
   std::string book;
-  std::string to;  ///< "paraview"
+  std::string to;  ///< "paraview", "flat"
   std::vector<std::string> set;
   std::vector<std::string> at;
   std::string output;
@@ -252,6 +252,10 @@ struct PatternsArguments {
   std::string labels;                ///< a person's, of segments
   std::vector<std::string> classes;  ///< what these words mean
   std::string length;                ///< of the body; empty: not known
+  std::string body;                  ///< model of the body of captures; empty: not known
+  std::vector<std::string> set;      ///< values of its parameters
+  std::vector<std::string> thresholds;
+  std::string report;  ///< page to write; empty: none
   int clusters = 4;
   std::string output;
   bool json = false;
@@ -261,6 +265,7 @@ struct RegimeArguments {
   std::string model;
   std::vector<std::string> set;
   std::string output;
+  std::string sweep;  ///< whose shares of patterns are told; empty: none
   bool json = false;
 };
 

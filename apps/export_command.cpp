@@ -7,6 +7,7 @@
 #include "output.h"
 #include "samara/base/errors.h"
 #include "samara/base/unit_labels.h"
+#include "samara/codebooks/file/flat_file.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/flow/files/flow_xdmf.h"
@@ -127,9 +128,23 @@ void export_flow(const ExportArguments& arguments, const fs::path& output) {
                                 fs::absolute(arguments.book).lexically_relative(from).string()));
 }
 
+void export_flat(const ExportArguments& arguments) {
+  if (!arguments.set.empty() || !arguments.at.empty())
+    throw ArgumentError("a flat file holds the whole codebook, expected neither --set nor --at");
+  if (flow::is_flow_file(arguments.book))
+    throw ArgumentError(fmt::format("{} is a flow file, expected a codebook for --to flat", arguments.book));
+  const Codebook book = codebooks::load(arguments.book);
+  warn_of_missed_tolerance(book, arguments.book);
+  codebooks::save_flat(book, arguments.output);
+}
+
 int export_any(const ExportArguments& arguments) {
   const fs::path output = arguments.output;
   check_output(arguments.output, {arguments.book});
+  if (arguments.to == "flat") {
+    export_flat(arguments);
+    return kDone;
+  }
   if (flow::is_flow_file(arguments.book)) {
     export_flow(arguments, output);
     return kDone;

@@ -33,6 +33,17 @@ void add_patterns(CLI::App& app, Arguments& arguments) {
   command->add_option("--clusters", values->clusters, "of a sweep, beside the rule")->capture_default_str();
   command->add_option("--sidecar", values->sidecar, "of every table; default: those beside them");
   command->add_option("--length", values->length, "of the body, m or with a unit: \"7 cm\"");
+  command->add_option(
+      "--body", values->body,
+      "model of the body of captures: its length, and its place in the diagram of the report");
+  command->add_option("--set", values->set, "of the body: NAME=VALUE, SI or with a unit; may be repeated")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--threshold", values->thresholds,
+                   "of captures: NAME=VALUE, a threshold of the rule; may be repeated")
+      ->allow_extra_args(false);
+  command->add_option("--report", values->report,
+                      "page for the browser to write: diagram, map, features, chain");
   command->add_option("--labels", values->labels,
                       "a person's labels: a table with capture, first_frame, last_frame, label");
   command
@@ -53,6 +64,8 @@ void add_regime(CLI::App& app, Arguments& arguments) {
   command->add_option("--set", values->set, "NAME=VALUE, SI or with a unit")->allow_extra_args(false);
   command->add_option("-o,--output", values->output, kAnswerFile);
   command->add_flag("--json", values->json, kJson);
+  command->add_option("--sweep", values->sweep,
+                      "a sweep of the model: which shares of its falls near this body have which pattern");
   command->callback([&arguments, values] { arguments.regime = *values; });
 }
 

@@ -199,6 +199,7 @@ std::map<std::string, double> values_of_body(const SimulateArguments& arguments,
 int animate(const SimulateArguments& arguments, const models::ParametricModel& parametric,
             const models::TrajectoryFamily& family, double end) {
   if (arguments.forces) throw ArgumentError("a .glb or .usda holds a motion: no --forces was expected");
+  if (arguments.cloud.json) throw ArgumentError("a .glb or .usda holds a motion: no --json was expected");
   Animation animation{
       .states = animated_states(parametric.model().info()),
       .body = animated_body({arguments.body.body, arguments.body.sizes, arguments.body.unit}, parametric, {}),

@@ -37,6 +37,23 @@ void Lanes::load(int lane, std::span<const double> q, std::span<const int> direc
   }
 }
 
+void Lanes::set_state(int lane, std::span<const double> state) {
+  for (std::size_t i = 0; i < initial_.size(); ++i) {
+    for (std::size_t layer = 0; layer < stride_; layer += width_) x_[place(i, lane) + layer] = 0.0;
+    x_[place(i, lane)] = state[i];
+  }
+}
+
+void Lanes::save(int lane, std::span<double> numbers) const {
+  for (std::size_t n = 0; n < numbers.size(); ++n)
+    numbers[n] = x_[n * width_ + static_cast<std::size_t>(lane)];
+}
+
+void Lanes::restore(int lane, std::span<const double> numbers) {
+  for (std::size_t n = 0; n < numbers.size(); ++n)
+    x_[n * width_ + static_cast<std::size_t>(lane)] = numbers[n];
+}
+
 void Lanes::read(int lane, int layer, std::span<double> values) const {
   const std::size_t offset = static_cast<std::size_t>(layer) * width_;
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = x_[place(i, lane) + offset];

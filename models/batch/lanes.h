@@ -32,9 +32,16 @@ class Lanes {
 
   /// A completed parameter of one lane, for what changes it between steps.
   double parameter(int index, int lane) const { return p_[place(static_cast<std::size_t>(index), lane)]; }
-  void set_parameter(int index, int lane, double value) {
-    p_[place(static_cast<std::size_t>(index), lane)] = value;
+  void set_parameter(int index, int lane, double value) { set_parameter(index, lane, 0, value); }
+  /// @param layer 0: the value; 1 + d: its tangent along direction d
+  void set_parameter(int index, int lane, int layer, double value) {
+    p_[place(static_cast<std::size_t>(index), lane) + static_cast<std::size_t>(layer) * width_] = value;
   }
+  /// Puts a state into a lane, without tangents.
+  void set_state(int lane, std::span<const double> state);
+  /// The states of a lane with their tangents, to put them back: states x (1 + directions) numbers.
+  void save(int lane, std::span<double> numbers) const;
+  void restore(int lane, std::span<const double> numbers);
 
   double state(int index, int lane) const { return x_[place(static_cast<std::size_t>(index), lane)]; }
   void read(int lane, std::span<double> state) const { read(lane, 0, state); }

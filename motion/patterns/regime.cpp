@@ -128,13 +128,25 @@ const std::vector<RegimeBoundary>& regime_boundaries() {
   return boundaries;
 }
 
+std::vector<RegimeBoundary> drawn_regime_boundaries() {
+  std::vector<RegimeBoundary> lines = regime_boundaries();
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    lines[k].points = drawn_on(k).array().exp();
+    auto Re = lines[k].points.col(0).array(), I = lines[k].points.col(1).array();
+    Re = Re.max(kMeasuredDiscs.least_Re).min(kMeasuredDiscs.most_Re);
+    I = I.max(kMeasuredDiscs.least_I).min(kMeasuredDiscs.most_I);
+  }
+  return lines;
+}
+
 RegimeAnswer regime(double Re, double I_disc) {
   require_positive(Re, "Re");
   require_positive(I_disc, "I_disc");
   const Eigen::Vector2d point(std::log(Re), std::log(I_disc));
   RegimeAnswer answer;
   answer.regime = regime_at(point.x(), point.y());
-  answer.measured = Re >= 20.0 && Re <= 4e4 && I_disc >= 2e-4 && I_disc <= 0.5;
+  answer.measured = Re >= kMeasuredDiscs.least_Re && Re <= kMeasuredDiscs.most_Re &&
+                    I_disc >= kMeasuredDiscs.least_I && I_disc <= kMeasuredDiscs.most_I;
   answer.distance = std::numeric_limits<double>::infinity();
   for (std::size_t number = 0; number < regime_boundaries().size(); ++number) {
     const Eigen::MatrixX2d line = drawn_on(number);

@@ -1,6 +1,6 @@
 """Usage: docs_lines_test.py SAMARA [CLASS]
 
-The lines of docs/fits.md and docs/explore.md run as they stand, and say what the page says they do.
+The lines of docs/fits.md run as they stand, and say what the page says they do.
 """
 
 import pathlib
@@ -40,19 +40,6 @@ class FitsPage(Case):
             self.assertIn(line, PAGE)
             self.assertIn(line, results[11].stdout)
         self.assertIn("<!DOCTYPE html>", (FOLDER / "fit.html").read_text())
-
-
-class ExplorePage(Case):
-    def test_the_lines_run(self):
-        shutil.copytree(ROOT / "examples" / "coin", FOLDER / "examples" / "coin")
-        text = (ROOT / "docs" / "explore.md").read_text()
-        lines = [line for line in text.splitlines() if line.startswith("samara ")]
-        self.assertGreaterEqual(len(lines), 6)
-        for line in lines:
-            result = subprocess.run([SAMARA, *shlex.split(line)[1:]], cwd=FOLDER, capture_output=True, text=True, timeout=LONGEST)
-            self.assertEqual(result.returncode, 0, f"{line}: {result.stderr}")
-            written = shlex.split(line)[-1]
-            self.assertGreater((FOLDER / written).stat().st_size, 1000, line)
 
 
 if __name__ == "__main__":

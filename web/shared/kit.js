@@ -79,12 +79,13 @@ const kit = (() => {
   function width(parent) {
     return Math.max(260, Math.min(parent.clientWidth || 640, 1040));
   }
-  // Options: x and y, labels; height; series; hooks; xScale, yScale; whole, for numbers that count; bands; legend; says, what a picture is
-  // to who cannot see it.
+  // Options: x and y, labels; height; series; hooks; xScale, yScale; whole, for numbers that count; logs, for axes of powers of ten; bands;
+  // legend; says, what a picture is to who cannot see it.
   function chart(parent, options, data) {
     const {ink, grid, line: tick} = colours();
+    const powers = {values: (u, splits) => splits.map((v) => v !== null && Number.isInteger(Math.round(1e9 * Math.log10(v)) / 1e9) ? shown(v) : "")};
     const axis = (label) => ({label, labelSize: 20, font: "12px system-ui", labelFont: "12px system-ui", stroke: ink,
-                              grid: {stroke: grid}, ticks: {stroke: tick}});
+                              grid: {stroke: grid}, ticks: {stroke: tick}, ...(options.logs ? powers : {})});
     const plot = new uPlot({
       width: width(parent), height: options.height || 240, hooks: options.hooks || {}, bands: options.bands || [],
       legend: {show: options.legend !== false},

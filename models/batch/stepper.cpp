@@ -1,0 +1,348 @@
+#include "samara/models/batch/stepper.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/require.h"
+#include "samara/models/batch/batch_tasks.h"
+#include "samara/models/batch/lanes.h"
+
+namespace samara::models {
+
+namespace {
+
+/// Indices of the steered parameters among those of the model.
+std::vector<int> steered_indices(const ParametricModel& model, const std::vector<std::string>& names) {
+  std::vector<int> indices;
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(model.free(), name, &FreeCoordinate::name);
+    if (found == model.free().end() || found->is_initial) {
+      throw ArgumentError(
+          fmt::format("\"{}\" was to be steered; a free parameter of the model was expected", name));
+    }
+    if (std::ranges::count(names, name) > 1) {
+      throw ArgumentError(fmt::format("\"{}\" was to be steered twice; once was expected", name));
+    }
+    indices.push_back(found->index);
+  }
+  return indices;
+}
+
+/// How far a parameter is on its way, of [0, 1].
+double smoothstep(double s) {
+  const double inside = std::clamp(s, 0.0, 1.0);
+  return inside * inside * (3.0 - 2.0 * inside);
+}
+
+}  // namespace
+
+struct Stepper::Impl {
+  Impl(const ParametricModel& parametric, const std::vector<std::string>& names, Eigen::Index count,
+       const Options& options)
+      : model(parametric),
+        steered(steered_indices(model, names)),
+        kernel(model.model(), options.tangents ? kernel_directions(model.model()) : 0),
+        lane_count(count),
+        width((*kernel).width()),
+        layers(1 + static_cast<std::size_t>((*kernel).directions())),
+        moves(static_cast<std::size_t>(count)),
+        from(static_cast<std::size_t>(count) * steered.size() * layers),
+        to(from.size()),
+        lane_times(static_cast<std::size_t>(width)),
+        resting(static_cast<std::size_t>(width) * static_cast<std::size_t>(model.state_count()) * layers) {
+    for (Eigen::Index first = 0; first < count; first += width) {
+      packs.emplace_back(model, *kernel, std::span<const int>());
+    }
+    loaded.assign(packs.size(), 0);
+    for (const int index : steered) {
+      positions.push_back(static_cast<std::size_t>(
+          std::ranges::find_if(model.free(),
+                               [&](const FreeCoordinate& c) { return !c.is_initial && c.index == index; }) -
+          model.free().begin()));
+    }
+  }
+
+  /// What the kernels of a law carry; a model without kernels takes as many.
+  static int kernel_directions(const Model& model) {
+    constexpr int kPlain = 4;
+    return model.step_kernels() == nullptr ? kPlain : model.step_kernels()->pack_tangents->directions();
+  }
+
+  struct Move {
+    double t = 0.0;      ///< of the lane
+    double start = 0.0;  ///< of the ramp
+    double duration = 0.0;
+    bool moving = false;
+    bool runs = false;
+  };
+
+  Lanes& pack_of(Eigen::Index lane) { return packs[static_cast<std::size_t>(lane / width)]; }
+  const Lanes& pack_of(Eigen::Index lane) const { return packs[static_cast<std::size_t>(lane / width)]; }
+  int slot_of(Eigen::Index lane) const { return static_cast<int>(lane % width); }
+  Move& move_of(Eigen::Index lane) { return moves[static_cast<std::size_t>(lane)]; }
+  const Move& move_of(Eigen::Index lane) const { return moves[static_cast<std::size_t>(lane)]; }
+
+  /// Where the numbers of a lane's ramp begin, steered by steered, layer by layer in each.
+  std::size_t ramp_place(Eigen::Index lane) const {
+    return static_cast<std::size_t>(lane) * steered.size() * layers;
+  }
+
+  /// Number n of a lane's ramp at time t.
+  double moved(Eigen::Index lane, std::size_t n, double share) const {
+    const std::size_t at = ramp_place(lane) + n;
+    return from[at] + share * (to[at] - from[at]);
+  }
+  double share_at(const Move& move, double t) const {
+    return move.moving ? smoothstep((t - move.start) / move.duration) : 1.0;
+  }
+
+  /// Puts the values of time t into the kernel's parameters.
+  void put_parameters(Eigen::Index lane, double t) {
+    const double share = share_at(move_of(lane), t);
+    Lanes& pack = pack_of(lane);
+    for (std::size_t j = 0; j < steered.size(); ++j) {
+      for (std::size_t layer = 0; layer < layers; ++layer) {
+        pack.set_parameter(steered[j], slot_of(lane), static_cast<int>(layer),
+                           moved(lane, j * layers + layer, share));
+      }
+    }
+  }
+
+  void begin_ramp(Eigen::Index lane, std::span<const double> target, double duration,
+                  const Eigen::Ref<const Eigen::MatrixXd>* by_directions) {
+    Move& move = move_of(lane);
+    const double share = share_at(move, move.t);
+    const std::size_t place = ramp_place(lane);
+    for (std::size_t j = 0; j < steered.size(); ++j) {
+      for (std::size_t layer = 0; layer < layers; ++layer) {
+        const std::size_t n = j * layers + layer;
+        from[place + n] = moved(lane, n, share);
+        to[place + n] = layer == 0                 ? target[j]
+                        : by_directions == nullptr ? 0.0
+                                                   : (*by_directions)(static_cast<Eigen::Index>(j),
+                                                                      static_cast<Eigen::Index>(layer - 1));
+      }
+    }
+    move.start = move.t;
+    move.duration = duration;
+    move.moving = duration > 0.0;
+    put_parameters(lane, move.t);
+    if (defaults_follow) pack_of(lane).complete();
+  }
+
+  /// Parameters stay where they are, without tangents.
+  void stop_ramp(Eigen::Index lane) {
+    Move& move = move_of(lane);
+    const double share = share_at(move, move.t);
+    const std::size_t place = ramp_place(lane);
+    for (std::size_t n = 0; n < steered.size() * layers; ++n) {
+      const double value = n % layers == 0 ? moved(lane, n, share) : 0.0;
+      from[place + n] = to[place + n] = value;
+    }
+    move.moving = false;
+    put_parameters(lane, move.t);
+    if (defaults_follow) pack_of(lane).complete();
+  }
+
+  /// Whether defaults of other parameters depend on the steered ones, by trial at a point.
+  bool defaults_depend(std::span<const double> q) {
+    if (defaults_follow) return true;
+    const std::vector<double> here = model.parameters(q);
+    for (const double factor : {1.37, 0.61}) {
+      std::vector<double> other(q.begin(), q.end());
+      for (const std::size_t k : positions) other[k] = factor * other[k] + 1e-3;
+      const std::vector<double> there = model.parameters(other);
+      for (std::size_t j = 0; j < here.size(); ++j) {
+        if (std::ranges::count(steered, static_cast<int>(j)) == 0 && here[j] != there[j]) return true;
+      }
+    }
+    return false;
+  }
+
+  void step_pack(std::size_t p, double h, long steps) {
+    const Eigen::Index first = static_cast<Eigen::Index>(p) * width;
+    const Eigen::Index last = std::min(lane_count, first + width);
+    const auto any = [&](auto what) {
+      for (Eigen::Index lane = first; lane < last; ++lane) {
+        if (what(move_of(lane))) return true;
+      }
+      return false;
+    };
+    if (!any([](const Move& move) { return move.runs; })) return;
+    long left = steps;
+    while (left > 0) {
+      const bool moving = any([](const Move& move) { return move.runs && move.moving; });
+      if (moving) {
+        for (Eigen::Index lane = first; lane < last; ++lane) {
+          const Move& move = move_of(lane);
+          if (move.runs && move.moving) put_parameters(lane, move.t + 0.5 * h);
+        }
+        if (defaults_follow) packs[p].complete();
+      }
+      const long now = moving ? 1 : left;
+      advance(packs[p], first, last, h, now);
+      if (moving) finish_ramps(first, last, h);
+      left -= now;
+    }
+  }
+
+  /// Lanes that do not run are carried along, and put back.
+  void advance(Lanes& pack, Eigen::Index first, Eigen::Index last, double h, long steps) {
+    for (Eigen::Index lane = first; lane < first + width; ++lane) {
+      lane_times[static_cast<std::size_t>(slot_of(lane))] = lane < last ? move_of(lane).t : 0.0;
+    }
+    bool all_run = true;
+    for (Eigen::Index lane = first; lane < last; ++lane) all_run = all_run && move_of(lane).runs;
+    const auto rest_of = [&](Eigen::Index lane) {
+      const std::size_t size = resting.size() / static_cast<std::size_t>(width);
+      return std::span(resting).subspan(static_cast<std::size_t>(slot_of(lane)) * size, size);
+    };
+    for (Eigen::Index lane = first; lane < last && !all_run; ++lane) {
+      if (!move_of(lane).runs) pack.save(slot_of(lane), rest_of(lane));
+    }
+    pack.advance(lane_times, h, steps);
+    for (Eigen::Index lane = first; lane < last; ++lane) {
+      if (move_of(lane).runs) {
+        move_of(lane).t += h * static_cast<double>(steps);
+      } else {
+        pack.restore(slot_of(lane), rest_of(lane));
+      }
+    }
+  }
+
+  void finish_ramps(Eigen::Index first, Eigen::Index last, double h) {
+    bool ended = false;
+    for (Eigen::Index lane = first; lane < last; ++lane) {
+      Move& move = move_of(lane);
+      // What is left of a ramp by round-off is no reason for another step of order 2.
+      if (!move.runs || !move.moving || move.t - move.start < move.duration - 1e-9 * h) continue;
+      move.moving = false;
+      put_parameters(lane, move.t);
+      ended = true;
+    }
+    if (ended && defaults_follow) packs[static_cast<std::size_t>(first / width)].complete();
+  }
+
+  ParametricModel model;
+  std::vector<int> steered;            ///< among the parameters of the model
+  std::vector<std::size_t> positions;  ///< the same among the free coordinates
+  PassKernel kernel;
+  Eigen::Index lane_count, width;
+  std::size_t layers;  ///< of a number: its value, then its tangents
+  std::vector<Lanes> packs;
+  std::vector<char> loaded;  ///< per pack
+  std::vector<Move> moves;
+  std::vector<double> from, to;  ///< of all ramps, see ramp_place()
+  std::vector<double> lane_times;
+  std::vector<double> resting;  ///< states of lanes that do not run, per slot
+  bool defaults_follow = false;
+};
+
+Stepper::Stepper(const ParametricModel& model, const std::vector<std::string>& steered, Eigen::Index lanes,
+                 const Options& options) {
+  require(lanes > 0, "lanes", lanes, "1 or more");
+  impl_ = std::make_unique<Impl>(model, steered, lanes, options);
+}
+Stepper::~Stepper() = default;
+Stepper::Stepper(Stepper&&) noexcept = default;
+Stepper& Stepper::operator=(Stepper&&) noexcept = default;
+
+Eigen::Index Stepper::lanes() const {
+  return impl_->lane_count;
+}
+int Stepper::state_count() const {
+  return impl_->model.state_count();
+}
+int Stepper::steered_count() const {
+  return static_cast<int>(impl_->steered.size());
+}
+int Stepper::directions() const {
+  return static_cast<int>(impl_->layers) - 1;
+}
+
+void Stepper::load(Eigen::Index lane, std::span<const double> q) {
+  Impl& run = *impl_;
+  Lanes& pack = run.pack_of(lane);
+  char& loaded = run.loaded[static_cast<std::size_t>(lane / run.width)];
+  if (loaded == 0) {  // the other lanes are carried along, and need some values
+    for (int slot = 0; slot < pack.width(); ++slot) pack.load(slot, q);
+    loaded = 1;
+  }
+  pack.load(run.slot_of(lane), q);
+  run.move_of(lane) = {.runs = true};
+  run.defaults_follow = run.defaults_depend(q);
+  const std::size_t place = run.ramp_place(lane);
+  for (std::size_t j = 0; j < run.steered.size(); ++j) {
+    for (std::size_t layer = 0; layer < run.layers; ++layer) {
+      const std::size_t n = place + j * run.layers + layer;
+      run.from[n] = run.to[n] = layer == 0 ? q[run.positions[j]] : 0.0;
+    }
+  }
+  pack.complete();
+}
+
+void Stepper::set_state(Eigen::Index lane, double t, std::span<const double> state) {
+  Impl& run = *impl_;
+  run.stop_ramp(lane);
+  run.move_of(lane).t = t;
+  run.move_of(lane).runs = true;
+  run.pack_of(lane).set_state(run.slot_of(lane), state);
+}
+
+void Stepper::set_parameters(Eigen::Index lane, std::span<const double> values) {
+  ramp(lane, values, 0.0);
+}
+
+void Stepper::ramp(Eigen::Index lane, std::span<const double> target, double duration) {
+  impl_->begin_ramp(lane, target, duration, nullptr);
+}
+
+void Stepper::ramp(Eigen::Index lane, std::span<const double> target, double duration,
+                   const Eigen::Ref<const Eigen::MatrixXd>& by_directions) {
+  impl_->begin_ramp(lane, target, duration, &by_directions);
+}
+
+void Stepper::set_running(Eigen::Index lane, bool runs) {
+  impl_->move_of(lane).runs = runs;
+}
+bool Stepper::runs(Eigen::Index lane) const {
+  return impl_->move_of(lane).runs;
+}
+
+void Stepper::step(double h, long steps) {
+  for (std::size_t p = 0; p < impl_->packs.size(); ++p) impl_->step_pack(p, h, steps);
+}
+
+double Stepper::time(Eigen::Index lane) const {
+  return impl_->move_of(lane).t;
+}
+
+double Stepper::state(Eigen::Index index, Eigen::Index lane) const {
+  return impl_->pack_of(lane).state(static_cast<int>(index), impl_->slot_of(lane));
+}
+
+void Stepper::read(Eigen::Index lane, std::span<double> state) const {
+  impl_->pack_of(lane).read(impl_->slot_of(lane), state);
+}
+
+void Stepper::read_tangent(Eigen::Index lane, int direction, std::span<double> tangent) const {
+  impl_->pack_of(lane).read_tangent(impl_->slot_of(lane), direction, tangent);
+}
+
+void Stepper::read_parameters(Eigen::Index lane, std::span<double> values) const {
+  const Impl::Move& move = impl_->move_of(lane);
+  const double share = impl_->share_at(move, move.t);
+  for (std::size_t j = 0; j < values.size(); ++j) values[j] = impl_->moved(lane, j * impl_->layers, share);
+}
+
+bool Stepper::finite(Eigen::Index lane) const {
+  for (int i = 0; i < state_count(); ++i) {
+    if (!std::isfinite(state(i, lane))) return false;
+  }
+  return true;
+}
+
+}  // namespace samara::models

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/models/interface/parametric_model.h"
+
+/// Trajectories side by side whose coefficients change while they run: what steers a motion decides on the way.
+///
+///   Stepper bodies(leaf, {"C_T", "C_R"}, 1000);       // both are free parameters of `leaf`
+///   for (Eigen::Index n = 0; n < 1000; ++n) bodies.load(n, q);
+///   bodies.ramp(7, std::array{1.1, 2.4}, 0.05);       // body 7: there within 50 ms
+///   bodies.step(1.0 / 240.0, 4);                      // a frame of 60 Hz
+///   bodies.state(2, 7);                               // its third state
+///
+/// Steps are those of batch.h, in the same kernels, and the same to the bit for a lane whose parameters rest.
+/// Parameters move by smoothsteps, c(t) = c0 + (c1 - c0) (3 s^2 - 2 s^3) with s = (t - t0)/duration, and are held
+/// over a step at their value in its middle: a step has order 2 while they move, 4 while they rest. Derived
+/// defaults follow what they depend on.
+///
+/// Nothing is allocated after construction. One object per thread; lanes do not touch each other.
+namespace samara::models {
+
+class Stepper {
+ public:
+  struct Options {
+    /// Whether lanes carry tangents; they move at the cost of the kernels with tangents then.
+    bool tangents = false;
+  };
+
+  /// All lanes rest and run nothing until they are loaded.
+  /// @param steered names of free parameters of the model that are going to change
+  /// @throws ArgumentError for a name that is no free parameter or is listed twice, or for no lanes.
+  Stepper(const ParametricModel& model, const std::vector<std::string>& steered, Eigen::Index lanes,
+          const Options& options);
+  Stepper(const ParametricModel& model, const std::vector<std::string>& steered, Eigen::Index lanes)
+      : Stepper(model, steered, lanes, Options()) {}
+  ~Stepper();
+  Stepper(Stepper&&) noexcept;
+  Stepper& operator=(Stepper&&) noexcept;
+
+  Eigen::Index lanes() const;
+  int state_count() const;
+  int steered_count() const;
+  /// Tangents that a lane carries: 0 without them.
+  int directions() const;
+
+  /// Puts the trajectory of the free coordinates q (SI) into a lane, at t = 0, with all tangents zero. The lane runs.
+  /// q is not checked: see ParametricModel::check.
+  void load(Eigen::Index lane, std::span<const double> q);
+
+  /// Moves a lane that was loaded to another state and time, its tangents zero; parameters stay as they are.
+  void set_state(Eigen::Index lane, double t, std::span<const double> state);
+
+  /// The steered parameters, in the order of construction, from now on. They must lie within their meaning.
+  void set_parameters(Eigen::Index lane, std::span<const double> values);
+
+  /// Lets them move from where they are to `target`, beginning now. What moved before ends here.
+  /// @param duration 0 or more; 0 is set_parameters()
+  void ramp(Eigen::Index lane, std::span<const double> target, double duration);
+  /// The same where the target depends on the directions.
+  /// @param by_directions d(target)/d(direction), steered x directions()
+  void ramp(Eigen::Index lane, std::span<const double> target, double duration,
+            const Eigen::Ref<const Eigen::MatrixXd>& by_directions);
+
+  /// A lane that does not run keeps its state and time.
+  void set_running(Eigen::Index lane, bool runs);
+  bool runs(Eigen::Index lane) const;
+
+  /// `steps` steps of length h for all lanes that run. States may come out infinite or not a number: see finite().
+  void step(double h, long steps = 1);
+
+  double time(Eigen::Index lane) const;
+  double state(Eigen::Index index, Eigen::Index lane) const;
+  void read(Eigen::Index lane, std::span<double> state) const;
+  /// d(state)/d(direction).
+  void read_tangent(Eigen::Index lane, int direction, std::span<double> tangent) const;
+  /// The steered parameters at the time of the lane.
+  void read_parameters(Eigen::Index lane, std::span<double> values) const;
+  bool finite(Eigen::Index lane) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace samara::models

@@ -1,0 +1,68 @@
+"""Usage: pages_test.py SAMARA [CLASS]
+
+The pages of the documentation are walked as their readers do: every line that they show for a shell is run, and prints
+what the page says (page.py has the rules). A page of its own folder and class each, so that they run side by side.
+"""
+
+import tempfile
+
+from page import ROOT, Reader, line_is_seen, unseen
+from samara_case import LONGEST, SAMARA, Case, main
+
+
+PAGES = {
+    "ReadMe": "README.md",
+    "Install": "docs/install.md",
+    "FirstCodebook": "docs/tutorials/first_codebook.md",
+    "CommandPage": "docs/command.md",
+    "DragFromAFilm": "docs/tutorials/drag_from_a_film.md",
+    "Separation": "docs/explanation/separation.md",
+    "ModelsPage": "docs/models.md",
+    "OwnModelsPage": "docs/own_models.md",
+    "BodiesPage": "docs/bodies.md",
+    "ExplorePage": "docs/explore.md",
+}
+
+
+def walk(test, page):
+    text = (ROOT / page).read_text()
+    with tempfile.TemporaryDirectory() as folder:
+        count = Reader(SAMARA, folder, LONGEST).walk(test, text)
+    test.assertGreater(count, 0, f"{page} shows no lines to run")
+
+
+for name, page in PAGES.items():
+    globals()[name] = type(name, (Case,), {"test_the_lines_run": lambda self, page=page: walk(self, page)})
+
+
+class ReadersOfPages(Case):
+    """What tells a page that is right from one that is not."""
+
+    def test_lines_are_told_from_others(self):
+        self.assertTrue(line_is_seen("C_D .. 0.6 .. 2 ..", "C_D   1.17 1  0.095  0.6 .. 2 0.88 to 1.5"))
+        self.assertTrue(line_is_seen("largest error 0.000257", "largest error 0.000258"))
+        self.assertTrue(line_is_seen("0.1,0.4082..,0.02346..", "0.1,0.4082164726051049,0.023464228763283003"))
+        self.assertFalse(line_is_seen("largest error 0.000257", "largest error 0.000357"))
+        self.assertFalse(line_is_seen("certificate: met, ..", "certificate: missed, largest error 0.1"))
+        self.assertFalse(line_is_seen("three words here", "three words"))
+
+    def test_outputs_are_seen_in_order_and_whole(self):
+        self.assertIsNone(unseen("a\n..\nd\n", "a\nb\nc\nd\n"))
+        self.assertEqual(unseen("b\n..\n", "a\nb\n"), "b")
+        self.assertEqual(unseen("..\nb\n..\na\n", "a\nb\n"), "a")
+        self.assertIsNotNone(unseen("a\n", "a\nb\n"))
+
+    def test_slow_lines_and_those_of_measured_sets_are_left_to_others(self):
+        page = "```sh slow\nfalse\n```\n\n```text\nnothing\n```\n\n```sh\nls $SAMARA_DATA/none\n```\n\n```sh\necho seen\n```\n\n```text\nseen\n```\n"
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(Reader(SAMARA, folder, LONGEST).walk(self, page), 1)
+
+    def test_a_wrong_exit_code_is_found(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with self.assertRaises(AssertionError):
+                Reader(SAMARA, folder, LONGEST).walk(self, "```sh\nfalse\n```\n")
+            Reader(SAMARA, folder, LONGEST).walk(self, "```sh\nsamara models nonsense  # exit code 2\n```\n")
+
+
+if __name__ == "__main__":
+    main()
