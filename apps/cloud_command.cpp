@@ -55,7 +55,6 @@ std::string stray_word(const CloudWords& words, bool has_wind) {
   if (words.antithetic) return "--antithetic";
   if (!words.relative_error.empty()) return "--relative-error";
   if (!words.picture.empty()) return "--picture";
-  if (words.json) return "--json";
   return "";
 }
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/rounded.h"
 #include "samara/base/version.h"
 #include "samara/io/hdf5_writer.h"
 
@@ -133,7 +134,8 @@ Json cloud_json(const CloudFile& file) {
   const NamedValues named(file.model);
   Json values;
   for (std::size_t j = 0; j < named.names.size(); ++j) values[named.names[j]] = number(named.values[j]);
-  Json object = {{"model", file.model.model().info().name},
+  Json object = {{"schema", "samara-cloud/1"},
+                 {"model", file.model.model().info().name},
                  {"air", file.air},
                  {"seed", file.seed},
                  {"first", cloud.first},
@@ -237,18 +239,18 @@ std::string cloud_summary(const CloudFile& file, const models::GustLayout& layou
   const auto three = [](double value) { return fmt::format("{:.3g}", value); };
   if (!cloud.landings.empty()) {
     const LandingStatistics landing = models::landing_statistics(cloud);
-    fmt::format_to(std::back_inserter(text), "; landing at t = {} +- {} s", three(landing.t.value),
-                   three(landing.t.error));
+    fmt::format_to(std::back_inserter(text), "; landing at t = {} s",
+                   with_error(landing.t.value, landing.t.error));
     const bool in_plane = layout.space() == models::GustLayout::Space::plane;
     for (Eigen::Index axis = 0; axis < (in_plane ? 1 : 2); ++axis) {
-      fmt::format_to(std::back_inserter(text), ", {} = {} +- {} m (deviation {} m)", axis == 0 ? "x" : "y",
-                     three(landing.mean[axis]), three(landing.mean_error[axis]),
+      fmt::format_to(std::back_inserter(text), ", {} = {} m (deviation {} m)", axis == 0 ? "x" : "y",
+                     with_error(landing.mean[axis], landing.mean_error[axis]),
                      three(std::sqrt(landing.covariance(axis, axis))));
     }
   }
   if (!cloud.half_turns.empty()) {
-    fmt::format_to(std::back_inserter(text), "; half turns {} +- {}", three(cloud.mean_half_turns.value),
-                   three(cloud.mean_half_turns.error));
+    fmt::format_to(std::back_inserter(text), "; half turns {}",
+                   with_error(cloud.mean_half_turns.value, cloud.mean_half_turns.error));
   }
   if (cloud.cancelled) text += "; interrupted";
   return text;

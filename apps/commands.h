@@ -7,6 +7,8 @@ namespace samara::apps {
 
 int run(const ModelsArguments& arguments);
 int run(const SimulateArguments& arguments);
+int run(const PlanArguments& arguments);
+int run(const NamesArguments& arguments);
 int run(const BuildArguments& arguments);
 int run(const InfoArguments& arguments);
 int run(const QueryArguments& arguments);

@@ -123,6 +123,12 @@ int run(const FitArguments& arguments) {
   check_outputs(arguments, request);
   const id::FitReport report = id::fit_files(request);
   clear_progress();
+  if (is_verbose()) {
+    for (const id::CaptureFit& capture : report.fit.captures) {
+      for (const std::string& note : capture.notes)
+        narrate(fmt::format("capture \"{}\": {}", capture.id, note));
+    }
+  }
   write(arguments, report);
   if (report.is_usable) return kDone;
   complain(report.message);

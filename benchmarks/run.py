@@ -12,7 +12,7 @@ import sys
 
 NAMES = ["first_walk", "linear_engine", "nonlinear", "sampling", "models", "realise", "wind", "query", "identification", "motion", "doors"]
 # Scripts, which run only when they are asked for: the house is built twice from nothing, and Python or a browser may not be there.
-SCRIPTS = ["house", "python", "explorer"]
+SCRIPTS = ["house", "python", "explorer", "command"]
 
 
 def run(name, directory, arguments):
