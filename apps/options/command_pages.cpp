@@ -60,7 +60,7 @@ constexpr std::array<CommandPage, 24> kPages = {{
      "docs/fits.md"},
     {"wind",
      {"samara wind wind.toml", "samara wind wind.toml --at \"0, 0, 2 m\" --until \"10 min\" -o series.csv"},
-     "docs/flow.md"},
+     "docs/wind.md"},
     {"flow",
      {"samara flow square.toml -o wake.h5", "samara flow square.toml -o wake.h5 --fresh"},
      "docs/flow.md"},

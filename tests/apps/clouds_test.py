@@ -1,6 +1,6 @@
 """Usage: clouds_test.py SAMARA [CLASS]
 
-Many flights of one release in turbulence, as docs/flow.md says.
+Many flights of one release in turbulence, as docs/turbulence.md says.
 """
 
 import csv

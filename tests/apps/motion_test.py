@@ -340,16 +340,5 @@ class Regimes(Case):
         self.check_error(run("regime", "falling_plate_nd"), 2, "does not say length")
 
 
-class PatternsPage(Case):
-    def test_the_lines_of_the_page_run(self):
-        page = (ROOT / "docs" / "patterns.md").read_text()
-        shutil.copytree(ROOT / "examples" / "falling_card", FOLDER / "examples" / "falling_card", dirs_exist_ok=True)
-        lines = [line for line in page.splitlines() if line.startswith("samara ") and "$SAMARA_DATA" not in line]
-        self.assertGreaterEqual(len(lines), 4)
-        for line in lines:
-            result = subprocess.run([SAMARA, *shlex.split(line)[1:]], cwd=FOLDER, capture_output=True, text=True, timeout=LONGEST)
-            self.assertEqual(result.returncode, 0, f"{line}: {result.stderr}")
-
-
 if __name__ == "__main__":
     main()
