@@ -15,7 +15,7 @@ import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FENCE = re.compile(r"^```(\w*)( slow| elsewhere)?\n(.*?)^```$", re.M | re.S)
-FILE = re.compile(r"`([\w.]+\.(?:toml|csv|json))`[^`\n]*:\n\n$")
+FILE = re.compile(r"`([\w.]+\.(?:toml|csv|json))`(?:(?!\n\n)[^`])*:\n\n$")
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 TOKEN = re.compile(rf"\.\.|{NUMBER}(?:\.\.)?|[A-Za-z_]+|\S")
 CLOSE = 0.02  # digits differ from one machine to another
