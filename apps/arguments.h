@@ -219,6 +219,12 @@ struct SweepArguments {
   bool json = false;
 };
 
+struct DatabaseArguments {
+  std::string sweep;
+  std::string output;
+  bool json = false;
+};
+
 struct PatternsArguments {
   std::vector<std::string> inputs;   ///< a sweep, or captures
   std::string sidecar;               ///< of every table; empty: those beside them
@@ -261,6 +267,7 @@ struct Arguments {
   std::optional<FlowArguments> flow;
   std::optional<PictureArguments> picture;
   std::optional<SweepArguments> sweep;
+  std::optional<DatabaseArguments> database;
   std::optional<PatternsArguments> patterns;
   std::optional<RegimeArguments> regime;
 };

@@ -20,6 +20,7 @@ PAGES = {
     "OwnModelsPage": "docs/own_models.md",
     "BodiesPage": "docs/bodies.md",
     "ExplorePage": "docs/explore.md",
+    "MotionPage": "docs/motion.md",
 }
 
 
