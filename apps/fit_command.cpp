@@ -76,8 +76,11 @@ void check_outputs(const FitArguments& arguments, const id::FitRequest& request)
         }))
       throw ArgumentError(
           "--petab writes the tables of a PEtab problem; one (.yaml) was expected as CAPTURE");
+    std::error_code reason;
+    std::filesystem::create_directory(arguments.petab, reason);
     if (!std::filesystem::is_directory(arguments.petab))
-      throw ArgumentError(fmt::format("--petab names \"{}\", which is no folder", arguments.petab));
+      throw ArgumentError(
+          fmt::format("--petab names \"{}\", which is no folder and cannot become one", arguments.petab));
     for (const std::string& file : petab_files(arguments)) check_output(file, inputs);
   }
   const std::vector<std::pair<std::string, std::string>> written = {
