@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -167,10 +168,15 @@ models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const
     throw ArgumentError(
         fmt::format("--integrator {} chooses its steps: no --step was expected", arguments.integrator));
   }
-  if (arguments.integrator == "adaptive") return models::AdaptiveOptions{};
-  if (!fixed) return models::IntegrateOptions{};
+  // A body that falls steadily takes long steps: they must not leap over a gust.
+  const double gust =
+      arguments.wind.empty() ? std::numeric_limits<double>::infinity() : shortest_gust(arguments.wind);
+  const double longest = std::isfinite(gust) ? 0.25 * gust : 0.0;
+  if (arguments.integrator == "adaptive") return models::AdaptiveOptions{.max_step = longest};
+  if (!fixed) return models::IntegrateOptions{.max_step = longest};
   const double step = number_or_quantity("--step", arguments.step, models::time_unit(info));
   if (!(step > 0.0)) throw ArgumentError(fmt::format("--step is {}, expected more than 0", arguments.step));
+  if (!arguments.wind.empty()) warn_of_gusts(arguments.wind, step);
   if (arguments.integrator == "rk4") return models::Rk4Options{.step = step};
   return models::RkmkOptions{.step = step};
 }

@@ -116,7 +116,10 @@ std::string turbulence_words(const codebooks::WindFile& file) {
   }
   if (!it.turbulence) return "turbulence  none\n";
   constexpr double kCommonBody = 0.1;
-  const wind::ModeSpectrum modes = wind::mode_spectrum(it, kCommonBody);
+  // A wind of small eddies is for smaller bodies.
+  const double body =
+      it.turbulence->longest ? std::min(kCommonBody, 0.5 * *it.turbulence->longest) : kCommonBody;
+  const wind::ModeSpectrum modes = wind::mode_spectrum(it, body);
   const wind::VonKarmanSpectrum& spectrum = modes.spectrum();
   const double longest = 2.0 * std::numbers::pi / modes.options().lowest,
                shortest = 2.0 * std::numbers::pi / modes.options().highest;
