@@ -123,8 +123,8 @@ void add_coefficient_table(const FitResult& result, std::back_insert_iterator<st
                  "std. error", "naive", "box", "what may be said");
   for (const Coefficient& c : result.coefficients) {
     fmt::format_to(out, "{:<16} {:>12} {:<10} {:>12} {:>12} {:>23} {}\n", c.name,
-                   rounded(c.value, widened_error(result, c)), shown_unit(c.unit),
-                   error_text(c.standard_error), error_text(c.naive_standard_error),
+                   rounded(c.value, c.standard_error ? c.standard_error : c.naive_standard_error),
+                   shown_unit(c.unit), error_text(c.standard_error), error_text(c.naive_standard_error),
                    fmt::format("{:.4g} .. {:.4g}", c.lower, c.upper), verdict(result, c));
   }
   fmt::format_to(out,

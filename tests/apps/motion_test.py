@@ -119,6 +119,7 @@ class Sweeps(Case):
         self.assertEqual(len(re.findall(r"^release ", text, re.M)), 3)
         self.assertIn("adjusted Rand index", text)
         answer = json.loads(run("patterns", swept(), "--json").stdout)
+        self.check_schema(answer)
         for release in answer["releases"]:
             self.assertEqual(sum(release["counts"].values()), 45)
             self.assertEqual(sum(region["points"] for region in release["regions"]), 45)
@@ -286,6 +287,7 @@ class Patterns(Case):
         self.assertEqual(text.returncode, 0, text.stderr)
         self.assertIn("agreement 0.667", text.stdout)
         answer = json.loads(run("patterns", swing, helix, "--length", "5 cm", "--json").stdout)
+        self.check_schema(answer)
         self.assertEqual([c["windows"][-1]["pattern"] for c in answer["captures"]], ["zigzag", "spiral"])
         self.check_error(run("patterns", swing, "--labels", labels), 2, "labels name the capture \"round\"")
         self.check_error(run("patterns", swing, "--class", "a=zigzag"), 2, "--labels was expected")
