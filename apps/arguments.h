@@ -154,6 +154,7 @@ struct FitArguments {
   std::string source;  ///< codebook file or model name
   std::vector<std::string> captures;
   std::string sidecar;  ///< of every table; empty: those beside them
+  std::string petab;    ///< folder for the tables of a PEtab problem
   std::string config;
   std::string span;
   std::string coefficients;  ///< JSON of another fit
