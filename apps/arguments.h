@@ -179,6 +179,7 @@ struct FitArguments {
   std::string source;  ///< codebook file or model name
   std::vector<std::string> captures;
   std::string sidecar;  ///< of every table; empty: those beside them
+  std::string petab;    ///< folder for the tables of a PEtab problem
   std::string config;
   std::string span;
   std::string coefficients;  ///< JSON of another fit
@@ -246,6 +247,12 @@ struct SweepArguments {
   bool json = false;
 };
 
+struct DatabaseArguments {
+  std::string sweep;
+  std::string output;
+  bool json = false;
+};
+
 struct PatternsArguments {
   std::vector<std::string> inputs;   ///< a sweep, or captures
   std::string sidecar;               ///< of every table; empty: those beside them
@@ -293,6 +300,7 @@ struct Arguments {
   std::optional<FlowArguments> flow;
   std::optional<PictureArguments> picture;
   std::optional<SweepArguments> sweep;
+  std::optional<DatabaseArguments> database;
   std::optional<PatternsArguments> patterns;
   std::optional<RegimeArguments> regime;
 };

@@ -24,6 +24,7 @@ int run(const WindArguments& arguments);
 int run(const FlowArguments& arguments);
 int run(const PictureArguments& arguments);
 int run(const SweepArguments& arguments);
+int run(const DatabaseArguments& arguments);
 int run(const PatternsArguments& arguments);
 int run(const RegimeArguments& arguments);
 

@@ -16,7 +16,9 @@ void add_fit(CLI::App& app, Arguments& arguments) {
           "codebook file, or a model by its name or its file of equations (with a config that has a [box])")
       ->required();
   // Not required for the parser, which would take the last capture left out for one to fit.
-  command->add_option("CAPTURE", values->captures, "capture files: tables, or sidecars (.toml) that map one");
+  command->add_option("CAPTURE", values->captures,
+                      "capture files: tables, or sidecars (.toml) that map one; or one PEtab problem "
+                      "(.yaml), config included");
   command->add_option("--sidecar", values->sidecar,
                       "what the columns of all tables given are, TOML, in place of sidecars beside them");
   command->add_option("--config", values->config, "what to fit and how, TOML");
@@ -38,6 +40,9 @@ void add_fit(CLI::App& app, Arguments& arguments) {
   command->add_option("--left-out-span,--left-out-window", values->left_out_span,
                       "how much of each of them is seen, s or with a unit; default: as --span");
   command->add_option("--ahead", values->ahead, "how far beyond the span to predict, s or with a unit");
+  command->add_option("--petab", values->petab,
+                      "of a PEtab problem: also write its tables as the fit leaves them, parameters.tsv and "
+                      "simulations.tsv, into this folder");
   command->add_option("--series", values->series,
                       "write the coefficients that change in time, those of [series] in the config, to this "
                       "codebook, for samara simulate --coefficients");

@@ -39,6 +39,7 @@ int dispatch(const Arguments& arguments) {
   if (arguments.flow) return run(*arguments.flow);
   if (arguments.picture) return run(*arguments.picture);
   if (arguments.sweep) return run(*arguments.sweep);
+  if (arguments.database) return run(*arguments.database);
   if (arguments.patterns) return run(*arguments.patterns);
   if (arguments.regime) return run(*arguments.regime);
   return run(*arguments.body);

@@ -23,6 +23,17 @@ void add_sweep(CLI::App& app, Arguments& arguments) {
   command->callback([&arguments, values] { arguments.sweep = *values; });
 }
 
+void add_database(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<DatabaseArguments>();
+  CLI::App* command = app.add_subcommand(
+      "database",
+      "the falls of a sweep as segments to go on from: what can follow what, and how often it does");
+  command->add_option("SWEEP", values->sweep, "sweep, HDF5")->required();
+  command->add_option("-o,--output", values->output, "database of motions to write, HDF5")->required();
+  command->add_flag("--json", values->json, kJson);
+  command->callback([&arguments, values] { arguments.database = *values; });
+}
+
 void add_patterns(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<PatternsArguments>();
   CLI::App* command = app.add_subcommand(
@@ -73,6 +84,7 @@ void add_regime(CLI::App& app, Arguments& arguments) {
 
 void add_motion_commands(CLI::App& app, Arguments& arguments) {
   add_sweep(app, arguments);
+  add_database(app, arguments);
   add_patterns(app, arguments);
   add_regime(app, arguments);
 }

@@ -133,8 +133,8 @@ Json landing_json(const Sweep& sweep, Eigen::Index release) {
   for (const motion::LandingStatistics& s : motion::landing_statistics(sweep, release)) {
     list.push_back(
         {{"pattern", to_string(s.pattern)},
-         {"share", s.share},
-         {"share_error", s.share_error},
+         {"share", s.share.value},
+         {"share_interval", {s.share.lower, s.share.upper}},
          {"landed", s.falls},
          {"mean", {s.mean.x(), s.mean.y()}},
          {"mean_error", {s.mean_error.x(), s.mean_error.y()}},
@@ -331,7 +331,11 @@ int patterns_of_captures(const PatternsArguments& arguments) {
   std::string text;
   for (const identification::Capture& capture : captures) {
     const motion::MotionRecord record = motion::record_of(capture, length);
-    motions.push_back({capture.id, record, motion::label_windows(record, {}, thresholds)});
+    try {
+      motions.push_back({capture.id, record, motion::label_windows(record, {}, thresholds)});
+    } catch (const ArgumentError& error) {
+      throw ArgumentError(fmt::format("capture \"{}\": {}", capture.id, error.what()));
+    }
     sequences.emplace_back();
     for (const motion::LabelledWindow& window : motions.back().windows)
       sequences.back().push_back(window.label.pattern);

@@ -8,7 +8,7 @@ namespace samara::apps {
 
 namespace {
 
-constexpr std::array<CommandPage, 23> kPages = {{
+constexpr std::array<CommandPage, 24> kPages = {{
     {"models", {"samara models", "samara models vertical_fall"}, "docs/models.md"},
     {"simulate",
      {"samara simulate falling_plate_nd --until 20 -o plate.csv",
@@ -70,6 +70,9 @@ constexpr std::array<CommandPage, 23> kPages = {{
     {"sweep",
      {"samara sweep sweep.toml -o card.h5", "samara sweep sweep.toml -o card.h5 --json"},
      "docs/patterns.md"},
+    {"database",
+     {"samara database card.h5 -o motions.h5", "samara database card.h5 -o motions.h5 --json"},
+     "docs/motion.md"},
     {"patterns",
      {"samara patterns card.h5", "samara patterns falls.csv --length \"7 cm\" --json"},
      "docs/patterns.md"},
@@ -80,9 +83,11 @@ constexpr std::array<CommandPage, 23> kPages = {{
      "docs/patterns.md"},
     {"completion",
      {"source <(samara completion bash)", "samara completion fish > ~/.config/fish/completions/samara.fish"},
-     "docs/command.md"},
-    {"help", {"samara help query", "samara help build --man | man -l -"}, "docs/command.md"},
-    {"", {"samara plan vertical_fall > plan.toml", "samara build plan.toml -o coin.h5"}, "docs/command.md"},
+     "docs/reference/commands.md"},
+    {"help", {"samara help query", "samara help build --man | man -l -"}, "docs/reference/commands.md"},
+    {"",
+     {"samara plan vertical_fall > plan.toml", "samara build plan.toml -o coin.h5"},
+     "docs/reference/commands.md"},
 }};
 
 }  // namespace

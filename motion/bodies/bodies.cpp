@@ -28,6 +28,7 @@ struct Body {
   std::array<int, MarkovChain::kMostOrder> past = {};  ///< kinds, the latest last
   int past_count = 0;
   std::optional<EventKind> planned;
+  Eigen::Index followed = -1;                         ///< the segment whose coefficients it has, or moves to
   double ramp_start = 0.0;                            ///< s
   Eigen::Vector3d carried = Eigen::Vector3d::Zero();  ///< m, how far the air about it has gone
 };
@@ -71,7 +72,8 @@ struct Bodies::Impl {
         from(static_cast<std::size_t>(count) * coefficients, 0.0),
         to(from),
         values(static_cast<std::size_t>(model.free_count())),
-        relative(states) {
+        relative(states),
+        read(states) {
     const EventFinder empty(moving, source.database().events);
     bodies.reserve(static_cast<std::size_t>(count));
     for (Eigen::Index n = 0; n < count; ++n)
@@ -98,15 +100,12 @@ struct Bodies::Impl {
   }
 
   Body& body(Eigen::Index n) { return bodies[static_cast<std::size_t>(n)]; }
-  std::span<double> state_of(Eigen::Index n) {
-    return std::span(current).subspan(static_cast<std::size_t>(n) * states, states);
+  static std::span<double> part_of(std::vector<double>& all, Eigen::Index n, std::size_t size) {
+    return std::span(all).subspan(static_cast<std::size_t>(n) * size, size);
   }
-  std::span<double> from_of(Eigen::Index n) {
-    return std::span(from).subspan(static_cast<std::size_t>(n) * coefficients, coefficients);
-  }
-  std::span<double> to_of(Eigen::Index n) {
-    return std::span(to).subspan(static_cast<std::size_t>(n) * coefficients, coefficients);
-  }
+  std::span<double> state_of(Eigen::Index n) { return part_of(current, n, states); }
+  std::span<double> from_of(Eigen::Index n) { return part_of(from, n, coefficients); }
+  std::span<double> to_of(Eigen::Index n) { return part_of(to, n, coefficients); }
   Eigen::Map<Eigen::Vector3d> last_of(Eigen::Index n) {
     return Eigen::Map<Eigen::Vector3d>(last_place.data() + 3 * n);
   }
@@ -148,6 +147,7 @@ struct Bodies::Impl {
     one.finder.restart();
     one.past_count = 0;
     one.planned.reset();
+    one.followed = -1;
     one.ramp_start = -options.ramp;
     one.carried.setZero();
     last_of(n) = place_of(state);
@@ -198,8 +198,10 @@ struct Bodies::Impl {
   /// What has become of a body.
   void look(Eigen::Index n) {
     Body& one = body(n);
-    if (!stepper.finite(n)) return rest(n, BodyStatus::not_finite);
-    stepper.read(n, state_of(n));
+    stepper.read(n, read);
+    if (!std::ranges::all_of(read, [](double x) { return std::isfinite(x); }))
+      return rest(n, BodyStatus::not_finite);
+    std::ranges::copy(read, state_of(n).begin());
     const Eigen::Vector3d place = place_of(state_of(n));
     if (options.ground && place.z() <= *options.ground) return land(n, place);
     last_of(n) = place;
@@ -235,10 +237,11 @@ struct Bodies::Impl {
     one.past[static_cast<std::size_t>(one.past_count++)] = static_cast<int>(event.kind);
     const std::span<const int> past(one.past.data(), static_cast<std::size_t>(one.past_count));
     const NextPiece piece = options.choice == BodiesOptions::Choice::chain
-                                ? pieces.by_chain(one.finder.state(), past, one.stream)
-                                : pieces.by_graph(one.finder.state(), one.stream);
+                                ? pieces.after(one.followed, one.finder.state(), past, one.stream)
+                                : pieces.after(one.followed, one.finder.state(), one.stream);
     if (events.size() < events.capacity()) events.push_back({n, event.t, event.kind, one.planned, piece});
     one.planned = piece.kind;
+    one.followed = piece.segment;
     const Eigen::VectorXd& target = pieces.coefficients(piece);
     const double t = stepper.time(n);
     for (std::size_t k = 0; k < coefficients; ++k) {
@@ -257,11 +260,11 @@ struct Bodies::Impl {
   models::Stepper stepper;
   std::size_t states, coefficients;
   std::vector<Body> bodies;
-  std::vector<double> current;     // states, as they are now
-  std::vector<double> last_place;  // before the last step
-  std::vector<double> from, to;    // of the ramps
-  std::vector<double> values;      // all free parameters of one body
-  std::vector<double> relative;    // a state
+  std::vector<double> current;         // states, as they are now
+  std::vector<double> last_place;      // before the last step
+  std::vector<double> from, to;        // of the ramps
+  std::vector<double> values;          // all free parameters of one body
+  std::vector<double> relative, read;  // states
   std::vector<BodyEvent> events;
   models::PoseStates pose;
   std::vector<std::size_t> pose_indices;
@@ -305,14 +308,8 @@ void Bodies::release(Eigen::Index n, const Eigen::Vector3d& place, double yaw) {
   const std::array<double, 4> numbers = {place.x(), place.y(), place.z(), yaw};
   require_finite_numbers(numbers, "the release of a body");
   Impl& run = *impl_;
-  const MotionGraph& graph = run.pieces.graph();
   const MotionDatabase& database = run.pieces.database();
-  // Segments of the largest component, one as likely as another.
-  auto pick = static_cast<Eigen::Index>(run.body(n).stream.uniform() * static_cast<double>(graph.kept));
-  Eigen::Index segment = 0;
-  for (; segment + 1 < database.segment_count(); ++segment) {
-    if (graph.is_kept(segment) && pick-- == 0) break;
-  }
+  const Eigen::Index segment = run.pieces.draw_segment(run.body(n).stream);
   Eigen::VectorXd state = database.starts.row(segment);
   if (run.moving.is_planar()) {
     state[run.where.position[0]] = place.x();
@@ -327,9 +324,7 @@ void Bodies::release(Eigen::Index n, const Eigen::Vector3d& place, double yaw) {
       state.segment<3>(run.where.velocity) += turned.conjugate() * air;
     }
   }
-  const Eigen::VectorXd& own =
-      database.runs[static_cast<std::size_t>(database.segments[static_cast<std::size_t>(segment)].run)]
-          .coefficients;
+  const Eigen::VectorXd& own = run.pieces.coefficients({segment, EventKind::swing_plus, 0.0});
   run.begin(n, {state.data(), run.states}, {own.data(), run.coefficients});
 }
 

@@ -34,9 +34,6 @@ double longest_duration(const MotionDatabase& database) {
   return std::ranges::max(database.segments, {}, &MotionSegment::duration).duration;
 }
 
-/// Segments that are looked at for a choice.
-constexpr std::size_t kNear = 8;
-
 }  // namespace
 
 NextPieces::NextPieces(MotionDatabase database) : NextPieces(database, motion_graph(database)) {}
@@ -45,6 +42,7 @@ NextPieces::NextPieces(MotionDatabase database, MotionGraph graph)
     : database_(std::move(database)),
       graph_(std::move(graph)),
       tree_(database_),
+      metric_(database_.metric()),
       chain_(kind_chain(database_).chain) {
   std::vector<double> durations;
   for (const MotionSegment& segment : database_.segments) durations.push_back(segment.duration);
@@ -53,6 +51,16 @@ NextPieces::NextPieces(MotionDatabase database, MotionGraph graph)
   median_duration_ = *middle;
   reach_ = reach_of(graph_);
   try_kinds();
+  const MovingStates& moving = tree_.moving_states();
+  places_.resize(moving.reduced_size(), database_.segment_count());
+  Eigen::VectorXd state;
+  for (Eigen::Index n = 0; n < database_.segment_count(); ++n) {
+    state = database_.starts.row(n);
+    const std::span<double> place(places_.col(n).data(), static_cast<std::size_t>(places_.rows()));
+    moving.reduce({state.data(), static_cast<std::size_t>(state.size())}, place);
+    metric_.place(place);
+  }
+  near_ = std::make_unique<SegmentTree>(sturdy_tree());
 }
 
 const Eigen::VectorXd& NextPieces::coefficients(const NextPiece& piece) const {
@@ -117,28 +125,87 @@ void NextPieces::try_kinds() {
   }
 }
 
-NextPiece NextPieces::by_chain(std::span<const double> state, std::span<const int> past,
-                               Stream& stream) const {
-  const auto kind = static_cast<EventKind>(chain_.draw(past, stream));
-  std::array<NearSegment, kNear> found;
-  const auto near = std::span(found).first(tree_.nearest(state, found, kind));
-  const auto chosen =
-      std::ranges::find_if(near, [&](const NearSegment& one) { return is_sturdy(one.segment); });
-  if (chosen != near.end() && chosen->distance < reach_) return piece_of(*chosen);
-  return by_graph(state, stream);
+Eigen::Index NextPieces::draw_segment(Stream& stream) const {
+  auto pick = static_cast<Eigen::Index>(stream.uniform() * static_cast<double>(graph_.kept));
+  Eigen::Index segment = 0;
+  for (; segment + 1 < database_.segment_count(); ++segment) {
+    if (graph_.is_kept(segment) && pick-- == 0) break;
+  }
+  return segment;
 }
 
-NextPiece NextPieces::by_graph(std::span<const double> state, Stream& stream) const {
-  std::array<NearSegment, kNear> found;
-  const std::size_t count = tree_.nearest(state, found);
-  const NearSegment nearest = found[0];
-  std::size_t choices = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    if (!graph_.is_kept(found[k].segment) || !is_sturdy(found[k].segment)) continue;
-    if (choices > 0 && found[k].distance >= reach_) break;
-    found[choices++] = found[k];
+SegmentTree NextPieces::sturdy_tree() const {
+  std::vector<Eigen::Index> chosen;
+  for (Eigen::Index n = 0; n < database_.segment_count(); ++n) {
+    if (graph_.is_kept(n) && is_sturdy(n)) chosen.push_back(n);
   }
-  if (choices == 0) return piece_of(nearest);
+  for (Eigen::Index n = 0; chosen.empty() && n < database_.segment_count(); ++n) {
+    if (graph_.is_kept(n)) chosen.push_back(n);
+  }
+  return {database_, std::move(chosen)};
+}
+
+std::size_t NextPieces::candidates(Eigen::Index followed, std::span<const double> state,
+                                   std::span<NearSegment> found) const {
+  if (followed < 0) return 0;
+  constexpr std::size_t kCopies = 4, kDimensions = 9;
+  const MovingStates& moving = tree_.moving_states();
+  const auto size = static_cast<std::size_t>(moving.reduced_size());
+  std::array<std::array<double, kDimensions>, kCopies> places;
+  for (int copy = 0; copy < moving.copies(); ++copy) {
+    const std::span<double> place = std::span(places[static_cast<std::size_t>(copy)]).first(size);
+    moving.reduce(state, place);
+    moving.turn_to_copy(copy, place);
+    metric_.place(place);
+  }
+  std::size_t have = 0;
+  const auto node = static_cast<std::size_t>(followed);
+  for (Eigen::Index k = graph_.first_edge[node]; k < graph_.first_edge[node + 1] && have < found.size();
+       ++k) {
+    const Eigen::Index to = graph_.edges[static_cast<std::size_t>(k)].to;
+    if (!graph_.is_kept(to) || !is_sturdy(to)) continue;
+    double least = reach_ * reach_;
+    const double* start = places_.data() + static_cast<std::size_t>(to) * size;
+    for (int copy = 0; copy < moving.copies(); ++copy) {
+      double square = 0.0;
+      for (std::size_t i = 0; i < size; ++i) {
+        const double gap = places[static_cast<std::size_t>(copy)][i] - start[i];
+        square += gap * gap;
+      }
+      least = std::min(least, square);
+    }
+    if (least < reach_ * reach_) found[have++] = {to, std::sqrt(least)};
+  }
+  std::ranges::sort(found.first(have), {}, &NearSegment::distance);
+  return have;
+}
+
+NextPiece NextPieces::after(Eigen::Index followed, std::span<const double> state, Stream& stream) const {
+  std::array<NearSegment, kMostEdges> found;
+  const std::size_t count = candidates(followed, state, found);
+  if (count == 0) return anywhere(state, stream);
+  return piece_of(found[static_cast<std::size_t>(stream.uniform() * static_cast<double>(count))]);
+}
+
+NextPiece NextPieces::after(Eigen::Index followed, std::span<const double> state, std::span<const int> past,
+                            Stream& stream) const {
+  const auto kind = static_cast<EventKind>(chain_.draw(past, stream));
+  std::array<NearSegment, kMostEdges> found;
+  const std::size_t count = candidates(followed, state, found);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (database_.segments[static_cast<std::size_t>(found[k].segment)].kind == kind)
+      return piece_of(found[k]);
+  }
+  if (count == 0) return anywhere(state, stream);
+  return piece_of(found[static_cast<std::size_t>(stream.uniform() * static_cast<double>(count))]);
+}
+
+NextPiece NextPieces::anywhere(std::span<const double> state, Stream& stream) const {
+  constexpr std::size_t kNear = 4;
+  std::array<NearSegment, kNear> found;
+  const std::size_t count = near_->nearest(state, found, {}, 4.0);
+  std::size_t choices = 1;
+  while (choices < count && found[choices].distance < reach_) ++choices;
   return piece_of(found[static_cast<std::size_t>(stream.uniform() * static_cast<double>(choices))]);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -44,24 +45,41 @@ class NextPieces {
   /// among such segments.
   bool is_sturdy(Eigen::Index segment) const { return sturdy_[static_cast<std::size_t>(segment)] != 0; }
 
-  /// The kind is drawn from the chain; where no sturdy segment of it begins within reach(), by_graph().
-  /// @param past kinds, the latest last
-  NextPiece by_chain(std::span<const double> state, std::span<const int> past, Stream& stream) const;
+  /// One of the graph's largest component, any as likely as another.
+  Eigen::Index draw_segment(Stream& stream) const;
 
-  /// One of the eight nearest segments in the graph's largest component, any sturdy one of those within reach(); the
-  /// nearest if there is none.
-  NextPiece by_graph(std::span<const double> state, Stream& stream) const;
+  /// What to go on with after a segment, among its edges of the graph: the sturdy ones that begin within reach() of the
+  /// state that the motion is really in. anywhere() if there is none, or no segment was followed.
+  /// @param followed -1: none
+  NextPiece after(Eigen::Index followed, std::span<const double> state, Stream& stream) const;
+
+  /// The same, of a kind that is drawn from the chain, if there is one.
+  /// @param past kinds, the latest last
+  NextPiece after(Eigen::Index followed, std::span<const double> state, std::span<const int> past,
+                  Stream& stream) const;
+
+  /// One of the four sturdy segments of the largest component that begin nearest, any within reach(); else the nearest.
+  /// (With a slack of 4, see NearPoints: it takes microseconds, and keeps as many kinds.)
+  NextPiece anywhere(std::span<const double> state, Stream& stream) const;
 
  private:
+  static constexpr std::size_t kMostEdges = 32;
   NextPiece piece_of(const NearSegment& found) const;
   void try_kinds();
+  SegmentTree sturdy_tree() const;
+  /// Sturdy segments that the graph leads to, within reach(), the nearest first.
+  std::size_t candidates(Eigen::Index followed, std::span<const double> state,
+                         std::span<NearSegment> found) const;
 
   MotionDatabase database_;
   MotionGraph graph_;
   SegmentTree tree_;
+  StateMetric metric_;
   MarkovChain chain_;
   double median_duration_ = 0.0, reach_ = 0.0;
   std::vector<char> sturdy_;
+  Eigen::MatrixXd places_;                   ///< of all starts, in the metric, a column each
+  std::unique_ptr<const SegmentTree> near_;  ///< of sturdy, kept ones
 };
 
 }  // namespace samara::motion

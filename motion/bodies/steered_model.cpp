@@ -22,6 +22,9 @@ constexpr std::array kGusts = {"gust_start",      "gust_x",          "gust_y",  
 
 models::ParametricModel steered_model(const MotionDatabase& database, bool in_wind) {
   if (!in_wind) return database.parametric_model();
+  if (database.moving_states().is_planar())
+    throw ArgumentError(
+        fmt::format("\"{}\" moves in a plane: its bodies fall in still air only", database.model));
   const std::string name = database.model + "_in_gusts";
   const auto& known = models::model_names();
   if (std::ranges::find(known, name) == known.end())

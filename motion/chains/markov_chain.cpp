@@ -40,7 +40,7 @@ LogSum log_sum(const MarkovChain& chain, const std::vector<int>& sequence, std::
 
 }  // namespace
 
-Share dirichlet_share(double count, double total, double kinds) {
+Chance dirichlet_chance(double count, double total, double kinds) {
   const double a = count + 0.5, b = total - count + 0.5 * (kinds - 1.0);
   // Where nothing else could have come.
   if (!(b > 0.0)) return {1.0, 1.0, 1.0};
@@ -113,10 +113,10 @@ double MarkovChain::probability(std::span<const int> past, int next) const {
   return (counts[next] + 0.5) / (total + 0.5 * symbols_);
 }
 
-Share MarkovChain::share(std::span<const int> past, int next) const {
+Chance MarkovChain::chance(std::span<const int> past, int next) const {
   double total = 0.0;
   const double* counts = counts_after(past, total);
-  return dirichlet_share(counts[next], total, symbols_);
+  return dirichlet_chance(counts[next], total, symbols_);
 }
 
 int MarkovChain::draw(std::span<const int> past, Stream& stream) const {

@@ -21,12 +21,12 @@
 namespace samara::motion {
 
 /// An estimate from counts, with the 2.5 and 97.5 % points of its beta marginal.
-struct Share {
+struct Chance {
   double probability = 0.0, lower = 0.0, upper = 0.0;
 };
 
 /// (count + 1/2)/(total + kinds/2). @param kinds that could have come
-Share dirichlet_share(double count, double total, double kinds);
+Chance dirichlet_chance(double count, double total, double kinds);
 
 class MarkovChain {
  public:
@@ -45,7 +45,7 @@ class MarkovChain {
 
   /// @param past symbols, the latest last; of more than the order the last ones are taken
   double probability(std::span<const int> past, int next) const;
-  Share share(std::span<const int> past, int next) const;
+  Chance chance(std::span<const int> past, int next) const;
   int draw(std::span<const int> past, Stream& stream) const;
 
   /// A sequence that begins as often with each symbol as it was seen.

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/parallel.h"
 #include "samara/motion/database/segment_tree.h"
 
 namespace samara::motion {
@@ -16,28 +17,40 @@ namespace {
 
 constexpr int kMostEdges = 24;
 
-/// All edges below the last threshold, by node, then by distance.
+/// Edges of one node below the last threshold, by distance.
+std::vector<GraphEdge> edges_from(const MotionDatabase& database, const SegmentTree& tree,
+                                  const GraphOptions& options, Eigen::Index n) {
+  std::vector<GraphEdge> edges;
+  const Eigen::Index next = database.next_of(n);
+  if (next >= 0) edges.push_back({n, next, 0.0});
+  const Eigen::VectorXd state = database.ends.row(n);
+  std::array<NearSegment, SegmentTree::kMost> found;
+  // Of its own run there may be so many that are none.
+  const auto wanted = static_cast<std::size_t>(options.most_edges + 2 * options.apart + 1);
+  const std::size_t count = tree.nearest({state.data(), static_cast<std::size_t>(state.size())},
+                                         std::span(found).first(std::min(wanted, found.size())));
+  int taken = 0;
+  for (std::size_t k = 0; k < count && taken < options.most_edges; ++k) {
+    const auto [other, distance] = found[k];
+    const bool same_run = database.segments[static_cast<std::size_t>(other)].run ==
+                          database.segments[static_cast<std::size_t>(n)].run;
+    if (same_run && std::abs(other - n) <= options.apart) continue;
+    if (distance >= options.thresholds.back()) break;
+    edges.push_back({n, other, distance});
+    ++taken;
+  }
+  return edges;
+}
+
+/// All of them, by node.
 std::vector<GraphEdge> near_edges(const MotionDatabase& database, const GraphOptions& options) {
   const SegmentTree tree(database);
+  std::vector<std::vector<GraphEdge>> of_nodes(database.segments.size());
+  parallel_for(database.segment_count(), [&](Eigen::Index n) {
+    of_nodes[static_cast<std::size_t>(n)] = edges_from(database, tree, options, n);
+  });
   std::vector<GraphEdge> edges;
-  std::array<NearSegment, SegmentTree::kMost> found;
-  Eigen::VectorXd state;
-  for (Eigen::Index n = 0; n < database.segment_count(); ++n) {
-    const Eigen::Index next = database.next_of(n);
-    if (next >= 0) edges.push_back({n, next, 0.0});
-    state = database.ends.row(n);
-    const std::size_t count = tree.nearest({state.data(), static_cast<std::size_t>(state.size())}, found);
-    int taken = 0;
-    for (std::size_t k = 0; k < count && taken < options.most_edges; ++k) {
-      const auto [other, distance] = found[k];
-      const bool same_run = database.segments[static_cast<std::size_t>(other)].run ==
-                            database.segments[static_cast<std::size_t>(n)].run;
-      if (same_run && std::abs(other - n) <= options.apart) continue;
-      if (distance >= options.thresholds.back()) break;
-      edges.push_back({n, other, distance});
-      ++taken;
-    }
-  }
+  for (const auto& some : of_nodes) edges.insert(edges.end(), some.begin(), some.end());
   return edges;
 }
 
@@ -129,6 +142,9 @@ void check_graph_options(const GraphOptions& options) {
     before = threshold;
   }
   if (options.thresholds.empty()) throw ArgumentError("there is no threshold, expected one or more");
+  if (options.apart < 0 || options.apart > 3)
+    throw ArgumentError(
+        fmt::format("segments {} apart were to be no neighbours, expected 0 to 3", options.apart));
   if (options.most_edges < 1 || options.most_edges > kMostEdges)
     throw ArgumentError(
         fmt::format("{} edges of a node were asked for, expected 1 to {}", options.most_edges, kMostEdges));

@@ -41,7 +41,8 @@ struct MotionGraph {
   bool is_kept(Eigen::Index segment) const { return component[static_cast<std::size_t>(segment)] == 0; }
 };
 
-/// @throws ArgumentError for thresholds that do not increase from above 0, or most_edges outside 1 to 24.
+/// @throws ArgumentError for thresholds that do not increase from above 0, most_edges outside 1 to 24, or
+/// apart outside 0 to 3.
 MotionGraph motion_graph(const MotionDatabase& database, const GraphOptions& options = {});
 
 /// Components of nodes 0 to nodes - 1 (R. Tarjan, SIAM J. Comput. 1, 1972), the largest first. Not by recursion: deep

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
 #include "samara/models/bodies/scaling_numbers.h"
+#include "samara/motion/records/motion_record.h"
 
 namespace samara::motion {
 
@@ -172,18 +172,13 @@ FallNumbers fall_numbers(const models::Model& model, const std::vector<double>& 
   const auto value = [&](const char* name) { return parameter(model, parameters, name); };
   FallNumbers all;
   if (const auto a = value("a"), b = value("b"), c = value("c"); a && b && c) {
-    std::array axes = {*a, *b, *c};
-    std::ranges::sort(axes);
-    all.length = 2.0 * axes[2];
-    all.thickness = 2.0 * axes[0];
-  } else if (const auto chord = value("semi_chord"), half = value("semi_thickness"); chord && half) {
-    all.length = 2.0 * *chord;
+    all.thickness = 2.0 * std::min({*a, *b, *c});
+  } else if (const auto half = value("semi_thickness"); half) {
     all.thickness = 2.0 * *half;
   } else if (const auto thickness = value("thickness"); thickness) {
-    const auto full = value("chord"), area = value("area");
-    all.length = full ? *full : area ? 2.0 * std::sqrt(*area / std::numbers::pi) : 0.0;
     all.thickness = *thickness;
   }
+  if (all.thickness > 0.0) all.length = body_length(model, parameters);
   const auto solid = value("density"), fluid = value("fluid_density"), g = value("g"), nu = value("nu");
   if (!(all.length > 0.0) || !solid || !fluid || !g || !nu) {
     throw ArgumentError(

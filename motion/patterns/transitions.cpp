@@ -33,7 +33,7 @@ Transitions transitions(const std::vector<std::vector<Pattern>>& sequences) {
     for (Eigen::Index j = 0; j < kSize; ++j) {
       if (i == j || !seen[static_cast<std::size_t>(i)] || !seen[static_cast<std::size_t>(j)]) continue;
       // Nothing follows itself.
-      const Share share = dirichlet_share(all.counts(i, j), total, kinds - 1.0);
+      const Chance share = dirichlet_chance(all.counts(i, j), total, kinds - 1.0);
       all.probability(i, j) = share.probability;
       all.lower(i, j) = share.lower;
       all.upper(i, j) = share.upper;

@@ -24,8 +24,8 @@ struct NearPoints::Tree {
     return false;
   }
 
-  virtual std::size_t nearest(const double* place, std::size_t count, std::size_t* found,
-                              double* squares) const = 0;
+  virtual std::size_t nearest(const double* place, std::size_t count, std::size_t* found, double* squares,
+                              double slack) const = 0;
   virtual std::vector<Eigen::Index> within(const double* place, double square) const = 0;
 
   Eigen::MatrixXd points;  ///< a column each
@@ -41,11 +41,11 @@ struct NearPoints::TreeOf final : NearPoints::Tree {
     if (points.cols() > 0) index.buildIndex();
   }
 
-  std::size_t nearest(const double* place, std::size_t count, std::size_t* found,
-                      double* squares) const override {
+  std::size_t nearest(const double* place, std::size_t count, std::size_t* found, double* squares,
+                      double slack) const override {
     nanoflann::KNNResultSet<double, std::size_t> set(count);
     set.init(found, squares);
-    index.findNeighbors(set, place, nanoflann::SearchParams());
+    index.findNeighbors(set, place, nanoflann::SearchParams(32, static_cast<float>(slack)));
     return set.size();
   }
 
@@ -84,12 +84,12 @@ Eigen::Index NearPoints::size() const {
 }
 
 std::size_t NearPoints::nearest(std::span<const double> place, std::span<Eigen::Index> found,
-                                std::span<double> squares) const {
+                                std::span<double> squares, double slack) const {
   std::array<std::size_t, kMost> points;
   const std::size_t wanted =
       std::min({found.size(), squares.size(), kMost, static_cast<std::size_t>(size())});
   if (wanted == 0) return 0;
-  const std::size_t count = tree_->nearest(place.data(), wanted, points.data(), squares.data());
+  const std::size_t count = tree_->nearest(place.data(), wanted, points.data(), squares.data(), slack);
   for (std::size_t k = 0; k < count; ++k) found[k] = static_cast<Eigen::Index>(points[k]);
   return count;
 }

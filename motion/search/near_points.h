@@ -24,10 +24,11 @@ class NearPoints {
 
   /// The nearest ones, the nearest first.
   /// @param found, squares as many as are wanted, kMost at most: numbers of points, squares of their distances
+  /// @param slack what is found may be farther than the nearest by this share of its distance, and takes less time
   /// @returns how many there are
   /// In 5 and 9 dimensions it does not allocate.
-  std::size_t nearest(std::span<const double> place, std::span<Eigen::Index> found,
-                      std::span<double> squares) const;
+  std::size_t nearest(std::span<const double> place, std::span<Eigen::Index> found, std::span<double> squares,
+                      double slack = 0.0) const;
 
   /// All at a squared distance below `square`, in any order.
   std::vector<Eigen::Index> within(std::span<const double> place, double square) const;

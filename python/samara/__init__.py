@@ -18,6 +18,7 @@ from ._building import build, separate
 from ._codebook import Codebook
 from ._contents import Axis, Build, Certificate, Coordinate, Group, Output, OutputError, Piece, Statistics
 from ._fitting import CaptureFit, Coefficient, FitResult, Unknown, fit
+from ._bodies import Bodies, Motions
 from ._flows import Cloud, Flow, Turbulence, Wake, Wind, realise
 from ._models import Model, ModelInfo, Parameter, Simulation, State, models, simulate
 from ._motion import (
@@ -40,6 +41,7 @@ from ._motion import (
 __all__ = [
     "ArgumentError",
     "Axis",
+    "Bodies",
     "Build",
     "CaptureFit",
     "Certificate",
@@ -58,6 +60,7 @@ __all__ = [
     "MissingPackageError",
     "Model",
     "ModelInfo",
+    "Motions",
     "NoResultError",
     "Output",
     "OutputError",

@@ -14,13 +14,14 @@ PAGES = {
     "ReadMe": "README.md",
     "Install": "docs/install.md",
     "FirstCodebook": "docs/tutorials/first_codebook.md",
-    "CommandPage": "docs/command.md",
+    "CommandPage": "docs/reference/commands.md",
     "DragFromAFilm": "docs/tutorials/drag_from_a_film.md",
     "Separation": "docs/explanation/separation.md",
     "ModelsPage": "docs/models.md",
     "OwnModelsPage": "docs/own_models.md",
     "BodiesPage": "docs/bodies.md",
     "ExplorePage": "docs/explore.md",
+    "MotionPage": "docs/motion.md",
 }
 
 

@@ -98,11 +98,11 @@ TEST_CASE(
   CHECK(chain.probability(zero, 1) == Approx(6.5 / 8.0));
   // The context 0 0 was never followed by anything: that of 0 stands in.
   CHECK(chain.probability(rare, 1) == Approx(6.5 / 8.0));
-  const Share share = chain.share(zero, 1);
+  const Chance share = chain.chance(zero, 1);
   CHECK(share.lower < share.probability);
   CHECK(share.probability < share.upper);
   // The uniform distribution is beta (1, 1): no counts of three kinds, each 1/3, by beta (1/2, 1).
-  const Share unseen = dirichlet_share(0.0, 0.0, 3.0);
+  const Chance unseen = dirichlet_chance(0.0, 0.0, 3.0);
   CHECK(unseen.probability == Approx(1.0 / 3.0));
   CHECK(unseen.lower == Approx(0.025 * 0.025));  // the quantile p^2 of beta (1/2, 1)
   CHECK(unseen.upper == Approx(0.975 * 0.975));
@@ -140,7 +140,7 @@ TEST_CASE(
   CHECK(end.times[1] == Approx(2.02127461).epsilon(1e-8));
   CHECK(end.times[2] == Approx(2.87356322).epsilon(1e-8));
   // One observation stands behind SD to AZ.
-  const Share rare = MarkovChain::of_counts(source.counts).share(std::vector<int>{0}, 2);
+  const Chance rare = MarkovChain::of_counts(source.counts).chance(std::vector<int>{0}, 2);
   CHECK(rare.lower < 0.01);
   CHECK(rare.upper > 0.15);
 }

@@ -201,3 +201,45 @@ def test_a_flow_is_the_arrays_of_its_file_and_bodies_fly_in_its_wake(tmp_path):
     values = {"diameter": "4 mm", "mass": "20 mg", "x(0)": 0.2}
     cloud = samara.realise("sphere_flight_in_gusts", values, times, samara.Wake(flow, "2 m/s", "10 cm"), 16, 3)
     assert cloud.mean.shape == (3, 3) and (cloud.mean_error[-1] > 0).all()
+
+
+MOTIONS = {
+    "model": "immersed_body",
+    "fixed": {key: value for key, value in LEAF.items() if key in ("a", "b", "c", "density", "C_D0", "C_w")},
+    "axes": {name: {"from": 0.4, "to": 2.6, "count": 3} for name in ("C_D90", "C_T", "C_R")},
+    "releases": {"tilt": ["10 deg"], "axis": ["35 deg"]},
+    "run": {"until": "2 s", "step": "1 ms", "settle": "0.5 s"},
+}
+
+
+def test_bodies_fall_by_the_motions_of_a_sweep(tmp_path):
+    motions = samara.Motions.of(samara.sweep(MOTIONS, progress=False))
+    assert motions.starts.shape == (len(motions.kinds), 13) and motions.report["segments"] == len(motions.kinds)
+    follows = motions.runs[1:] == motions.runs[:-1]
+    np.testing.assert_array_equal(motions.ends[:-1][follows], motions.starts[1:][follows])
+    motions.save(tmp_path / "leaf.h5")
+    again = samara.Motions.open(tmp_path / "leaf.h5")
+    np.testing.assert_array_equal(again.starts, motions.starts)
+    places = np.column_stack([np.arange(20.0), np.zeros(20), np.full(20, 1.0)])
+    leaves = [samara.Bodies(one, 20, ground=0, wind=wind, step="2 ms", seed=3) for one, wind in [(motions, None), (again, None), (again, [1, 0, 0])]]
+    for bodies in leaves:
+        assert set(bodies.status) == {"waiting"}
+        bodies.release(places, yaw=np.linspace(0, 6, 20))
+        bodies.advance("100 ms")
+    (still, turned), (same, _), (blown, _) = (bodies.poses() for bodies in leaves)
+    np.testing.assert_array_equal(still, same)
+    np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1)
+    np.testing.assert_allclose(blown - still, np.tile([0.1, 0, 0], (20, 1)), atol=1e-3)
+    room = np.empty((20, 3)), np.empty((20, 4))
+    for _ in range(600):
+        leaves[0].advance(1 / 60)
+        positions, _ = leaves[0].poses(*room)
+        assert positions is room[0]
+    assert leaves[0].falling == 0 and set(leaves[0].status) == {"landed"}
+    np.testing.assert_allclose(positions[:, 2], 0, atol=1e-12)
+    with pytest.raises(samara.ArgumentError, match="choice is"):
+        samara.Bodies(motions, 3, choice="best")
+    with pytest.raises(samara.ArgumentError, match="count of bodies"):
+        samara.Bodies(motions, 0)
+    with pytest.raises(samara.InputError, match="no.h5"):
+        samara.Motions.open(tmp_path / "no.h5")

@@ -29,9 +29,9 @@ SUB_ROOMS = {
     "flow": ["grid", "pressure", "momentum", "turbulence", "march", "files", "books"],
     "identification": [
         "smoothing", "captures/exports", "captures", "statistics", "problem", "pages", "report",
-        "solve/starts", "solve", "fit", "design", "series", "files", "explorer",
+        "solve/starts", "solve", "fit", "design", "series", "petab", "files", "explorer",
     ],
-    "motion": ["records", "search", "events", "chains", "patterns", "sweeps", "database", "bodies", "pages"],
+    "motion": ["records", "search", "events", "chains", "patterns", "sweeps", "database", "bodies", "pages", "capi"],
 }
 MOST_FILES = 40
 SUFFIXES = {".h", ".cpp"}

@@ -4,10 +4,13 @@ What the documentation shows of the examples is what stands there; its links lea
 has all pages, and its reference pages have all keys.
 """
 
+import ast
+import json
 import pathlib
 import re
 import sys
 import textwrap
+import tomllib
 import unittest
 
 ROOT = pathlib.Path(sys.argv[1])
@@ -126,6 +129,60 @@ class Lines(unittest.TestCase):
                     self.assertNotRegex(fence, r"(?m)^samara ", f"{page.relative_to(ROOT)}: a line to type in a fence {kind}")
                 else:
                     self.assertIn(f'"{page.relative_to(ROOT)}"', text("tests/apps/pages_test.py"))
+
+
+class Wrapping(unittest.TestCase):
+    """docs/wrap_pages.py, which ./dev format calls."""
+
+    LONG = "word " * 30
+    PAGE = f"""# A heading that is long: {LONG}
+
+{LONG}`code that stays in one piece` {LONG}- 1. end.
+
+- an item: {LONG}
+  and its second line
+  1. an item in it: {LONG}
+
+| a | table | {LONG} |
+
+```toml
+key = "{LONG}"
+```
+
+    indented = {LONG}
+"""
+
+    def test_words_stay_and_lines_become_short(self):
+        sys.path.insert(0, str(ROOT / "docs"))
+        sys.dont_write_bytecode = True
+        import wrap_pages
+
+        before = self.PAGE.splitlines()
+        after = wrap_pages.pages_lines(before)
+        self.assertEqual(" ".join(before).split(), " ".join(after).split())
+        self.assertEqual(wrap_pages.pages_lines(after), after)
+        long = [line for line in after if len(line) > wrap_pages.WIDTH]
+        self.assertEqual([line[:4] for line in long], ["# A ", "| a ", "key ", "    "])
+        self.assertTrue(any("`code that stays in one piece`" in line for line in after))
+        self.assertFalse([line for line in after if line.startswith(("1.", "- 1."))])
+        self.assertEqual([line[:5] for line in after if line.startswith("  1.")], ["  1. "])
+        self.assertGreater(len([line for line in after if line.startswith("     word")]), 0)
+
+
+class Texts(unittest.TestCase):
+    """A formatter that takes a file for another kind breaks what is shown of it."""
+
+    def test_what_is_shown_of_files_can_be_read(self):
+        readers = {"toml": tomllib.loads, "json": json.loads, "python": ast.parse}
+        seen = 0
+        for page in PAGES + TEXTS:
+            for fence in FENCES.findall(page.read_text()):
+                kind, _, body = fence.removeprefix("```").removesuffix("```").partition("\n")
+                if kind in readers:
+                    seen += 1
+                    with self.subTest(page=page.name, text=body[:60]):
+                        readers[kind](body)
+        self.assertGreater(seen, 40)
 
 
 class Reference(unittest.TestCase):
