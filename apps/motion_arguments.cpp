@@ -30,7 +30,7 @@ void add_database(CLI::App& app, Arguments& arguments) {
       "the falls of a sweep as segments to go on from: what can follow what, and how often it does");
   command->add_option("SWEEP", values->sweep, "sweep, HDF5")->required();
   command->add_option("-o,--output", values->output, "database of motions to write, HDF5")->required();
-  command->add_flag("--json", values->json, "print one JSON object");
+  command->add_flag("--json", values->json, kJson);
   command->callback([&arguments, values] { arguments.database = *values; });
 }
 

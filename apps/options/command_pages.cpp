@@ -71,7 +71,7 @@ constexpr std::array<CommandPage, 24> kPages = {{
      {"samara sweep sweep.toml -o card.h5", "samara sweep sweep.toml -o card.h5 --json"},
      "docs/patterns.md"},
     {"database",
-     {"samara database sweep.h5 -o leaf.h5", "samara database sweep.h5 -o leaf.h5 --json"},
+     {"samara database card.h5 -o motions.h5", "samara database card.h5 -o motions.h5 --json"},
      "docs/motion.md"},
     {"patterns",
      {"samara patterns card.h5", "samara patterns falls.csv --length \"7 cm\" --json"},
@@ -83,9 +83,11 @@ constexpr std::array<CommandPage, 24> kPages = {{
      "docs/patterns.md"},
     {"completion",
      {"source <(samara completion bash)", "samara completion fish > ~/.config/fish/completions/samara.fish"},
-     "docs/command.md"},
-    {"help", {"samara help query", "samara help build --man | man -l -"}, "docs/command.md"},
-    {"", {"samara plan vertical_fall > plan.toml", "samara build plan.toml -o coin.h5"}, "docs/command.md"},
+     "docs/reference/commands.md"},
+    {"help", {"samara help query", "samara help build --man | man -l -"}, "docs/reference/commands.md"},
+    {"",
+     {"samara plan vertical_fall > plan.toml", "samara build plan.toml -o coin.h5"},
+     "docs/reference/commands.md"},
 }};
 
 }  // namespace

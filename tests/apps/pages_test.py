@@ -15,7 +15,7 @@ PAGES = {
     "ReadMe": "README.md",
     "Install": "docs/install.md",
     "FirstCodebook": "docs/tutorials/first_codebook.md",
-    "CommandPage": "docs/command.md",
+    "CommandPage": "docs/reference/commands.md",
     "DragFromAFilm": "docs/tutorials/drag_from_a_film.md",
     "Separation": "docs/explanation/separation.md",
     "ModelsPage": "docs/models.md",
