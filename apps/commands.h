@@ -24,5 +24,7 @@ int run(const PictureArguments& arguments);
 int run(const SweepArguments& arguments);
 int run(const PatternsArguments& arguments);
 int run(const RegimeArguments& arguments);
+int run(const GhostArguments& arguments);
+int run(const SynthesizeArguments& arguments);
 
 }  // namespace samara::apps

@@ -36,5 +36,6 @@ void run_planar(const Options& options);
 void run_positions(const Options& options);
 void run_measured(const Options& options);
 void run_sweeps(const Options& options);
+void run_sketches(const Options& options);
 
 }  // namespace samara::benchmarks::motion_cases

@@ -31,7 +31,7 @@ SUB_ROOMS = {
         "smoothing", "captures/exports", "captures", "statistics", "problem", "pages", "report",
         "solve/starts", "solve", "fit", "design", "series", "files", "explorer",
     ],
-    "motion": ["records", "patterns", "sweeps"],
+    "motion": ["records", "patterns", "sweeps", "courses", "ghost", "planning"],
 }
 MOST_FILES = 40
 SUFFIXES = {".h", ".cpp"}
