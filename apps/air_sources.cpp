@@ -13,8 +13,8 @@
 #include "samara/codebooks/model/wind_file.h"
 #include "samara/flow/files/flow_view.h"
 #include "samara/models/stochastic/fluid_seen.h"
+#include "samara/models/wind/body_outline.h"
 #include "terminal.h"
-#include "winds.h"
 
 namespace samara::apps {
 
@@ -108,7 +108,7 @@ NamedAir wind_of(const SimulateArguments& arguments, const models::ParametricMod
   }
   std::optional<double> radius;
   if (!words.radius.empty()) radius = body_radius;
-  const BodyOutline body = outline_of(model, radius);
+  const models::wind::BodyOutline body = models::wind::outline_of(model, radius);
   return {.source = models::wind::wind_air(file.wind, body.length, body.semi_axes, seed),
           .description = description};
 }

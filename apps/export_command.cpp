@@ -7,6 +7,7 @@
 #include "output.h"
 #include "samara/base/errors.h"
 #include "samara/base/unit_labels.h"
+#include "samara/codebooks/file/flat_file.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/flow/files/flow_xdmf.h"
@@ -14,6 +15,7 @@
 #include "samara/io/text_file.h"
 #include "samara/io/vtk_file.h"
 #include "terminal.h"
+#include "value_lists.h"
 
 namespace samara::apps {
 
@@ -49,8 +51,7 @@ Eigen::VectorXd nodes_of(const Codebook& book, int space) {
 std::vector<double> times_of(const Codebook& book, const ExportArguments& arguments) {
   if (!book.has_time() && arguments.at.empty()) return {};
   const codebooks::Coordinate& time = book.time("--at");
-  std::vector<double> times;
-  for (const std::string& text : arguments.at) times.push_back(number_or_quantity("--at", text, time.unit));
+  const std::vector<double> times = numbers_of("--at", arguments.at, time.unit);
   if (!times.empty()) return times;
   const Eigen::VectorXd all = Eigen::VectorXd::LinSpaced(11, time.lower, time.upper);
   return {all.begin(), all.end()};
@@ -127,11 +128,23 @@ void export_flow(const ExportArguments& arguments, const fs::path& output) {
                                 fs::absolute(arguments.book).lexically_relative(from).string()));
 }
 
-}  // namespace
+void export_flat(const ExportArguments& arguments) {
+  if (!arguments.set.empty() || !arguments.at.empty())
+    throw ArgumentError("a flat file holds the whole codebook, expected neither --set nor --at");
+  if (flow::is_flow_file(arguments.book))
+    throw ArgumentError(fmt::format("{} is a flow file, expected a codebook for --to flat", arguments.book));
+  const Codebook book = codebooks::load(arguments.book);
+  warn_of_missed_tolerance(book, arguments.book);
+  codebooks::save_flat(book, arguments.output);
+}
 
-int run(const ExportArguments& arguments) {
+int export_any(const ExportArguments& arguments) {
   const fs::path output = arguments.output;
   check_output(arguments.output, {arguments.book});
+  if (arguments.to == "flat") {
+    export_flat(arguments);
+    return kDone;
+  }
   if (flow::is_flow_file(arguments.book)) {
     export_flow(arguments, output);
     return kDone;
@@ -167,6 +180,14 @@ int run(const ExportArguments& arguments) {
   }
   io::write_text_atomically(output, io::format_pvd(steps));
   return kDone;
+}
+
+}  // namespace
+
+int run(const ExportArguments& arguments) {
+  const int code = export_any(arguments);
+  tell_of_file(arguments.output, arguments.json);
+  return code;
 }
 
 }  // namespace samara::apps

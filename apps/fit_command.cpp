@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -56,6 +57,12 @@ id::FitRequest request_of(const FitArguments& arguments) {
   return request;
 }
 
+/// Parameters, then simulations.
+std::vector<std::string> petab_files(const FitArguments& arguments) {
+  const std::filesystem::path folder = arguments.petab;
+  return {(folder / "parameters.tsv").string(), (folder / "simulations.tsv").string()};
+}
+
 /// Before any work: what would be overwritten, or cannot be written.
 void check_outputs(const FitArguments& arguments, const id::FitRequest& request) {
   std::vector<std::string> inputs;
@@ -63,6 +70,19 @@ void check_outputs(const FitArguments& arguments, const id::FitRequest& request)
   if (!arguments.output.empty()) check_output(arguments.output, inputs);
   if (!arguments.report.empty()) check_output(arguments.report, inputs);
   if (!arguments.series.empty()) check_output(arguments.series, inputs);
+  if (!arguments.petab.empty()) {
+    if (std::ranges::none_of(arguments.captures, [](const std::string& file) {
+          return file.ends_with(".yaml") || file.ends_with(".yml");
+        }))
+      throw ArgumentError(
+          "--petab writes the tables of a PEtab problem; one (.yaml) was expected as CAPTURE");
+    std::error_code reason;
+    std::filesystem::create_directory(arguments.petab, reason);
+    if (!std::filesystem::is_directory(arguments.petab))
+      throw ArgumentError(
+          fmt::format("--petab names \"{}\", which is no folder and cannot become one", arguments.petab));
+    for (const std::string& file : petab_files(arguments)) check_output(file, inputs);
+  }
   const std::vector<std::pair<std::string, std::string>> written = {
       {"--report", arguments.report}, {"--output", arguments.output}, {"--series", arguments.series}};
   for (std::size_t a = 0; a < written.size(); ++a) {
@@ -85,6 +105,10 @@ void write(const FitArguments& arguments, const id::FitReport& report) {
   };
   if (!arguments.output.empty()) io::write_text_atomically(arguments.output, json());
   if (!arguments.report.empty()) io::write_text_atomically(arguments.report, id::fit_html(report.fit));
+  if (!arguments.petab.empty() && report.fit.status != id::FitStatus::failed) {
+    io::write_text_atomically(petab_files(arguments)[0], report.petab_parameters);
+    io::write_text_atomically(petab_files(arguments)[1], report.petab_simulations);
+  }
   if (!arguments.series.empty() && report.series->status != id::FitStatus::failed)
     codebooks::save(id::series_codebook(*report.series), arguments.series);
   const auto text = [&] {
@@ -102,6 +126,12 @@ int run(const FitArguments& arguments) {
   check_outputs(arguments, request);
   const id::FitReport report = id::fit_files(request);
   clear_progress();
+  if (is_verbose()) {
+    for (const id::CaptureFit& capture : report.fit.captures) {
+      for (const std::string& note : capture.notes)
+        narrate(fmt::format("capture \"{}\": {}", capture.id, note));
+    }
+  }
   write(arguments, report);
   if (report.is_usable) return kDone;
   complain(report.message);

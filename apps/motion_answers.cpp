@@ -1,9 +1,14 @@
 #include "motion_answers.h"
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include <fmt/format.h>
+
+#include "assignments.h"
+#include "samara/codebooks/model/model_file.h"
+#include "terminal.h"
 
 namespace samara::apps {
 
@@ -21,7 +26,41 @@ std::string sweep_counts(const motion::Sweep& sweep) {
     text += fmt::format("\n{:<24}", release_text(sweep, r));
     for (const int count : sweep.counts(r)) text += fmt::format(" {:>12}", count);
   }
-  return text + "\n";
+  return text + "\n" + thresholds_text(sweep.thresholds);
+}
+
+std::string thresholds_text(const motion::PatternThresholds& thresholds) {
+  constexpr std::size_t kWidth = 110;
+  std::string text, line = "thresholds";
+  for (const motion::NamedThreshold& one : motion::named_thresholds()) {
+    const std::string word = fmt::format("  {} {:g}", one.name, thresholds.*one.value);
+    if (line.size() + word.size() > kWidth) {
+      text += line + "\n";
+      line = "          ";
+    }
+    line += word;
+  }
+  return text + line + "\n";
+}
+
+Json thresholds_json(const motion::PatternThresholds& thresholds) {
+  Json object;
+  for (const motion::NamedThreshold& one : motion::named_thresholds())
+    object[one.name] = thresholds.*one.value;
+  return object;
+}
+
+models::ParametricModel body_of(const std::string& name, const std::vector<std::string>& set) {
+  const auto model = codebooks::open_model(name);
+  std::map<std::string, std::string> units;
+  for (const auto& parameter : model->info().parameters) units[parameter.name] = parameter.unit;
+  for (const auto& state : model->info().states) units[state.name + "(0)"] = state.unit;
+  const std::map<std::string, double> values = parse_assignments(set, units);
+  require_parameters(model->info(), values);
+  const models::ParametricModel body(model, values, {});
+  body.check({});
+  warn_of_parameters(*model, body.fixed());
+  return body;
 }
 
 Json number_or_null(double value) {
@@ -29,8 +68,10 @@ Json number_or_null(double value) {
 }
 
 Json sweep_json(const motion::Sweep& sweep) {
-  Json object = {{"schema", "samara-sweep/1"},    {"model", sweep.model},        {"coordinates", sweep.names},
-                 {"points", sweep.points.rows()}, {"falls", sweep.fall_count()}, {"releases", Json::array()}};
+  Json object = {{"schema", "samara-sweep/1"},  {"model", sweep.model},
+                 {"coordinates", sweep.names},  {"points", sweep.points.rows()},
+                 {"falls", sweep.fall_count()}, {"thresholds", thresholds_json(sweep.thresholds)},
+                 {"releases", Json::array()}};
   for (Eigen::Index r = 0; r < sweep.release_count(); ++r) {
     Json one = {{"release", release_text(sweep, r)}};
     const std::vector<int> counts = sweep.counts(r);

@@ -2,6 +2,8 @@
 
 #include <memory>
 
+#include "option_parts.h"
+
 namespace samara::apps {
 
 namespace {
@@ -17,8 +19,19 @@ void add_sweep(CLI::App& app, Arguments& arguments) {
       "only go on where a sweep of the same plan and output stopped, which is done anyway if there is one");
   command->add_flag("--fresh", values->fresh, "begin anew, and drop what an earlier sweep has left")
       ->excludes(resume);
-  command->add_flag("--json", values->json, "print one JSON object");
+  command->add_flag("--json", values->json, kJson);
   command->callback([&arguments, values] { arguments.sweep = *values; });
+}
+
+void add_database(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<DatabaseArguments>();
+  CLI::App* command = app.add_subcommand(
+      "database",
+      "the falls of a sweep as segments to go on from: what can follow what, and how often it does");
+  command->add_option("SWEEP", values->sweep, "sweep, HDF5")->required();
+  command->add_option("-o,--output", values->output, "database of motions to write, HDF5")->required();
+  command->add_flag("--json", values->json, kJson);
+  command->callback([&arguments, values] { arguments.database = *values; });
 }
 
 void add_patterns(CLI::App& app, Arguments& arguments) {
@@ -31,6 +44,17 @@ void add_patterns(CLI::App& app, Arguments& arguments) {
   command->add_option("--clusters", values->clusters, "of a sweep, beside the rule")->capture_default_str();
   command->add_option("--sidecar", values->sidecar, "of every table; default: those beside them");
   command->add_option("--length", values->length, "of the body, m or with a unit: \"7 cm\"");
+  command->add_option(
+      "--body", values->body,
+      "model of the body of captures: its length, and its place in the diagram of the report");
+  command->add_option("--set", values->set, "of the body: NAME=VALUE, SI or with a unit; may be repeated")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--threshold", values->thresholds,
+                   "of captures: NAME=VALUE, a threshold of the rule; may be repeated")
+      ->allow_extra_args(false);
+  command->add_option("--report", values->report,
+                      "page for the browser to write: diagram, map, features, chain");
   command->add_option("--labels", values->labels,
                       "a person's labels: a table with capture, first_frame, last_frame, label");
   command
@@ -38,7 +62,8 @@ void add_patterns(CLI::App& app, Arguments& arguments) {
                    "what a word of the labels means, WORD=PATTERN+PATTERN; may be repeated. Default: names "
                    "of patterns")
       ->allow_extra_args(false);
-  command->add_flag("--json", values->json, "print one JSON object");
+  command->add_option("-o,--output", values->output, kAnswerFile);
+  command->add_flag("--json", values->json, kJson);
   command->callback([&arguments, values] { arguments.patterns = *values; });
 }
 
@@ -48,7 +73,10 @@ void add_regime(CLI::App& app, Arguments& arguments) {
       app.add_subcommand("regime", "Re, the three I*, and where a body stands in the measured phase diagram");
   command->add_option("MODEL", values->model, "name of a model of a falling body, or a file")->required();
   command->add_option("--set", values->set, "NAME=VALUE, SI or with a unit")->allow_extra_args(false);
-  command->add_flag("--json", values->json, "print one JSON object");
+  command->add_option("-o,--output", values->output, kAnswerFile);
+  command->add_flag("--json", values->json, kJson);
+  command->add_option("--sweep", values->sweep,
+                      "a sweep of the model: which shares of its falls near this body have which pattern");
   command->callback([&arguments, values] { arguments.regime = *values; });
 }
 
@@ -56,6 +84,7 @@ void add_regime(CLI::App& app, Arguments& arguments) {
 
 void add_motion_commands(CLI::App& app, Arguments& arguments) {
   add_sweep(app, arguments);
+  add_database(app, arguments);
   add_patterns(app, arguments);
   add_regime(app, arguments);
 }

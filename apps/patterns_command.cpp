@@ -2,19 +2,25 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "assignments.h"
 #include "commands.h"
 #include "motion_answers.h"
+#include "output.h"
 #include "samara/base/errors.h"
+#include "samara/base/rounded.h"
 #include "samara/identification/captures/capture_file.h"
+#include "samara/io/atomic_file.h"
+#include "samara/motion/pages/pattern_page.h"
 #include "samara/motion/patterns/clusters.h"
 #include "samara/motion/patterns/labelled_segments.h"
 #include "samara/motion/patterns/transitions.h"
 #include "samara/motion/sweeps/landing.h"
 #include "samara/motion/sweeps/pattern_map.h"
+#include "samara/motion/sweeps/phase_diagram.h"
 #include "samara/motion/sweeps/sweep_file.h"
 #include "terminal.h"
 
@@ -89,10 +95,11 @@ std::string landing_text(const Sweep& sweep, Eigen::Index release) {
   for (const motion::LandingStatistics& s : motion::landing_statistics(sweep, release)) {
     if (s.falls == 0) continue;
     text += fmt::format(
-        "  {:<14} {:>6} falls  x {:.3g} +- {:.2g} m  y {:.3g} +- {:.2g} m  deviations {:.3g}, {:.3g} m  "
-        "distance {:.3g} +- {:.2g} m  after {:.3g} s\n",
-        to_string(s.pattern), s.falls, s.mean.x(), s.mean_error.x(), s.mean.y(), s.mean_error.y(),
-        std::sqrt(s.covariance(0, 0)), std::sqrt(s.covariance(1, 1)), s.distance, s.distance_error, s.time);
+        "  {:<14} {:>6} falls  x {} m  y {} m  deviations {:.3g}, {:.3g} m  "
+        "distance {} m  after {:.3g} s\n",
+        to_string(s.pattern), s.falls, with_error(s.mean.x(), s.mean_error.x()),
+        with_error(s.mean.y(), s.mean_error.y()), std::sqrt(s.covariance(0, 0)),
+        std::sqrt(s.covariance(1, 1)), with_error(s.distance, s.distance_error), s.time);
   }
   return text.empty() ? text : "landing\n" + text;
 }
@@ -126,8 +133,8 @@ Json landing_json(const Sweep& sweep, Eigen::Index release) {
   for (const motion::LandingStatistics& s : motion::landing_statistics(sweep, release)) {
     list.push_back(
         {{"pattern", to_string(s.pattern)},
-         {"share", s.share},
-         {"share_error", s.share_error},
+         {"share", s.share.value},
+         {"share_interval", {s.share.lower, s.share.upper}},
          {"landed", s.falls},
          {"mean", {s.mean.x(), s.mean.y()}},
          {"mean_error", {s.mean_error.x(), s.mean_error.y()}},
@@ -166,28 +173,48 @@ std::string release_report(const Sweep& sweep, Eigen::Index release, int cluster
   return text;
 }
 
+/// Of the points from which all releases lead to the same pattern.
+double share_of_one_pattern(const Sweep& sweep) {
+  const Eigen::MatrixXd shares = motion::release_shares(sweep);
+  if (shares.rows() == 0) return 0.0;
+  return (shares.rowwise().maxCoeff().array() == 1.0).cast<double>().mean();
+}
+
+std::string shares_text(const Sweep& sweep) {
+  if (sweep.release_count() < 2) return "";
+  return fmt::format(
+      "{:.1f} % of the points have one pattern from all {} releases; the others fall in several ways\n",
+      100.0 * share_of_one_pattern(sweep), sweep.release_count());
+}
+
 int patterns_of_sweep(const PatternsArguments& arguments) {
   if (!arguments.labels.empty() || !arguments.classes.empty() || !arguments.sidecar.empty() ||
-      !arguments.length.empty())
+      !arguments.length.empty() || !arguments.body.empty() || !arguments.set.empty() ||
+      !arguments.thresholds.empty())
     throw ArgumentError(
-        "--labels, --class, --sidecar and --length are of captures, and the input is a sweep");
+        "--labels, --class, --sidecar, --length, --body, --set and --threshold are of captures, and the "
+        "input "
+        "is a sweep: its plan says what falls, and its thresholds");
   const Sweep sweep = motion::load_sweep(arguments.inputs.front());
+  if (!arguments.report.empty()) io::write_text_atomically(arguments.report, motion::pattern_html(sweep));
   Json object = sweep_json(sweep);
-  if (!arguments.json) print(sweep_counts(sweep));
+  std::string text = sweep_counts(sweep) + shares_text(sweep);
+  if (sweep.release_count() > 1) object["points_of_one_pattern"] = share_of_one_pattern(sweep);
+  const auto answer = [&] { write_answer(arguments.output, arguments.json ? object.dump() + "\n" : text); };
   if (sweep.fall_count() / sweep.release_count() <=
       std::max(motion::PatternMap::kNeighbours, arguments.clusters)) {
     narrate("so few points have no map and no clusters");
-    if (arguments.json) print(object);
+    answer();
     return kDone;
   }
   for (Eigen::Index r = 0; r < sweep.release_count(); ++r) {
     if (arguments.json) {
       object["releases"][static_cast<std::size_t>(r)].update(release_json(sweep, r, arguments.clusters));
     } else {
-      print(release_report(sweep, r, arguments.clusters));
+      text += release_report(sweep, r, arguments.clusters);
     }
   }
-  if (arguments.json) print(object);
+  answer();
   return kDone;
 }
 
@@ -232,15 +259,9 @@ Json transitions_json(const motion::Transitions& all) {
   return list;
 }
 
-struct LabelledCapture {
-  std::string id;
-  Eigen::Index left_out = 0;
-  std::vector<motion::LabelledWindow> windows;
-};
-
-std::string capture_text(const LabelledCapture& capture) {
+std::string capture_text(const motion::LabelledMotion& capture) {
   std::string text = capture.id;
-  if (capture.left_out > 0) text += fmt::format(" ({} frames not seen)", capture.left_out);
+  if (capture.record.left_out > 0) text += fmt::format(" ({} frames not seen)", capture.record.left_out);
   text += "\n";
   for (const motion::LabelledWindow& window : capture.windows) {
     text += fmt::format("  {:8.3f} to {:8.3f} s  {:<12}  margin {:.2f}  {}\n", window.from, window.to,
@@ -249,7 +270,7 @@ std::string capture_text(const LabelledCapture& capture) {
   return text;
 }
 
-Json capture_json(const LabelledCapture& capture) {
+Json capture_json(const motion::LabelledMotion& capture) {
   Json windows = Json::array();
   for (const motion::LabelledWindow& window : capture.windows) {
     windows.push_back({{"from", window.from},
@@ -258,26 +279,68 @@ Json capture_json(const LabelledCapture& capture) {
                        {"margin", number_or_null(window.label.margin)},
                        {"why", window.label.why}});
   }
-  return {{"id", capture.id}, {"left_out", capture.left_out}, {"windows", windows}};
+  return {{"id", capture.id}, {"left_out", capture.record.left_out}, {"windows", windows}};
+}
+
+motion::PatternThresholds thresholds_of(const PatternsArguments& arguments) {
+  motion::PatternThresholds thresholds;
+  for (const std::string& text : arguments.thresholds) {
+    const Setting one = setting_of("--threshold", text);
+    const double value = number_or_quantity("--threshold: " + one.name, one.text, "1");
+    try {
+      set_threshold(thresholds, one.name, value);
+    } catch (const ArgumentError& error) {
+      throw ArgumentError(fmt::format("--threshold: {}", error.what()));
+    }
+  }
+  return thresholds;
+}
+
+/// What the call says of the body that falls.
+struct CaptureBody {
+  double length = 0.0;  ///< m, 0: not known
+  std::optional<motion::FallNumbers> numbers;
+};
+
+CaptureBody body_of_captures(const PatternsArguments& arguments) {
+  CaptureBody body;
+  if (arguments.body.empty() && !arguments.set.empty())
+    throw ArgumentError("--set is of the body: --body was expected");
+  if (!arguments.body.empty()) {
+    const models::ParametricModel model = body_of(arguments.body, arguments.set);
+    body.numbers = motion::fall_numbers(model.model(), model.parameters({}));
+    body.length = body.numbers->length;
+  }
+  if (arguments.length.empty()) return body;
+  body.length = number_or_quantity("--length", arguments.length, "m");
+  if (!(body.length >= 0.0))
+    throw ArgumentError(fmt::format("--length is {}, expected more than 0", arguments.length));
+  return body;
 }
 
 int patterns_of_captures(const PatternsArguments& arguments) {
-  const double length =
-      arguments.length.empty() ? 0.0 : number_or_quantity("--length", arguments.length, "m");
-  if (!(length >= 0.0))
-    throw ArgumentError(fmt::format("--length is {}, expected more than 0", arguments.length));
+  const motion::PatternThresholds thresholds = thresholds_of(arguments);
+  const CaptureBody body = body_of_captures(arguments);
+  const double length = body.length;
   const std::vector<identification::Capture> captures = captures_of(arguments);
   std::vector<std::vector<motion::Pattern>> sequences;
-  Json object = {{"schema", "samara-patterns/1"}, {"captures", Json::array()}};
+  std::vector<motion::LabelledMotion> motions;
+  Json object = {{"schema", "samara-patterns/1"},
+                 {"thresholds", thresholds_json(thresholds)},
+                 {"captures", Json::array()}};
   std::string text;
   for (const identification::Capture& capture : captures) {
     const motion::MotionRecord record = motion::record_of(capture, length);
-    const LabelledCapture labelled = {capture.id, record.left_out, motion::label_windows(record)};
+    try {
+      motions.push_back({capture.id, record, motion::label_windows(record, {}, thresholds)});
+    } catch (const ArgumentError& error) {
+      throw ArgumentError(fmt::format("capture \"{}\": {}", capture.id, error.what()));
+    }
     sequences.emplace_back();
-    for (const motion::LabelledWindow& window : labelled.windows)
+    for (const motion::LabelledWindow& window : motions.back().windows)
       sequences.back().push_back(window.label.pattern);
-    text += capture_text(labelled);
-    object["captures"].push_back(capture_json(labelled));
+    text += capture_text(motions.back());
+    object["captures"].push_back(capture_json(motions.back()));
   }
   const motion::Transitions changes = motion::transitions(sequences);
   text += transitions_text(changes);
@@ -285,7 +348,7 @@ int patterns_of_captures(const PatternsArguments& arguments) {
   if (!arguments.labels.empty()) {
     const motion::PatternClasses classes = motion::pattern_classes(arguments.classes);
     const auto segments = motion::read_labelled_segments(arguments.labels, classes);
-    const motion::SegmentAgreement both = motion::compare(segments, captures, classes, length);
+    const motion::SegmentAgreement both = motion::compare(segments, captures, classes, length, thresholds);
     text += fmt::format(
         "beside {} labels of {} (rows) the rule (columns): agreement {:.3f}, balanced {:.3f}, kappa "
         "{:.3f}, adjusted Rand index {:.3f}\n{}",
@@ -297,17 +360,17 @@ int patterns_of_captures(const PatternsArguments& arguments) {
   } else if (!arguments.classes.empty()) {
     throw ArgumentError("--class says what words of --labels mean: --labels was expected");
   }
-  if (arguments.json) {
-    print(object);
-  } else {
-    print(text);
-  }
+  text += thresholds_text(thresholds);
+  if (!arguments.report.empty())
+    io::write_text_atomically(arguments.report, motion::pattern_html(motions, thresholds, body.numbers));
+  write_answer(arguments.output, arguments.json ? object.dump() + "\n" : text);
   return kDone;
 }
 
 }  // namespace
 
 int run(const PatternsArguments& arguments) {
+  if (!arguments.output.empty()) check_output(arguments.output, arguments.inputs);
   if (arguments.clusters < 1 || arguments.clusters > 100)
     throw ArgumentError(fmt::format("--clusters is {}, expected 1 to 100", arguments.clusters));
   // What is called a sweep is read as one, so that a damaged one is refused for what it is.
@@ -317,6 +380,12 @@ int run(const PatternsArguments& arguments) {
   const auto sweep = std::ranges::find_if(arguments.inputs, is_sweep);
   if (sweep != arguments.inputs.end() && arguments.inputs.size() > 1)
     throw ArgumentError(fmt::format("\"{}\" is a sweep, which was expected alone", *sweep));
+  if (!arguments.report.empty()) {
+    std::vector<std::string> inputs = arguments.inputs;
+    inputs.insert(inputs.end(), {arguments.sidecar, arguments.labels, arguments.body});
+    std::erase(inputs, "");
+    check_output(arguments.report, inputs);
+  }
   if (sweep != arguments.inputs.end()) return patterns_of_sweep(arguments);
   return patterns_of_captures(arguments);
 }

@@ -1,11 +1,15 @@
+#include <algorithm>
+#include <optional>
+
 #include <fmt/format.h>
 
-#include "assignments.h"
 #include "commands.h"
 #include "motion_answers.h"
-#include "samara/codebooks/model/model_file.h"
+#include "samara/base/errors.h"
 #include "samara/models/interface/parametric_model.h"
 #include "samara/motion/patterns/regime.h"
+#include "samara/motion/sweeps/phase_diagram.h"
+#include "samara/motion/sweeps/sweep_file.h"
 #include "terminal.h"
 
 namespace samara::apps {
@@ -27,40 +31,87 @@ std::string regime_text(const motion::FallNumbers& n, const motion::RegimeAnswer
   return text;
 }
 
+/// Of the falls of a sweep around this body.
+motion::SharesAt shares_of(const std::string& file, const models::ParametricModel& body) {
+  const motion::Sweep sweep = motion::load_sweep(file);
+  const models::ModelInfo& info = body.model().info();
+  if (sweep.model != info.name)
+    throw ArgumentError(fmt::format("--sweep: {} is of the model \"{}\", expected one of \"{}\"", file,
+                                    sweep.model, info.name));
+  const std::vector<double> parameters = body.parameters({});
+  std::vector<double> initial(info.states.size());
+  body.initial({}, initial);
+  Eigen::VectorXd point(static_cast<Eigen::Index>(sweep.names.size()));
+  for (Eigen::Index k = 0; k < point.size(); ++k) {
+    const std::string& name = sweep.names[static_cast<std::size_t>(k)];
+    const auto parameter = std::ranges::find(info.parameters, name, &models::ParameterInfo::name);
+    const auto state =
+        std::ranges::find_if(info.states, [&](const auto& one) { return one.name + "(0)" == name; });
+    if (parameter == info.parameters.end() && state == info.states.end())
+      throw InputError(file, fmt::format("has the coordinate \"{}\", which the model has not", name));
+    point[k] = parameter != info.parameters.end()
+                   ? parameters[static_cast<std::size_t>(parameter - info.parameters.begin())]
+                   : initial[static_cast<std::size_t>(state - info.states.begin())];
+  }
+  try {
+    return motion::shares_at(sweep, point);
+  } catch (const ArgumentError& error) {
+    throw ArgumentError(fmt::format("--sweep: {}", error.what()));
+  }
+}
+
+std::string shares_text(const motion::SharesAt& at) {
+  std::string text = fmt::format(
+      "patterns of the {} falls of the sweep nearest to this body, from all its releases\n", at.falls);
+  for (std::size_t k = 0; k < motion::kPatterns; ++k) {
+    const motion::Share& share = at.patterns[k];
+    if (share.value > 0.0)
+      text += fmt::format("  {:<14} {:5.1f} %  ({:.1f} to {:.1f}, 95 %)\n", motion::pattern_names()[k],
+                          100.0 * share.value, 100.0 * share.lower, 100.0 * share.upper);
+  }
+  return text;
+}
+
+Json shares_json(const motion::SharesAt& at) {
+  Json object = {{"falls", at.falls}, {"shares", Json::object()}};
+  for (std::size_t k = 0; k < motion::kPatterns; ++k)
+    object["shares"][motion::pattern_names()[k]] = {
+        {"share", at.patterns[k].value}, {"interval", {at.patterns[k].lower, at.patterns[k].upper}}};
+  return object;
+}
+
 }  // namespace
 
 int run(const RegimeArguments& arguments) {
-  const auto model = codebooks::open_model(arguments.model);
-  std::map<std::string, std::string> units;
-  for (const auto& parameter : model->info().parameters) units[parameter.name] = parameter.unit;
-  for (const auto& state : model->info().states) units[state.name + "(0)"] = state.unit;
-  const std::map<std::string, double> values = parse_assignments(arguments.set, units);
-  const models::ParametricModel parametric(model, values, {});
-  parametric.check({});
-  warn_of_parameters(*model, parametric.fixed());
-  const motion::FallNumbers numbers = motion::fall_numbers(*model, parametric.parameters({}));
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.model});
+  const models::ParametricModel body = body_of(arguments.model, arguments.set);
+  const motion::FallNumbers numbers = motion::fall_numbers(body.model(), body.parameters({}));
   const motion::RegimeAnswer answer = motion::regime(numbers.Re, numbers.I_disc);
   if (!answer.measured)
     warn(fmt::format(
         "discs were measured from Re 20 to 4e4 and I* 2e-4 to 0.5: at {:.3g} and {:.3g} the regime is a "
         "guess",
         numbers.Re, numbers.I_disc));
+  std::optional<motion::SharesAt> shares;
+  if (!arguments.sweep.empty()) shares = shares_of(arguments.sweep, body);
   if (!arguments.json) {
-    print(regime_text(numbers, answer));
+    write_answer(arguments.output, regime_text(numbers, answer) + (shares ? shares_text(*shares) : ""));
     return kDone;
   }
-  print(Json{{"schema", "samara-regime/1"},
-             {"length", numbers.length},
-             {"thickness", numbers.thickness},
-             {"speed", numbers.speed},
-             {"Re", numbers.Re},
-             {"I_disc", numbers.I_disc},
-             {"I_plate", numbers.I_plate},
-             {"I_ellipse", numbers.I_ellipse},
-             {"regime", to_string(answer.regime)},
-             {"beyond", to_string(answer.beyond)},
-             {"distance", answer.distance},
-             {"measured", answer.measured}});
+  Json object = {{"schema", "samara-regime/1"},
+                 {"length", numbers.length},
+                 {"thickness", numbers.thickness},
+                 {"speed", numbers.speed},
+                 {"Re", numbers.Re},
+                 {"I_disc", numbers.I_disc},
+                 {"I_plate", numbers.I_plate},
+                 {"I_ellipse", numbers.I_ellipse},
+                 {"regime", to_string(answer.regime)},
+                 {"beyond", to_string(answer.beyond)},
+                 {"distance", answer.distance},
+                 {"measured", answer.measured}};
+  if (shares) object["sweep"] = shares_json(*shares);
+  write_answer(arguments.output, object.dump() + "\n");
   return kDone;
 }
 

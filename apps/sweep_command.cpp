@@ -10,7 +10,7 @@
 #include "samara/base/errors.h"
 #include "samara/io/atomic_file.h"
 #include "samara/io/file_lock.h"
-#include "samara/motion/sweeps/pattern_map.h"
+#include "samara/motion/sweeps/refining.h"
 #include "samara/motion/sweeps/sweep_file.h"
 #include "terminal.h"
 
@@ -47,6 +47,13 @@ int end_interrupted_sweep(const motion::SweepOptions& options, const std::string
   return kInterrupted;
 }
 
+void narrate_rounds(const motion::RefiningResult& refined) {
+  for (const motion::RefiningRound& round : refined.rounds)
+    narrate(fmt::format("{} points tell {:.2f} % of those left out right", round.points,
+                        100.0 * round.agreement));
+  narrate("refined: " + refined.message);
+}
+
 }  // namespace
 
 int run(const SweepArguments& arguments) {
@@ -61,12 +68,14 @@ int run(const SweepArguments& arguments) {
   if (!result.complete) return end_interrupted_sweep(options, result.message);
   if (result.taken_up > 0) narrate(fmt::format("took up {} falls of an earlier sweep", result.taken_up));
   // What was swept is not lost if refining is interrupted.
-  if (plan.refine > 0) save(result.sweep, options.checkpoint);
-  for (int round = 0; round < plan.refine; ++round) {
-    if (!refine(plan, {.progress = options.progress}, result.sweep)) break;
+  if (plan.refine > 0) {
+    save(result.sweep, options.checkpoint);
+    const motion::RefiningResult refined =
+        motion::refine_by_plan(plan, {.progress = options.progress}, result.sweep);
+    clear_progress();
+    if (!refined.complete) return end_interrupted_sweep(options, "interrupted while it was refined");
+    narrate_rounds(refined);
   }
-  clear_progress();
-  if (is_interrupted()) return end_interrupted_sweep(options, "interrupted while it was refined");
   save(result.sweep, arguments.output);
   std::error_code ignored;
   std::filesystem::remove(options.checkpoint, ignored);

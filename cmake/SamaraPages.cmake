@@ -11,6 +11,10 @@ function(samara_page_parts target)
     kit ${web}/shared/kit.js
     fit_posterior ${web}/fit/posterior.js
     fit_page ${web}/fit/fit_page.js
+    patterns_style ${web}/patterns/patterns.css
+    patterns_marks ${web}/patterns/marks.js
+    patterns_map ${web}/patterns/map.js
+    patterns_page ${web}/patterns/patterns_page.js
     explorer_markup ${web}/explorer/explorer.html
     explorer_style ${web}/explorer/explorer.css)
   foreach(name evaluate body glb state curves controls page)

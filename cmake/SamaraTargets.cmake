@@ -32,7 +32,7 @@ function(samara_room name)
   if(SAMARA_INSTALL)
     foreach(header ${ROOM_HEADERS})  # keeps the folders below the room
       cmake_path(GET header PARENT_PATH folder)
-      install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/samara/${name}/${folder})
+      install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/samara/${name}/${folder} COMPONENT dev)
     endforeach()
   endif()
 endfunction()

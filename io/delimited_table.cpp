@@ -145,12 +145,34 @@ std::optional<std::pair<std::string, std::string>> key_and_value(std::string_vie
   return std::pair(std::string(trimmed(body.substr(0, colon))), std::string(trimmed(body.substr(colon + 1))));
 }
 
+/// Whether a cell is a number with this decimal sign between digits: "1,5", "-2,5E-1".
+bool has_decimals(std::string_view cell, char sign) {
+  const std::size_t at = cell.find(sign);
+  if (at == std::string_view::npos || at + 1 == cell.size()) return false;
+  std::string with_point(cell);
+  with_point[at] = '.';
+  const NumberPrefix number = read_number(with_point);
+  return number.problem == NumberProblem::none && number.length == cell.size();
+}
+
+/// The decimal sign of a table where nobody names one.
+char detected_decimal(const std::vector<std::string>& cells, char delimiter) {
+  const auto some_have = [&](char sign) {
+    return std::any_of(cells.begin(), cells.end(),
+                       [&](const std::string& cell) { return has_decimals(cell, sign); });
+  };
+  return delimiter != ',' && some_have(',') && !some_have('.') ? ',' : '.';
+}
+
 /// Why a cell is not a number; empty if it is one.
-std::string number_complaint(std::string_view cell, const NumberPrefix& number) {
+std::string number_complaint(std::string_view cell, const NumberPrefix& number, char decimal) {
   if (number.problem == NumberProblem::malformed || number.length != cell.size()) {
-    const bool decimal_comma = cell.find(',') != std::string_view::npos;
+    const char other = decimal == '.' ? ',' : '.';
+    const bool is_other = cell.find(other) != std::string_view::npos;
     return "expected a number, found " + in_quotes(cell) +
-           (decimal_comma ? "; the decimal sign is a point" : "");
+           (!is_other        ? ""
+            : decimal == '.' ? "; the decimal sign is a point"
+                             : "; the decimal sign is a comma");
   }
   if (number.problem == NumberProblem::none) return "";
   return "expected a finite number, found " + in_quotes(cell) + "; a missing value is an empty cell";
@@ -200,6 +222,7 @@ DelimitedTable DelimitedTable::parse(std::string_view text, const std::string& n
     table.row_lines_.push_back(first_line);
   }
   if (table.header_.empty()) throw InputError(name, "is empty, expected a header with the names of columns");
+  table.decimal_ = options.decimal != 0 ? options.decimal : detected_decimal(table.cells_, table.delimiter_);
   return table;
 }
 
@@ -244,8 +267,13 @@ Eigen::VectorXd DelimitedTable::numbers(const std::string& column) const {
   for (std::size_t row = 0; row < rows(); ++row) {
     const std::string& cell = cells_[row * header_.size() + index];
     if (cell.empty()) continue;
-    const NumberPrefix number = read_number(cell);
-    const std::string complaint = number_complaint(cell, number);
+    std::string text = cell;
+    const std::size_t sign = decimal_ == '.' ? std::string::npos : text.find(decimal_);
+    // A point would be that of thousands, or of another program.
+    if (decimal_ != '.' && text.find('.') != std::string::npos) text.clear();
+    if (sign != std::string::npos && !text.empty()) text[sign] = '.';
+    const NumberPrefix number = read_number(text);
+    const std::string complaint = number_complaint(cell, number, decimal_);
     if (!complaint.empty()) throw error(row, "column " + in_quotes(column) + ": " + complaint);
     values[static_cast<Eigen::Index>(row)] = number.value;
   }

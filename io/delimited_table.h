@@ -22,7 +22,8 @@
 /// The first line that is neither blank nor a comment is the header. Lines that begin with `#` are comments;
 /// `# key: value` is collected. Cells may be quoted as in RFC 4180; blanks around an unquoted cell do not
 /// count; an empty cell is a missing value. Lines end in LF or CRLF; a byte order mark is skipped. Numbers
-/// have a decimal point whatever the locale.
+/// have a decimal point whatever the locale, or, in a table whose cells are not parted by commas, a decimal comma:
+/// one sign throughout.
 namespace samara::io {
 
 struct DelimitedOptions {
@@ -30,6 +31,9 @@ struct DelimitedOptions {
   char delimiter = 0;
   /// Names of the columns of a file that has no header. Empty: the file has one.
   std::vector<std::string> header = {};
+  /// '.' or ','; 0: a comma where cells are parted by something else, some are numbers with a decimal comma and
+  /// none is one with a point.
+  char decimal = 0;
 };
 
 /// An immutable table of texts, read whole.
@@ -46,6 +50,8 @@ class DelimitedTable {
   /// The file, as it was given.
   const std::string& file() const { return file_; }
   char delimiter() const { return delimiter_; }
+  /// The decimal sign of its numbers.
+  char decimal() const { return decimal_; }
   /// Names of the columns.
   const std::vector<std::string>& header() const { return header_; }
   /// Number of rows below the header.
@@ -77,6 +83,7 @@ class DelimitedTable {
 
   std::string file_;
   char delimiter_ = 0;
+  char decimal_ = '.';
   int header_line_ = 0;
   std::vector<std::string> header_;
   std::vector<std::pair<std::string, std::string>> comments_;

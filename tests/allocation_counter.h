@@ -1,32 +1,12 @@
 #pragma once
 
-#include <atomic>
 #include <cerrno>
 #include <cstddef>
 
+#include "allocation_count.h"
+
 /// Counts calls of the allocator: malloc and its relatives are defined here, for the whole program with its
 /// shared libraries, on top of those of the GNU C library. To be included in one source file of a program.
-
-namespace allocation_counter {
-
-inline std::atomic<bool> counting{false};
-inline std::atomic<long> calls{0};
-
-inline void count() noexcept {
-  if (counting.load(std::memory_order_relaxed)) calls.fetch_add(1, std::memory_order_relaxed);
-}
-
-/// Calls of the allocator during `work`.
-template <class Work>
-long during(const Work& work) {
-  calls = 0;
-  counting = true;
-  work();
-  counting = false;
-  return calls;
-}
-
-}  // namespace allocation_counter
 
 extern "C" {
 void* __libc_malloc(std::size_t size);

@@ -20,6 +20,7 @@
 #include "samara/codebooks/file/piece_format.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/io/hdf5_reader.h"
+#include "samara/io/memory_file.h"
 #include "samara/models/fields/field_model.h"
 #include "samara/models/interface/model.h"
 
@@ -340,6 +341,17 @@ Codebook load(const std::filesystem::path& path) {
     return book.with_certificate(std::move(certificate));
   } catch (const ArgumentError& error) {
     throw file.error("/", error.what());
+  }
+}
+
+Codebook load_bytes(std::string_view bytes) {
+  const io::MemoryFile file(bytes);
+  try {
+    return load(file.path());
+  } catch (const InputError& error) {
+    const std::string sentence = error.what(), prefix = file.path().string() + ": ";
+    throw InputError("bytes in memory",
+                     sentence.starts_with(prefix) ? sentence.substr(prefix.size()) : sentence);
   }
 }
 

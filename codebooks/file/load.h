@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 #include "samara/codebooks/book/codebook.h"
 
@@ -11,6 +12,10 @@ namespace samara::codebooks {
 /// @throws InputError naming file and dataset if it is missing, truncated, foreign, of another major format
 ///   version, or holds impossible values.
 Codebook load(const std::filesystem::path& path);
+
+/// The same of the bytes of such a file, which need not stay. Errors name "bytes in memory".
+/// @throws ArgumentError also if memory is short
+Codebook load_bytes(std::string_view bytes);
 
 /// Whether the file says that it is a codebook, sound or not.
 bool is_codebook(const std::filesystem::path& path);

@@ -127,6 +127,9 @@ const std::vector<Coordinate>& DerivedQuery::coordinates() const {
 const std::vector<pgd::OutputLabel>& DerivedQuery::outputs() const {
   return impl_->labels;
 }
+Precision DerivedQuery::precision() const {
+  return impl_->stored.precision();
+}
 
 void DerivedQuery::values(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values) {
   Impl& impl = *impl_;

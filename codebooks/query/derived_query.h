@@ -26,6 +26,8 @@ class DerivedQuery {
   const std::vector<Coordinate>& coordinates() const;
   /// In the order wanted.
   const std::vector<pgd::OutputLabel>& outputs() const;
+  /// In use for what is stored.
+  Precision precision() const;
 
   /// @param x coordinates() in order, SI @throws as Query::values()
   void values(std::span<const double> x, Eigen::Ref<Eigen::VectorXd> values);

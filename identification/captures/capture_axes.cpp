@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/names.h"
 #include "samara/identification/captures/capture_cleaning.h"
 #include "samara/identification/smoothing/continuous_angles.h"
 #include "samara/identification/smoothing/rotation_vectors.h"
@@ -64,6 +65,32 @@ void angles_to_quaternion(Capture& capture, const std::vector<std::string>& angl
                 [&](const Channel& channel) { return std::ranges::count(angles, channel.quantity) > 0; });
   for (const std::string& quantity : kQuaternionChannels) capture.channels.push_back({quantity, "1", {}});
   store_quaternions(capture, continuous_attitudes(capture.times, quaternions));
+}
+
+void flip_quantities(Capture& capture, const std::vector<std::string>& quantities) {
+  std::vector<std::string> all = quantities;
+  for (const std::string& quantity : quantities) {
+    if (!capture.has(quantity)) {
+      std::vector<std::string> known;
+      for (const Channel& channel : capture.channels) known.push_back(channel.quantity);
+      throw ArgumentError(fmt::format("capture \"{}\" has no quantity \"{}\"{}", capture.id, quantity,
+                                      suggestion(quantity, known)));
+    }
+    const bool is_place = quantity == "x" || quantity == "y" || quantity == "z";
+    if (is_place && capture.has(kQuaternionChannels[0])) {
+      throw ArgumentError(fmt::format(
+          "capture \"{}\" has an attitude, which no mirrored world has; `up`, which turns the world, was "
+          "expected in place of \"{}\"",
+          capture.id, quantity));
+    }
+    const std::string velocity = "v" + quantity;
+    if (is_place && capture.has(velocity) && std::ranges::count(all, velocity) == 0) all.push_back(velocity);
+  }
+  for (const std::string& quantity : all) {
+    Channel& channel = channel_of(capture, quantity);
+    channel.values = -channel.values;
+    if (channel.metres_per_pixel) channel.metres_per_pixel = -*channel.metres_per_pixel;
+  }
 }
 
 void turn_upright(Capture& capture, const std::string& up) {

@@ -43,6 +43,7 @@ std::vector<Capture> read_exported(const Export& exported, const Sidecar& sideca
     const bool takes_up = is_own && sidecar.up.empty() && !exported.up.empty();
     Sidecar of_body = sidecar;
     if (is_own) of_body.columns = body.columns;
+    if (is_own && !body.name_column.empty()) of_body.where[body.name_column] = {body.name};
     if (takes_up) of_body.up = exported.up;
     for (Capture& capture : captures_from_table(exported.table, of_body)) {
       if (is_own) capture.labels["body"] = body.name;
@@ -69,11 +70,13 @@ std::vector<Capture> read_table(const Sidecar& sidecar) {
   if (sidecar.header.empty()) {
     if (const auto exported = read_export(text, {.file = sidecar.table.string(),
                                                  .length_unit = sidecar.length_unit,
+                                                 .time_unit = sidecar.time_unit,
                                                  .has_columns = !sidecar.columns.empty()}))
       return read_exported(*exported, sidecar);
   }
-  return captures_from_table(
-      io::DelimitedTable::parse(text, sidecar.table.string(), {sidecar.delimiter, sidecar.header}), sidecar);
+  return captures_from_table(io::DelimitedTable::parse(text, sidecar.table.string(),
+                                                       {sidecar.delimiter, sidecar.header, sidecar.decimal}),
+                             sidecar);
 }
 
 /// Whether a cell names the same as a label: as a text, or as a number ("7" and "007").

@@ -19,6 +19,7 @@
 /// may be left out):
 ///
 ///     file = "tracks.csv"                # relative to the sidecar; "flight_*.csv": every file that matches
+///     decimal = ","                      # or "."; found where it is not named
 ///     delimiter = ";"                    # ",", ";", "tab"
 ///     header = ["time", "x"]             # names of the columns, where the file has none
 ///     group_by = ["drop", "cam"]         # several captures in one file: one per combination of their cells
@@ -30,8 +31,10 @@
 ///     until = "2 s"
 ///     start = "first visible"            # or "as given"
 ///     repeated_times = "keep first"      # or "refuse", the default
+///     flip = ["z"]                       # quantities that count the other way
 ///     up = "-z"                          # the axis that points up: the world is turned such that z does
 ///     length_unit = "cm"                 # of a program's export that names none
+///     time_unit = "ms"                   # likewise
 ///
 ///     [columns]                          # not needed where the header is canonical, or for an export
 ///     frame = { quantity = "t", unit = "frame" }
@@ -66,7 +69,8 @@
 /// Exports of Tracker (text: the name of a point mass, a header like "t x y", rows; or "#multi:" with
 /// several) and of Motive (CSV, quaternions) are recognised by their content: a capture for each point mass
 /// or rigid body, with the channels x, y, (z) and, for a rigid body, qw, qx, qy, qz, the names of a model's
-/// states. Tracker names no units: a sidecar with `length_unit` does. Motive's y points up, which `up` can
+/// states; so are Kinovea's (CSV of tracked points, text for gnuplot), with x and y of each point. Tracker and Kinovea
+/// name no units: a sidecar with `length_unit`, and of Kinovea `time_unit`, does. Motive's y points up, which `up` can
 /// override. With `columns` in its sidecar, an export is read as a table of the columns named there
 /// ("card.Position.X" for Motive).
 ///

@@ -245,11 +245,16 @@ Capture read_group(const io::DelimitedTable& table, const Columns& columns, cons
                                   capture.id, frames));
   }
   apply_scales(capture, sidecar);
+  std::string key;
   try {
+    key = "attitude";
     if (sidecar.euler) angles_to_quaternion(capture, sidecar.euler->columns, sidecar.euler->order);
+    key = "flip";
+    flip_quantities(capture, sidecar.flip);
+    key = "up";
     if (!sidecar.up.empty()) turn_upright(capture, sidecar.up);
   } catch (const ArgumentError& error) {
-    throw sidecar.error("", sidecar.euler ? "attitude" : "up", error.what());
+    throw sidecar.error("", key, error.what());
   }
   return capture;
 }

@@ -53,6 +53,12 @@ std::string axis_of(const Weight& weight) {
                      weight.places[static_cast<std::size_t>(axis)]);
 }
 
+/// What turns the world of a capture, as a sidecar says it.
+std::string remedy(const Capture& capture, const Weight& weight) {
+  const std::string axis = axis_of(weight).substr(1);
+  return capture.has("qw") ? fmt::format("up = \"-{}\"", axis) : fmt::format("flip = [\"{}\"]", axis);
+}
+
 /// Downward, m, frame by frame; empty where it was not measured.
 std::optional<Eigen::VectorXd> depths(const Capture& capture, const Weight& weight) {
   constexpr double kMatters = 0.1;
@@ -100,13 +106,19 @@ std::optional<double> unslowed_rise(const Capture& capture, const Weight& weight
   return share;
 }
 
+constexpr double kHeavy = 0.5;  // m/s^2
+
 }  // namespace
+
+bool falls(const models::ParametricModel& equations, std::span<const double> q) {
+  const Weight weight = weight_of(equations, q);
+  return weight.places.empty() || !(weight.acceleration.norm() < kHeavy);
+}
 
 std::vector<std::string> check_gravity(const models::ParametricModel& equations, std::span<const double> q,
                                        std::span<const Capture> captures) {
   const Weight weight = weight_of(equations, q);
   // A body that nearly floats is moved by anything else.
-  constexpr double kHeavy = 0.5;  // m/s^2
   if (weight.places.empty() || !(weight.acceleration.norm() > kHeavy)) return {};
   std::vector<std::pair<std::string, std::string>> found;
   for (const Capture& capture : captures) {
@@ -115,8 +127,8 @@ std::vector<std::string> check_gravity(const models::ParametricModel& equations,
     found.emplace_back(
         capture.id,
         fmt::format("it moves against the weight of the model, which acts along {}, in {:.0f} % of "
-                    "its frames without being slowed: is an axis upside down?",
-                    axis_of(weight), 100.0 * *share));
+                    "its frames without being slowed: is an axis upside down? ({} in a sidecar turns it)",
+                    axis_of(weight), 100.0 * *share, remedy(capture, weight)));
   }
   return merge_alike(found);
 }

@@ -121,6 +121,12 @@ void check_keys(const TomlTable& root, const std::filesystem::path& table,
 std::filesystem::path read_table_path(const TomlTable& root, const std::filesystem::path& sidecar,
                                       const std::filesystem::path& table) {
   if (!table.empty() && !root.has("file")) return table;
+  if (!root.has("file")) {
+    throw root.error(
+        "file",
+        "is missing: the sidecar names no table; give the tables, and the sidecar by --sidecar, or lay "
+        "it beside a table of its name");
+  }
   const std::filesystem::path named = sidecar.parent_path() / root.string("file");
   if (!table.empty() && named.filename() != table.filename()) {
     throw root.error("file",
@@ -208,9 +214,29 @@ CleaningSteps read_cleaning(const TomlTable& clean) {
 }
 
 std::string read_length_unit(const TomlTable& root) {
-  if (unit_of(root, "length_unit").dimension != Dimension{.metre = 1})
-    throw root.error("length_unit", fmt::format("\"{}\" is no unit of length", root.string("length_unit")));
+  const Dimension dimension = unit_of(root, "length_unit").dimension;
+  if (dimension != Dimension{.metre = 1} && dimension != Dimension{.pixel = 1})
+    throw root.error("length_unit",
+                     fmt::format("\"{}\" is no unit of length, nor px", root.string("length_unit")));
   return root.string("length_unit");
+}
+
+std::string read_time_unit(const TomlTable& root) {
+  if (unit_of(root, "time_unit").dimension != Dimension{.second = 1})
+    throw root.error("time_unit", fmt::format("\"{}\" is no unit of time", root.string("time_unit")));
+  return root.string("time_unit");
+}
+
+std::vector<std::string> read_flip(const TomlTable& root) {
+  const std::vector<std::string> flip =
+      root.is_string("flip") ? std::vector<std::string>{root.string("flip")} : root.strings("flip");
+  for (const std::string& quantity : flip) {
+    if (std::ranges::count(flip, quantity) > 1)
+      throw root.error("flip", fmt::format("\"{}\" stands there twice", quantity));
+    if (quantity == kTimeQuantity)
+      throw root.error("flip", "time counts forward; a measured quantity was expected");
+  }
+  return flip;
 }
 
 /// Which frames, and how the world lies.
@@ -226,6 +252,7 @@ void read_frame_keys(const TomlTable& root, Sidecar& sidecar) {
     sidecar.keep_first_of_repeated_times =
         choice<bool>(root, "repeated_times", {{"refuse", false}, {"keep first", true}});
   }
+  if (root.has("flip")) sidecar.flip = read_flip(root);
   if (root.has("up")) {
     const std::vector<std::string> axes = {"x", "y", "z", "-x", "-y", "-z"};
     std::vector<std::pair<std::string, std::string>> words;
@@ -261,9 +288,9 @@ bool is_allowed(const std::string& cell, const std::vector<std::string>& allowed
 Sidecar read_sidecar(const std::filesystem::path& path, const std::filesystem::path& table) {
   const TomlTable root = TomlTable::read(path);
   check_keys(root, table,
-             {"file", "delimiter", "header", "columns", "attitude", "group_by", "where", "frame_rate",
-              "least_frames", "length_unit", "scale", "start", "from", "until", "repeated_times", "up",
-              "clean", "labels"});
+             {"file",  "delimiter",  "decimal",        "header",      "columns",   "attitude", "group_by",
+              "where", "frame_rate", "least_frames",   "length_unit", "time_unit", "scale",    "start",
+              "from",  "until",      "repeated_times", "flip",        "up",        "clean",    "labels"});
   Sidecar sidecar;
   sidecar.document = root;
   sidecar.table = read_table_path(root, path, table);
@@ -273,6 +300,7 @@ Sidecar read_sidecar(const std::filesystem::path& path, const std::filesystem::p
     sidecar.delimiter =
         choice<char>(root, "delimiter", {{",", ','}, {";", ';'}, {"tab", '\t'}, {"\t", '\t'}});
   }
+  if (root.has("decimal")) sidecar.decimal = choice<char>(root, "decimal", {{".", '.'}, {",", ','}});
   if (root.has("columns")) sidecar.columns = read_columns(root.table("columns"));
   if (root.has("columns") && sidecar.columns.empty()) throw root.error("columns", "no column is named");
   sidecar.group_by = root.optional_strings("group_by").value_or(std::vector<std::string>{});
@@ -291,6 +319,7 @@ Sidecar read_sidecar(const std::filesystem::path& path, const std::filesystem::p
     }
   }
   if (root.has("length_unit")) sidecar.length_unit = read_length_unit(root);
+  if (root.has("time_unit")) sidecar.time_unit = read_time_unit(root);
   if (root.has("attitude")) sidecar.euler = read_euler(root.table("attitude"));
   if (root.has("clean")) sidecar.clean = read_cleaning(root.table("clean"));
   if (root.has("labels")) {

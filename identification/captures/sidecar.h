@@ -58,6 +58,7 @@ struct Sidecar {
   std::vector<std::filesystem::path> tables = {};  ///< those that `table` stands for, if it is a pattern
   std::vector<std::string> header = {};            ///< names of the columns of a file without a header
   char delimiter = 0;                              ///< 0: found from the header
+  char decimal = 0;                                ///< '.' or ','; 0: found from the cells
   std::vector<ColumnMeaning> columns = {};         ///< empty: the header is canonical
   std::vector<std::string> group_by = {};
   std::map<std::string, std::vector<std::string>> where = {};  ///< see is_allowed()
@@ -68,8 +69,10 @@ struct Sidecar {
   std::optional<double> from = {};   ///< s, in the times of the table
   std::optional<double> until = {};  ///< s
   bool keep_first_of_repeated_times = false;
+  std::vector<std::string> flip = {};           ///< quantities that count the other way
   std::string up = {};                          ///< "y", "-z"; empty: z
   std::optional<std::string> length_unit = {};  ///< of exports that name none
+  std::optional<std::string> time_unit = {};    ///< likewise
   std::optional<EulerColumns> euler = {};
   CleaningSteps clean = {};
   std::optional<LabelTable> labels = {};

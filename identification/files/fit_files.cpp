@@ -10,6 +10,8 @@
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/composition/codebook_trajectories.h"
+#include "samara/codebooks/file/load.h"
+#include "samara/codebooks/model/model_file.h"
 #include "samara/identification/captures/capture_file.h"
 #include "samara/identification/captures/capture_suspicions.h"
 #include "samara/identification/captures/gravity_check.h"
@@ -17,6 +19,8 @@
 #include "samara/identification/fit/fit.h"
 #include "samara/identification/fit/mass_check.h"
 #include "samara/identification/fit/prediction.h"
+#include "samara/identification/petab/petab_problem.h"
+#include "samara/identification/petab/petab_result.h"
 
 namespace samara::identification {
 
@@ -123,15 +127,20 @@ std::vector<std::string> check_mass_of(const FitSource& source, const std::vecto
   return check_mass(*family, captures, source.options, fitted);
 }
 
-/// Whether an axis of the captures seems to point the other way.
-std::vector<std::string> check_gravity_of(const FitSource& source, const std::vector<Capture>& captures) {
+/// What is known of the motion of a body that is let go, in the middle of the box.
+struct FreeBody {
+  std::vector<std::string> upside_down;  ///< an axis of the captures seems to point the other way
+  bool falls = true;
+};
+
+FreeBody free_body_of(const FitSource& source, const std::vector<Capture>& captures) {
   const auto integrated = source.family->equations() == nullptr ? equations_of_codebook(source) : nullptr;
   const models::TrajectoryFamily& family = integrated ? *integrated : *source.family;
   if (family.equations() == nullptr) return {};
   std::vector<double> middle;
   for (const models::FamilyCoordinate& c : family.info().coordinates)
     middle.push_back(0.5 * (c.lower + c.upper));
-  return check_gravity(*family.equations(), middle, captures);
+  return {check_gravity(*family.equations(), middle, captures), falls(*family.equations(), middle)};
 }
 
 /// Coefficients that change in time.
@@ -234,6 +243,42 @@ void take_span(const FitRequest& request, FitSource& source, std::vector<Capture
   source.options.compared.span.reset();
 }
 
+/// The PEtab problem among the captures; nothing where there is none.
+std::optional<std::filesystem::path> petab_of(const FitRequest& request) {
+  const auto found = std::ranges::find_if(request.captures, is_petab_file);
+  if (found == request.captures.end()) return {};
+  const bool stands_alone =
+      request.captures.size() == 1 && request.measured.empty() && request.left_out.empty();
+  if (!stands_alone || !request.config.empty() || !request.config_text.empty() || !request.sidecar.empty()) {
+    throw ArgumentError(fmt::format(
+        "the PEtab problem \"{}\" holds captures and config of the fit; no other, no --config, no --sidecar "
+        "and no --left-out were expected",
+        found->string()));
+  }
+  return *found;
+}
+
+/// A request with what a PEtab problem says in place of its file.
+FitRequest with_petab(FitRequest request, const std::filesystem::path& path, PetabProblem& problem) {
+  std::vector<std::string> free;
+  if (!request.book && !request.model) {
+    if (is_model_source(request.source)) {
+      request.model = codebooks::open_model(request.source);
+    } else {
+      request.book = std::make_shared<const codebooks::Codebook>(codebooks::load(request.source));
+    }
+  }
+  if (request.book) {
+    for (const codebooks::Coordinate& c : request.book->parameters()) free.push_back(c.name);
+  }
+  problem = read_petab(path, request.book ? config_names(*request.book) : config_names(request.model->info()),
+                       free);
+  request.captures.clear();
+  request.measured = problem.captures;
+  request.config_text = problem.config;
+  return request;
+}
+
 }  // namespace
 
 std::vector<std::filesystem::path> files_read(const FitRequest& request) {
@@ -241,6 +286,11 @@ std::vector<std::filesystem::path> files_read(const FitRequest& request) {
   std::vector<std::filesystem::path> files;
   for (const auto& paths : {request.captures, request.left_out}) {
     for (const std::filesystem::path& path : paths) {
+      if (is_petab_file(path)) {
+        const auto read = read_petab_file(path).files();
+        files.insert(files.end(), read.begin(), read.end());
+        continue;
+      }
       const bool has_sidecar = !request.sidecar.empty() && is_table(path);
       const auto read = has_sidecar ? capture_files(path, request.sidecar) : capture_files(path);
       files.insert(files.end(), read.begin(), read.end());
@@ -253,6 +303,19 @@ std::vector<std::filesystem::path> files_read(const FitRequest& request) {
 }
 
 FitReport fit_files(const FitRequest& request) {
+  if (const auto path = petab_of(request)) {
+    PetabProblem problem;
+    const FitRequest plain = with_petab(request, *path, problem);
+    FitReport report;
+    try {
+      report = fit_files(plain);
+    } catch (const ArgumentError& error) {
+      throw InputError(path->string(), error.what());
+    }
+    report.petab_parameters = petab_parameters(problem, report.fit);
+    report.petab_simulations = petab_simulations(problem, report.fit);
+    return report;
+  }
   check_times(request);
   check_sidecar(request);
   WarningTeller teller(request);
@@ -270,9 +333,9 @@ FitReport fit_files(const FitRequest& request) {
   const bool fits = !captures.fitted.empty();
   const std::vector<Capture>& looked_at = fits ? captures.fitted : captures.left_out;
   Warnings of_captures;
-  of_captures.add_all(WarningKind::captures, suspicions_of_all(looked_at));
-  const std::vector<std::string> upside_down = check_gravity_of(source, looked_at);
-  of_captures.add_all(WarningKind::captures, upside_down);
+  const FreeBody free_body = free_body_of(source, looked_at);
+  of_captures.add_all(WarningKind::captures, suspicions_of_all(looked_at, free_body.falls));
+  of_captures.add_all(WarningKind::captures, free_body.upside_down);
   teller.tell(of_captures);
   if (source.series) return series_of(request, source, captures.fitted, teller);
   if (request.needs_series)
@@ -301,7 +364,7 @@ FitReport fit_files(const FitRequest& request) {
     const auto owner = std::make_shared<Kept>(Kept{kept, objective});
     report.objective = {owner, objective.get()};
   }
-  report.fit.warnings.add_all(WarningKind::captures, upside_down);
+  report.fit.warnings.add_all(WarningKind::captures, free_body.upside_down);
   teller.tell(report.fit.warnings);
   report.is_usable = fits ? report.fit.is_usable() : !report.fit.predictions.empty();
   report.message =

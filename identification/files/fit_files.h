@@ -23,8 +23,9 @@
 namespace samara::identification {
 
 struct FitRequest {
-  std::string source = {};                           ///< the file of a codebook, or the name of a model
-  std::vector<std::filesystem::path> captures = {};  ///< to fit: tables, or sidecars (".toml")
+  std::string source = {};  ///< the file of a codebook, or the name of a model
+  std::vector<std::filesystem::path> captures =
+      {};  ///< to fit: tables, sidecars (".toml"), or one PEtab problem (".yaml")
   std::vector<std::filesystem::path> left_out = {};  ///< to predict, likewise
   /// In memory, in place of `source`: one of the two.
   std::shared_ptr<const codebooks::Codebook> book = {};
@@ -54,6 +55,8 @@ struct FitReport {
   /// What was minimised, with all that it needs, if it was asked for: null of a series, where nothing was fitted, and
   /// where no start succeeded.
   std::shared_ptr<const FitObjective> objective = {};
+  /// Of a PEtab problem, its tables as the fit leaves them; else empty.
+  std::string petab_parameters = {}, petab_simulations = {};
 };
 
 /// Sentences name the settings as the options of `samara fit`.

@@ -34,13 +34,6 @@ namespace {
 /// Values that differ by less, relative, are the same but for the digits of a file.
 constexpr double kSameValue = 1e-6;
 
-/// A file of equations, or a name that is no file, and has no dot or slash that would make it one.
-bool is_model(const std::string& text) {
-  std::error_code ignored;
-  if (codebooks::is_model_file(text)) return true;
-  return !std::filesystem::exists(text, ignored) && text.find_first_of("./") == std::string::npos;
-}
-
 /// What is fitted, for messages.
 std::string name_of(const FitRequest& request) {
   if (!request.source.empty()) return request.source;
@@ -237,6 +230,12 @@ void doubt_held_values(const FitResult& fitted, const models::FamilyInfo& info, 
   }
 }
 
+bool is_model_source(const std::string& text) {
+  std::error_code ignored;
+  if (codebooks::is_model_file(text)) return true;
+  return !std::filesystem::exists(text, ignored) && text.find_first_of("./") == std::string::npos;
+}
+
 bool predicts_only(const FitRequest& request) {
   return !has_captures(request) && !request.coefficients.empty();
 }
@@ -247,7 +246,7 @@ FitSource open_fit_source(const FitRequest& request) {
     throw ArgumentError("a fit of a codebook and of a model: one was expected");
   if (const std::optional<ConfigText> config = config_of(request))
     source.prediction = parse_prediction_config(config->text, config->name);
-  if (request.model || (!request.book && is_model(request.source))) {
+  if (request.model || (!request.book && is_model_source(request.source))) {
     open_model(request, source);
   } else {
     open_codebook(request, source);

@@ -40,6 +40,9 @@ inline bool has_captures(const FitRequest& request) {
   return !request.captures.empty() || !request.measured.empty();
 }
 
+/// A file of equations, or a name that is no file, and has no dot or slash that would make it one.
+bool is_model_source(const std::string& text);
+
 /// Whether nothing is fitted: coefficients come from another fit, and there are only captures to predict.
 bool predicts_only(const FitRequest& request);
 

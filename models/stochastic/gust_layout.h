@@ -44,7 +44,7 @@ class GustLayout {
   const std::vector<std::string>& parameter_names() const { return names_; }
 
   /// Place, velocity and attitude in the world; the rest of `motion` stays.
-  /// @param state(i) gives state i
+  /// @param state of which state(i) gives state i
   template <class State>
   void read(const State& state, BodyOnPath& motion) const;
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
 #include "samara/models/bodies/scaling_numbers.h"
+#include "samara/motion/records/motion_record.h"
 
 namespace samara::motion {
 
@@ -128,13 +128,25 @@ const std::vector<RegimeBoundary>& regime_boundaries() {
   return boundaries;
 }
 
+std::vector<RegimeBoundary> drawn_regime_boundaries() {
+  std::vector<RegimeBoundary> lines = regime_boundaries();
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    lines[k].points = drawn_on(k).array().exp();
+    auto Re = lines[k].points.col(0).array(), I = lines[k].points.col(1).array();
+    Re = Re.max(kMeasuredDiscs.least_Re).min(kMeasuredDiscs.most_Re);
+    I = I.max(kMeasuredDiscs.least_I).min(kMeasuredDiscs.most_I);
+  }
+  return lines;
+}
+
 RegimeAnswer regime(double Re, double I_disc) {
   require_positive(Re, "Re");
   require_positive(I_disc, "I_disc");
   const Eigen::Vector2d point(std::log(Re), std::log(I_disc));
   RegimeAnswer answer;
   answer.regime = regime_at(point.x(), point.y());
-  answer.measured = Re >= 20.0 && Re <= 4e4 && I_disc >= 2e-4 && I_disc <= 0.5;
+  answer.measured = Re >= kMeasuredDiscs.least_Re && Re <= kMeasuredDiscs.most_Re &&
+                    I_disc >= kMeasuredDiscs.least_I && I_disc <= kMeasuredDiscs.most_I;
   answer.distance = std::numeric_limits<double>::infinity();
   for (std::size_t number = 0; number < regime_boundaries().size(); ++number) {
     const Eigen::MatrixX2d line = drawn_on(number);
@@ -160,18 +172,13 @@ FallNumbers fall_numbers(const models::Model& model, const std::vector<double>& 
   const auto value = [&](const char* name) { return parameter(model, parameters, name); };
   FallNumbers all;
   if (const auto a = value("a"), b = value("b"), c = value("c"); a && b && c) {
-    std::array axes = {*a, *b, *c};
-    std::ranges::sort(axes);
-    all.length = 2.0 * axes[2];
-    all.thickness = 2.0 * axes[0];
-  } else if (const auto chord = value("semi_chord"), half = value("semi_thickness"); chord && half) {
-    all.length = 2.0 * *chord;
+    all.thickness = 2.0 * std::min({*a, *b, *c});
+  } else if (const auto half = value("semi_thickness"); half) {
     all.thickness = 2.0 * *half;
   } else if (const auto thickness = value("thickness"); thickness) {
-    const auto full = value("chord"), area = value("area");
-    all.length = full ? *full : area ? 2.0 * std::sqrt(*area / std::numbers::pi) : 0.0;
     all.thickness = *thickness;
   }
+  if (all.thickness > 0.0) all.length = MotionStates::body_length(model, parameters);
   const auto solid = value("density"), fluid = value("fluid_density"), g = value("g"), nu = value("nu");
   if (!(all.length > 0.0) || !solid || !fluid || !g || !nu) {
     throw ArgumentError(

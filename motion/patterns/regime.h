@@ -39,6 +39,15 @@ struct RegimeBoundary {
 };
 const std::vector<RegimeBoundary>& regime_boundaries();
 
+/// Where discs were measured.
+struct MeasuredDiscs {
+  double least_Re, most_Re, least_I, most_I;
+};
+inline constexpr MeasuredDiscs kMeasuredDiscs = {20.0, 4e4, 2e-4, 0.5};
+
+/// The boundaries drawn on to the ends of what was measured, as regime() takes them.
+std::vector<RegimeBoundary> drawn_regime_boundaries();
+
 /// What a body and its fluid are to phase diagrams.
 struct FallNumbers {
   double length = 0.0, thickness = 0.0;             ///< m, full

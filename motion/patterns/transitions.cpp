@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include <boost/math/special_functions/beta.hpp>
+#include "samara/motion/chains/markov_chain.h"
 
 namespace samara::motion {
 
@@ -32,12 +32,11 @@ Transitions transitions(const std::vector<std::vector<Pattern>>& sequences) {
     const double total = all.counts.row(i).sum();
     for (Eigen::Index j = 0; j < kSize; ++j) {
       if (i == j || !seen[static_cast<std::size_t>(i)] || !seen[static_cast<std::size_t>(j)]) continue;
-      const double a = all.counts(i, j) + 0.5;
-      const double b = total - all.counts(i, j) + 0.5 * (kinds - 2.0);
-      all.probability(i, j) = a / (a + b);
-      // Of two patterns one can only be followed by the other.
-      all.lower(i, j) = b > 0.0 ? boost::math::ibeta_inv(a, b, 0.025) : 1.0;
-      all.upper(i, j) = b > 0.0 ? boost::math::ibeta_inv(a, b, 0.975) : 1.0;
+      // Nothing follows itself.
+      const Chance share = dirichlet_chance(all.counts(i, j), total, kinds - 1.0);
+      all.probability(i, j) = share.probability;
+      all.lower(i, j) = share.lower;
+      all.upper(i, j) = share.upper;
     }
   }
   return all;

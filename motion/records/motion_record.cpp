@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include <fmt/format.h>
@@ -131,7 +132,7 @@ MotionRecord record_of(const Capture& capture, double length) {
   }
   if (has_angles) {
     // The plate looks the same after half a turn.
-    record.angles = identification::unwrapped(record.times, theta(seen), 3.14159265358979323846);
+    record.angles = identification::unwrapped(record.times, theta(seen), std::numbers::pi);
   }
   if (has_normals) {
     record.normals.resize(record.frame_count(), 3);
@@ -181,10 +182,16 @@ double MotionStates::body_length(const models::Model& model, std::span<const dou
     if (info.parameters[j].unit != "m") continue;
     if (name == "a" || name == "b" || name == "c" || name == "semi_chord")
       semi = std::max(semi, parameters[j]);
-    if (name == "chord" || name == "length") semi = std::max(semi, 0.5 * parameters[j]);
+    if (name == "chord" || name == "length" || name == "diameter") semi = std::max(semi, 0.5 * parameters[j]);
   }
-  if (info.name == "falling_plate_nd") return 2.0;
-  return 2.0 * semi;
+  // All lengths of a plate without units are in semi-chords.
+  if (models::time_unit(info) == "1" && MotionStates(info).is_planar()) return 2.0;
+  if (semi > 0.0) return 2.0 * semi;
+  // A disc of that area, where nothing else is said.
+  const auto area = std::ranges::find(info.parameters, "area", &models::ParameterInfo::name);
+  if (area == info.parameters.end()) return 0.0;
+  return 2.0 *
+         std::sqrt(parameters[static_cast<std::size_t>(area - info.parameters.begin())] / std::numbers::pi);
 }
 
 RecordBuilder::RecordBuilder(const MotionStates& states, std::size_t frames) : states_(states) {

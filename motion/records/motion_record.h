@@ -70,8 +70,9 @@ class MotionStates {
   Eigen::Vector3d normal(std::span<const double> state) const;
   double angle(std::span<const double> state) const;
 
-  /// Largest full length of the body at these parameters: twice the largest of a, b, c, or of the semi-chord; 2 of a
-  /// dimensionless plate; 0 if the model does not say.
+  /// Largest full length of the body at these parameters: twice the largest of a, b, c, or of the semi-chord; chord,
+  /// length or diameter; the diameter of a disc of the area, if that alone is known; 2 of a dimensionless plate (then
+  /// its states decide); 0 if the model does not say.
   static double body_length(const models::Model& model, std::span<const double> parameters);
 
  private:

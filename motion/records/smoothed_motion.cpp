@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "samara/motion/records/even_frames.h"
+
 namespace samara::motion {
 
 namespace {
@@ -112,8 +114,10 @@ double largest_turn(const MotionRecord& record) {
 
 }  // namespace
 
-SmoothedMotion smoothed(const MotionRecord& record) {
-  check(record);
+SmoothedMotion smoothed(const MotionRecord& given) {
+  check(given);
+  const std::optional<MotionRecord> without_gaps = bridged(given);
+  const MotionRecord& record = without_gaps ? *without_gaps : given;
   SmoothedMotion motion;
   motion.times = record.times;
   const double noise = record.position_noise ? *record.position_noise : largest_noise(record.positions);

@@ -55,8 +55,7 @@ std::vector<LandingStatistics> landing_statistics(const Sweep& sweep, Eigen::Ind
   for (std::size_t k = 0; k < kPatterns; ++k) {
     if (counts[k] == 0) continue;
     all.push_back(statistics_of(static_cast<Pattern>(k), landed[k]));
-    all.back().share = static_cast<double>(counts[k]) / total;
-    all.back().share_error = std::sqrt(all.back().share * (1.0 - all.back().share) / total);
+    all.back().share = counted_share(counts[k], total);
   }
   return all;
 }

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "samara/motion/patterns/share.h"
 #include "samara/motion/sweeps/sweep.h"
 
 namespace samara::motion {
@@ -12,10 +13,9 @@ namespace samara::motion {
 /// which crowd at borders, not of the box, and inherited falls land nowhere.
 struct LandingStatistics {
   Pattern pattern = Pattern::unresolved;
-  int falls = 0;                                   ///< that landed
-  double share = 0.0;                              ///< of all falls of the release that have this pattern
-  double share_error = 0.0;                        ///< standard error, of independent points
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();  ///< m
+  int falls = 0;  ///< that landed
+  Share share;  ///< of all falls of the release that have this pattern; of a grid its interval is too narrow
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();        ///< m
   Eigen::Vector2d mean_error = Eigen::Vector2d::Zero();  ///< m, standard error
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< m^2
   double distance = 0.0, distance_error = 0.0;  ///< m, mean from the release, with its standard error

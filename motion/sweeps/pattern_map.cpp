@@ -164,6 +164,14 @@ PatternMap::PatternMap(const Sweep& sweep, Eigen::Index release) {
     patterns_.push_back(sweep.labels[static_cast<std::size_t>(n * releases + release)].pattern);
   for (const auto& axis : sweep.axes) grid_.push_back(static_cast<Eigen::Index>(axis.size()));
   if (std::accumulate(grid_.begin(), grid_.end(), Eigen::Index{1}, std::multiplies()) != count) grid_.clear();
+  tree_ = std::make_shared<NearPoints>(places_);
+  for (std::size_t k = 0; k < kPatterns; ++k) {
+    std::vector<Eigen::Index> own;
+    for (Eigen::Index n = 0; n < size(); ++n) {
+      if (pattern(n) == static_cast<Pattern>(k)) own.push_back(n);
+    }
+    trees_[k] = std::make_shared<NearPoints>(places_(own, Eigen::all));
+  }
 }
 
 Eigen::VectorXd PatternMap::scaled(const Eigen::VectorXd& point) const {
@@ -182,14 +190,17 @@ Eigen::VectorXd PatternMap::scaled(const Eigen::VectorXd& point) const {
 }
 
 std::vector<Eigen::Index> PatternMap::nearest(const Eigen::VectorXd& place, int count) const {
-  const Eigen::VectorXd distances = (places_.rowwise() - place.transpose()).rowwise().squaredNorm();
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(size()));
-  std::iota(order.begin(), order.end(), 0);
-  const auto last = order.begin() + count;
-  std::partial_sort(order.begin(), last, order.end(), [&](Eigen::Index a, Eigen::Index b) {
-    return distances[a] < distances[b] || (distances[a] == distances[b] && a < b);
-  });
-  order.erase(last, order.end());
+  const std::span<const double> at(place.data(), static_cast<std::size_t>(place.size()));
+  std::array<Eigen::Index, kNeighbours + 1> found = {};
+  std::array<double, kNeighbours + 1> squares = {};
+  const std::size_t last =
+      tree_->nearest(at, std::span(found).first(static_cast<std::size_t>(count)), squares) - 1;
+  // Points of a grid lie at equal distances: of those at the last one the first are taken, whatever the round-off.
+  std::vector<Eigen::Index> order = tree_->within(at, squares[last] * (1.0 + 1e-9) + 1e-300);
+  std::ranges::sort(order);
+  const auto distance = [&](Eigen::Index n) { return (places_.row(n) - place.transpose()).squaredNorm(); };
+  std::ranges::stable_sort(order, {}, distance);
+  order.resize(static_cast<std::size_t>(count));
   return order;
 }
 
@@ -210,9 +221,13 @@ MapAnswer PatternMap::answer(const std::vector<Eigen::Index>& nearest) const {
 }
 
 double PatternMap::distance_to_other(const Eigen::VectorXd& place, Pattern own) const {
-  double least = std::numeric_limits<double>::infinity();
-  for (Eigen::Index n = 0; n < size(); ++n) {
-    if (pattern(n) != own) least = std::min(least, (places_.row(n) - place.transpose()).squaredNorm());
+  const std::span<const double> at(place.data(), static_cast<std::size_t>(place.size()));
+  double least = std::numeric_limits<double>::infinity(), square = 0.0;
+  Eigen::Index found = 0;
+  for (std::size_t k = 0; k < kPatterns; ++k) {
+    if (k == static_cast<std::size_t>(own) || trees_[k]->nearest(at, {&found, 1}, {&square, 1}) == 0)
+      continue;
+    least = std::min(least, square);
   }
   return std::sqrt(least);
 }
@@ -224,11 +239,12 @@ MapAnswer PatternMap::at(const Eigen::VectorXd& point) const {
   return found;
 }
 
-double PatternMap::left_one_out() const {
+double PatternMap::left_one_out(Eigen::Index of) const {
   constexpr Eigen::Index kMost = 2000;
-  const Eigen::Index stride = std::max<Eigen::Index>(1, size() / kMost);
+  const Eigen::Index count = of > 0 ? std::min(of, size()) : size();
+  const Eigen::Index stride = std::max<Eigen::Index>(1, count / kMost);
   double right = 0.0, asked = 0.0;
-  for (Eigen::Index n = 0; n < size(); n += stride) {
+  for (Eigen::Index n = 0; n < count; n += stride) {
     std::vector<Eigen::Index> around = nearest(places_.row(n), kNeighbours + 1);
     if (const auto self = std::ranges::find(around, n); self != around.end()) {
       around.erase(self);
@@ -300,7 +316,8 @@ double PatternMap::border_share() const {
   return count / static_cast<double>(size());
 }
 
-Eigen::VectorXd PatternMap::draw(Pattern wanted, Stream& stream) const {
+/// Those of the pattern, in order.
+std::vector<Eigen::Index> PatternMap::falls_of(Pattern wanted) const {
   std::vector<Eigen::Index> falls;
   std::set<std::string> there;
   for (Eigen::Index n = 0; n < size(); ++n) {
@@ -311,6 +328,11 @@ Eigen::VectorXd PatternMap::draw(Pattern wanted, Stream& stream) const {
     throw ArgumentError(fmt::format("{} is 0 of {} points of the box; there are {}", to_string(wanted),
                                     size(), join(std::vector<std::string>(there.begin(), there.end()))));
   }
+  return falls;
+}
+
+Eigen::VectorXd PatternMap::draw(Pattern wanted, Stream& stream) const {
+  const std::vector<Eigen::Index> falls = falls_of(wanted);
   const auto pick = static_cast<std::size_t>(stream.uniform() * static_cast<double>(falls.size()));
   const Eigen::VectorXd place = places_.row(falls[pick]);
   Eigen::VectorXd way(place.size());
@@ -321,6 +343,27 @@ Eigen::VectorXd PatternMap::draw(Pattern wanted, Stream& stream) const {
   const Eigen::VectorXd moved =
       (place + radius / std::max(way.norm(), 1e-300) * way).cwiseMax(0.0).cwiseMin(1.0);
   return lower_ + moved.cwiseProduct(width_);
+}
+
+Eigen::VectorXd PatternMap::clamp(Pattern wanted, const Eigen::VectorXd& point) const {
+  if (!point.allFinite()) throw ArgumentError("a coordinate of the point is not finite");
+  const std::vector<Eigen::Index> falls = falls_of(wanted);
+  const Eigen::VectorXd place =
+      scaled(point.size() == lower_.size() ? point.cwiseMax(lower_).cwiseMin(lower_ + width_).eval() : point);
+  const auto is_wanted = [&](const Eigen::VectorXd& there) {
+    return answer(nearest(there, kNeighbours)).pattern == wanted;
+  };
+  const auto in_box = [&](const Eigen::VectorXd& there) { return lower_ + there.cwiseProduct(width_); };
+  if (is_wanted(place)) return in_box(place);
+  const Eigen::Index from = *std::ranges::min_element(
+      falls, {}, [&](Eigen::Index n) { return (places_.row(n) - place.transpose()).squaredNorm(); });
+  const Eigen::VectorXd fall = places_.row(from);
+  double reached = 0.0, beyond = 1.0;
+  while (beyond - reached > 1e-6 && is_wanted(fall)) {
+    const double middle = 0.5 * (reached + beyond);
+    (is_wanted(fall + middle * (place - fall)) ? reached : beyond) = middle;
+  }
+  return in_box(fall + reached * (place - fall));
 }
 
 bool refine(const SweepPlan& plan, const SweepOptions& options, Sweep& sweep) {

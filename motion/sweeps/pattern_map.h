@@ -1,9 +1,11 @@
 #pragma once
 
-#include <cstdint>
+#include <array>
+#include <memory>
 #include <vector>
 
 #include "samara/base/streams.h"
+#include "samara/motion/search/near_points.h"
 #include "samara/motion/sweeps/sweep.h"
 
 /// Where in a box which pattern lies, from the falls of a sweep: the map of one release, which says nothing of others.
@@ -36,8 +38,8 @@ class PatternMap {
   MapAnswer at(const Eigen::VectorXd& point) const;
 
   /// Share of points whose neighbours, without itself, have its pattern most often: what the map is worth at places
-  /// between its points. Of at most 2,000 of them, evenly spread.
-  double left_one_out() const;
+  /// between its points. Of at most 2,000 of them, evenly spread. @param of the first so many points; 0: all
+  double left_one_out(Eigen::Index of = 0) const;
 
   /// The largest first. On a grid, neighbours differ by one step along one axis; else each point hangs together with
   /// its kNeighbours nearest.
@@ -50,17 +52,25 @@ class PatternMap {
   /// inside the box. @throws ArgumentError if no fall has this pattern, naming those that there are.
   Eigen::VectorXd draw(Pattern pattern, Stream& stream) const;
 
+  /// The point itself where at() calls it by the pattern; else the last place that it does so on the way to the point
+  /// from the nearest fall of the pattern. Coordinates outside the box are brought to its sides first.
+  /// @throws ArgumentError as draw(), and if the point is not finite.
+  Eigen::VectorXd clamp(Pattern pattern, const Eigen::VectorXd& point) const;
+
  private:
   Eigen::VectorXd scaled(const Eigen::VectorXd& point) const;
   std::vector<Eigen::Index> nearest(const Eigen::VectorXd& place, int count) const;
   MapAnswer answer(const std::vector<Eigen::Index>& nearest) const;
   double distance_to_other(const Eigen::VectorXd& place, Pattern pattern) const;
+  std::vector<Eigen::Index> falls_of(Pattern pattern) const;
   std::vector<std::vector<Eigen::Index>> neighbours() const;
 
   Eigen::VectorXd lower_, width_;
   Eigen::MatrixXd places_;  ///< points x coordinates, box of unit sides
   std::vector<Pattern> patterns_;
-  std::vector<Eigen::Index> grid_;  ///< points along each axis; empty: no grid
+  std::vector<Eigen::Index> grid_;          ///< points along each axis; empty: no grid
+  std::shared_ptr<const NearPoints> tree_;  ///< of places_
+  std::array<std::shared_ptr<const NearPoints>, kPatterns> trees_;  ///< of those of each pattern
 };
 
 /// A round of more points where they tell most, appended to the sweep.

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/version.h"
 #include "samara/models/batch/watch_batch.h"
 #include "samara/motion/sweeps/exponents.h"
 #include "samara/motion/sweeps/sweep_file.h"
@@ -179,6 +180,18 @@ bool append_lanes(const SweepPlan& plan, const models::ParametricModel& model, c
   return true;
 }
 
+/// What makes a model another one of the same name.
+std::string text_of(const models::ModelInfo& info) {
+  std::string text = info.equations + "\n";
+  for (const models::ParameterInfo& p : info.parameters) {
+    const std::string value = p.default_value ? fmt::format("{}", *p.default_value) : "";
+    text += fmt::format("{} [{}] {}\n", p.name, p.unit, p.derived.empty() ? value : p.derived);
+  }
+  for (const models::StateInfo& s : info.states)
+    text += fmt::format("{}(0) [{}] {}\n", s.name, s.unit, s.default_initial);
+  return text;
+}
+
 /// What an earlier run of the same plan has left.
 Sweep take_up(const SweepPlan& plan, const std::filesystem::path& checkpoint) {
   std::error_code ignored;
@@ -187,6 +200,16 @@ Sweep take_up(const SweepPlan& plan, const std::filesystem::path& checkpoint) {
   if (kept.plan_text != plan.text)
     throw InputError(checkpoint.string(),
                      "the checkpoint belongs to another plan, expected one of this plan");
+  const Sweep own = empty_sweep(plan);
+  if (kept.generator != own.generator)
+    throw InputError(checkpoint.string(),
+                     fmt::format("the checkpoint is of {}, expected one of {}: others may fall otherwise",
+                                 kept.generator, own.generator));
+  if (kept.model_text != own.model_text)
+    throw InputError(checkpoint.string(),
+                     fmt::format("the checkpoint is of another model \"{}\", whose equations or "
+                                 "parameters differ, expected one of this model",
+                                 kept.model));
   return kept;
 }
 
@@ -222,6 +245,8 @@ std::vector<int> Sweep::counts(Eigen::Index release) const {
 Sweep empty_sweep(const SweepPlan& plan) {
   Sweep sweep;
   sweep.model = plan.model->info().name;
+  sweep.generator = fmt::format("samara {}", version());
+  sweep.model_text = text_of(plan.model->info());
   sweep.plan_text = plan.text;
   const auto count = static_cast<Eigen::Index>(plan.axes.size());
   sweep.lower.resize(count);

@@ -21,6 +21,9 @@ std::string to_string(FallStatus status);
 /// What a sweep found. Falls are numbered point after point, each from all releases.
 struct Sweep {
   std::string model;
+  std::string generator;  ///< the program that ran it, with its version
+  std::string
+      model_text;  ///< equations, parameters and initial values of the model: by them another of its name is known
   std::string plan_text;
   std::vector<std::string> names, units;  ///< of the coordinates of points
   std::vector<std::vector<double>> axes;  ///< values of a grid; empty: points were drawn
@@ -69,7 +72,7 @@ struct SweepResult {
 
 /// Runs all falls, each in a lane of models/batch/watch_batch.h; a fall's frames are kept until its features are known.
 /// Finished falls are the same to the bit whether or not the sweep was interrupted, and on any number of threads.
-/// @throws ArgumentError as the model and watch_batch do; InputError for a checkpoint of another plan.
+/// @throws ArgumentError as the model and watch_batch do; InputError for a checkpoint of another plan, model or version.
 SweepResult run_sweep(const SweepPlan& plan, const SweepOptions& options = {});
 
 /// Falls of a plan at other points than its own, without a checkpoint: appended to `sweep`, which is one of that plan.

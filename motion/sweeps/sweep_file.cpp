@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "samara/base/errors.h"
-#include "samara/base/version.h"
 #include "samara/io/hdf5_reader.h"
 #include "samara/io/hdf5_writer.h"
 
@@ -171,10 +170,11 @@ void save(const Sweep& sweep, const std::filesystem::path& path) {
   io::Hdf5Writer file(path);
   file.write_text_attribute("/", "format", kFormat);
   file.write_text_attribute("/", "format_version", kVersion);
-  file.write_text_attribute("/", "generator", fmt::format("samara {}", version()));
+  file.write_text_attribute("/", "generator", sweep.generator);
   file.write_text_attribute("/", "model", sweep.model);
   file.write_text_attribute("/", "thresholds", thresholds_text(sweep.thresholds));
   file.write_texts("/plan", {sweep.plan_text});
+  file.write_texts("/model_text", {sweep.model_text});
   file.write_matrix("/points", sweep.points);
   file.write_texts("/point_names", sweep.names);
   file.write_texts("/point_units", sweep.units);
@@ -202,6 +202,9 @@ Sweep load_sweep(const std::filesystem::path& path) {
   const std::vector<std::string> plan = file.texts("/plan");
   if (plan.size() != 1) throw file.error("/plan", "is not one text");
   sweep.plan_text = plan.front();
+  sweep.generator = file.text_attribute("/", "generator");
+  // Older files do not say it.
+  if (file.has("/model_text")) sweep.model_text = file.texts("/model_text").at(0);
   sweep.names = file.texts("/point_names");
   sweep.units = file.texts("/point_units");
   const auto count = static_cast<Eigen::Index>(sweep.names.size());

@@ -190,11 +190,17 @@ void read_rest(const TomlTable& root, SweepPlan& plan) {
     }
   }
   if (const auto refine = root.optional_table("refine")) {
-    refine->expect_keys({"rounds"});
+    refine->expect_keys({"rounds", "gain"});
     const std::int64_t rounds = refine->integer("rounds");
     if (rounds < 0 || rounds > 10)
       throw refine->error("rounds", fmt::format("is {}, expected 0 to 10", rounds));
     plan.refine = static_cast<int>(rounds);
+    if (refine->has("gain")) {
+      plan.refine_gain = refine->number("gain");
+      if (!(*plan.refine_gain > 0.0 && *plan.refine_gain < 1.0))
+        throw refine->error("gain",
+                            fmt::format("is {}, expected more than 0 and below 1", *plan.refine_gain));
+    }
   }
 }
 
@@ -210,6 +216,14 @@ void check_falls(const TomlTable& root, const SweepPlan& plan) {
   if (falls > kMostFalls) {
     throw root.error("axes", fmt::format("take {:.8g} falls{}, expected at most {}", falls,
                                          plan.refine > 0 ? " when they are refined" : "", kMostFalls));
+  }
+  if (plan.is_grid() && plan.refine_gain) {
+    Eigen::Index points = 1;
+    for (const SweepAxis& axis : plan.axes) points *= static_cast<Eigen::Index>(axis.values.size());
+    if (points <= PatternMap::kNeighbours)
+      throw root.table("refine").error(
+          "gain", fmt::format("stands beside a grid of {} points, expected at least {}", points,
+                              PatternMap::kNeighbours + 1));
   }
   if (!plan.is_grid() && plan.refine > 0 && plan.sample <= PatternMap::kNeighbours) {
     throw root.table("sample").error("count", fmt::format("is {}, expected at least {} to be refined",

@@ -46,6 +46,8 @@ struct SweepPlan {
   PatternThresholds thresholds;
   /// Rounds of new points where labels disagree, see pattern_map.h.
   int refine = 0;
+  /// Least growth of the agreement by a round, see refining.h; none: all rounds are run.
+  std::optional<double> refine_gain = {};
 
   std::string source;  ///< file it came from, for messages
   std::string text;
@@ -80,7 +82,8 @@ inline constexpr long kMostFalls = 10'000'000;
 ///     step = "1 ms"
 ///     [labels]                      # any threshold: steady_tilt = 0.2
 ///     [refine]
-///     rounds = 1
+///     rounds = 5
+///     gain = 0.005                  # ends where a round adds less to the share that is told right
 ///
 /// @throws InputError, with file and line, for unknown keys, names or units, empty or reversed ranges, coordinates
 /// outside their meaning, a model whose motions have no patterns, or more than kMostFalls falls.

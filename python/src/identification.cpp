@@ -16,6 +16,7 @@
 #include "arrays.h"
 #include "book.h"
 #include "calls.h"
+#include "captures.h"
 #include "python_model.h"
 #include "rooms.h"
 #include "samara/base/errors.h"
@@ -58,24 +59,6 @@ auto asked(const Fit& fit, const Work& work) {
     fit.failure->rethrow_if_any();
     throw;
   }
-}
-
-/// One capture in memory: id, labels, times (frames), and channels of name, unit and values (frames).
-id::Capture capture_of(const py::dict& given) {
-  id::Capture capture;
-  capture.id = given["id"].cast<std::string>();
-  capture.labels = given["labels"].cast<std::map<std::string, std::string>>();
-  const auto column = [](const py::handle& values) {
-    const auto array = values.cast<Array>();
-    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(array.data(), array.size()));
-  };
-  capture.times = column(given["times"]);
-  for (const py::handle channel : given["channels"]) {
-    capture.channels.push_back({.quantity = channel["name"].cast<std::string>(),
-                                .unit = channel["unit"].cast<std::string>(),
-                                .values = column(channel["values"])});
-  }
-  return capture;
 }
 
 template <class T>
@@ -166,6 +149,23 @@ std::shared_ptr<Book> series_book(const Fit& fit) {
 }
 
 }  // namespace
+
+id::Capture capture_of(const py::dict& given) {
+  id::Capture capture;
+  capture.id = given["id"].cast<std::string>();
+  capture.labels = given["labels"].cast<std::map<std::string, std::string>>();
+  const auto column = [](const py::handle& values) {
+    const auto array = values.cast<Array>();
+    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(array.data(), array.size()));
+  };
+  capture.times = column(given["times"]);
+  for (const py::handle channel : given["channels"]) {
+    capture.channels.push_back({.quantity = channel["name"].cast<std::string>(),
+                                .unit = channel["unit"].cast<std::string>(),
+                                .values = column(channel["values"])});
+  }
+  return capture;
+}
 
 void add_identification(py::module_& module) {
   py::class_<Fit, std::shared_ptr<Fit>>(module, "Fit")

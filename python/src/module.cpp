@@ -63,4 +63,7 @@ PYBIND11_MODULE(_core, module) {
   add_models(module);
   add_sampling(module);
   add_identification(module);
+  add_motion(module);
+  add_bodies(module);
+  add_flows(module);
 }

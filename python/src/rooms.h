@@ -9,5 +9,8 @@ void add_codebooks(pybind11::module_& module);
 void add_models(pybind11::module_& module);
 void add_sampling(pybind11::module_& module);
 void add_identification(pybind11::module_& module);
+void add_motion(pybind11::module_& module);
+void add_bodies(pybind11::module_& module);
+void add_flows(pybind11::module_& module);
 
 }  // namespace samara::python

@@ -81,7 +81,7 @@ class Builds(Case):
         self.assertEqual(result.returncode, 0, result.stderr)
         info = json.loads(run("info", path, "--json").stdout)
         self.assertEqual(info["build"]["strategy"], "slabs")
-        self.assertRegex(run("info", path).stdout, r"\n  \d+ march(es)?, .* evaluations in all; a sweep over its grid, \d+ trajectories, would take about ")
+        self.assertRegex(" ".join(run("info", path).stdout.split()), r" \d+ march(es)?, .* evaluations in all; a sweep over its grid, \d+ trajectories, would take about ")
         self.assertTrue(info["certificate"]["met"])
         at = ["--set", "C_T=1.1", "--set", "C_R=2.7", "--set", "A=1.3"]
         self.assertEqual(run("query", path, *at, "--at", "0", "1.7", "3").returncode, 0)

@@ -127,7 +127,8 @@ class Fits(Case):
         result = run("fit", book("coin", COIN_PLAN), sidecar, "--config", config, "-o", target)
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertNotIn("multiples", result.stderr)
-        self.assertIn("notes on the reading and cleaning of 3 of 3 captures", result.stdout)
+        self.assertEqual(len([line for line in result.stdout.splitlines() if line.startswith("note: ")]), 1)
+        self.assertRegex(result.stdout, r'note: capture ".": times set to multiples of .*; likewise 2 more: ')
         self.assertTrue(all("multiples" in c["notes"][0] for c in json.loads(target.read_text())["captures"]))
 
     def test_what_is_suspicious_about_many_captures_is_one_sentence(self):
@@ -243,10 +244,53 @@ class Fits(Case):
         capture = write("upside_down.csv", "\n".join(lines) + "\n")
         for source in (("vertical_fall", capture, "--config", config), (book("coin", COIN_PLAN), capture)):
             result = run("fit", *source)
-            self.assertIn("is an axis upside down?", result.stderr)
+            self.assertIn('is an axis upside down? (flip = ["x"] in a sidecar turns it)', result.stderr)
+        turned = write("upside_down.toml", 'flip = ["x"]\n')
+        result = run("fit", "vertical_fall", capture, "--config", config)
+        self.assertNotIn("upside down", result.stderr)
+        pathlib.Path(turned).unlink()
         for source in (("vertical_fall", self.capture(), "--config", config), (book("coin", COIN_PLAN), self.capture())):
             result = run("fit", *source)
             self.assertNotIn("upside down", result.stderr)
+
+    def test_one_sidecar_is_for_any_number_of_tables_and_patterns(self):
+        sidecar = write("depths.toml", 'frame_rate = "60 Hz"\ndecimal = ","\n[columns]\ndepth = { quantity = "x", unit = "cm" }\n')
+        for k in range(3):
+            write(f"depth_{k}.txt", "n;depth\n" + "".join(f'{i};{f"{0.4 * i + 0.02 * i * i * (1 + 0.1 * k):.4f}".replace(".", ",")}\n' for i in range(22)))
+        path = book("coin", COIN_PLAN)
+        result = run("fit", path, FOLDER / "depth_0.txt", FOLDER / "depth_[12].txt", "--sidecar", sidecar, "--json")
+        self.assertIn(result.returncode, (0, 4), result.stderr)
+        self.assertEqual([c["id"] for c in json.loads(result.stdout)["captures"]], ["depth_0", "depth_1", "depth_2"])
+        # A sidecar that names no table says how it is given one.
+        self.check_error(run("fit", path, sidecar), 3, "depths.toml", "file", "--sidecar")
+
+    def test_a_petab_problem_is_fitted_and_written_back(self):
+        model = write("decay.toml", 'name = "decay"\n[states]\nv = { initial = 2, unit = "m/s" }\n[parameters]\n'
+                      'rate = { unit = "1/s", above = 0 }\n[rates]\nv = "-rate*v"\n')
+        write("parameters_in.tsv", "parameterId\tparameterScale\tlowerBound\tupperBound\tnominalValue\testimate\nrate\tlin\t0.1\t5\t1\t1\n")
+        write("observables.tsv", "observableId\tobservableFormula\tnoiseFormula\nspeed\tv\t0.01\n")
+        write("conditions.tsv", "conditionId\tv\nonly\t2\n")
+        write("measurements.tsv", "observableId\tsimulationConditionId\tmeasurement\ttime\n" +
+              "".join(f"speed\tonly\t{2 * math.exp(-0.8 * 0.1 * k)}\t{0.1 * k}\n" for k in range(1, 20)))
+        problem = write("problem.yaml", "format_version: 1\nparameter_file: parameters_in.tsv\nproblems:\n- condition_files: [conditions.tsv]\n"
+                        "  measurement_files: [measurements.tsv]\n  observable_files: [observables.tsv]\n")
+        folder = FOLDER / "petab"  # does not exist yet
+        result = run("fit", model, problem, "--petab", folder, "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertAlmostEqual(json.loads(result.stdout)["coefficients"][0]["value"], 0.8, places=5)
+        written = list(csv.DictReader((folder / "parameters.tsv").read_text().splitlines(), delimiter="\t"))
+        self.assertAlmostEqual(float(written[0]["nominalValue"]), 0.8, places=5)
+        simulated = list(csv.DictReader((folder / "simulations.tsv").read_text().splitlines(), delimiter="\t"))
+        self.assertEqual(len(simulated), 19)
+        self.assertAlmostEqual(float(simulated[0]["simulation"]), 2 * math.exp(-0.08), places=5)
+        write("conditions.tsv", "conditionId\tw\nonly\t2\n")
+        self.check_error(run("fit", model, problem), 3, "conditions.tsv", '"w"')
+        self.check_error(run("fit", model, problem, "--config", problem), 2, "--config")
+        self.check_error(run("fit", model, problem, "--petab", problem), 2, "--petab", "folder")
+        write("parameters.tsv", (FOLDER / "parameters_in.tsv").read_text())
+        own = write("own.yaml", problem.read_text().replace("parameters_in", "parameters"))
+        self.check_error(run("fit", model, own, "--petab", FOLDER), 2, "parameters.tsv")
+        self.check_error(run("fit", model, write("any.csv", "t[s],v[m/s]\n"), "--petab", folder), 2, "--petab")
 
     def test_a_prediction_needs_captures_a_span_and_a_time(self):
         path, capture = book("coin", COIN_PLAN), self.capture()
@@ -342,7 +386,7 @@ class Series(Case):
 
     def test_the_series_is_in_the_answer_with_its_errors(self):
         _, answer = self.series()
-        self.assertEqual(answer["schema"], "samara-series/1")
+        self.assertEqual(self.check_schema(answer), "samara-series")
         lift, = answer["series"]
         self.assertEqual(lift["name"], "C_R")
         for t, value, error in zip(answer["instants"], lift["values"], lift["standard_errors"]):

@@ -194,6 +194,41 @@ class ReportInBrowser(Case):
         self.assertEqual([e["text"] for e in opened.inside("li", opened.one("ul", **{"class": "claims"}))],
                          ["C_D only relative to thickness (ratio)"])
 
+    def test_the_page_of_patterns_draws_its_diagram_its_map_and_its_features(self):
+        plan = write("plates.toml", """model = "falling_plate"
+[fixed]
+semi_thickness = "1 mm"
+[axes]
+semi_chord = { from = "3 mm", to = "14 mm", count = 5 }
+density = { from = 1500, to = 9000, count = 4 }
+[releases]
+tilt = ["10 deg", "60 deg"]
+[run]
+until = 1
+step = "1 ms"
+keep = "trajectories"
+""")
+        sweep, page = FOLDER / "plates.h5", FOLDER / "plates.html"
+        for call in (("sweep", plan, "-o", sweep), ("patterns", sweep, "--report", page)):
+            self.assertEqual(run(*call).returncode, 0)
+        answer = json.loads(run("patterns", sweep, "--json").stdout)
+        opened = self.opened(page)
+        # Diagram, map, features.
+        self.assertEqual(opened.one("html")["data-painted"], "3")
+        self.assertEqual(len(opened.inside("tr", opened.one("table", id="bodies"))), 1 + 20)
+        rows = opened.inside("tr", opened.one("table", id="releases"))[1:]
+        self.assertEqual([self.numbers(opened, row)[:8] for row in rows],
+                         [list(map(float, release["counts"].values())) for release in answer["releases"]])
+        # The slice is the whole of this grid, both releases beside each other.
+        names = list(answer["releases"][0]["counts"])
+        totals = [sum(release["counts"][name] for release in answer["releases"]) for name in names]
+        for row in opened.inside("tr", opened.one("table", id="slice"))[1:]:
+            self.assertAlmostEqual(self.numbers(opened, row)[0], 100 * totals[names.index(row["data-pattern"])] / 40)
+        shown = {row["data-pattern"]: self.numbers(opened, row)[0]
+                 for row in opened.inside("tr", opened.one("table", id="feature-shares"))[1:]}
+        self.assertTrue(all(count <= totals[names.index(name)] for name, count in shown.items()))
+        self.assertTrue(opened.all("table", id="chain") or opened.all("p", id="no-chain"))
+
     def with_posterior(self):
         """A fit with draws of two coefficients, and its page."""
         config = write("posterior.toml", 'shared = ["C_D", "v(0)"]\nposterior = { samples = 2400, seed = 1 }\n')

@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "flat_answers.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/codebooks/query/trajectory_query.h"
 
@@ -110,4 +111,16 @@ TEST_CASE("attitudes of which a part is asked, or that begin anywhere, are left 
     book.pieces()[0].groups()[0].evaluate(x, raw, workspace);
     CHECK((values - raw.head(values.size())).cwiseAbs().maxCoeff() < 1e-14);
   }
+}
+
+TEST_CASE("a flat file gives an attitude the length with which it began, as the library does") {
+  const Codebook book = body_book();
+  FlatAnswers flat(book);
+  Query query(book);
+  // Sums of three terms, and the quotient by a length.
+  CHECK(flat.largest_difference(query, Eigen::MatrixXd::Random(3, 50).cwiseAbs()) < 1e-12);
+  const Codebook free = body_book("qx(0)");
+  FlatAnswers free_flat(free);
+  Query free_query(free);
+  CHECK(free_flat.largest_difference(free_query, Eigen::MatrixXd::Random(3, 50).cwiseAbs()) < 1e-12);
 }

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <string>
@@ -8,9 +10,14 @@
 #include <catch2/catch.hpp>
 
 #include "../io/temporary_directory.h"
+#include "samara/codebooks/build/build.h"
 #include "samara/codebooks/capi/samara.h"
 #include "samara/codebooks/file/save.h"
+#include "samara/codebooks/plan/plan.h"
+#include "samara/codebooks/query/derived_query.h"
 #include "samara/codebooks/query/query.h"
+#include "samara/codebooks/query/trajectory_query.h"
+#include "samara/io/text_file.h"
 #include "sample_books.h"
 
 using Catch::Matchers::Contains;
@@ -20,9 +27,11 @@ namespace {
 struct Close {
   void operator()(samara_codebook* book) const { samara_close(book); }
   void operator()(samara_query* query) const { samara_query_close(query); }
+  void operator()(samara_trajectory* trajectory) const { samara_trajectory_close(trajectory); }
 };
 using Book = std::unique_ptr<samara_codebook, Close>;
 using Asked = std::unique_ptr<samara_query, Close>;
+using Frames = std::unique_ptr<samara_trajectory, Close>;
 
 /// A codebook of exact values: v = v(0) + C_D t, x = v(0) t + C_D t^2 / 2; t in [0, 3], C_D in [-1, 2], v(0)
 /// in [0, 1].
@@ -177,4 +186,243 @@ TEST_CASE("every thread has its own sentence, and a book is shared by queries of
   CHECK(samara_values(opened.query.get(), inside, values) == SAMARA_DONE);
   CHECK(answer[0] == values[0]);
   CHECK(answer[1] == values[1]);
+}
+
+TEST_CASE("the interface in C names its versions, roles, and what the plan fixed") {
+  CHECK_THAT(samara_version(), Catch::Matchers::Matches("[0-9]+\\.[0-9]+\\.[0-9]+"));
+  CHECK_THAT(samara_format_version(), Catch::Matchers::Matches("[0-9]+\\.[0-9]+"));
+  const Opened opened;
+  const samara_codebook* const book = opened.book.get();
+  const samara::codebooks::Codebook same = golden_book();
+  CHECK(samara_coordinate_role(book, 0) == std::string("time"));
+  CHECK(samara_coordinate_role(book, 2) == std::string("initial"));
+  CHECK(samara_coordinate_role(book, 3) == nullptr);
+  CHECK(samara_model(book) == same.model().name);
+  CHECK(samara_model(nullptr) == nullptr);
+  REQUIRE(samara_fixed_count(book) == std::ssize(same.model().fixed));
+  int place = 0;
+  for (const auto& [name, value] : same.model().fixed) {
+    double answer = 0.0;
+    CHECK(samara_fixed_name(book, place) == name);
+    CHECK(samara_fixed_unit(book, place) == same.model().fixed_units.at(name));
+    REQUIRE(samara_fixed_value(book, place++, &answer) == SAMARA_DONE);
+    CHECK(answer == value);
+  }
+  CHECK(samara_fixed_name(book, place) == nullptr);
+  CHECK(samara_fixed_value(book, -1, nullptr) == SAMARA_WRONG_CALL);
+}
+
+TEST_CASE("the interface in C hands out the numbers of a certificate, and says where there is none") {
+  const Opened opened;
+  const samara::codebooks::Certificate wanted = *golden_book().certificate();
+  samara_certificate certificate;
+  REQUIRE(samara_certificate_of(opened.book.get(), &certificate) == SAMARA_DONE);
+  CHECK(certificate.met == (wanted.met ? 1 : 0));
+  CHECK(certificate.points == wanted.points);
+  CHECK(certificate.times == wanted.times);
+  CHECK(certificate.tolerance == wanted.tolerance);
+  CHECK(certificate.max_error == wanted.max_error);
+  CHECK(certificate.wrong_points == wanted.wrong_points.value_or(-1));
+  samara_output_error error;
+  REQUIRE(samara_output_error_of(opened.book.get(), 1, &error) == SAMARA_DONE);
+  CHECK(error.range == wanted.outputs[1].range);
+  CHECK(error.max_si == wanted.outputs[1].max_si);
+  CHECK(error.rms == wanted.outputs[1].rms);
+  CHECK(samara_output_error_of(opened.book.get(), 2, &error) == SAMARA_WRONG_CALL);
+  const TemporaryDirectory directory;
+  const std::string path = (directory / "book.h5").string();
+  samara::codebooks::save(four_pieces(), path);
+  const Book without(samara_open(path.c_str()));
+  CHECK(samara_certificate_of(without.get(), &certificate) == SAMARA_WRONG_CALL);
+  CHECK_THAT(samara_error(), Contains("no certificate"));
+  CHECK(samara_output_error_of(without.get(), 0, &error) == SAMARA_WRONG_CALL);
+  CHECK(samara_certificate_of(nullptr, &certificate) == SAMARA_WRONG_CALL);
+}
+
+TEST_CASE("a codebook opens from memory as from its file, and answers after the bytes are gone") {
+  const Opened opened;
+  std::string bytes = samara::io::read_text_file(opened.directory / "book.h5");
+  const Book book(samara_open_memory(bytes.data(), bytes.size()));
+  REQUIRE(book);
+  std::string().swap(bytes);
+  const Asked query(samara_query_open(book.get()));
+  const double x[] = {0.3, 1.5, 0.25};
+  double answer[2] = {}, again[2] = {};
+  REQUIRE(samara_values(query.get(), x, answer) == SAMARA_DONE);
+  REQUIRE(samara_values(opened.query.get(), x, again) == SAMARA_DONE);
+  CHECK(answer[0] == again[0]);
+  CHECK(answer[1] == again[1]);
+  CHECK(samara_open_memory("no codebook", 11) == nullptr);
+  CHECK(samara_error() == std::string("bytes in memory: is not an HDF5 file"));
+  CHECK(samara_open_memory("", 0) == nullptr);
+  CHECK(samara_open_memory(nullptr, 5) == nullptr);
+}
+
+TEST_CASE("options of the interface in C choose outputs, hold coordinates and set the precision") {
+  const Opened opened;
+  const char* const outputs[] = {"x"};
+  const char* const held[] = {"C_D"};
+  const double at[] = {1.5};
+  samara_options options = {};
+  options.outputs = outputs;
+  options.output_count = 1;
+  options.held = held;
+  options.held_at = at;
+  options.held_count = 1;
+  options.precision = SAMARA_SINGLE;
+  const Asked query(samara_query_open_with(opened.book.get(), &options));
+  REQUIRE(query);
+  REQUIRE(samara_query_coordinate_count(query.get()) == 2);
+  REQUIRE(samara_query_output_count(query.get()) == 1);
+  CHECK(samara_query_coordinate_name(query.get(), 1) == std::string("v(0)"));
+  CHECK(samara_query_output_name(query.get(), 0) == std::string("x"));
+  CHECK(samara_query_output_unit(query.get(), 0) == std::string("m"));
+  CHECK(samara_query_output_name(query.get(), 1) == nullptr);
+  CHECK(samara_query_precision(query.get()) == SAMARA_SINGLE);
+  CHECK(samara_query_precision(opened.query.get()) == SAMARA_DOUBLE);
+  const double point[] = {2.0, 0.5};
+  double x = 0.0, slopes[2] = {};
+  REQUIRE(samara_gradient(query.get(), point, &x, slopes) == SAMARA_DONE);
+  // x = v(0) t + C_D t^2 / 2, in factors of single floats.
+  CHECK(x == Approx(0.5 * 2.0 + 1.5 * 2.0).epsilon(1e-5));
+  CHECK(slopes[0] == Approx(0.5 + 1.5 * 2.0).epsilon(1e-5));
+  CHECK(slopes[1] == Approx(2.0).epsilon(1e-5));
+  const auto refused = [&](const char* sentence) {
+    CHECK(samara_query_open_with(opened.book.get(), &options) == nullptr);
+    CHECK_THAT(samara_error(), Contains(sentence));
+  };
+  options.precision = static_cast<samara_precision>(3);
+  refused("precision 3");
+  options.precision = SAMARA_DOUBLE;
+  const double outside[] = {9.0};
+  options.held_at = outside;
+  refused("C_D");
+  options.held_at = nullptr;
+  refused("without a value");
+  options.held_at = at;
+  const char* const unknown[] = {"z"};
+  options.outputs = unknown;
+  refused("\"z\"");
+  options.outputs = nullptr;
+  refused("output number 0 has no name");
+  options.output_count = -1;
+  refused("negative");
+}
+
+TEST_CASE("batches with derivatives through the interface in C are those of single points, on any threads") {
+  const Opened opened;
+  const Eigen::MatrixXd points = random_points(golden_book(), 500, 2);
+  std::vector<double> values(1000), gradients(3000), single(2), slopes(6);
+  for (const int threads : {1, 2, 0}) {
+    REQUIRE(samara_batch_gradient(opened.query.get(), 500, points.data(), values.data(), gradients.data(),
+                                  threads) == SAMARA_DONE);
+    for (std::size_t j = 0; j < 500; ++j) {
+      REQUIRE(samara_gradient(opened.query.get(), points.data() + 3 * j, single.data(), slopes.data()) ==
+              SAMARA_DONE);
+      CHECK(std::equal(single.begin(), single.end(), values.begin() + static_cast<std::ptrdiff_t>(2 * j)));
+      CHECK(std::equal(slopes.begin(), slopes.end(), gradients.begin() + static_cast<std::ptrdiff_t>(6 * j)));
+    }
+  }
+  CHECK(samara_batch_gradient(opened.query.get(), 0, nullptr, nullptr, nullptr, 1) == SAMARA_DONE);
+  CHECK(samara_batch_gradient(opened.query.get(), 1, points.data(), values.data(), nullptr, 1) ==
+        SAMARA_WRONG_CALL);
+  CHECK(samara_batch_gradient(opened.query.get(), 5, points.data(), values.data(), gradients.data(), -1) ==
+        SAMARA_WRONG_CALL);
+}
+
+TEST_CASE("trajectories through the interface in C are those of a query of trajectories") {
+  const Opened opened;
+  const double times[] = {0.0, 0.7, 2.0, 2.9};
+  const Frames frames(samara_trajectory_open(opened.book.get(), 4, times, nullptr));
+  REQUIRE(frames);
+  REQUIRE(samara_trajectory_parameter_count(frames.get()) == 2);
+  REQUIRE(samara_trajectory_output_count(frames.get()) == 2);
+  REQUIRE(samara_trajectory_time_count(frames.get()) == 4);
+  const samara::codebooks::Codebook same = golden_book();
+  samara::codebooks::TrajectoryQuery wanted(same, {0.0, 0.7, 2.0, 2.9});
+  const double points[] = {1.5, 0.25, -0.5, 1.0};
+  std::vector<double> values(8), slopes(16), all(16), all_slopes(32);
+  REQUIRE(samara_trajectory_batch(frames.get(), 2, points, all.data(), all_slopes.data(), 2) == SAMARA_DONE);
+  for (std::size_t j = 0; j < 2; ++j) {
+    Eigen::MatrixXd answer(4, 2), derivatives(4, 4);
+    wanted.values({points + 2 * j, 2}, answer, derivatives);
+    REQUIRE(samara_trajectory_values(frames.get(), points + 2 * j, values.data(), slopes.data()) ==
+            SAMARA_DONE);
+    for (std::size_t i = 0; i < 8; ++i) {
+      CHECK(values[i] == answer.data()[i]);
+      CHECK(all[8 * j + i] == Approx(answer.data()[i]).margin(1e-13));
+    }
+    for (std::size_t i = 0; i < 16; ++i) {
+      CHECK(slopes[i] == derivatives.data()[i]);
+      CHECK(all_slopes[16 * j + i] == derivatives.data()[i]);
+    }
+    REQUIRE(samara_trajectory_values(frames.get(), points + 2 * j, values.data(), nullptr) == SAMARA_DONE);
+    CHECK(values[5] == Approx(answer.data()[5]).margin(1e-13));
+  }
+  const double outside[] = {5.0, 0.25};
+  CHECK(samara_trajectory_values(frames.get(), outside, values.data(), nullptr) == SAMARA_OUTSIDE);
+  CHECK(samara_trajectory_values(frames.get(), nullptr, values.data(), nullptr) == SAMARA_WRONG_CALL);
+  CHECK(samara_trajectory_batch(frames.get(), 0, nullptr, nullptr, nullptr, 1) == SAMARA_DONE);
+  const double late[] = {4.0};
+  CHECK(samara_trajectory_open(opened.book.get(), 1, late, nullptr) == nullptr);
+  CHECK_THAT(samara_error(), Contains("t = 4"));
+  CHECK(samara_trajectory_open(opened.book.get(), 1, nullptr, nullptr) == nullptr);
+  samara_trajectory_close(nullptr);
+}
+
+TEST_CASE("what a model derives is asked for through the interface in C as what is stored") {
+  const std::string plan = R"([equations]
+name = "decay"
+states.v = { initial = 2 }
+parameters.rate = { unit = "1/s", above = 0 }
+rates.v = "-rate*v"
+outputs.square = "v^2"
+[box]
+rate = [0.5, 1.5]
+[time]
+end = 2
+[tolerance]
+relative = 1e-6
+)";
+  samara::codebooks::BuildOptions few;
+  few.certificate_points = 50;
+  const TemporaryDirectory directory;
+  const std::string path = (directory / "decay.h5").string();
+  const auto built = samara::codebooks::build(samara::codebooks::parse_plan(plan, "decay.toml"), few).book;
+  samara::codebooks::save(built, path);
+  const Book book(samara_open(path.c_str()));
+  REQUIRE(samara_derived_count(book.get()) == 1);
+  CHECK(samara_derived_name(book.get(), 0) == std::string("square"));
+  CHECK(samara_derived_unit(book.get(), 0) == std::string("1"));
+  CHECK(samara_derived_name(book.get(), 1) == nullptr);
+  const char* const names[] = {"square", "v"};
+  samara_options options = {};
+  options.outputs = names;
+  options.output_count = 2;
+  const Asked query(samara_query_open_with(book.get(), &options));
+  REQUIRE(query);
+  const double points[] = {0.4, 1.2, 1.1, 0.7};
+  double values[4], gradients[8], single[2], slopes[4];
+  REQUIRE(samara_batch_gradient(query.get(), 2, points, values, gradients, 2) == SAMARA_DONE);
+  for (int j = 0; j < 2; ++j) {
+    // v = 2 exp(-rate t), to the tolerance of the plan.
+    const double t = points[2 * j], rate = points[2 * j + 1], v = 2.0 * std::exp(-rate * t);
+    REQUIRE(samara_gradient(query.get(), points + 2 * j, single, slopes) == SAMARA_DONE);
+    CHECK(single[0] == Approx(v * v).epsilon(1e-5));
+    CHECK(single[1] == Approx(v).epsilon(1e-5));
+    CHECK(slopes[1] == Approx(-2.0 * t * v * v).epsilon(1e-4));
+    for (int i = 0; i < 2; ++i) CHECK(values[2 * j + i] == single[i]);
+    for (int i = 0; i < 4; ++i) CHECK(gradients[4 * j + i] == slopes[i]);
+  }
+  const double times[] = {0.0, 0.4};
+  const Frames frames(samara_trajectory_open(book.get(), 2, times, &options));
+  REQUIRE(frames);
+  const double rate[] = {1.2};
+  double path_values[4], path_slopes[4];
+  REQUIRE(samara_trajectory_batch(frames.get(), 1, rate, path_values, path_slopes, 1) == SAMARA_DONE);
+  CHECK(path_values[1] == Approx(values[0]).epsilon(1e-13));  // the square at 0.4 s
+  CHECK(path_values[3] == Approx(values[1]).epsilon(1e-13));
+  CHECK(path_slopes[1] == Approx(gradients[1]).epsilon(1e-13));
+  const double late[] = {3.0};
+  CHECK(samara_trajectory_open(book.get(), 1, late, &options) == nullptr);
 }

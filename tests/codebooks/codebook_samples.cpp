@@ -3,6 +3,7 @@
 //   codebook_samples reference DIRECTORY   codebooks, DIRECTORY/{pieces,trains,kinds,coin,command,mesh}.h5, each
 //   with a table of
 //                                          reference values beside it (.csv): coordinates, then outputs
+//   codebook_samples flat DIRECTORY        the same but the coin as flat files, DIRECTORY/pieces.flat and so on
 //   codebook_samples large FILE            two groups of factors of 12 MB each
 //   codebook_samples golden FILE           the golden file of the present format version (golden_test.cpp);
 //                                          made once per version, then kept for ever
@@ -11,6 +12,7 @@
 #include <filesystem>
 #include <string>
 
+#include "samara/codebooks/file/flat_file.h"
 #include "samara/codebooks/file/save.h"
 #include "samara/codebooks/query/query.h"
 #include "samara/io/csv.h"
@@ -87,6 +89,17 @@ int main(int count, char** arguments) {
     write_reference(golden_mesh(), directory / "mesh");
     return 0;
   }
-  std::fputs("usage: codebook_samples reference DIRECTORY | large FILE | golden FILE\n", stderr);
+  if (verb == "flat") {
+    const std::filesystem::path directory = arguments[2];
+    std::filesystem::create_directories(directory);
+    save_flat(four_pieces(), directory / "pieces.flat");
+    save_flat(four_pieces_of_trains(), directory / "trains.flat");
+    save_flat(all_kinds(), directory / "kinds.flat");
+    save_flat(golden_command(), directory / "command.flat");
+    save_flat(golden_mesh(), directory / "mesh.flat");
+    return 0;
+  }
+  std::fputs("usage: codebook_samples reference DIRECTORY | flat DIRECTORY | large FILE | golden FILE\n",
+             stderr);
   return 2;
 }

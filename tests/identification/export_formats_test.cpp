@@ -193,3 +193,70 @@ TEST_CASE("rows of an export that are too short are counted, and told of") {
   CHECK(drop.notes.back() ==
         "2 of 6 rows of the export are shorter than its header; what they lack counts as not seen");
 }
+
+TEST_CASE("a Kinovea table is a capture for each point, with decimal commas or points") {
+  const TestFiles files;
+  const std::string sidecar = "file = \"kinovea.csv\"\nlength_unit = \"cm\"\ntime_unit = \"ms\"\n";
+  const auto path = files.put("kinovea.toml", sidecar);
+  files.put("kinovea.csv",
+            "\"Time\";\"ball/0/X\";\"ball/0/Y\";\"arm/a/X\";\"arm/a/Y\"\n"
+            "\"0\";\"1,5\";\"10\";;\n"
+            "\"40\";\"2,5\";\"9,5\";\"7\";\"8\"\n"
+            "\"80\";\"3,5\";\"9\";\"7,25\";\"8,5\"\n"
+            "\"120\";;;\"7,5\";\"9\"\n");
+  const auto captures = read_captures(path);
+  REQUIRE(captures.size() == 2);
+  CHECK(captures[0].id == "kinovea/ball");
+  CHECK(captures[0].labels.at("body") == "ball");
+  CHECK(captures[1].id == "kinovea/arm/a");
+  CHECK(captures[0].times[1] == Approx(0.04));
+  CHECK(captures[0].channel("x").values[2] == Approx(0.035));
+  CHECK(captures[0].channel("y").values[1] == Approx(0.095));
+  // Its first frame is the second of the table.
+  CHECK(captures[1].times.isApprox(Vector3d(0.0, 0.04, 0.08)));
+  CHECK(captures[1].channel("y").values[2] == Approx(0.09));
+
+  files.put("kinovea.csv", "Time,ball/0/X,ball/0/Y\n0,1.5,10\n40,2.5,9.5\n80,wrong,9\n");
+  CHECK(reading_error(path) == "kinovea.csv:4: column \"ball/0/X\": expected a number, found \"wrong\"");
+  files.put("kinovea.toml", "file = \"kinovea.csv\"\nlength_unit = \"cm\"\n");
+  CHECK(reading_error(path) ==
+        "kinovea.csv:1: a Kinovea export names no units; a sidecar with length_unit = \"m\" (or another) and "
+        "time_unit = \"s\" (or \"ms\") was expected");
+}
+
+TEST_CASE("Kinovea's text for gnuplot is a capture for each track, by its name or number") {
+  const TestFiles files;
+  const auto path =
+      files.put("tracks.toml",
+                "file = \"tracks.txt\"\nlength_unit = \"px\"\ntime_unit = \"ms\"\n[scale]\nx = { value = \"1 "
+                "mm/px\" }\n");
+  files.put(
+      "tracks.txt",
+      "#Kinovea Trajectory data export\n#T X Y\n\n# ball\n0 866.00 320.00\n20 847,5 321.00\n40 830 322\n\n"
+      "# ball\n0 1 2\n20 3 4\n40 5 6\n60 7 8\n\n");
+  const auto captures = read_captures(path);
+  REQUIRE(captures.size() == 2);
+  CHECK(captures[0].id == "tracks/ball");
+  CHECK(captures[1].id == "tracks/ball (2)");
+  CHECK(captures[0].times[2] == Approx(0.04));
+  CHECK(captures[0].channel("x").values[1] == Approx(0.8475));
+  CHECK(captures[0].channel("y").unit == "px");
+  CHECK(captures[1].times.size() == 4);
+  CHECK(captures[1].channel("y").values[3] == 8.0);
+
+  // Earlier versions: timecodes, which need no unit, and no names.
+  files.put("tracks.toml", "file = \"tracks.txt\"\nlength_unit = \"m\"\n");
+  files.put("tracks.txt",
+            "#Kinovea Trajectory data export\n#T X Y\n0:00:00:00 1 2 \n0:00:01:50 2 3 \n1:01:00:03 3 4 \n\n");
+  const auto coded = read_captures(path);
+  REQUIRE(coded.size() == 1);
+  CHECK(coded[0].labels.at("body") == "track 1");
+  CHECK(coded[0].times.isApprox(Vector3d(0.0, 1.5, 3660.03)));
+
+  files.put("tracks.txt", "#Kinovea Trajectory data export\n#T X Y\n0:00:00:00 1 2\n0.5 2 3\n");
+  CHECK(reading_error(path) == "tracks.txt:4: the time \"0.5\" is no timecode as the first one is");
+  files.put("tracks.txt", "#Kinovea Trajectory data export\n#T X Y\n0:00:00:00 1\n");
+  CHECK(reading_error(path) == "tracks.txt:3: 2 numbers stand there, expected time, x and y");
+  files.put("tracks.txt", "#Kinovea Trajectory data export\n#T X Y\n");
+  CHECK_THAT(reading_error(path), Catch::Contains("without a track"));
+}

@@ -45,7 +45,7 @@ TEST_CASE("a flight upside down is suspected, and one that rises for a while is 
   CHECK_THAT(found[0],
              Catch::StartsWith("capture \"a\": it moves against the weight of the model, which acts "
                                "along -z") &&
-                 Catch::EndsWith("is an axis upside down?"));
+                 Catch::EndsWith("is an axis upside down? (flip = [\"z\"] in a sidecar turns it)"));
 }
 
 TEST_CASE("a fall at its final speed is suspected where it goes up, whatever the axis is called") {

@@ -201,7 +201,7 @@ TEST_CASE("keys of a sidecar that make no sense are refused where they stand") {
     return reading_error(files.put("a.toml", "file = \"a.csv\"\n" + text));
   };
   CHECK(error("up = \"w\"\n").starts_with("a.toml:2: up: \"w\" is none of its words"));
-  CHECK(error("length_unit = \"s\"\n") == "a.toml:2: length_unit: \"s\" is no unit of length");
+  CHECK(error("length_unit = \"s\"\n") == "a.toml:2: length_unit: \"s\" is no unit of length, nor px");
   CHECK(error("[clean]\nbefore_impact = \"-1 m/s\"\n") ==
         "a.toml:3: [clean] before_impact: -1; more than 0 was expected");
   CHECK(error("[clean]\nbefore_impact = \"1 m/s\"\n[columns]\nt = {}\n").starts_with("a.toml:5:"));
@@ -256,4 +256,36 @@ TEST_CASE("the files behind a capture are its tables, its sidecar and its labels
   files.put("b.toml", "from = \"0 s\"\n");
   const auto beside = capture_files(files.path() / "b.csv");
   CHECK(std::ranges::count(beside, files.path() / "b.toml") == 1);
+}
+
+TEST_CASE("a sidecar turns one axis, its velocity with it, and what else it names") {
+  const TestFiles files;
+  files.put("drop.csv", "t[s],x[m],z[m],vz[m/s],theta[rad]\n0,1,2,3,0.5\n1,2,4,3,0.6\n2,3,6,3,0.7\n");
+  const auto path = files.put("drop.toml", "flip = [\"z\", \"theta\"]\n");
+  const Capture drop = read_captures(files.path() / "drop.csv").front();
+  CHECK(drop.channel("x").values.isApprox(Vector3d(1.0, 2.0, 3.0)));
+  CHECK(drop.channel("z").values.isApprox(Vector3d(-2.0, -4.0, -6.0)));
+  CHECK(drop.channel("vz").values.isApprox(Vector3d(-3.0, -3.0, -3.0)));
+  CHECK(drop.channel("theta").values.isApprox(Vector3d(-0.5, -0.6, -0.7)));
+  const auto refused = [&](const std::string& text) {
+    files.put("drop.toml", text);
+    return reading_error(files.path() / "drop.csv");
+  };
+  CHECK_THAT(refused("flip = [\"thet\"]"),
+             Catch::Contains("no quantity \"thet\"") && Catch::Contains("theta"));
+  CHECK_THAT(refused("flip = [\"z\", \"z\"]"), Catch::Contains("twice"));
+  CHECK_THAT(refused("flip = \"t\""), Catch::Contains("time counts forward"));
+  files.put("drop.csv", "t[s],z[m],qw[1],qx[1],qy[1],qz[1]\n0,2,1,0,0,0\n1,4,1,0,0,0\n2,6,1,0,0,0\n");
+  CHECK_THAT(refused("flip = \"z\""), Catch::Contains("no mirrored world has"));
+}
+
+TEST_CASE("a sidecar names the decimal sign, and one without a table says how it is given") {
+  const TestFiles files;
+  files.put("drop.csv", "t[s];x[m]\n0;1,5\n0,1;2,5\n0,2;3\n");
+  CHECK(
+      read_captures(files.path() / "drop.csv").front().channel("x").values.isApprox(Vector3d(1.5, 2.5, 3.0)));
+  const auto sidecar = files.put("other.toml", "decimal = \".\"\n");
+  CHECK_THAT(error_of<samara::InputError>([&] { read_captures(files.path() / "drop.csv", sidecar); }),
+             Catch::Contains("the decimal sign is a point"));
+  CHECK_THAT(reading_error(sidecar), Catch::Contains("names no table") && Catch::Contains("--sidecar"));
 }

@@ -13,6 +13,16 @@ cmake -G Ninja -S "$here/consumer" -B "$work/consumer" -DCMAKE_PREFIX_PATH="$wor
 cmake --build "$work/consumer"
 "$work/consumer/consumer" "$work/book.h5"
 "$work/consumer/ask" "$work/book.h5"
+# The same program in C by pkg-config, where there is one and libraries are shared.
+pc=$(find "$work/prefix" -name samara.pc)
+if [ -n "$pc" ] && command -v pkg-config >/dev/null; then
+  export PKG_CONFIG_PATH=${pc%/*}
+  libraries=${pc%/pkgconfig/*}
+  # shellcheck disable=SC2046
+  cc "$here/consumer/ask.c" $(pkg-config --cflags --libs samara) -o "$work/asked_by_pkg_config" \
+    -Wl,-rpath,"$libraries" -Wl,-rpath-link,"$libraries"
+  "$work/asked_by_pkg_config" "$work/book.h5"
+fi
 for program in "$work"/consumer/objects_*; do
   if [[ $program == *avx2* ]] && ! grep -qw avx2 /proc/cpuinfo; then
     echo "skipped: this machine has no AVX2"

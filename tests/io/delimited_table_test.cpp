@@ -139,7 +139,7 @@ TEST_CASE("text in another encoding or with other line ends is refused") {
 TEST_CASE("a cell that is not a finite number is refused with line and column") {
   CHECK(number_error("x1") == "t.csv:3: column \"b\": expected a number, found \"x1\"");
   CHECK_THAT(number_error("1 mm"), Contains("expected a number, found \"1 mm\""));
-  CHECK_THAT(number_error("1,5"), Contains("the decimal sign is a point"));
+  CHECK_THAT(number_error("1.5,2"), Contains("the decimal sign is a point"));
   CHECK_THAT(number_error("0x10"), Contains("expected a number"));
   CHECK_THAT(number_error("+-1"), Contains("expected a number"));
   for (const std::string text : {"nan", "NaN", "inf", "-Infinity", "1e999"}) {
@@ -180,4 +180,26 @@ TEST_CASE("a file without a header takes names from the call") {
   CHECK(error_text<InputError>([] {
           DelimitedTable::parse("0;1\n", "t.csv", {.delimiter = ';', .header = {"t", "t"}});
         }) == "t.csv: the column \"t\" stands twice in the header");
+}
+
+TEST_CASE("decimal commas are understood where the comma parts no cells, and one sign throughout") {
+  const DelimitedTable t = table("t;x\n0,5;-1,25\n1;2,5E-1\n2;\n");
+  CHECK(t.decimal() == ',');
+  CHECK(t.numbers("t").isApprox(Eigen::Vector3d(0.5, 1.0, 2.0)));
+  CHECK(t.numbers("x")[0] == -1.25);
+  CHECK(t.numbers("x")[1] == 0.25);
+  CHECK(std::isnan(t.numbers("x")[2]));
+  CHECK(table("a\tb\n1,5\t2\n").numbers("a")[0] == 1.5);
+  const auto complaint = [](const std::string& text, const samara::io::DelimitedOptions& options = {}) {
+    return error_text<InputError>([&] { DelimitedTable::parse(text, "t.csv", options).numbers("x"); });
+  };
+  // Where both signs stand, neither is guessed; nor is a comma of thousands.
+  CHECK_THAT(complaint("t;x\n0.5;1,25\n"), Contains("t.csv:2") && Contains("the decimal sign is a point"));
+  CHECK_THAT(complaint("t;x\n0;1.234,5\n1;2,5\n"),
+             Contains("1.234,5") && Contains("decimal sign is a comma"));
+  CHECK_THAT(complaint("t;x\n0;1,234,567\n"), Contains("expected a number"));
+  // One may be named.
+  CHECK_THAT(complaint("t;x\n0;1,25\n", {.decimal = '.'}), Contains("the decimal sign is a point"));
+  CHECK_THAT(complaint("t;x\n0;1.25\n", {.decimal = ','}), Contains("the decimal sign is a comma"));
+  CHECK(DelimitedTable::parse("t,x\n0,\"1,25\"\n", "t.csv", {.decimal = ','}).numbers("x")[0] == 1.25);
 }

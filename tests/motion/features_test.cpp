@@ -5,6 +5,7 @@
 
 #include "known_motions.h"
 #include "samara/models/bodies/kinematic_paths.h"
+#include "samara/motion/patterns/pattern.h"
 #include "tests/error_text.h"
 
 using namespace samara::motion;
@@ -244,4 +245,30 @@ TEST_CASE("captures become records, with the frames that were not seen left out 
   CHECK(error_text<samara::ArgumentError>([&] {
           record_of(capture);
         }).find("capture \"drop\": x is in pixels") != std::string::npos);
+}
+
+TEST_CASE("frames that were not seen leave features as they are, and gaps of many frames are refused") {
+  const auto without = [](const MotionRecord& record, Eigen::Index first, Eigen::Index count) {
+    std::vector<Eigen::Index> left;
+    for (Eigen::Index k = 0; k < record.frame_count(); ++k) {
+      if (k < first || k >= first + count) left.push_back(k);
+    }
+    MotionRecord cut = record;
+    cut.times = record.times(left);
+    cut.positions = record.positions(left, Eigen::all);
+    if (record.is_planar()) cut.angles = record.angles(left);
+    return cut;
+  };
+  // It swings alike every 5 a/U: lags by frame numbers would miss half a swing beyond the gaps.
+  const MotionRecord whole = plate({{"inertia_ratio", 1.0}}, 120.0, 0.1);
+  MotionRecord cut = whole;
+  for (const Eigen::Index first : {700, 800, 900, 1000}) cut = without(cut, first, 10);
+  REQUIRE(cut.frame_count() == whole.frame_count() - 40);
+  const Features all = features(whole), some = features(cut);
+  CHECK(all[Feature::recurrence] < 0.05);
+  CHECK_THAT(some[Feature::recurrence], WithinAbs(all[Feature::recurrence], 0.03));
+  CHECK(some[Feature::flips] == all[Feature::flips]);
+  CHECK(label(some).pattern == label(all).pattern);
+  const std::string text = error_text<samara::ArgumentError>([&] { features(without(whole, 700, 30)); });
+  CHECK(text.find("no frames from 69.9 to 73 s, 30 at its rate, expected at most 10") != std::string::npos);
 }

@@ -79,6 +79,14 @@ TEST_CASE("a body's numbers are those of the model sheet, and all three I* are t
   CHECK(n.Re == Approx(3163.26).epsilon(1e-5));
   CHECK(n.I_ellipse == Approx(2.7 * 0.075));
   CHECK(n.I_plate > 5.0 * n.I_disc);
+  // One length of a body, whatever the model says of it: here the area of a coin.
+  const samara::models::ParametricModel coin(
+      samara::models::find_model("vertical_fall"),
+      {{"area", 4.7e-4}, {"thickness", 2.55e-3}, {"density", 6338.6}, {"C_D", 1.2}}, {});
+  CHECK(fall_numbers(coin.model(), coin.parameters({})).length ==
+        Approx(2.0 * std::sqrt(4.7e-4 / std::numbers::pi)));
+  CHECK(MotionStates::body_length(coin.model(), coin.parameters({})) ==
+        fall_numbers(coin.model(), coin.parameters({})).length);
   CHECK(error_text<samara::ArgumentError>([] {
           const auto model = samara::models::find_model("falling_plate_nd");
           fall_numbers(*model, samara::models::ParametricModel(model, {}, {}).parameters({}));

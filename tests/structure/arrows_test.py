@@ -29,9 +29,9 @@ SUB_ROOMS = {
     "flow": ["grid", "pressure", "momentum", "turbulence", "march", "files", "books"],
     "identification": [
         "smoothing", "captures/exports", "captures", "statistics", "problem", "pages", "report",
-        "solve/starts", "solve", "fit", "design", "series", "files", "explorer",
+        "solve/starts", "solve", "fit", "design", "series", "petab", "files", "explorer",
     ],
-    "motion": ["records", "patterns", "sweeps", "courses", "ghost", "planning"],
+    "motion": ["records", "search", "events", "chains", "patterns", "sweeps", "database", "bodies", "courses", "ghost", "planning", "pages", "capi"],
 }
 MOST_FILES = 40
 SUFFIXES = {".h", ".cpp"}

@@ -1,14 +1,23 @@
 """Usage: docs_test.py ROOT
 
-What the documentation shows of the examples is what stands there.
+What the documentation shows of the examples is what stands there; its links lead somewhere, its lines are short, its map
+has all pages, and its reference pages have all keys.
 """
 
+import ast
+import json
 import pathlib
+import re
 import sys
 import textwrap
+import tomllib
 import unittest
 
 ROOT = pathlib.Path(sys.argv[1])
+PAGES = sorted((ROOT / "docs").rglob("*.md"))
+TEXTS = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md")]
+FENCES = re.compile(r"^```.*?^```$", re.M | re.S)
+LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 
 
 def text(path):
@@ -17,7 +26,7 @@ def text(path):
 
 class Excerpts(unittest.TestCase):
     def test_plan_of_the_coin(self):
-        self.assertIn(f"```toml\n{text('examples/coin/plan.toml')}```", text("README.md"))
+        self.assertIn(f"```toml\n{text('examples/coin/plan.toml')}```", text("docs/tutorials/demo.md"))
 
     def test_sidecar_of_the_coin(self):
         self.assertIn(f"```toml\n{text('examples/coin/coin.toml')}```", text("docs/captures.md"))
@@ -45,13 +54,155 @@ class Excerpts(unittest.TestCase):
         self.assertIn(f"```cpp\n{text('examples/nonlinear/strategies.cpp')}```", text("docs/strategies.md"))
 
     def test_wind_of_the_meadow(self):
-        self.assertIn(f"```toml\n{text('examples/meadow/wind.toml')}```", text("docs/flow.md"))
+        self.assertIn(f"```toml\n{text('examples/meadow/wind.toml')}```", text("docs/wind.md"))
 
     def test_flow(self):
         self.assertIn(f"```toml\n{text('examples/flow/square.toml')}```", text("docs/flow.md"))
 
     def test_profile(self):
         self.assertIn(f"```cpp\n{text('examples/profile/profile.cpp')}```", text("docs/fits.md"))
+
+def anchors(page):
+    """As sites make them of headings."""
+    for heading in re.findall(r"^#+ (.*)$", FENCES.sub("", page.read_text()), re.M):
+        yield re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+class Links(unittest.TestCase):
+    def test_links_lead_to_files_and_headings(self):
+        seen = 0
+        for page in PAGES + TEXTS:
+            for target in LINK.findall(FENCES.sub("", page.read_text())):
+                if re.match(r"\w+:", target):
+                    continue
+                seen += 1
+                name, _, anchor = target.partition("#")
+                file = (page.parent / name).resolve() if name else page
+                self.assertTrue(file.exists(), f"{page.relative_to(ROOT)}: {target}")
+                if anchor:
+                    self.assertIn(anchor, list(anchors(file)), f"{page.relative_to(ROOT)}: {target}")
+        self.assertGreater(seen, 100)
+
+    def test_pages_named_in_sources_exist(self):
+        for folder in ("apps", "base", "codebooks", "flow", "identification", "io", "motion", "pgd", "python", "examples"):
+            for file in (ROOT / folder).rglob("*"):
+                if file.suffix not in (".h", ".cpp", ".py", ".toml"):
+                    continue
+                for name in re.findall(r"\bdocs/[\w/]+\.md", file.read_text()):
+                    self.assertTrue((ROOT / name).exists(), f"{file.relative_to(ROOT)}: {name}")
+
+    def test_the_map_has_every_page(self):
+        targets = {target.partition("#")[0] for target in LINK.findall(text("docs/index.md"))}
+        for page in PAGES:
+            name = str(page.relative_to(ROOT / "docs"))
+            self.assertTrue(name in targets or name == "index.md", f"docs/index.md has no link to {name}")
+
+
+class Lines(unittest.TestCase):
+    """What stands verbatim elsewhere, and tables of more than three columns, may be longer: both cannot be wrapped."""
+
+    WIDTH = 100
+
+    def test_lines_are_short(self):
+        examples = "".join(file.read_text() for file in (ROOT / "examples").rglob("*")
+                           if file.suffix in (".cpp", ".h", ".toml", ".py", ".c"))
+        for page in PAGES + TEXTS:
+            for number, line in enumerate(page.read_text().splitlines(), 1):
+                is_table = line.startswith("|") and line.count("|") > 4
+                if len(line) > self.WIDTH and not is_table and line.strip() not in examples:
+                    self.fail(f"{page.relative_to(ROOT)}:{number} has {len(line)} characters, expected at most {self.WIDTH}: "
+                              "./dev format wraps prose, a backslash ends a part of a line for the shell")
+
+    def test_lines_to_type_are_marked_as_such(self):
+        """tests/apps/pages_test.py runs what stands in sh fences."""
+        for page in PAGES + TEXTS:
+            for fence in FENCES.findall(page.read_text()):
+                kind = fence.splitlines()[0]
+                if kind == "```sh elsewhere":
+                    continue
+                if kind not in ("```sh", "```sh slow"):
+                    self.assertNotRegex(fence, r"(?m)^samara ", f"{page.relative_to(ROOT)}: a line to type in a fence {kind}")
+                else:
+                    tests = text("tests/apps/pages_test.py") + text("tests/apps/measured_test.py")
+                    self.assertTrue(f'"{page.relative_to(ROOT)}"' in tests, f"no test types the lines of {page.relative_to(ROOT)}")
+
+
+class Wrapping(unittest.TestCase):
+    """docs/wrap_pages.py, which ./dev format calls."""
+
+    LONG = "word " * 30
+    PAGE = f"""# A heading that is long: {LONG}
+
+{LONG}`code that stays in one piece` {LONG}- 1. end.
+
+- an item: {LONG}
+  and its second line
+  1. an item in it: {LONG}
+
+| a | table | {LONG} |
+
+```toml
+key = "{LONG}"
+```
+
+    indented = {LONG}
+"""
+
+    def test_words_stay_and_lines_become_short(self):
+        sys.path.insert(0, str(ROOT / "docs"))
+        sys.dont_write_bytecode = True
+        import wrap_pages
+
+        before = self.PAGE.splitlines()
+        after = wrap_pages.pages_lines(before)
+        self.assertEqual(" ".join(before).split(), " ".join(after).split())
+        self.assertEqual(wrap_pages.pages_lines(after), after)
+        long = [line for line in after if len(line) > wrap_pages.WIDTH]
+        self.assertEqual([line[:4] for line in long], ["# A ", "| a ", "key ", "    "])
+        self.assertTrue(any("`code that stays in one piece`" in line for line in after))
+        self.assertFalse([line for line in after if line.startswith(("1.", "- 1."))])
+        self.assertEqual([line[:5] for line in after if line.startswith("  1.")], ["  1. "])
+        self.assertGreater(len([line for line in after if line.startswith("     word")]), 0)
+
+
+class Texts(unittest.TestCase):
+    """A formatter that takes a file for another kind breaks what is shown of it."""
+
+    def test_what_is_shown_of_files_can_be_read(self):
+        readers = {"toml": tomllib.loads, "json": json.loads, "python": ast.parse}
+        seen = 0
+        for page in PAGES + TEXTS:
+            for fence in FENCES.findall(page.read_text()):
+                kind, _, body = fence.removeprefix("```").removesuffix("```").partition("\n")
+                if kind in readers:
+                    seen += 1
+                    with self.subTest(page=page.name, text=body[:60]):
+                        readers[kind](body)
+        self.assertGreater(seen, 40)
+
+
+class Reference(unittest.TestCase):
+    """Every key that a reader of files knows has a place on its page: `key`, or `[key]`."""
+
+    READERS = {
+        "docs/reference/plan.md": ["codebooks/plan/*.cpp", "codebooks/model/model_file.cpp"],
+        "docs/reference/fit_config.md": ["identification/problem/fit_config.cpp", "identification/series/series_config.cpp",
+                                         "identification/fit/prediction_config.cpp"],
+        "docs/reference/sidecar.md": ["identification/captures/sidecar.cpp"],
+        "docs/reference/sweep.md": ["motion/sweeps/sweep_plan.cpp"],
+        "docs/reference/flow_plan.md": ["flow/files/flow_plan.cpp"],
+        "docs/reference/wind.md": ["codebooks/model/wind_file.cpp"],
+    }
+
+    def test_all_keys_are_told(self):
+        for page, patterns in self.READERS.items():
+            told = set(re.findall(r"`\[?\[?(\w+)\]?\]?`", text(page)))
+            known = set()
+            for file in (file for pattern in patterns for file in ROOT.glob(pattern)):
+                for call in re.findall(r"(?:expect_keys|check_keys)\(([^;]*)\);", file.read_text(), re.S):
+                    known |= set(re.findall(r'"(\w+)"', call))
+            self.assertGreater(len(known), 10)
+            self.assertEqual(known - told, set(), f"{page} does not tell of these keys")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 #include "samara/identification/captures/exports/export_formats.h"
 
 #include "samara/identification/captures/exports/export_lines.h"
+#include "samara/identification/captures/exports/kinovea_export.h"
 #include "samara/identification/captures/exports/motive_export.h"
 #include "samara/identification/captures/exports/tracker_export.h"
 
@@ -22,6 +23,7 @@ std::string_view head_of(std::string_view text) {
 std::optional<Export> read_export(std::string_view text, const ExportHints& hints) {
   const std::vector<std::string> head = lines_of(head_of(text));
   if (is_motive_export(head)) return read_motive_export(lines_of(text), hints);
+  if (is_kinovea_export(head)) return read_kinovea_export(lines_of(text), hints);
   if (is_tracker_export(head)) return read_tracker_export(lines_of(text), hints);
   return std::nullopt;
 }

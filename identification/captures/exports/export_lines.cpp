@@ -1,6 +1,7 @@
 #include "samara/identification/captures/exports/export_lines.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include "samara/base/text.h"
 
@@ -62,6 +63,13 @@ std::string joined(std::vector<std::string> cells, std::size_t columns, char del
     line += protected_cell(cells[k]);
   }
   return line;
+}
+
+bool has_decimal_comma(const std::string& cell) {
+  return std::ranges::count(cell, ',') == 1 && std::ranges::all_of(cell, [](char c) {
+           return std::isdigit(static_cast<unsigned char>(c)) != 0 ||
+                  std::string_view(",+-eE").find(c) != std::string_view::npos;
+         });
 }
 
 std::vector<std::string> made_unique(std::vector<std::string> names) {

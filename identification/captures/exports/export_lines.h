@@ -16,6 +16,9 @@ std::vector<std::string> cells_of(std::string_view line, char delimiter);
 /// A line of as many cells as there are columns: empty ones are added or taken from its end.
 std::string joined(std::vector<std::string> cells, std::size_t columns, char delimiter);
 
+/// "1,5" or "1,5E-3", with nothing else in it.
+bool has_decimal_comma(const std::string& cell);
+
 /// Adds a number to every name that occurred before.
 std::vector<std::string> made_unique(std::vector<std::string> names);
 

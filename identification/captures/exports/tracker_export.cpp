@@ -1,7 +1,6 @@
 #include "samara/identification/captures/exports/tracker_export.h"
 
 #include <algorithm>
-#include <cctype>
 
 #include <fmt/format.h>
 
@@ -28,14 +27,6 @@ bool is_multi(const std::vector<std::string>& lines) {
 std::string plain_name(std::string name) {
   std::erase_if(name, [](char c) { return c == '_' || c == '{' || c == '}'; });
   return name;
-}
-
-/// "1,5" or "1,5E-3", with nothing else in it.
-bool has_decimal_comma(const std::string& cell) {
-  return std::ranges::count(cell, ',') == 1 && std::ranges::all_of(cell, [](char c) {
-           return std::isdigit(static_cast<unsigned char>(c)) != 0 ||
-                  std::string_view(",+-eE").find(c) != std::string_view::npos;
-         });
 }
 
 /// What Tracker measures, by its names, with exponents of length and time.

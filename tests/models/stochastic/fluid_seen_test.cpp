@@ -8,6 +8,7 @@
 #include "langevin_figures.h"
 #include "samara/base/errors.h"
 #include "samara/models/stochastic/fluid_particles.h"
+#include "samara/models/stochastic/turbulent_action.h"
 #include "wavy_energy.h"
 
 using namespace samara::models;
@@ -228,4 +229,56 @@ TEST_CASE("flows and options outside their meaning are refused") {
   CHECK_THROWS_WITH(fluid_seen_in(unit_turbulence(), 1, {.rotation = true}),
                     Catch::Matchers::Contains("the radius of the body was expected"));
   CHECK_THROWS_AS(structure_constant(-1.0), samara::ArgumentError);
+}
+
+TEST_CASE(
+    "the action of a path that turbulence made is 3/2 an interval, whatever the interval, and its "
+    "derivatives are "
+    "those by differences") {
+  const Turbulence energy = {.k = 1.5, .epsilon = dissipation(1.5, 1.0)};
+  const SeenOptions options = {.C_0 = kC0};
+  for (const double h : {0.01, 0.001}) {
+    constexpr Eigen::Index kSteps = 4000;
+    samara::Stream random(23, h < 0.005);
+    TurbulentPath path = {.times = Eigen::VectorXd::LinSpaced(kSteps + 1, 0.0, h * kSteps),
+                          .velocities = Eigen::MatrixX3d(kSteps + 1, 3),
+                          .still = Eigen::RowVector3d(0.0, 0.0, -9.81).replicate(kSteps, 1),
+                          .fluid = Eigen::RowVector3d(2.0, 0.0, 0.0).replicate(kSteps, 1)};
+    path.velocities.row(0) << 2.0, 0.0, -9.81;  // where it falls with T = 1
+    for (Eigen::Index i = 0; i < kSteps; ++i) {
+      for (Eigen::Index j = 0; j < 3; ++j) {
+        const double slip = path.velocities(i, j) - path.fluid(i, j);
+        path.velocities(i + 1, j) = path.velocities(i, j) + (path.still(i, j) - slip) * h +
+                                    std::sqrt(kC0 * energy.epsilon * h) * random.normal();
+      }
+    }
+    const TurbulentAction action = turbulent_action(path, {energy}, options);
+    CHECK_THAT(action.value / kSteps, WithinAbs(1.5, 4.0 * std::sqrt(1.5 / kSteps)));
+    // Without the pull of the fluid, or with another fall, the same path is less likely.
+    TurbulentPath other = path;
+    other.still.col(2).setZero();
+    CHECK(turbulent_action(other, {energy}, options).value > action.value + 20.0 * h);
+    // Quadratic: central differences are exact but for rounding.
+    for (const Eigen::Index i : {Eigen::Index{0}, kSteps / 2}) {
+      TurbulentPath above = path, below = path;
+      above.still(i, 1) += 1.0;
+      below.still(i, 1) -= 1.0;
+      const double slope = 0.5 * (turbulent_action(above, {energy}, options).value -
+                                  turbulent_action(below, {energy}, options).value);
+      CHECK_THAT(action.by_still(i, 1), WithinAbs(slope, 1e-8));
+    }
+  }
+  // What a planner pays for an acceleration that it holds is that of a path with it, and without other noise.
+  TurbulentPath held = {.times = Eigen::Vector2d(0.0, 0.25),
+                        .velocities = Eigen::MatrixX3d::Zero(2, 3),
+                        .still = Eigen::MatrixX3d::Zero(1, 3),
+                        .fluid = {}};
+  held.velocities.row(1) << 0.5, 0.25, 0.0;
+  CHECK_THAT(turbulent_action({2.0, 1.0, 0.0}, 0.25, energy, options),
+             WithinRel(turbulent_action(held, {energy}, options).value, 1e-14));
+  CHECK_THROWS_WITH(turbulent_action({1.0, 0.0, 0.0}, 0.1, {}, options),
+                    Catch::Matchers::Contains("k of the turbulence"));
+  held.times[1] = 0.0;
+  CHECK_THROWS_WITH(turbulent_action(held, {energy}, options),
+                    Catch::Matchers::Contains("times that increase"));
 }

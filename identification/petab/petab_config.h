@@ -1,0 +1,23 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "samara/identification/petab/petab_problem.h"
+#include "samara/models/trajectories/interval.h"
+
+/// Internal to identification/: what PEtab tables say, as the config of a fit.
+namespace samara::identification {
+
+struct PetabSettings {
+  std::map<std::string, double> held = {};  ///< coordinates, SI
+  std::map<std::string, models::Interval> known =
+      {};                                    ///< of each capture, by labels of their names; where they lie
+  std::map<std::string, double> noise = {};  ///< of outputs; where it is estimated, where that begins
+  std::map<std::string, std::string> estimated_noise = {};  ///< output -> parameter
+};
+
+/// TOML.
+std::string petab_config(const PetabProblem& problem, const PetabSettings& settings);
+
+}  // namespace samara::identification

@@ -1,0 +1,410 @@
+#include "samara/identification/petab/petab_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/names.h"
+#include "samara/base/text.h"
+#include "samara/identification/petab/petab_cells.h"
+#include "samara/identification/petab/petab_config.h"
+
+namespace samara::identification {
+
+namespace {
+
+using io::DelimitedTable;
+
+/// Everything that is known while the tables are read, one after the other.
+class PetabTables {
+ public:
+  PetabTables(PetabFile file, const ConfigNames& names) : names_(names) { problem_.file = std::move(file); }
+
+  PetabProblem read(const std::vector<std::string>& free) {
+    read_parameters(problem_.file.parameters.front());
+    for (const auto& path : problem_.file.observables) read_observables(path);
+    for (const auto& path : problem_.file.measurements) read_measurements(path);
+    for (const auto& path : problem_.file.conditions) read_conditions(path);
+    for (const auto& [condition, captures] : captures_of_) {
+      if (!conditions_.contains(condition))
+        throw InputError(problem_.file.conditions.front().string(),
+                         fmt::format("there is no condition {}", in_quotes(condition)));
+    }
+    bind_conditions();
+    bind_parameters();
+    for (const std::string& name : free) {
+      if (!settings_.held.contains(name) && !settings_.known.contains(name) && !is_bound(name))
+        throw InputError(
+            problem_.file.parameters.front().string(),
+            fmt::format("nothing is said of \"{}\", which is free in the codebook; a row for it was expected",
+                        name));
+    }
+    problem_.config = petab_config(problem_, settings_);
+    return std::move(problem_);
+  }
+
+ private:
+  struct Cell {
+    std::string text;
+    int line;
+  };
+
+  void read_parameters(const std::filesystem::path& path) {
+    const DelimitedTable table = read_tsv(path, {"parameterId", "estimate"});
+    const auto ids = table.texts("parameterId"), estimates = table.texts("estimate");
+    const auto scales = cells_or_empty(table, "parameterScale"),
+               nominal = cells_or_empty(table, "nominalValue");
+    const auto lower = cells_or_empty(table, "lowerBound"), upper = cells_or_empty(table, "upperBound");
+    const auto priors = cells_or_empty(table, "objectivePriorType"),
+               numbers = cells_or_empty(table, "objectivePriorParameters");
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+      PetabParameter p{
+          .id = ids[row], .scale = scales[row], .prior = priors[row], .line = table.line_of_row(row)};
+      if (p.id.empty() || find(p.id) != nullptr)
+        throw table.error(
+            row, fmt::format("the parameter {} stands there twice, or has no name", in_quotes(p.id)));
+      require_word(table, row, "parameterScale", p.scale, {"lin", "log", "log10"});
+      if (estimates[row] != "0" && estimates[row] != "1")
+        throw table.error(row, fmt::format("estimate is {}; 0 or 1 was expected", in_quotes(estimates[row])));
+      p.estimated = estimates[row] == "1";
+      if (!nominal[row].empty()) p.nominal = numeric(table, row, "nominalValue", nominal[row]);
+      if (p.estimated) {
+        p.lower = numeric(table, row, "lowerBound", lower[row]);
+        p.upper = numeric(table, row, "upperBound", upper[row]);
+        if (!(p.lower < p.upper))
+          throw table.error(
+              row, fmt::format("the bounds are {} and {}; lower < upper was expected", p.lower, p.upper));
+        if (p.nominal && !(*p.nominal >= p.lower && *p.nominal <= p.upper))
+          throw table.error(row, fmt::format("nominalValue {} lies outside the bounds", *p.nominal));
+        read_prior(table, row, numbers[row], p);
+      } else if (!p.nominal) {
+        throw table.error(row, fmt::format("{} is not estimated, and has no nominalValue", in_quotes(p.id)));
+      }
+      problem_.parameters.push_back(std::move(p));
+    }
+  }
+
+  static double numeric(const DelimitedTable& table, std::size_t row, const std::string& column,
+                        const std::string& cell) {
+    if (const auto number = number_in(cell)) return *number;
+    throw table.error(row, fmt::format("{} is {}; a finite number was expected", column, in_quotes(cell)));
+  }
+
+  static void read_prior(const DelimitedTable& table, std::size_t row, const std::string& numbers,
+                         PetabParameter& p) {
+    require_word(table, row, "objectivePriorType", p.prior,
+                 {"uniform", "parameterScaleUniform", "normal", "parameterScaleNormal", "logNormal"});
+    const bool is_on_log_scale = p.scale == "log" || p.scale == "log10";
+    if (p.prior.empty() || p.prior == "uniform" || p.prior == "parameterScaleUniform") {
+      p.prior.clear();
+      p.prior_numbers = numbers_in(table, row, numbers);
+      // Where a uniform prior is narrower than the bounds, it bounds.
+      if (p.prior_numbers.size() != 2 || is_on_log_scale) return;
+      p.lower = std::max(p.lower, p.prior_numbers[0]);
+      p.upper = std::min(p.upper, p.prior_numbers[1]);
+      if (!(p.lower < p.upper))
+        throw table.error(row, "the uniform prior and the bounds have nothing in common");
+      return;
+    }
+    p.prior_numbers = numbers_in(table, row, numbers);
+    if (p.prior_numbers.size() != 2 || !(p.prior_numbers[1] > 0.0))
+      throw table.error(row, "objectivePriorParameters are not a mean and a standard deviation above 0");
+    if (p.prior == "parameterScaleNormal") {
+      if (p.scale == "log10")
+        for (double& number : p.prior_numbers) number *= std::log(10.0);
+      p.prior = is_on_log_scale ? "logNormal" : "normal";
+    }
+  }
+
+  void read_observables(const std::filesystem::path& path) {
+    const DelimitedTable table = read_tsv(path, {"observableId", "observableFormula", "noiseFormula"});
+    const auto ids = table.texts("observableId"), formulas = table.texts("observableFormula"),
+               noises = table.texts("noiseFormula");
+    const auto transformations = cells_or_empty(table, "observableTransformation"),
+               distributions = cells_or_empty(table, "noiseDistribution");
+    std::vector<std::string> outputs;
+    for (const auto& [name, unit] : names_.outputs) outputs.push_back(name);
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+      const std::string& id = ids[row];
+      require_word(table, row, "observableTransformation", transformations[row], {"lin"});
+      require_word(table, row, "noiseDistribution", distributions[row], {"normal"});
+      if (!names_.outputs.contains(formulas[row]))
+        throw table.error(
+            row, fmt::format("the observable {} is {}; the name of one output was expected{}", in_quotes(id),
+                             in_quotes(formulas[row]), suggestion(formulas[row], outputs)));
+      if (output_of_.contains(id) || problem_.observables.contains(formulas[row]))
+        throw table.error(row, fmt::format("the observable {} stands there twice, or the output {} has two",
+                                           in_quotes(id), in_quotes(formulas[row])));
+      output_of_[id] = formulas[row];
+      noise_formula_[id] = {noises[row], table.line_of_row(row)};
+      problem_.observables[formulas[row]] = id;
+    }
+  }
+
+  /// The noise of an observable: a level in a measurement's cell, where its formula asks for that; else its formula.
+  void take_noise(const DelimitedTable& table, std::size_t row, const std::string& id,
+                  const std::string& cell) {
+    const std::string& formula = noise_formula_.at(id).text;
+    const bool from_measurement = formula == fmt::format("noiseParameter1_{}", id);
+    const std::string& text = from_measurement ? cell : formula;
+    if (!from_measurement && !cell.empty())
+      throw table.error(row, fmt::format("noiseParameters are {}, but noiseFormula of {} is {}",
+                                         in_quotes(cell), in_quotes(id), in_quotes(formula)));
+    PetabParameter* const parameter = find(text);
+    const std::optional<double> number = parameter != nullptr ? parameter->nominal : number_in(text);
+    if (parameter == nullptr && !number)
+      throw table.error(row, fmt::format("the noise of {} is {}; a number or a parameter was expected",
+                                         in_quotes(id), in_quotes(text)));
+    if (number && !(*number > 0.0))
+      throw table.error(
+          row, fmt::format("the noise of {} is {}; more than 0 was expected", in_quotes(id), *number));
+    const std::string& output = output_of_.at(id);
+    const auto [known, is_new] = noise_text_.emplace(id, text);
+    if (known->second != text)
+      throw table.error(row, fmt::format("the noise of {} is {} here and {} before; one level was expected",
+                                         in_quotes(id), in_quotes(text), in_quotes(known->second)));
+    if (!is_new) return;
+    if (number) settings_.noise[output] = *number;
+    if (parameter == nullptr) return;
+    if (parameter->estimated) settings_.estimated_noise[output] = parameter->id;
+    parameter->noise_of = output;
+  }
+
+  void read_measurements(const std::filesystem::path& path) {
+    const DelimitedTable table =
+        read_tsv(path, {"observableId", "simulationConditionId", "measurement", "time"});
+    const auto observables = table.texts("observableId"), conditions = table.texts("simulationConditionId");
+    const auto before = cells_or_empty(table, "preequilibrationConditionId"),
+               parameters = cells_or_empty(table, "observableParameters"),
+               noises = cells_or_empty(table, "noiseParameters"),
+               replicates = cells_or_empty(table, "replicateId");
+    const Eigen::VectorXd values = table.numbers("measurement"), times = table.numbers("time");
+    using Rows = std::map<double, std::map<std::string, double>>;  // by time and output
+    std::map<std::pair<std::string, std::string>, std::vector<Rows>> series;
+    std::vector<std::pair<std::string, std::string>> order;
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+      const auto at = static_cast<Eigen::Index>(row);
+      if (!output_of_.contains(observables[row]))
+        throw table.error(row, fmt::format("there is no observable {}", in_quotes(observables[row])));
+      if (!before[row].empty())
+        throw table.error(row, "preequilibration is not understood: fits begin at time 0");
+      if (!parameters[row].empty())
+        throw table.error(row,
+                          "observableParameters are not understood: an observable is an output as it is");
+      if (!(times[at] >= 0.0))
+        throw table.error(row, fmt::format("the time is {}; 0 or more was expected", times[at]));
+      take_noise(table, row, observables[row], noises[row]);
+      if (std::isnan(values[at])) continue;
+      const std::pair key{conditions[row], replicates[row]};
+      if (!series.contains(key)) order.push_back(key);
+      std::vector<Rows>& repeated = series[key];
+      const std::string& output = output_of_.at(observables[row]);
+      // A measurement that stands again at the same time is of another replicate.
+      const auto place = std::ranges::find_if(repeated, [&](const Rows& rows) {
+        const auto frame = rows.find(times[at]);
+        return frame == rows.end() || !frame->second.contains(output);
+      });
+      (place == repeated.end() ? repeated.emplace_back() : *place)[times[at]][output] = values[at];
+    }
+    for (const auto& key : order)
+      for (const Rows& rows : series.at(key)) add_capture(path, key.first, rows);
+  }
+
+  void add_capture(const std::filesystem::path& path, const std::string& condition,
+                   const std::map<double, std::map<std::string, double>>& rows) {
+    Capture capture;
+    const std::size_t number = captures_of_[condition].size();
+    capture.id = number == 0 ? condition : fmt::format("{} ({})", condition, number + 1);
+    capture.file = path.string();
+    capture.labels[kPetabCondition] = condition;
+    capture.times.resize(std::ssize(rows));
+    std::map<std::string, Eigen::VectorXd> columns;
+    Eigen::Index frame = 0;
+    for (const auto& [time, values] : rows) {
+      capture.times[frame] = time;
+      for (const auto& [output, value] : values) {
+        auto& column = columns.try_emplace(output, Eigen::VectorXd::Constant(std::ssize(rows), std::nan("")))
+                           .first->second;
+        column[frame] = value;
+      }
+      ++frame;
+    }
+    // Every capture has every output: one that was not seen is missing throughout.
+    for (const auto& [output, id] : problem_.observables) {
+      const auto column = columns.find(output);
+      capture.channels.push_back({output, names_.outputs.at(output),
+                                  column == columns.end()
+                                      ? Eigen::VectorXd::Constant(std::ssize(rows), std::nan(""))
+                                      : column->second});
+    }
+    captures_of_[condition].push_back(problem_.captures.size());
+    problem_.captures.push_back(std::move(capture));
+  }
+
+  void read_conditions(const std::filesystem::path& path) {
+    const DelimitedTable table = read_tsv(path, {"conditionId"});
+    const auto ids = table.texts("conditionId");
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+      if (!conditions_.insert(ids[row]).second)
+        throw table.error(row, fmt::format("the condition {} stands there twice", in_quotes(ids[row])));
+    }
+    for (const std::string& column : table.header()) {
+      if (column == "conditionId" || column == "conditionName") continue;
+      const std::string name = coordinate_named(column);
+      if (name.empty())
+        throw InputError(table.file(), table.line_of_header(),
+                         fmt::format("the column {} is no parameter of the model, and none of its states",
+                                     in_quotes(column)));
+      const auto cells = table.texts(column);
+      for (std::size_t row = 0; row < table.rows(); ++row)
+        set_in_conditions_[name][ids[row]] = {cells[row], table.line_of_row(row)};
+    }
+  }
+
+  /// A parameter by its name, a state by its initial value; empty if there is none.
+  std::string coordinate_named(const std::string& id) const {
+    if (names_.coordinates.contains(id)) return id;
+    if (names_.coordinates.contains(id + "(0)")) return id + "(0)";
+    if (id.ends_with("_0") && names_.coordinates.contains(id.substr(0, id.size() - 2) + "(0)"))
+      return id.substr(0, id.size() - 2) + "(0)";
+    return "";
+  }
+
+  /// What conditions set, for those that were measured: held alike in all, known of each, or estimated.
+  void bind_conditions() {
+    for (const auto& [name, cells] : set_in_conditions_) {
+      std::map<std::string, double> numbers;
+      std::map<std::string, PetabParameter*> estimated;
+      int line = 0;
+      for (const auto& [condition, captures] : captures_of_) {
+        const auto cell = cells.find(condition);
+        if (cell == cells.end() || cell->second.text.empty()) continue;
+        line = cell->second.line;
+        PetabParameter* const parameter = find(cell->second.text);
+        const auto number =
+            parameter != nullptr && !parameter->estimated ? parameter->nominal : number_in(cell->second.text);
+        if (number) {
+          numbers[condition] = *number;
+        } else if (parameter != nullptr) {
+          estimated[condition] = parameter;
+        } else {
+          throw condition_error(line, fmt::format("{} is {}; a number or a parameter was expected", name,
+                                                  in_quotes(cell->second.text)));
+        }
+      }
+      if (numbers.empty() && estimated.empty()) continue;
+      if (std::max(numbers.size(), estimated.size()) < captures_of_.size())
+        throw condition_error(
+            line,
+            fmt::format("{} is a number in some conditions, and estimated or not told of in others", name));
+      numbers.empty() ? bind_estimated(name, estimated, line) : bind_numbers(name, numbers);
+    }
+  }
+
+  InputError condition_error(int line, const std::string& sentence) const {
+    return InputError(problem_.file.conditions.front().string(), line, sentence);
+  }
+
+  void bind_numbers(const std::string& name, const std::map<std::string, double>& numbers) {
+    const double first = numbers.begin()->second;
+    if (std::ranges::all_of(numbers, [&](const auto& entry) { return entry.second == first; })) {
+      settings_.held[name] = first;
+      return;
+    }
+    auto& interval = settings_.known[name];
+    interval = {first, first};
+    for (const auto& [condition, value] : numbers) {
+      interval.lower = std::min(interval.lower, value);
+      interval.upper = std::max(interval.upper, value);
+      for (const std::size_t capture : captures_of_.at(condition))
+        problem_.captures[capture].labels[name] = fmt::format("{}", value);
+    }
+  }
+
+  void bind_estimated(const std::string& name, const std::map<std::string, PetabParameter*>& estimated,
+                      int line) {
+    PetabParameter* const first = estimated.begin()->second;
+    if (std::ranges::all_of(estimated, [&](const auto& entry) { return entry.second == first; }))
+      return bind(*first, name, "");
+    std::set<PetabParameter*> all;
+    for (const auto& [condition, parameter] : estimated) {
+      const bool is_alone = all.insert(parameter).second && captures_of_.at(condition).size() == 1;
+      if (!is_alone)
+        throw condition_error(
+            line, fmt::format("{} has a value of its own in each condition, but {} is of several captures",
+                              name, in_quotes(parameter->id)));
+      if (parameter->lower != first->lower || parameter->upper != first->upper ||
+          parameter->prior != first->prior || parameter->prior_numbers != first->prior_numbers)
+        throw condition_error(
+            line, fmt::format("{} is {} and {} in different conditions: bounds and priors that are the "
+                              "same were expected",
+                              name, in_quotes(first->id), in_quotes(parameter->id)));
+      bind(*parameter, name, condition);
+    }
+  }
+
+  void bind(PetabParameter& parameter, const std::string& name, const std::string& condition) {
+    if (!parameter.coordinate.empty())
+      throw InputError(problem_.file.parameters.front().string(), parameter.line,
+                       fmt::format("{} stands for {} and for {}; one was expected", in_quotes(parameter.id),
+                                   parameter.coordinate, name));
+    parameter.coordinate = name;
+    parameter.condition = condition;
+  }
+
+  bool is_bound(const std::string& name) const {
+    return std::ranges::count(problem_.parameters, name, &PetabParameter::coordinate) > 0;
+  }
+
+  /// Parameters that no condition and no noise took, by their own names.
+  void bind_parameters() {
+    std::vector<std::string> known;
+    for (const auto& [name, unit] : names_.coordinates) known.push_back(name);
+    for (PetabParameter& p : problem_.parameters) {
+      if (!p.coordinate.empty() || !p.noise_of.empty() || is_in_a_condition(p.id)) continue;
+      const std::string name = coordinate_named(p.id);
+      if (name.empty() || set_in_conditions_.contains(name) || is_bound(name))
+        throw InputError(problem_.file.parameters.front().string(), p.line,
+                         name.empty() ? fmt::format("{} is no parameter of the model, and no initial value{}",
+                                                    in_quotes(p.id), suggestion(p.id, known))
+                                      : fmt::format("{} is told of twice: once was expected", name));
+      if (p.estimated) {
+        p.coordinate = name;
+      } else {
+        settings_.held[name] = *p.nominal;
+      }
+    }
+  }
+
+  bool is_in_a_condition(const std::string& id) const {
+    return std::ranges::any_of(set_in_conditions_, [&](const auto& column) {
+      return std::ranges::any_of(column.second, [&](const auto& cell) { return cell.second.text == id; });
+    });
+  }
+
+  PetabParameter* find(const std::string& id) {
+    const auto found = std::ranges::find(problem_.parameters, id, &PetabParameter::id);
+    return found == problem_.parameters.end() ? nullptr : &*found;
+  }
+
+  const ConfigNames& names_;
+  PetabProblem problem_;
+  PetabSettings settings_;
+  std::map<std::string, std::string> output_of_, noise_text_;  ///< by observable
+  std::map<std::string, Cell> noise_formula_;
+  std::map<std::string, std::vector<std::size_t>> captures_of_;  ///< of measured conditions
+  std::set<std::string> conditions_;
+  std::map<std::string, std::map<std::string, Cell>> set_in_conditions_;  ///< coordinate, condition
+};
+
+}  // namespace
+
+PetabProblem read_petab(const std::filesystem::path& path, const ConfigNames& names,
+                        const std::vector<std::string>& free) {
+  return PetabTables(read_petab_file(path), names).read(free);
+}
+
+}  // namespace samara::identification

@@ -1,0 +1,101 @@
+#include "samara/motion/database/database_report.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace samara::motion {
+
+namespace {
+
+constexpr int kKindCount = static_cast<int>(kEventKinds);
+
+std::array<int, kEventKinds> kind_counts(const MotionDatabase& database) {
+  std::array<int, kEventKinds> counts = {};
+  for (const MotionSegment& segment : database.segments) ++counts[static_cast<std::size_t>(segment.kind)];
+  return counts;
+}
+
+double median_duration_of(const MotionDatabase& database) {
+  std::vector<double> durations;
+  for (const MotionSegment& segment : database.segments) durations.push_back(segment.duration);
+  const auto middle = durations.begin() + static_cast<std::ptrdiff_t>(durations.size() / 2);
+  std::ranges::nth_element(durations, middle);
+  return *middle;
+}
+
+std::string chain_text(const MotionDatabase& database, const OrderChoice& choice) {
+  if (choice.scores.empty()) return "too few runs are long enough to select the order of a chain\n";
+  std::string text =
+      fmt::format("chain of order {} (log-likelihood an event in {} runs left out, by order:", choice.order,
+                  choice.held_out_runs);
+  for (const OrderScore& score : choice.scores) text += fmt::format(" {:.3f}", score.log_likelihood);
+  text += ")\nwhat follows what, first order, with 95 % intervals\n";
+  const Eigen::MatrixXd counts = MarkovChain::fitted(database.kind_sequences(), kKindCount, 1).counts();
+  for (int i = 0; i < kKindCount; ++i) {
+    text += fmt::format("  {:<7}", event_kind_names()[static_cast<std::size_t>(i)]);
+    for (int j = 0; j < kKindCount; ++j) {
+      const Chance chance = dirichlet_chance(counts(i, j), counts.row(i).sum(), kKindCount);
+      text += fmt::format("  {} {:.2f} ({:.2f} to {:.2f})", event_kind_names()[static_cast<std::size_t>(j)],
+                          chance.probability, chance.lower, chance.upper);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string database_text(const MotionDatabase& database, const MotionGraph& graph, const KindChain& kinds) {
+  std::string text = fmt::format("{} segments of {} runs, {:.4g} s in the median:", database.segment_count(),
+                                 database.runs.size(), median_duration_of(database));
+  const auto kinds_seen = kind_counts(database);
+  for (std::size_t k = 0; k < kEventKinds; ++k)
+    text += fmt::format(" {} {}", kinds_seen[k], event_kind_names()[k]);
+  text += "\nthreshold  share in the largest component    edges\n";
+  for (const ThresholdPoint& point : graph.curve) {
+    text += fmt::format("{:9.4g}  {:30.3f}  {:>7}{}\n", point.threshold, point.share, point.edges,
+                        point.threshold == graph.threshold ? "  chosen" : "");
+  }
+  text += fmt::format("{} segments are kept, {} pruned\n", graph.kept, graph.pruned);
+  return text + chain_text(database, kinds.choice);
+}
+
+std::string database_json(const MotionDatabase& database, const MotionGraph& graph, const KindChain& kinds) {
+  nlohmann::ordered_json object = {{"schema", "samara-motions/1"},
+                                   {"model", database.model},
+                                   {"coefficients", database.coefficient_names},
+                                   {"runs", database.runs.size()},
+                                   {"segments", database.segment_count()},
+                                   {"median_duration", median_duration_of(database)}};
+  const auto kinds_seen = kind_counts(database);
+  for (std::size_t k = 0; k < kEventKinds; ++k) object["kinds"][event_kind_names()[k]] = kinds_seen[k];
+  object["threshold"] = graph.threshold;
+  object["threshold_curve"] = nlohmann::ordered_json::array();
+  for (const ThresholdPoint& point : graph.curve)
+    object["threshold_curve"].push_back(
+        {{"threshold", point.threshold}, {"share", point.share}, {"edges", point.edges}});
+  object["kept"] = graph.kept;
+  object["pruned"] = graph.pruned;
+  object["chain"] = {{"order", kinds.choice.order}, {"scores", nlohmann::ordered_json::array()}};
+  for (const OrderScore& score : kinds.choice.scores) {
+    object["chain"]["scores"].push_back(
+        {{"order", score.order}, {"log_likelihood", score.log_likelihood}, {"error", score.error}});
+  }
+  object["chain"]["first_order"] = nlohmann::ordered_json::array();
+  const Eigen::MatrixXd counts = MarkovChain::fitted(database.kind_sequences(), kKindCount, 1).counts();
+  for (int i = 0; i < kKindCount; ++i) {
+    for (int j = 0; j < kKindCount; ++j) {
+      const Chance chance = dirichlet_chance(counts(i, j), counts.row(i).sum(), kKindCount);
+      object["chain"]["first_order"].push_back({{"from", event_kind_names()[static_cast<std::size_t>(i)]},
+                                                {"to", event_kind_names()[static_cast<std::size_t>(j)]},
+                                                {"probability", chance.probability},
+                                                {"interval", {chance.lower, chance.upper}}});
+    }
+  }
+  return object.dump(2) + "\n";
+}
+
+}  // namespace samara::motion

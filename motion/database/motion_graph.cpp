@@ -1,0 +1,202 @@
+#include "samara/motion/database/motion_graph.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/parallel.h"
+#include "samara/motion/database/segment_tree.h"
+
+namespace samara::motion {
+
+namespace {
+
+constexpr int kMostEdges = 24;
+
+/// Edges of one node below the last threshold, by distance.
+std::vector<GraphEdge> edges_from(const MotionDatabase& database, const SegmentTree& tree,
+                                  const GraphOptions& options, Eigen::Index n) {
+  std::vector<GraphEdge> edges;
+  const Eigen::Index next = database.next_of(n);
+  if (next >= 0) edges.push_back({n, next, 0.0});
+  const Eigen::VectorXd state = database.ends.row(n);
+  std::array<NearSegment, SegmentTree::kMost> found;
+  // Of its own run there may be so many that are none.
+  const auto wanted = static_cast<std::size_t>(options.most_edges + 2 * options.apart + 1);
+  const std::size_t count = tree.nearest({state.data(), static_cast<std::size_t>(state.size())},
+                                         std::span(found).first(std::min(wanted, found.size())));
+  int taken = 0;
+  for (std::size_t k = 0; k < count && taken < options.most_edges; ++k) {
+    const auto [other, distance] = found[k];
+    const bool same_run = database.segments[static_cast<std::size_t>(other)].run ==
+                          database.segments[static_cast<std::size_t>(n)].run;
+    if (same_run && std::abs(other - n) <= options.apart) continue;
+    if (distance >= options.thresholds.back()) break;
+    edges.push_back({n, other, distance});
+    ++taken;
+  }
+  return edges;
+}
+
+/// All of them, by node.
+std::vector<GraphEdge> near_edges(const MotionDatabase& database, const GraphOptions& options) {
+  const SegmentTree tree(database);
+  std::vector<std::vector<GraphEdge>> of_nodes(database.segments.size());
+  parallel_for(database.segment_count(), [&](Eigen::Index n) {
+    of_nodes[static_cast<std::size_t>(n)] = edges_from(database, tree, options, n);
+  });
+  std::vector<GraphEdge> edges;
+  for (const auto& some : of_nodes) edges.insert(edges.end(), some.begin(), some.end());
+  return edges;
+}
+
+struct Links {
+  std::vector<Eigen::Index> first, to;
+};
+
+Links links_of(const std::vector<GraphEdge>& edges, Eigen::Index nodes) {
+  Links links;
+  links.first.assign(static_cast<std::size_t>(nodes) + 1, 0);
+  for (const GraphEdge& edge : edges) {
+    ++links.first[static_cast<std::size_t>(edge.from) + 1];
+    links.to.push_back(edge.to);
+  }
+  std::partial_sum(links.first.begin(), links.first.end(), links.first.begin());
+  return links;
+}
+
+/// Tarjan's walk with its own stack.
+class ComponentWalk {
+ public:
+  ComponentWalk(const std::vector<Eigen::Index>& first, const std::vector<Eigen::Index>& to)
+      : first_(first),
+        to_(to),
+        index_(first.size() - 1, kNew),
+        low_(index_.size(), 0),
+        next_(index_.size(), 0) {
+    component.assign(index_.size(), kNew);
+    for (std::size_t root = 0; root < index_.size(); ++root) {
+      if (index_[root] == kNew) walk(root);
+    }
+  }
+
+  std::vector<int> component;
+  int count = 0;
+
+ private:
+  static constexpr int kNew = -1;
+
+  void enter(std::size_t node) {
+    index_[node] = low_[node] = visited_++;
+    next_[node] = first_[node];
+    open_.push_back(node);
+    path_.push_back(node);
+  }
+
+  void walk(std::size_t root) {
+    enter(root);
+    while (!path_.empty()) {
+      const std::size_t node = path_.back();
+      if (next_[node] < first_[node + 1]) {
+        const auto other = static_cast<std::size_t>(to_[static_cast<std::size_t>(next_[node]++)]);
+        if (index_[other] == kNew) {
+          enter(other);
+        } else if (component[other] == kNew) {
+          low_[node] = std::min(low_[node], index_[other]);
+        }
+        continue;
+      }
+      path_.pop_back();
+      if (!path_.empty()) low_[path_.back()] = std::min(low_[path_.back()], low_[node]);
+      if (low_[node] == index_[node]) close(node);
+    }
+  }
+
+  void close(std::size_t root) {
+    for (std::size_t node = open_.size();;) {
+      node = open_.back();
+      open_.pop_back();
+      component[node] = count;
+      if (node == root) break;
+    }
+    ++count;
+  }
+
+  const std::vector<Eigen::Index>&first_, &to_;
+  std::vector<int> index_, low_;
+  std::vector<Eigen::Index> next_;
+  std::vector<std::size_t> open_, path_;
+  int visited_ = 0;
+};
+
+void check_graph_options(const GraphOptions& options) {
+  double before = 0.0;
+  for (const double threshold : options.thresholds) {
+    if (!(threshold > before) || !std::isfinite(threshold))
+      throw ArgumentError(fmt::format("a threshold is {} after {}, expected them to increase from above 0",
+                                      threshold, before));
+    before = threshold;
+  }
+  if (options.thresholds.empty()) throw ArgumentError("there is no threshold, expected one or more");
+  if (options.apart < 0 || options.apart > 3)
+    throw ArgumentError(
+        fmt::format("segments {} apart were to be no neighbours, expected 0 to 3", options.apart));
+  if (options.most_edges < 1 || options.most_edges > kMostEdges)
+    throw ArgumentError(
+        fmt::format("{} edges of a node were asked for, expected 1 to {}", options.most_edges, kMostEdges));
+}
+
+}  // namespace
+
+std::vector<int> strong_components(const std::vector<Eigen::Index>& first_edge,
+                                   const std::vector<Eigen::Index>& to) {
+  const ComponentWalk walk(first_edge, to);
+  std::vector<int> sizes(static_cast<std::size_t>(walk.count), 0), order(sizes.size()), rank(sizes.size());
+  for (const int c : walk.component) ++sizes[static_cast<std::size_t>(c)];
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, std::greater(), [&](int c) { return sizes[static_cast<std::size_t>(c)]; });
+  for (std::size_t k = 0; k < order.size(); ++k)
+    rank[static_cast<std::size_t>(order[k])] = static_cast<int>(k);
+  std::vector<int> component = walk.component;
+  for (int& c : component) c = rank[static_cast<std::size_t>(c)];
+  return component;
+}
+
+MotionGraph motion_graph(const MotionDatabase& database, const GraphOptions& options) {
+  check_graph_options(options);
+  const std::vector<GraphEdge> all = near_edges(database, options);
+  const Eigen::Index nodes = database.segment_count();
+  const auto below = [&](double threshold) {
+    std::vector<GraphEdge> edges;
+    std::ranges::copy_if(all, std::back_inserter(edges),
+                         [&](const GraphEdge& e) { return e.distance < threshold; });
+    return edges;
+  };
+  MotionGraph graph;
+  double most = 0.0;
+  for (const double threshold : options.thresholds) {
+    const std::vector<GraphEdge> edges = below(threshold);
+    const Links links = links_of(edges, nodes);
+    const std::vector<int> component = strong_components(links.first, links.to);
+    const double share = static_cast<double>(std::ranges::count(component, 0)) / static_cast<double>(nodes);
+    graph.curve.push_back({threshold, share, static_cast<Eigen::Index>(edges.size())});
+    most = std::max(most, share);
+  }
+  const auto chosen = std::ranges::find_if(graph.curve, [&](const ThresholdPoint& point) {
+    return point.share >= (1.0 - options.plateau) * most;
+  });
+  graph.threshold = chosen->threshold;
+  graph.edges = below(graph.threshold);
+  const Links links = links_of(graph.edges, nodes);
+  graph.first_edge = links.first;
+  graph.component = strong_components(links.first, links.to);
+  graph.kept = std::ranges::count(graph.component, 0);
+  graph.pruned = nodes - graph.kept;
+  return graph;
+}
+
+}  // namespace samara::motion

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+/// The nearest of many points, by a k-d tree (nanoflann).
+namespace samara::motion {
+
+class NearPoints {
+ public:
+  /// Most points that are asked for at once.
+  static constexpr std::size_t kMost = 128;
+
+  /// @param points a point a row, all finite. @throws ArgumentError otherwise
+  explicit NearPoints(const Eigen::Ref<const Eigen::MatrixXd>& points);
+  ~NearPoints();
+  NearPoints(NearPoints&&) noexcept;
+  NearPoints& operator=(NearPoints&&) noexcept;
+
+  Eigen::Index size() const;
+
+  /// The nearest ones, the nearest first.
+  /// @param found, squares as many as are wanted, kMost at most: numbers of points, squares of their distances
+  /// @param slack what is found may be farther than the nearest by this share of its distance, and takes less time
+  /// @returns how many there are
+  /// In 5 and 9 dimensions it does not allocate.
+  std::size_t nearest(std::span<const double> place, std::span<Eigen::Index> found, std::span<double> squares,
+                      double slack = 0.0) const;
+
+  /// All at a squared distance below `square`, in any order.
+  std::vector<Eigen::Index> within(std::span<const double> place, double square) const;
+
+ private:
+  struct Tree;
+  template <int kDimensions>
+  struct TreeOf;
+  std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace samara::motion

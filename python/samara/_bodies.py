@@ -1,0 +1,124 @@
+"""Motions as segments to go on from, and many bodies that fall by them (docs/motion.md)."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import Any, Optional
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core
+from ._building import Path, Progress, Reported
+from ._errors import ArgumentError
+from ._motion import Sweep
+from ._units import Quantity, one_si, real_array, whole
+
+_STATES = ("falling", "landed", "not_finite", "waiting")
+
+
+def _number(value: Any, what: str) -> int:
+    number = whole(value, what)
+    if number is None:
+        raise ArgumentError(f"{what} is None, expected a whole number")
+    return number
+
+
+class Motions:
+    """The falls of a sweep, cut at their events: what ``samara database`` makes.
+
+    ``kinds`` (segments,) "swing-", "swing+", "turn-", "turn+"; ``runs``, ``durations`` [s] (segments,); ``starts``, ``ends``
+    (segments, states), SI, columns as ``states``; ``report``: the curve of thresholds, the chain, as the command prints them.
+    """
+
+    def __init__(self, core: _core.Motions) -> None:
+        self._core = core
+        self.states: list[str] = core.state_names()
+        kinds, runs, self.durations, self.starts, self.ends = core.segments()
+        self.kinds: NDArray[np.str_] = np.array(kinds, dtype=str)
+        self.runs: NDArray[np.int64] = np.array(runs, dtype=np.int64)
+        self.report: dict[str, Any] = json.loads(core.report())
+
+    @staticmethod
+    def open(path: Path) -> Motions:
+        """From the file that ``samara database`` or ``save`` wrote."""
+        return Motions(_core.Motions.open(os.fspath(path)))
+
+    @staticmethod
+    def of(sweep: Sweep, *, threads: int = 0, progress: Progress = True) -> Motions:
+        """Runs the falls of a sweep again and cuts them."""
+        with Reported(progress) as report:
+            return Motions(_core.Motions.of(sweep._core, report, _number(threads, "threads")))
+
+    def save(self, path: Path) -> None:
+        """As HDF5, the format of ``samara database``."""
+        self._core.save(os.fspath(path))
+
+    def __repr__(self) -> str:
+        return f"<samara.Motions: {len(self.kinds)} segments of {self.report['model']}>"
+
+
+class Bodies:
+    """Many bodies at run time, each one solution of the model: at its events its coefficients begin to move to those of a
+    segment that began in a state like its own. They rest on the ground, do not see each other, and cost about a
+    microsecond each and frame.
+
+    ``choice``: next pieces come from the "chain" of kinds, or evenly from the "graph". ``ramp``: time in which coefficients
+    change, a quarter of the median segment by default. ``wind``: a steady velocity (3,), m/s, of models in space.
+    """
+
+    def __init__(
+        self,
+        motions: Motions,
+        count: int,
+        *,
+        choice: str = "chain",
+        step: Optional[Quantity] = None,
+        ramp: Optional[Quantity] = None,
+        ground: Optional[Quantity] = None,
+        wind: Optional[ArrayLike] = None,
+        seed: int = 1,
+    ) -> None:
+        if choice not in ("chain", "graph"):
+            raise ArgumentError(f'choice is {choice!r}, expected "chain" or "graph"')
+        self._core = _core.Bodies.of(
+            motions._core,
+            _number(count, "count"),
+            choice == "graph",
+            0.0 if step is None else one_si(step, "s", "step"),
+            -1.0 if ramp is None else one_si(ramp, "s", "ramp"),
+            None if ground is None else one_si(ground, "m", "ground"),
+            None if wind is None else real_array(wind, "wind"),
+            _number(seed, "seed"),
+        )
+        self.count = count
+
+    def release(self, places: ArrayLike, yaw: ArrayLike = 0.0, bodies: Optional[ArrayLike] = None) -> None:
+        """Lets bodies go, moving as if they had fallen for a while: all, or those of these numbers. ``places`` (3,) or
+        (bodies, 3), m, z up; ``yaw`` about the vertical, rad."""
+        numbers = np.arange(self.count) if bodies is None else np.atleast_1d(np.asarray(bodies, dtype=np.int64))
+        where = np.broadcast_to(real_array(places, "places"), (len(numbers), 3))
+        turned = np.broadcast_to(real_array(yaw, "yaw"), (len(numbers),))
+        for number, place, angle in zip(numbers, where, turned):
+            self._core.release(int(number), place, float(angle))
+
+    def advance(self, dt: Quantity) -> None:
+        """By steps of equal length, at most ``step``."""
+        self._core.advance(one_si(dt, "s", "dt"))
+
+    @property
+    def falling(self) -> int:
+        """Bodies that fall."""
+        return self._core.falling()
+
+    @property
+    def status(self) -> NDArray[np.str_]:
+        """Of each body: "falling", "landed", "not_finite", "waiting"."""
+        return np.array(_STATES)[self._core.states()]
+
+    def poses(
+        self, positions: Optional[NDArray[np.float64]] = None, rotations: Optional[NDArray[np.float64]] = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Places (bodies, 3), m, z up, and quaternions w, x, y, z (bodies, 4), body to world; into the arrays given."""
+        return self._core.poses(positions, rotations)

@@ -1,0 +1,345 @@
+"""Patterns of falling: records, features, labels, sweeps (docs/patterns.md)."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, Optional, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core, _toml
+from ._building import Path, Progress, Reported
+from ._captures import files_and_tables
+from ._errors import ArgumentError
+from ._labels import optional
+from ._models import AnyModel, _info, core_model
+from ._units import Quantity, as_mapping, check_names, one_si, real_array, whole
+
+PATTERNS: tuple[str, ...] = tuple(_core.pattern_names())
+"""In the order of every array that has a column for each."""
+
+
+@dataclass(frozen=True)
+class Feature:
+    """A number that tells how a body falls, with what it means."""
+
+    name: str
+    unit: str
+    meaning: str
+    needs_attitude: bool
+
+
+FEATURES: tuple[Feature, ...] = tuple(Feature(*info) for info in _core.feature_infos())
+
+
+@dataclass(frozen=True)
+class Label:
+    """What the rule calls a motion. ``margin`` is the distance to the nearest threshold that was asked, over it."""
+
+    pattern: str
+    margin: float
+    why: str
+
+
+@dataclass(frozen=True)
+class Window:
+    """Part of a fall with one label, from and to in s; ``windows`` of four swings were merged."""
+
+    begin: float
+    end: float
+    label: Label
+    windows: int
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """One motion, simulated or filmed. World axes, z up.
+
+    :param times: (frames,), s, increasing
+    :param positions: (frames, 3), m
+    :param normals: (frames, 3) unit normals of the plate, or None
+    :param angles: (frames,) of a motion in the plane y = 0: the chord above the horizontal, unwrapped, rad; or None
+    :param length: largest full length of the body, m; 0: not known
+    :param left_out: frames that were not seen
+    :param position_noise: deviation of a frame's noise, m; None: found from the frames. ``angle_noise`` likewise, rad
+    """
+
+    times: NDArray[np.float64]
+    positions: NDArray[np.float64]
+    normals: Optional[NDArray[np.float64]] = None
+    angles: Optional[NDArray[np.float64]] = None
+    length: float = 0.0
+    name: str = "record"
+    left_out: int = 0
+    position_noise: Optional[float] = None
+    angle_noise: Optional[float] = None
+
+    def __post_init__(self) -> None:
+        frames = np.shape(self.times)
+        if len(frames) != 1:
+            raise ArgumentError(f"times have the shape {frames}, expected (frames,)")
+        for what, shape in (("times", frames), ("positions", (*frames, 3)), ("normals", (*frames, 3)), ("angles", frames)):
+            given = getattr(self, what)
+            if given is None and what in ("normals", "angles"):
+                continue
+            array = real_array(given, what)
+            if array.shape != shape:
+                raise ArgumentError(f"{what} have the shape {array.shape}, expected {shape}")
+            object.__setattr__(self, what, array)
+
+    def features(self, settle: float = 0.5) -> dict[str, float]:
+        """By name (``samara.FEATURES``); NaN where one is not known. ``settle``: share left out at the beginning."""
+        numbers, *_ = _core.record_features(vars(self), settle, {})
+        return dict(zip((f.name for f in FEATURES), map(float, numbers)))
+
+    def label(self, settle: float = 0.5, thresholds: Optional[Mapping[str, float]] = None) -> Label:
+        """What the rule calls the whole of it."""
+        _, pattern, margin, why = _core.record_features(vars(self), settle, _thresholds(thresholds))
+        return Label(pattern, margin, why)
+
+    def windows(
+        self, swings: float = 4.0, overlap: float = 0.5, thresholds: Optional[Mapping[str, float]] = None
+    ) -> list[Window]:
+        """As a sequence of patterns: windows of some swings that overlap by a share, equal neighbours merged."""
+        found = _core.record_windows(vars(self), swings, overlap, _thresholds(thresholds))
+        return [Window(a, b, Label(pattern, margin, why), count) for a, b, pattern, margin, why, count in found]
+
+    @property
+    def frame(self) -> Any:
+        """A DataFrame with a row for each frame: t, x, y, z, and n_x, n_y, n_z or theta where they are known."""
+        columns = {"t": self.times, **dict(zip("xyz", self.positions.T))}
+        if self.normals is not None:
+            columns |= dict(zip(("n_x", "n_y", "n_z"), self.normals.T))
+        if self.angles is not None:
+            columns["theta"] = self.angles
+        return optional("pandas").DataFrame(columns)
+
+
+def records(captures: Any, length: Quantity = 0.0, sidecar: Optional[Path] = None) -> list[Record]:
+    """What captures know of their motions.
+
+    :param captures: as of ``samara.fit``: files, frames with columns as ``t[s]``, ``x[m]``, or a mapping of them
+    :param length: of the body, m; 0: not known
+    """
+    files, tables = files_and_tables(captures)
+    found = _core.motion_records(files, tables, os.fspath(sidecar or ""), one_si(length, "m", "length"))
+    return [Record(**one) for one in found]
+
+
+def _thresholds(given: Optional[Mapping[str, float]]) -> dict[str, float]:
+    return {} if given is None else {str(k): float(v) for k, v in as_mapping(given, "thresholds").items()}
+
+
+def pattern_thresholds(**changed: float) -> dict[str, float]:
+    """All thresholds of the rule, those named with other values."""
+    return _core.pattern_thresholds(changed)
+
+
+class Patterns:
+    """Motions window by window: what ``samara patterns`` says of captures.
+
+    Frames need pandas: ``windows`` (a row for each: record, begin, end, pattern, margin, why), ``features`` (a row for each
+    record), ``transitions`` (a row for each change: count, probability and its 95 % interval).
+    """
+
+    def __init__(self, found: list[Record], swings: float, overlap: float, rule: dict[str, float]) -> None:
+        self.records = found
+        self.thresholds = pattern_thresholds(**rule)
+        self._options = (swings, overlap, rule)
+        self.sequences = [[(w.begin, w.end, w.label) for w in record.windows(swings, overlap, rule)] for record in found]
+
+    def __repr__(self) -> str:
+        return f"<samara.Patterns of {len(self.records)} records>"
+
+    @property
+    def windows(self) -> Any:
+        rows = [
+            (record.name, begin, end, label.pattern, label.margin, label.why)
+            for record, sequence in zip(self.records, self.sequences)
+            for begin, end, label in sequence
+        ]
+        return optional("pandas").DataFrame(rows, columns=["record", "begin", "end", "pattern", "margin", "why"])
+
+    @property
+    def features(self) -> Any:
+        frame = optional("pandas").DataFrame([record.features() for record in self.records])
+        frame.insert(0, "record", [record.name for record in self.records])
+        frame.insert(1, "pattern", [sequence[-1][2].pattern for sequence in self.sequences])
+        return frame
+
+    @property
+    def transitions(self) -> Any:
+        sequences = [[label.pattern for *_, label in sequence] for sequence in self.sequences]
+        counts, probability, lower, upper = _core.pattern_transitions(sequences)
+        rows = [
+            (PATTERNS[i], PATTERNS[j], int(counts[i, j]), probability[i, j], lower[i, j], upper[i, j])
+            for i, j in zip(*np.nonzero(np.isfinite(probability)))
+        ]
+        return optional("pandas").DataFrame(rows, columns=["from", "to", "count", "probability", "lower", "upper"])
+
+    def report(self, path: Path) -> None:
+        """The page for the browser."""
+        swings, overlap, rule = self._options
+        pathlib.Path(path).write_text(_core.captures_html([vars(r) for r in self.records], swings, overlap, rule), "utf-8")
+
+
+def patterns(
+    captures: Any,
+    length: Quantity = 0.0,
+    thresholds: Optional[Mapping[str, float]] = None,
+    *,
+    sidecar: Optional[Path] = None,
+    swings: float = 4.0,
+    overlap: float = 0.5,
+) -> Patterns:
+    """Which patterns motions go through.
+
+    :param captures: as of ``samara.records``, or records
+    :param thresholds: of the rule, those that are to be others than its own
+    """
+    is_records = isinstance(captures, Iterable) and not isinstance(captures, (str, os.PathLike, Mapping))
+    given = list(captures) if is_records and not hasattr(captures, "columns") else captures
+    own = isinstance(given, list) and bool(given) and all(isinstance(one, Record) for one in given)
+    return Patterns(given if own else records(given, length, sidecar), swings, overlap, _thresholds(thresholds))
+
+
+@dataclass(frozen=True)
+class Regime:
+    """Where a body stands in the measured diagram of falling discs: its numbers, the regime, and what lies beyond the
+    nearest boundary, ``distance`` away in ln Re and ln I*. ``measured``: whether discs were measured there."""
+
+    length: float
+    thickness: float
+    speed: float
+    Re: float
+    I_disc: float
+    I_plate: float
+    I_ellipse: float
+    regime: str
+    beyond: str
+    distance: float
+    measured: bool
+
+
+def regime(model: AnyModel, parameters: Mapping[str, Quantity]) -> Regime:
+    """Of a model with a body, at parameters in SI or with a unit."""
+    info = _info(model)
+    units = {p.name: p.unit for p in info.parameters} | {f"{s.name}(0)": s.unit for s in info.states}
+    check_names(as_mapping(parameters, "parameters"), list(units), "parameter")
+    values = {name: one_si(value, units[name], name) for name, value in parameters.items()}
+    return Regime(**_core.regime(core_model(model), values))
+
+
+class Sweep:
+    """Thousands of falls over a box of coordinates, and what the rule calls each. Falls are numbered point after point,
+    each from all releases: arrays of ``falls`` = points x releases rows.
+
+    ``names``, ``units`` of the coordinates; ``points`` (points, coordinates), SI; ``releases``, pairs (tilt, axis), rad;
+    ``features`` (falls, features), NaN where one is not known, columns as ``samara.FEATURES``; ``labels`` (falls,), names of
+    patterns; ``margins``, ``status``, ``reached`` [s] (falls,); ``landing`` (falls, 3): x, y [m], t [s].
+    """
+
+    def __init__(self, core: _core.Sweep, complete: bool = True, message: str = "", rounds: Iterable[tuple[int, float]] = ()) -> None:
+        self._core = core
+        self.complete, self.message = complete, message
+        self.rounds = list(rounds)
+        """Of refining: points, and the share of those left out that the others call right."""
+        told = core.describe()
+        self.model: str = told["model"]
+        self.plan: str = told["plan"]
+        self.names: list[str] = told["names"]
+        self.units: list[str] = told["units"]
+        self.axes: list[list[float]] = told["axes"]
+        self.releases: list[tuple[float, float]] = told["releases"]
+        self.thresholds: dict[str, float] = told["thresholds"]
+        self._release_count: int = told["release_count"]
+        self._states: list[str] = told["states"]
+        self.points = core.points()
+        self.features = core.features()
+        labels, self.margins, self.reasons, status = core.labels()
+        self.labels: NDArray[np.str_] = np.array(labels, dtype=str)
+        self.status: NDArray[np.str_] = np.array(status, dtype=str)
+        self.reached = core.reached()
+        self.landing = core.landing()
+
+    @staticmethod
+    def open(path: Path) -> Sweep:
+        """From the file that ``samara sweep`` or ``save`` wrote."""
+        return Sweep(_core.Sweep.open(os.fspath(path)))
+
+    def save(self, path: Path) -> None:
+        """As HDF5, the format of ``samara sweep``."""
+        self._core.save(os.fspath(path))
+
+    def __repr__(self) -> str:
+        return f"<samara.Sweep of {self.model}: {len(self.labels)} falls over {', '.join(self.names)}>"
+
+    @property
+    def frame(self) -> Any:
+        """A DataFrame with a row for each fall: coordinates, tilt and axis of the release (rad), pattern, margin, status,
+        reached, landing_x, landing_y, landing_t, and all features."""
+        count = len(self.labels)
+        point = np.arange(count) // self._release_count
+        columns: dict[str, Any] = dict(zip(self.names, self.points[point].T))
+        if self.releases:
+            release = np.array(self.releases)[np.arange(count) % self._release_count]
+            columns |= {"release_tilt": release[:, 0], "release_axis": release[:, 1]}
+        columns |= {"pattern": self.labels, "margin": self.margins, "status": self.status, "reached": self.reached}
+        columns |= dict(zip(("landing_x", "landing_y", "landing_t"), self.landing.T))
+        for k, feature in enumerate(FEATURES):
+            columns[feature.name if feature.name not in columns else f"feature_{feature.name}"] = self.features[:, k]
+        return optional("pandas").DataFrame(columns)
+
+    def shares(self) -> NDArray[np.float64]:
+        """(points, patterns): per point, of its falls from all releases, the share that has each of ``samara.PATTERNS``."""
+        return self._core.shares()
+
+    def at(self, points: ArrayLike, release: int = 0) -> tuple[NDArray[np.str_], NDArray[np.float64], NDArray[np.float64]]:
+        """The map of one release at (.., coordinates), SI: patterns, the share of the seven nearest falls that have them, and
+        the distance to the nearest fall of another one (the box has sides of length 1)."""
+        given = np.ascontiguousarray(real_array(points, "points"))
+        if given.ndim == 0 or given.shape[-1] != len(self.names):
+            raise ArgumentError(f"points have the shape {given.shape}, expected (.., {len(self.names)})")
+        found, probability, distance = self._core.at(given.reshape(-1, len(self.names)), whole(release, "release") or 0)
+        shape = given.shape[:-1]
+        return np.array(found, dtype=str).reshape(shape), probability.reshape(shape), distance.reshape(shape)
+
+    def trajectories(self) -> tuple[NDArray[np.float64], NDArray[np.float64], list[str]]:
+        """Of a plan that keeps them: times (frames,), states (falls, frames, states), NaN after a fall's end, and the names
+        of the states."""
+        kept = self._core.trajectories()
+        if kept is None:
+            raise ArgumentError('the sweep keeps no trajectories: run = { .., "keep": "trajectories" } was expected in its plan')
+        return kept[0], kept[1], self._states
+
+    def report(self, path: Path) -> None:
+        """The page for the browser: diagram, map, features, transitions."""
+        pathlib.Path(path).write_text(self._core.html(), "utf-8")
+
+
+def sweep(
+    plan: Union[Path, Mapping[str, Any]],
+    progress: Progress = True,
+    *,
+    checkpoint: Optional[Path] = None,
+    threads: Optional[int] = None,
+) -> Sweep:
+    """Runs the falls of a plan, and its rounds of refining.
+
+    :param plan: a file, or a dictionary with the same keys (docs/patterns.md); its arrays are lists of values
+    :param progress: as of ``samara.build``; where it ends the work, the sweep holds what was done, and is not ``complete``
+    :param checkpoint: a file for finished falls, from which the same call goes on
+    :raises InputError: for a plan that cannot be one, and a checkpoint of another plan
+    """
+    if isinstance(plan, Mapping):
+        path, text = None, _toml.dumps(plan)
+    elif isinstance(plan, (str, os.PathLike)):
+        path, text = os.fspath(plan), ""
+    else:
+        raise ArgumentError(f"the plan is of the type {type(plan).__name__}, expected a file, or a dictionary with the same keys")
+    with Reported(progress) as report:
+        return Sweep(*_core.run_sweep(path, text, report, os.fspath(checkpoint or ""), whole(threads, "threads") or 0))

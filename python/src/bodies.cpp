@@ -1,0 +1,128 @@
+#include "samara/motion/bodies/bodies.h"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "arrays.h"
+#include "calls.h"
+#include "rooms.h"
+#include "samara/motion/bodies/steady_wind.h"
+#include "samara/motion/database/database_file.h"
+#include "samara/motion/database/database_report.h"
+
+namespace samara::python {
+
+namespace {
+
+using motion::NextPieces;
+
+/// Bodies, with what they fall by.
+struct HeldBodies {
+  std::shared_ptr<const NextPieces> pieces;
+  motion::Bodies bodies;
+};
+
+std::shared_ptr<NextPieces> pieces_of(const motion::Sweep& sweep, const py::object& report, int threads) {
+  Failure failure;
+  return unlocked(failure, [&] {
+    return std::make_shared<NextPieces>(
+        motion::build_database(sweep, {.threads = threads, .progress = progress_to(report, failure)}));
+  });
+}
+
+py::tuple segments_of(const NextPieces& pieces) {
+  const motion::MotionDatabase& database = pieces.database();
+  std::vector<std::string> kinds;
+  std::vector<Eigen::Index> runs;
+  Eigen::VectorXd durations(database.segment_count());
+  for (Eigen::Index n = 0; n < database.segment_count(); ++n) {
+    const motion::MotionSegment& segment = database.segments[static_cast<std::size_t>(n)];
+    kinds.push_back(to_string(segment.kind));
+    runs.push_back(segment.run);
+    durations[n] = segment.duration;
+  }
+  return py::make_tuple(kinds, runs, copied(durations), copied(database.starts), copied(database.ends));
+}
+
+Eigen::Vector3d vector_of(const Array& values, const std::string& what) {
+  leading_shape(values, 3, what);
+  return Eigen::Map<const Eigen::Vector3d>(values.data());
+}
+
+std::unique_ptr<HeldBodies> bodies_of(const std::shared_ptr<const NextPieces>& pieces, Eigen::Index count,
+                                      bool by_graph, double step, double ramp, std::optional<double> ground,
+                                      const std::optional<Array>& wind, std::uint64_t seed) {
+  motion::BodiesOptions options;
+  options.choice = by_graph ? motion::BodiesOptions::Choice::graph : motion::BodiesOptions::Choice::chain;
+  options.step = step;
+  options.ramp = ramp;
+  options.ground = ground;
+  if (wind) options.wind = motion::steady_wind(vector_of(*wind, "wind"));
+  options.seed = seed;
+  return std::make_unique<HeldBodies>(HeldBodies{pieces, motion::Bodies(*pieces, count, options)});
+}
+
+py::tuple poses_of(const HeldBodies& held, const py::object& positions, const py::object& rotations) {
+  const py::ssize_t count = held.bodies.count();
+  py::array_t<double> places = room_for({count, 3}, positions), turns = room_for({count, 4}, rotations);
+  held.bodies.read_poses({places.mutable_data(), static_cast<std::size_t>(3 * count)},
+                         {turns.mutable_data(), static_cast<std::size_t>(4 * count)});
+  return py::make_tuple(places, turns);
+}
+
+std::vector<int> states_of(const HeldBodies& held) {
+  std::vector<int> all;
+  for (Eigen::Index n = 0; n < held.bodies.count(); ++n)
+    all.push_back(static_cast<int>(held.bodies.status(n)));
+  return all;
+}
+
+}  // namespace
+
+void add_bodies(py::module_& module) {
+  py::class_<NextPieces, std::shared_ptr<NextPieces>>(module, "Motions")
+      .def_static(
+          "open",
+          [](const std::filesystem::path& path) {
+            return std::make_shared<NextPieces>(motion::load_database(path));
+          },
+          py::arg("path"))
+      .def_static("of", &pieces_of, py::arg("sweep"), py::arg("progress"), py::arg("threads"))
+      .def(
+          "save",
+          [](const NextPieces& pieces, const std::filesystem::path& path) {
+            save(pieces.database(), pieces.graph(), path);
+          },
+          py::arg("path"))
+      .def("report",
+           [](const NextPieces& pieces) {
+             return motion::database_json(pieces.database(), pieces.graph(), kind_chain(pieces.database()));
+           })
+      .def("state_names", [](const NextPieces& pieces) { return pieces.database().state_names; })
+      .def("segments", &segments_of);
+  py::class_<HeldBodies>(module, "Bodies")
+      .def_static("of", &bodies_of, py::arg("motions"), py::arg("count"), py::arg("by_graph"),
+                  py::arg("step"), py::arg("ramp"), py::arg("ground"), py::arg("wind"), py::arg("seed"))
+      .def(
+          "release",
+          [](HeldBodies& held, Eigen::Index body, const Array& place, double yaw) {
+            held.bodies.release(body, vector_of(place, "place"), yaw);
+          },
+          py::arg("body"), py::arg("place"), py::arg("yaw"))
+      .def(
+          "advance", [](HeldBodies& held, double dt) { held.bodies.advance(dt); }, py::arg("dt"),
+          py::call_guard<py::gil_scoped_release>())
+      .def("falling", [](const HeldBodies& held) { return held.bodies.falling(); })
+      .def("poses", &poses_of, py::arg("positions"), py::arg("rotations"))
+      .def("states", &states_of);
+}
+
+}  // namespace samara::python

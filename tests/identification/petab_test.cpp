@@ -1,0 +1,195 @@
+#include <cmath>
+#include <sstream>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "files.h"
+#include "samara/base/streams.h"
+#include "samara/identification/files/fit_files.h"
+#include "samara/io/delimited_table.h"
+
+using namespace samara::identification;
+using Catch::Contains;
+
+namespace {
+
+constexpr double kDecayRate = 0.8;
+
+/// v' = -rate v: v = v(0) exp(-rate t).
+struct DecayProblem {
+  TestFiles files;
+  std::string model;
+  std::string parameters =
+      "parameterId\tparameterScale\tlowerBound\tupperBound\tnominalValue\testimate\n"
+      "rate\tlog10\t0.1\t5\t1\t1\n";
+  std::string observables = "observableId\tobservableFormula\tnoiseFormula\nspeed\tv\t0.01\n";
+  std::string conditions = "conditionId\tv\nslow\t2\nfast\t5\n";
+  std::string measurements;
+
+  DecayProblem() {
+    model = files
+                .put("decay.toml",
+                     "name = \"decay\"\n[states]\nv = { initial = 2, unit = \"m/s\" }\n[parameters]\nrate = "
+                     "{ unit = "
+                     "\"1/s\", above = 0 }\n[rates]\nv = \"-rate*v\"\n")
+                .string();
+    measurements = rows({{"slow", 2.0}, {"fast", 5.0}}, 0.0);
+  }
+
+  /// Twelve frames of each condition; the first not at 0, where the motion begins.
+  static std::string rows(const std::vector<std::pair<std::string, double>>& starts, double noise,
+                          const std::string& more = "", const std::string& heading = "") {
+    samara::Stream stream(7, 0);
+    std::string text = "observableId\tsimulationConditionId\tmeasurement\ttime" + heading + "\n";
+    for (const auto& [condition, start] : starts) {
+      for (int k = 1; k <= 12; ++k)
+        text +=
+            fmt::format("speed\t{}\t{}\t{}{}\n", condition,
+                        start * std::exp(-kDecayRate * 0.15 * k) + noise * stream.normal(), 0.15 * k, more);
+    }
+    return text;
+  }
+
+  FitRequest request() const {
+    files.put("parameters.tsv", parameters);
+    files.put("observables.tsv", observables);
+    files.put("conditions.tsv", conditions);
+    files.put("measurements.tsv", measurements);
+    const auto file = files.put("problem.yaml",
+                                "# a problem\nformat_version: 1\nparameter_file: "
+                                "\"parameters.tsv\"\nproblems:\n- condition_files:\n  - "
+                                "conditions.tsv\n  measurement_files: [measurements.tsv]\n  "
+                                "observable_files:\n    - observables.tsv\n  "
+                                "sbml_files:\n  - none.xml\n");
+    return {.source = model, .captures = {file}};
+  }
+  FitReport fit() const { return fit_files(request()); }
+  std::string complaint() const {
+    return error_of<samara::InputError>([&] { fit(); });
+  }
+};
+
+double found(const FitReport& report, const std::string& name) {
+  for (const Coefficient& c : report.fit.coefficients)
+    if (c.name == name) return c.value;
+  FAIL("no coefficient " << name);
+  return 0.0;
+}
+
+/// Nominal values that were written, by parameter.
+std::map<std::string, std::string> nominal(const FitReport& report) {
+  const auto table =
+      samara::io::DelimitedTable::parse(report.petab_parameters, "written", {.delimiter = '\t'});
+  std::map<std::string, std::string> values;
+  for (std::size_t row = 0; row < table.rows(); ++row)
+    values[table.texts("parameterId")[row]] = table.texts("nominalValue")[row];
+  return values;
+}
+
+}  // namespace
+
+TEST_CASE("a PEtab problem is fitted, its conditions known, and the tables come back with what was found") {
+  const DecayProblem problem;
+  const FitReport report = problem.fit();
+  REQUIRE(report.is_usable);
+  // Exact data: what is left is the integrator's.
+  CHECK(found(report, "rate") == Approx(kDecayRate).epsilon(1e-6));
+  REQUIRE(report.fit.captures.size() == 2);
+  CHECK(std::stod(nominal(report).at("rate")) == found(report, "rate"));
+  const auto table =
+      samara::io::DelimitedTable::parse(report.petab_simulations, "written", {.delimiter = '\t'});
+  REQUIRE(table.rows() == 24);
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const auto at = static_cast<Eigen::Index>(row);
+    const double start = table.texts("simulationConditionId")[row] == "slow" ? 2.0 : 5.0;
+    CHECK(table.texts("observableId")[row] == "speed");
+    CHECK(table.numbers("simulation")[at] ==
+          Approx(start * std::exp(-kDecayRate * table.numbers("time")[at])).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("conditions of a PEtab problem may have parameters of their own, and noise may be estimated") {
+  DecayProblem problem;
+  problem.parameters +=
+      "v_slow\tlin\t0.5\t9\t3\t1\nv_fast\tlin\t0.5\t9\t3\t1\nsigma\tlog10\t1e-4\t1\t0.1\t1\n";
+  problem.observables = "observableId\tobservableFormula\tnoiseFormula\nspeed\tv\tsigma\n";
+  problem.conditions = "conditionId\tconditionName\tv\nslow\tA\tv_slow\nfast\tB\tv_fast\n";
+  problem.measurements = DecayProblem::rows({{"slow", 2.0}, {"fast", 5.0}}, 0.02);
+  const FitReport report = problem.fit();
+  REQUIRE(report.is_usable);
+  const auto values = nominal(report);
+  // 24 values with noise of 0.02: four standard errors.
+  CHECK(found(report, "rate") == Approx(kDecayRate).margin(0.02));
+  CHECK(std::stod(values.at("v_slow")) == Approx(2.0).margin(0.06));
+  CHECK(std::stod(values.at("v_fast")) == Approx(5.0).margin(0.06));
+  CHECK(std::stod(values.at("sigma")) == Approx(0.02).margin(0.013));
+}
+
+TEST_CASE("priors, parameters that are held and noise beside the measurements are taken from PEtab tables") {
+  DecayProblem problem;
+  problem.parameters =
+      "parameterId\tparameterScale\tlowerBound\tupperBound\tnominalValue\testimate\tobjectivePriorType\t"
+      "objectivePriorParameters\n"
+      "rate\tlin\t0.1\t5\t1\t1\tnormal\t1.2;1e-6\nstart\tlin\t\t\t2\t0\t\t\n";
+  problem.observables = "observableId\tobservableFormula\tnoiseFormula\nspeed\tv\tnoiseParameter1_speed\n";
+  problem.conditions = "conditionId\tv\nslow\tstart\n";
+  problem.measurements = DecayProblem::rows({{"slow", 2.0}}, 0.0, "\t0.05", "\tnoiseParameters");
+  // A prior so sharp that the data do not count.
+  CHECK(found(problem.fit(), "rate") == Approx(1.2).epsilon(1e-4));
+  // The same measurements once more are another replicate.
+  const std::string again = DecayProblem::rows({{"slow", 2.0}}, 0.0, "\t0.05", "\tnoiseParameters");
+  problem.measurements += again.substr(again.find('\n') + 1);
+  CHECK(problem.fit().fit.captures.size() == 2);
+}
+
+TEST_CASE("what a PEtab problem says and a fit does not know is refused with its file and line") {
+  DecayProblem problem;
+  const auto with = [&](std::string DecayProblem::*table, const std::string& text) {
+    DecayProblem other;
+    other.*table = text;
+    return other.complaint();
+  };
+  const std::string head = "parameterId\tparameterScale\tlowerBound\tupperBound\tnominalValue\testimate\n";
+  CHECK_THAT(with(&DecayProblem::parameters, head + "rat\tlin\t0.1\t5\t1\t1\n"),
+             Contains("parameters.tsv:2") && Contains("\"rat\"") && Contains("rate"));
+  CHECK_THAT(with(&DecayProblem::parameters, head + "rate\tlin\t5\t0.1\t1\t1\n"), Contains("lower < upper"));
+  CHECK_THAT(with(&DecayProblem::parameters, head + "rate\tlin\t0.1\t5\t\t0\n"), Contains("no nominalValue"));
+  CHECK_THAT(with(&DecayProblem::parameters, head + "rate\tlin\t0.1\t5\t1\tyes\n"), Contains("0 or 1"));
+  const std::string observed = "observableId\tobservableFormula\tnoiseFormula\n";
+  CHECK_THAT(with(&DecayProblem::observables, observed + "speed\t2*v\t0.1\n"),
+             Contains("observables.tsv:2") && Contains("one output"));
+  CHECK_THAT(with(&DecayProblem::observables, observed + "speed\tv\t0.1*v\n"),
+             Contains("a number or a parameter"));
+  CHECK_THAT(
+      with(&DecayProblem::observables,
+           "observableId\tobservableFormula\tnoiseFormula\tobservableTransformation\nspeed\tv\t0.1\tlog\n"),
+      Contains("observableTransformation is \"log\""));
+  CHECK_THAT(with(&DecayProblem::conditions, "conditionId\tv\nslow\t2\n"), Contains("no condition \"fast\""));
+  CHECK_THAT(with(&DecayProblem::conditions, "conditionId\tw\nslow\t2\nfast\t2\n"),
+             Contains("none of its states"));
+  CHECK_THAT(with(&DecayProblem::conditions, "conditionId\tv\nslow\t2\nfast\n"), Contains("cells"));
+  const std::string measured =
+      "observableId\tsimulationConditionId\tmeasurement\ttime\tpreequilibrationConditionId\n";
+  CHECK_THAT(with(&DecayProblem::measurements, measured + "speed\tslow\t1\t0.5\tfast\n"),
+             Contains("preequilibration"));
+  CHECK_THAT(with(&DecayProblem::measurements, measured + "speed\tslow\t1\tinf\t\n"),
+             Contains("finite number"));
+  CHECK_THAT(with(&DecayProblem::measurements, measured + "speeds\tslow\t1\t1\t\n"),
+             Contains("no observable \"speeds\""));
+
+  const auto file_error = [&](const std::string& text) {
+    FitRequest request = problem.request();
+    problem.files.put("problem.yaml", text);
+    return error_of<samara::InputError>([&] { fit_files(request); });
+  };
+  CHECK_THAT(file_error("format_version: 2\n"), Contains("format_version is \"2\""));
+  CHECK_THAT(file_error("format_version: 1\nparameter_file: p.tsv\n"),
+             Contains("condition_files is missing"));
+  CHECK_THAT(file_error("format_version: 1\nparamter_file: p.tsv\n"),
+             Contains("problem.yaml:2") && Contains("parameter_file"));
+  CHECK_THAT(file_error("format_version: 1\nnonsense\n"), Contains("problem.yaml:2"));
+  FitRequest both = problem.request();
+  both.config_text = "starts = 2";
+  CHECK_THROWS_WITH(fit_files(both), Contains("no --config"));
+}

@@ -1,0 +1,223 @@
+// Many bodies: each is one solution of the model, keeps the kinds that were planned for it, and costs no allocation.
+#include "samara/motion/bodies/bodies.h"
+
+#include <array>
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "samara/base/errors.h"
+#include "samara/models/integrators/integrate.h"
+#include "samara/models/interface/following_model.h"
+#include "samara/models/laws/registry.h"
+#include "tests/allocation_count.h"
+#include "tests/error_text.h"
+
+using namespace samara::motion;
+
+namespace {
+
+const NextPieces& plate_pieces() {
+  static const NextPieces pieces(build_database(
+      run_sweep(parse_sweep_plan(
+                    "model = \"falling_plate_nd\"\n[fixed]\nbeta = 0\ninertia_ratio = 1.3\n[axes]\n"
+                    "C_T = { from = 0.8, to = 1.4 }\nC_R = { from = 2, to = 4 }\nA = { from = 1, to = "
+                    "1.8 }\n[sample]\ncount = 300\n[releases]\ntilt = [0.6]\n[run]\nuntil = 60\nstep = "
+                    "0.05\nsettle = 10\n",
+                    "plates.toml"))
+          .sweep));
+  return pieces;
+}
+
+const NextPieces& card_pieces() {
+  static const NextPieces pieces(build_database(
+      run_sweep(
+          parse_sweep_plan(
+              "model = \"immersed_body\"\n[fixed]\na = 0.035\nb = 0.02\nc = 1e-4\ndensity = "
+              "1200\nC_D0 = 0.05\nC_w = 2\n[axes]\nC_D90 = { from = 0.31, to = 2.71 }\nC_T = { from "
+              "= 0.31, to = 2.71 }\nC_R = { from = 0.31, to = 2.71 }\n[sample]\ncount = "
+              "150\n[releases]\ntilt = [0.17]\naxis = [0.6]\n[run]\nuntil = 2\nstep = 1e-3\nsettle = 0.5\n",
+              "card.toml"))
+          .sweep));
+  return pieces;
+}
+
+/// Ramps of one body, as they were begun.
+class Knots final : public samara::models::ParameterCourse {
+ public:
+  Knots(std::vector<std::string> names, double ramp) : names_(std::move(names)), ramp_(ramp) {}
+  void add(double t, Eigen::VectorXd target) {
+    times_.push_back(t);
+    targets_.push_back(std::move(target));
+  }
+  const std::vector<std::string>& followed() const override { return names_; }
+  void values(double t, std::span<const double>, std::span<double> followed) const override {
+    Eigen::VectorXd at = targets_.front();
+    for (std::size_t k = 1; k < times_.size() && times_[k] <= t; ++k) {
+      // A ramp begins where the one before had come to.
+      const double until = k + 1 < times_.size() ? std::min(t, times_[k + 1]) : t;
+      const double s = std::clamp((until - times_[k]) / ramp_, 0.0, 1.0);
+      at += s * s * (3.0 - 2.0 * s) * (targets_[k] - at);
+    }
+    Eigen::Map<Eigen::VectorXd>(followed.data(), at.size()) = at;
+  }
+
+ private:
+  std::vector<std::string> names_;
+  double ramp_;
+  std::vector<double> times_;
+  std::vector<Eigen::VectorXd> targets_;
+};
+
+class SteadyWind final : public samara::models::AmbientFlow {
+ public:
+  explicit SteadyWind(const Eigen::Vector3d& velocity) : velocity_(velocity) {}
+  samara::models::AmbientSample sample(double, const Eigen::Vector3d&) const override {
+    return {velocity_, Eigen::Matrix3d::Zero(), Eigen::Vector3d::Zero()};
+  }
+  double length() const override { return 1.0; }
+
+ private:
+  Eigen::Vector3d velocity_;
+};
+
+std::vector<double> poses_of(const Bodies& bodies) {
+  const auto count = static_cast<std::size_t>(bodies.count());
+  std::vector<double> all(7 * count);
+  bodies.read_poses(std::span(all).first(3 * count), std::span(all).last(4 * count));
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("a body is one solution of the model whose coefficients change, as CVODES has it") {
+  const NextPieces& pieces = plate_pieces();
+  constexpr double kStep = 0.005, kRamp = 1.0;
+  Bodies bodies(pieces, 1, {.choice = BodiesOptions::Choice::graph, .step = kStep, .ramp = kRamp, .seed = 5});
+  bodies.release(0, {0.0, 0.0, 0.0}, 0.0);
+  std::vector<double> start(6), end(6), coefficients(3);
+  bodies.read_state(0, start);
+  bodies.read_coefficients(0, coefficients);
+  const auto course = std::make_shared<Knots>(pieces.database().coefficient_names, kRamp);
+  course->add(0.0, Eigen::Map<Eigen::VectorXd>(coefficients.data(), 3));
+  int events = 0;
+  for (int k = 0; k < 6000; ++k) {
+    bodies.advance(kStep);
+    for (const BodyEvent& event : bodies.events()) {
+      course->add(bodies.time(0), pieces.coefficients(event.next));
+      ++events;
+    }
+  }
+  REQUIRE(events >= 3);
+  bodies.read_state(0, end);
+  std::vector<std::string> free;
+  for (const std::string& name : pieces.database().state_names) free.push_back(name + "(0)");
+  const samara::models::ParametricModel steered(
+      following(samara::models::find_model("falling_plate_nd"), course), pieces.database().fixed, free);
+  const std::array times = {0.0, bodies.time(0)};
+  const auto exact = integrate(steered, start, times, {.relative_tolerance = 1e-10});
+  const Eigen::VectorXd difference =
+      exact.states.bottomRows(1).transpose() - Eigen::Map<Eigen::VectorXd>(end.data(), 6);
+  // Steps have order 2 in ramps: 1e-4 at four times this step.
+  CHECK(difference.norm() < 1e-4);
+}
+
+TEST_CASE("planned kinds come about, and pieces are taken from states that are near") {
+  const NextPieces& pieces = plate_pieces();
+  for (const auto choice : {BodiesOptions::Choice::graph, BodiesOptions::Choice::chain}) {
+    Bodies bodies(pieces, 40, {.choice = choice, .seed = 9});
+    for (Eigen::Index n = 0; n < 40; ++n) bodies.release(n, {0.0, 0.0, 0.0}, 0.0);
+    double planned = 0.0, kept = 0.0;
+    for (int k = 0; k < 600; ++k) {
+      bodies.advance(0.2);
+      for (const BodyEvent& event : bodies.events()) {
+        if (!event.planned) continue;
+        planned += 1.0;
+        kept += event.kind == *event.planned;
+      }
+    }
+    REQUIRE(planned > 300.0);
+    CHECK(kept / planned > 0.95);
+  }
+}
+
+TEST_CASE("bodies come to rest on the ground, where their way met it") {
+  Bodies bodies(card_pieces(), 30, {.ground = -0.3, .seed = 2});
+  for (Eigen::Index n = 0; n < 30; ++n) bodies.release(n, {0.01 * static_cast<double>(n), 0.0, 0.5}, 0.1);
+  CHECK(bodies.falling() == 30);
+  for (int k = 0; k < 600 && bodies.falling() > 0; ++k) bodies.advance(1.0 / 60.0);
+  REQUIRE(bodies.falling() == 0);
+  const std::vector<double> before = poses_of(bodies);
+  bodies.advance(0.1);
+  CHECK(poses_of(bodies) == before);
+  for (std::size_t n = 0; n < 30; ++n) {
+    CHECK(bodies.status(static_cast<Eigen::Index>(n)) == BodyStatus::landed);
+    CHECK(before[3 * n + 2] == Approx(-0.3).margin(1e-12));
+  }
+}
+
+TEST_CASE("a steady wind only carries bodies along, and a body does not know those beside it") {
+  const Eigen::Vector3d air(1.5, -0.7, 0.2);
+  const BodiesOptions still = {.step = 1e-3, .seed = 4};
+  BodiesOptions windy = still;
+  windy.wind = std::make_shared<SteadyWind>(air);
+  Bodies calm(card_pieces(), 3, still), carried(card_pieces(), 3, windy), alone(card_pieces(), 1, still);
+  for (Eigen::Index n = 0; n < 3; ++n) {
+    calm.release(n, {0.0, 0.0, 1.0}, 0.4);
+    carried.release(n, {0.0, 0.0, 1.0}, 0.4);
+  }
+  alone.release(0, {0.0, 0.0, 1.0}, 0.4);
+  std::size_t events = 0;
+  for (int k = 0; k < 10; ++k) {
+    for (Bodies* one : {&calm, &carried, &alone}) one->advance(0.05);
+    events += calm.events().size();
+  }
+  REQUIRE(events > 3);
+  const std::vector<double> a = poses_of(calm), b = poses_of(carried), c = poses_of(alone);
+  for (std::size_t n = 0; n < 3; ++n) {
+    for (std::size_t k = 0; k < 3; ++k)
+      CHECK(b[3 * n + k] - a[3 * n + k] == Approx(0.5 * air[static_cast<Eigen::Index>(k)]).margin(1e-4));
+    for (std::size_t k = 0; k < 4; ++k) CHECK(b[9 + 4 * n + k] == Approx(a[9 + 4 * n + k]).margin(1e-2));
+  }
+  CHECK(std::equal(c.begin(), c.begin() + 3, a.begin()));
+}
+
+TEST_CASE("a frame of many bodies allocates nothing, in still air and in wind, in a plane and in space") {
+  const BodiesOptions still = {.ground = 0.0, .seed = 6};
+  BodiesOptions windy = still;
+  windy.wind = std::make_shared<SteadyWind>(Eigen::Vector3d(1.0, 0.0, 0.0));
+  Bodies plates(plate_pieces(), 50, still), cards(card_pieces(), 50, still), blown(card_pieces(), 50, windy);
+  std::vector<double> positions(150), rotations(200);
+  std::size_t events = 0;
+  for (Bodies* bodies : {&plates, &cards, &blown}) {
+    const double dt = bodies == &plates ? 0.5 : 1.0 / 60.0;
+    for (Eigen::Index n = 0; n < 50; ++n) bodies->release(n, {0.0, 0.0, 100.0}, 0.0);
+    const long calls = allocation_counter::during([&] {
+      for (int k = 0; k < 60; ++k) {
+        bodies->advance(dt);
+        bodies->read_poses(positions, rotations);
+        events += bodies->events().size();
+      }
+    });
+    CHECK(calls == 0);
+  }
+  CHECK(events > 150);
+}
+
+TEST_CASE("bodies that cannot be meant are refused in one sentence") {
+  const NextPieces& pieces = plate_pieces();
+  const auto refusal = [](const auto& call) { return error_text<samara::ArgumentError>(call); };
+  CHECK(refusal([&] { Bodies(pieces, 0); }).find("count of bodies") == 0);
+  CHECK(refusal([&] { Bodies(pieces, 1, {.step = NAN}); }).find("expected finite numbers") !=
+        std::string::npos);
+  CHECK(refusal([&] {
+          Bodies(pieces, 1, {.wind = std::make_shared<SteadyWind>(Eigen::Vector3d::Zero())});
+        }) == "\"falling_plate_nd\" moves in a plane: its bodies fall in still air only");
+  Bodies bodies(pieces, 2);
+  CHECK(bodies.status(1) == BodyStatus::waiting);
+  CHECK(refusal([&] { bodies.release(2, {0.0, 0.0, 0.0}, 0.0); }) == "there is no body 2, expected 0 to 1");
+  CHECK(refusal([&] { bodies.release(0, {NAN, 0.0, 0.0}, 0.0); }).find("finite") != std::string::npos);
+  const std::array few = {0.0, 1.0};
+  CHECK(refusal([&] { bodies.release(0, few); }).find("with 2 states") != std::string::npos);
+  CHECK(refusal([&] { bodies.advance(-1.0); }).find("time to advance") == 0);
+}

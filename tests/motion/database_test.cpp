@@ -1,0 +1,201 @@
+// Databases of motions: segments that are those of their runs, searches, files, the graph and the chain.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include <catch2/catch.hpp>
+
+#include "samara/base/errors.h"
+#include "samara/models/batch/batch.h"
+#include "samara/models/laws/registry.h"
+#include "samara/motion/chains/chain_check.h"
+#include "samara/motion/database/database_file.h"
+#include "samara/motion/database/motion_database.h"
+#include "samara/motion/database/segment_tree.h"
+#include "tests/error_text.h"
+#include "tests/io/temporary_directory.h"
+
+using namespace samara::motion;
+
+namespace {
+
+/// Thin plates at I* 1.3 over three coefficients.
+std::string plate_plan(int count, const std::string& more = "") {
+  return "model = \"falling_plate_nd\"\n[fixed]\nbeta = 0\ninertia_ratio = 1.3\n[axes]\n"
+         "C_T = { from = 0.8, to = 1.4 }\nC_R = { from = 2, to = 4 }\nA = { from = 1, to = 1.8 "
+         "}\n[sample]\ncount = " +
+         std::to_string(count) + "\n[releases]\ntilt = [0.6]\n[run]\nuntil = 60\nstep = 0.05\nsettle = 10\n" +
+         more;
+}
+
+Sweep plates(int count, const std::string& more = "") {
+  return run_sweep(parse_sweep_plan(plate_plan(count, more), "plates.toml")).sweep;
+}
+
+std::span<const double> row_span(const Eigen::VectorXd& row) {
+  return {row.data(), static_cast<std::size_t>(row.size())};
+}
+
+}  // namespace
+
+TEST_CASE("segments of a database are solutions of the model with the coefficients of their runs") {
+  const MotionDatabase database = build_database(plates(40, "keep = \"trajectories\"\n"));
+  REQUIRE(database.segment_count() > 100);
+  REQUIRE(database.coefficient_names == std::vector<std::string>{"C_T", "C_R", "A"});
+  CHECK(database.symmetry == BodySymmetry::half_turn);
+  const auto& info = samara::models::find_model("falling_plate_nd")->info();
+  auto fixed = database.fixed;
+  std::vector<std::string> free = database.coefficient_names;
+  for (const auto& state : info.states) free.push_back(state.name + "(0)");
+  const samara::models::ParametricModel plate(samara::models::find_model("falling_plate_nd"), fixed, free);
+  for (Eigen::Index n = 0; n < database.segment_count(); n += 37) {
+    const MotionSegment& segment = database.segments[static_cast<std::size_t>(n)];
+    Eigen::MatrixXd point(1, 9);
+    point << database.runs[static_cast<std::size_t>(segment.run)].coefficients.transpose(),
+        database.starts.row(n);
+    const std::array times = {0.0, segment.duration};
+    const auto run = integrate_batch(plate, point, times, {.step = 0.01});
+    const Eigen::VectorXd end = run.states.col(1);
+    // Events are found on steps of 0.05, to third order.
+    CHECK((end - database.ends.row(n).transpose()).norm() < 5e-3);
+    CHECK((end.tail(2) - point.row(0).tail(2).transpose() -
+           Eigen::Vector2d(segment.displacement.x(), segment.displacement.z()))
+              .norm() < 5e-3);
+    if (database.next_of(n) >= 0) CHECK(database.starts.row(n + 1) == database.ends.row(n));
+    // The event lies between its frame and the next one.
+    const Eigen::Index frame = database.run_first[static_cast<std::size_t>(segment.run)] + segment.first;
+    CHECK((database.frames.row(frame) - database.starts.row(n)).norm() < 2.0);
+    CHECK(segment.begin - static_cast<double>(segment.first) * database.frame_interval <
+          database.frame_interval);
+  }
+}
+
+TEST_CASE(
+    "the segments found nearest are those of all comparisons, symmetric copies included, of any kind or "
+    "one") {
+  const MotionDatabase database = build_database(plates(40));
+  const SegmentTree tree(database);
+  const MovingStates& moving = tree.moving_states();
+  const StateMetric metric = database.metric();
+  const auto place = [&](const Eigen::VectorXd& state, int copy) {
+    Eigen::VectorXd reduced(5);
+    moving.reduce(row_span(state), {reduced.data(), 5});
+    moving.turn_to_copy(copy, {reduced.data(), 5});
+    metric.place({reduced.data(), 5});
+    return reduced;
+  };
+  for (Eigen::Index n = 3; n < database.segment_count(); n += 61) {
+    Eigen::VectorXd state = database.ends.row(n);
+    state[3] += std::numbers::pi;  // the same plate, turned
+    state.head(2) *= -1.0;
+    for (const bool any : {true, false}) {
+      std::vector<std::pair<double, Eigen::Index>> all;
+      for (Eigen::Index other = 0; other < database.segment_count(); ++other) {
+        if (!any && database.segments[static_cast<std::size_t>(other)].kind != EventKind::turn_plus) continue;
+        const Eigen::VectorXd start = database.starts.row(other);
+        all.emplace_back(
+            std::min((place(start, 0) - place(state, 0)).norm(), (place(start, 1) - place(state, 0)).norm()),
+            other);
+      }
+      std::ranges::sort(all);
+      std::array<NearSegment, 8> found;
+      const std::size_t count = any ? tree.nearest(row_span(state), found)
+                                    : tree.nearest(row_span(state), found, EventKind::turn_plus);
+      REQUIRE(count == 8);
+      for (std::size_t k = 0; k < count; ++k) CHECK(found[k].distance == Approx(all[k].first).margin(1e-9));
+    }
+  }
+}
+
+TEST_CASE(
+    "the graph of plates hangs together at the threshold that it chooses, and its components are those of "
+    "reachability") {
+  const MotionDatabase database = build_database(plates(150));
+  const MotionGraph graph = motion_graph(database);
+  CHECK(graph.threshold <= 0.4);
+  const double share = static_cast<double>(graph.kept) / static_cast<double>(database.segment_count());
+  CHECK(share > 0.85);
+  CHECK(graph.kept + graph.pruned == database.segment_count());
+  CHECK(std::ranges::is_sorted(graph.curve, {}, &ThresholdPoint::edges));
+  for (const GraphEdge& edge : graph.edges) CHECK(edge.distance < graph.threshold);
+  // A ring of three, a tail into it, a tail out of it, and a pair: by hand.
+  //   0 -> 1 -> 2 -> 0,  3 -> 0,  2 -> 4,  5 <-> 6
+  const std::vector<int> components = strong_components({0, 1, 2, 4, 5, 5, 6, 7}, {1, 2, 0, 4, 0, 6, 5});
+  CHECK(components[0] == 0);
+  CHECK(components[1] == 0);
+  CHECK(components[2] == 0);
+  CHECK(components[5] == 1);
+  CHECK(components[6] == 1);
+  CHECK(components[3] != components[4]);
+  // A path that is too deep for recursion.
+  std::vector<Eigen::Index> first, to;
+  for (Eigen::Index n = 0; n < 1000000; ++n) {
+    first.push_back(n);
+    to.push_back((n + 1) % 1000000);
+  }
+  first.push_back(1000000);
+  CHECK(std::ranges::count(strong_components(first, to), 0) == 1000000);
+}
+
+TEST_CASE("a database comes back from its file, and what is no database is refused") {
+  const TemporaryDirectory folder;
+  const auto path = folder.path() / "motions.h5";
+  const MotionDatabase database = build_database(plates(20, "keep = \"trajectories\"\n"));
+  save(database, motion_graph(database), path);
+  const MotionDatabase again = load_database(path);
+  CHECK(again.starts == database.starts);
+  CHECK(again.ends == database.ends);
+  CHECK(again.frames == database.frames);
+  CHECK(again.run_first == database.run_first);
+  CHECK(again.metric_weights == database.metric_weights);
+  CHECK(again.fixed == database.fixed);
+  CHECK(again.kind_sequences() == database.kind_sequences());
+  CHECK(again.runs[7].coefficients == database.runs[7].coefficients);
+  CHECK(again.segments[9].displacement == database.segments[9].displacement);
+  CHECK(again.events.mean_square_speed == database.events.mean_square_speed);
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  CHECK_FALSE(error_text<samara::InputError>([&] { load_database(path); }).empty());
+
+  const samara::models::ParametricModel other(samara::models::find_model("falling_plate_nd"),
+                                              {{"beta", 0.0}, {"inertia_ratio", 1.4}}, {"C_T"});
+  CHECK(error_text<samara::ArgumentError>([&] { require_same_body(database, other); }) ==
+        "the motions of the database have inertia_ratio = 1.3, the body has 1.4");
+  std::string changed = plate_plan(9);
+  const std::string ratio = "inertia_ratio = 1.3\n[axes]\n";
+  changed.replace(changed.find(ratio), ratio.size(), "[axes]\ninertia_ratio = { from = 1, to = 2 }\n");
+  CHECK(error_text<samara::ArgumentError>([&] {
+          build_database(run_sweep(parse_sweep_plan(changed, "bodies.toml")).sweep);
+        }).find("the sweep changes inertia_ratio, which is no coefficient of falling_plate_nd") == 0);
+}
+
+TEST_CASE(
+    "the chaotic plate remembers more than one event: a first-order chain fails where a longer one does "
+    "not") {
+  // Trap: stationary shares are those of any chain of counts. I* 2, from many releases.
+  const std::string plan =
+      "model = \"falling_plate_nd\"\n[fixed]\nbeta = 0\ninertia_ratio = 2\n[axes]\n"
+      "C_T = { from = 1.199999, to = 1.200001 }\n\"theta(0)\" = { from = 0.1, to = 1.4 }\n[sample]\ncount = "
+      "128\n"
+      "[run]\nuntil = 300\nstep = 0.05\nsettle = 30\n";
+  const MotionDatabase database = build_database(run_sweep(parse_sweep_plan(plan, "chaos.toml")).sweep);
+  const auto sequences = database.kind_sequences();
+  std::vector<std::vector<int>> fit(sequences.begin(), sequences.begin() + 64),
+      rest(sequences.begin() + 64, sequences.end());
+  const KindChain kinds = kind_chain(database);
+  CHECK(kinds.choice.order >= 3);
+  const MarkovChain first = MarkovChain::fitted(fit, 4, 1),
+                    longer = MarkovChain::fitted(fit, 4, kinds.choice.order);
+  CHECK(longer.log_likelihood(rest, 5) - first.log_likelihood(rest, 5) > 0.3);
+  samara::Stream stream(1, 0);
+  Eigen::VectorXd own = Eigen::VectorXd::Zero(4), seen = own;
+  for (const int kind : first.draw_sequence(20000, stream)) own[kind] += 1.0 / 20000.0;
+  double events = 0.0;
+  for (const auto& run : rest) {
+    for (const int kind : run) seen[kind] += 1.0;
+    events += static_cast<double>(run.size());
+  }
+  CHECK((own - seen / events).cwiseAbs().maxCoeff() < 0.03);  // which proves nothing
+  CHECK(check(first, rest).two_steps > 3.0 * check(longer, rest).two_steps);
+}

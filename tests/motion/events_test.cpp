@@ -1,0 +1,232 @@
+// Events: where they lie, of which kind the segments between them are, and what is left of a state without symmetries.
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+
+#include "known_motions.h"
+#include "samara/base/errors.h"
+#include "samara/motion/events/event_finder.h"
+#include "tests/allocation_counter.h"
+#include "tests/error_text.h"
+
+using namespace samara::motion;
+
+namespace {
+
+/// Trajectory of a model, with what events need to know of it.
+struct Run {
+  std::vector<double> times;
+  Eigen::MatrixXd states;
+  MovingStates moving;
+  EventOptions options;
+
+  EventList events() const { return events_of(moving, options, times, states); }
+};
+
+Run run_of(const std::string& name, const Values& fixed, double until, double frame, double length,
+           double step) {
+  const samara::models::ParametricModel model(samara::models::find_model(name), fixed, {});
+  Run run = {equal_times(until, frame), {}, MovingStates::of(model.model(), model.parameters({})), {}};
+  run.states = integrate_batch(model, Eigen::MatrixXd(1, 0), run.times, {.step = step}).states;
+  double square = 0.0;
+  for (Eigen::Index k = 0; k < run.states.cols(); ++k)
+    square += run.moving.at({run.states.col(k).data(), run.moving.state_count()}).velocity.squaredNorm();
+  run.options = event_options(square / static_cast<double>(run.states.cols()), length);
+  return run;
+}
+
+Run plate_run(double inertia_ratio, double until = 150.0, double frame = 0.02) {
+  return run_of("falling_plate_nd", {{"inertia_ratio", inertia_ratio}, {"beta", 0.0}}, until, frame, 2.0,
+                0.005);
+}
+
+Values card_values(const Eigen::Quaterniond& attitude) {
+  return {{"a", 0.035},
+          {"b", 0.02},
+          {"c", 1e-4},
+          {"density", 1200.0},
+          {"C_D90", 0.61},
+          {"C_D0", 0.05},
+          {"C_T", 1.81},
+          {"C_R", 1.21},
+          {"C_w", 2.0},
+          {"qw(0)", attitude.w()},
+          {"qx(0)", attitude.x()},
+          {"qy(0)", attitude.y()},
+          {"qz(0)", attitude.z()}};
+}
+
+Eigen::Quaterniond oblique() {
+  const Eigen::Vector3d axis(std::cos(0.6), std::sin(0.6), 0.0);
+  return Eigen::Quaterniond(Eigen::AngleAxisd(0.3, axis));
+}
+
+Run card_run(const Eigen::Quaterniond& attitude) {
+  return run_of("immersed_body", card_values(attitude), 2.0, 2e-3, 0.07, 5e-4);
+}
+
+std::vector<EventKind> kinds_of(const EventList& list) {
+  std::vector<EventKind> kinds;
+  for (const Event& event : list.events) kinds.push_back(event.kind);
+  return kinds;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "events of a fluttering plate lie half its period apart and change their sign, and a tumbling one only "
+    "turns one way") {
+  // Model sheet, section 3: periods by I*.
+  for (const auto& [inertia_ratio, period] : {std::pair(0.5, 6.37), std::pair(1.1, 15.957)}) {
+    const EventList list = plate_run(inertia_ratio).events();
+    const std::size_t count = list.events.size();
+    REQUIRE(count > 8);
+    for (std::size_t k = count - 4; k < count; ++k) {
+      CHECK(list.events[k].duration == Approx(period / 2).epsilon(2e-3));
+      CHECK(list.events[k].turn == Approx(-list.events[k - 1].turn).epsilon(1e-3));
+    }
+  }
+  CHECK(to_string(plate_run(0.5).events().events.back().kind).substr(0, 5) == "swing");
+  const EventList tumbling = plate_run(1.4).events();
+  for (std::size_t k = tumbling.events.size() - 4; k < tumbling.events.size(); ++k) {
+    CHECK(tumbling.events[k].kind == EventKind::turn_minus);
+    // 7.79 turns in 100 a/U; a half turn each.
+    CHECK(tumbling.events[k].duration == Approx(100.0 / (2 * 7.79)).epsilon(2e-3));
+    CHECK(std::abs(tumbling.events[k].turn) == Approx(std::numbers::pi).epsilon(1e-3));
+  }
+}
+
+TEST_CASE(
+    "events are roots of v . a, to third order in the step, and their states to the order of the cubic") {
+  const auto event_at = [](double frame) {
+    const EventList list = plate_run(1.1, 12.0, frame).events();
+    REQUIRE(list.events.size() >= 1);
+    return std::pair(list.events[0].t, Eigen::VectorXd(list.states.col(0)));
+  };
+  const auto exact = event_at(0.005), coarse = event_at(0.08), fine = event_at(0.04);
+  CHECK(std::log2(std::abs(coarse.first - exact.first) / std::abs(fine.first - exact.first)) > 2.5);
+  CHECK((fine.second - exact.second).norm() < 1e-4);
+  // d|v|^2/dt of the model itself at that state.
+  const samara::models::ParametricModel plate(samara::models::find_model("falling_plate_nd"),
+                                              {{"inertia_ratio", 1.1}, {"beta", 0.0}}, {});
+  auto workspace = plate.make_workspace();
+  std::vector<double> x(exact.second.begin(), exact.second.end()), rate(6);
+  plate.rhs(0.0, x, {}, rate, workspace);
+  CHECK(std::abs(x[0] * rate[0] + x[1] * rate[1]) < 1e-4);
+}
+
+TEST_CASE(
+    "events and kinds do not know the yaw or the symmetric copy of an attitude, and a mirror changes no "
+    "length") {
+  const Eigen::Quaterniond yaw(Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitZ()));
+  const Run plain = card_run(oblique());
+  const EventList events = plain.events();
+  REQUIRE(events.events.size() > 6);
+  const EventList turned = card_run(yaw * oblique()).events();
+  REQUIRE(turned.events.size() == events.events.size());
+  CHECK(kinds_of(turned) == kinds_of(events));
+  for (std::size_t k = 0; k < events.events.size(); ++k)
+    CHECK((turned.events[k].displacement - yaw * events.events[k].displacement).norm() < 1e-6);
+  REQUIRE(plain.moving.symmetry() == BodySymmetry::ellipsoid);
+  const std::array axes = {Eigen::Vector3d::UnitX().eval(), Eigen::Vector3d::UnitY().eval(),
+                           Eigen::Vector3d::UnitZ().eval()};
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Quaterniond half(Eigen::AngleAxisd(std::numbers::pi, axes[static_cast<std::size_t>(k)]));
+    const Run copy = card_run(oblique() * half);
+    CHECK(kinds_of(copy.events()) == kinds_of(events));
+    for (const Eigen::Index frame : {0, 200, 399}) {
+      Eigen::VectorXd here(9), there(9);
+      plain.moving.reduce({plain.states.col(frame).data(), 13}, {here.data(), 9});
+      copy.moving.reduce({copy.states.col(frame).data(), 13}, {there.data(), 9});
+      plain.moving.turn_to_copy(k + 1, {here.data(), 9});
+      CHECK((here - there).norm() < 1e-6 * (1.0 + here.norm()));
+    }
+  }
+}
+
+TEST_CASE(
+    "a plate turned by pi has the copy of its reduced state, and a disc one that no turn about its normal "
+    "changes") {
+  const Run one = plate_run(1.1, 5.0);
+  const Run other = run_of("falling_plate_nd",
+                           {{"inertia_ratio", 1.1},
+                            {"beta", 0.0},
+                            {"theta(0)", 0.4 + std::numbers::pi},
+                            {"vx(0)", -0.001},
+                            {"vy(0)", -0.001}},
+                           5.0, 0.02, 2.0, 0.005);
+  Eigen::VectorXd here(5), there(5);
+  one.moving.reduce({one.states.col(200).data(), 6}, {here.data(), 5});
+  other.moving.reduce({other.states.col(200).data(), 6}, {there.data(), 5});
+  one.moving.turn_to_copy(1, {here.data(), 5});
+  CHECK((here - there).norm() < 1e-9);
+
+  Values values = card_values(oblique());
+  values["b"] = 0.035;
+  const auto disc = [&](double turn) {
+    const Eigen::Quaterniond attitude =
+        oblique() * Eigen::Quaterniond(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+    Values turned = values;
+    turned["qw(0)"] = attitude.w();
+    turned["qx(0)"] = attitude.x();
+    turned["qy(0)"] = attitude.y();
+    turned["qz(0)"] = attitude.z();
+    const Run run = run_of("immersed_body", turned, 0.4, 2e-3, 0.07, 5e-4);
+    REQUIRE(run.moving.symmetry() == BodySymmetry::disc);
+    Eigen::VectorXd reduced(9);
+    run.moving.reduce({run.states.col(150).data(), 13}, {reduced.data(), 9});
+    return reduced;
+  };
+  CHECK((disc(0.0) - disc(0.7)).norm() < 1e-6 * disc(0.0).norm());
+}
+
+TEST_CASE("steady descent is cut every two lengths of fall, and a finder allocates nothing once it is made") {
+  const Run steady =
+      run_of("falling_plate_nd",
+             {{"inertia_ratio", 0.5}, {"beta", 0.0}, {"theta(0)", 0.0}, {"vx(0)", 0.0}, {"w(0)", 0.0}}, 60.0,
+             0.05, 2.0, 0.05);
+  const EventList list = steady.events();
+  REQUIRE(list.events.size() > 10);
+  for (std::size_t k = list.events.size() - 5; k < list.events.size(); ++k)
+    CHECK(list.events[k].duration == Approx(steady.options.steady).margin(0.051));
+
+  const Run run = plate_run(1.1, 60.0);
+  EventFinder finder(run.moving, run.options), other(run.moving, run.options);
+  std::size_t events = 0;
+  const long calls = allocation_counter::during([&] {
+    for (std::size_t k = 0; k < run.times.size(); ++k) {
+      events += finder.see(run.times[k], {run.states.col(static_cast<Eigen::Index>(k)).data(), 6});
+      if (k == 1000) other = finder;
+    }
+  });
+  CHECK(calls == 0);
+  CHECK(events == run.events().events.size());
+}
+
+TEST_CASE("a noisy record has the events of the clean motion") {
+  const MotionRecord clean = plate({{"inertia_ratio", 1.1}}, 120.0, 0.1);
+  const EventList exact = plate_run(1.1, 120.0).events(), seen = events_of(noisy(clean, 0.02, 0.05, 3));
+  REQUIRE(seen.events.size() >= exact.events.size() - 1);
+  const std::size_t offset = exact.events.size() - seen.events.size();
+  for (std::size_t k = 3; k < seen.events.size(); ++k) {
+    CHECK(seen.events[k].t == Approx(exact.events[k + offset].t).margin(0.15));
+    CHECK(seen.events[k].kind == exact.events[k + offset].kind);
+  }
+  CHECK(error_text<samara::ArgumentError>([&] {
+          events_of(positions_only(clean));
+        }).find("has no attitude") != std::string::npos);
+}
+
+TEST_CASE("what cannot have events or kinds is refused by name") {
+  CHECK(error_text<samara::ArgumentError>([] { event_kind_of("glide"); }) ==
+        "\"glide\" is no kind of event, expected one of swing-, swing+, turn-, turn+");
+  CHECK(event_kind_of("turn+") == EventKind::turn_plus);
+  CHECK(error_text<samara::ArgumentError>([] { event_options(0.0, 2.0); }).find("mean square speed") == 0);
+  const auto fall = samara::models::find_model("vertical_fall");
+  CHECK(error_text<samara::ArgumentError>([&] {
+          MovingStates(fall->info(), BodySymmetry::none);
+        }).find("model \"vertical_fall\" has no states") == 0);
+  const auto plate = samara::models::find_model("falling_plate_nd");
+  CHECK(error_text<samara::ArgumentError>([&] {
+          MovingStates(plate->info(), BodySymmetry::disc);
+        }).find("moves in a plane") != std::string::npos);
+}

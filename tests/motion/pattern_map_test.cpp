@@ -1,0 +1,185 @@
+// Maps of patterns: what lies where, refining, clamping, shares over releases.
+#include "samara/motion/sweeps/pattern_map.h"
+
+#include <catch2/catch.hpp>
+
+#include "plates_sweep.h"
+#include "samara/motion/sweeps/phase_diagram.h"
+#include "samara/motion/sweeps/refining.h"
+
+using namespace samara::motion;
+
+TEST_CASE("a map says what lies where, how surely, and how far the border is") {
+  // A checkerboard would have no regions: the falls of a plate have some.
+  const Sweep sweep =
+      run_sweep(plates("", "C_R = [1.4, 3.14159]", "C_R = { from = 2.2, to = 3.2, count = 9 }")).sweep;
+  const PatternMap map(sweep, 0);
+  CHECK(map.left_one_out() > 0.5);
+  Eigen::Index points = 0;
+  for (const MapRegion& region : map.regions()) points += region.falls;
+  CHECK(points == 81);
+  CHECK(map.border_share() > 0.0);
+  CHECK(map.border_share() < 1.0);
+  const Eigen::Vector2d width(1.6, 1.0);
+  for (Eigen::Index n = 10; n < 71; n += 6) {
+    if (n % 9 == 0 || n % 9 == 8) continue;  // at the edge, farther points are asked
+    const Eigen::Vector2d point = sweep.points.row(n);
+    const MapAnswer answer = map.at(point);
+    double border = 1e9;
+    int around = 0;
+    for (Eigen::Index m = 0; m < 81; ++m) {
+      const double distance = (sweep.points.row(m).transpose() - point).cwiseQuotient(width).norm();
+      if (map.pattern(m) != answer.pattern) border = std::min(border, distance);
+      // The eight around it, of which seven are asked.
+      around += distance < 1.5 / 8.0 && map.pattern(m) == answer.pattern;
+    }
+    CHECK(answer.distance_to_border == Approx(border).margin(1e-12));
+    CHECK(answer.probability <= around / 7.0 + 1e-12);
+    CHECK(answer.probability >= 1.0 / 7.0 - 1e-12);
+  }
+  samara::Stream stream(1, 0);
+  for (int k = 0; k < 20; ++k) CHECK(map.at(map.draw(Pattern::zigzag, stream)).probability > 0.4);
+  CHECK(error_text<samara::ArgumentError>([&] {
+          map.draw(Pattern::helix, stream);
+        }).find("helix is 0 of 81 points") != std::string::npos);
+  CHECK(error_text<samara::ArgumentError>([&] {
+          map.at(Eigen::Vector2d(9.0, 2.5));
+        }).find("inside the box") != std::string::npos);
+}
+
+TEST_CASE("a refined grid runs only what lies between different labels") {
+  const SweepPlan plan =
+      plates("[refine]\nrounds = 1\n", "C_R = [1.4, 3.14159]", "C_R = { from = 2.2, to = 3.2, count = 9 }");
+  Sweep sweep = run_sweep(plan).sweep;
+  const Sweep coarse = sweep;
+  REQUIRE(refine(plan, {}, sweep));
+  CHECK(sweep.points.rows() == 17 * 17);
+  CHECK(sweep.fall_count() == 2 * 17 * 17);
+  const auto inherited = std::ranges::count(sweep.status, FallStatus::inherited);
+  CHECK(inherited > 50);
+  // Old points stay as they were, and a fall that was run is the plan's own at its point.
+  for (Eigen::Index n = 0; n < coarse.points.rows(); ++n) {
+    Eigen::Index same = -1;
+    for (Eigen::Index m = 0; m < sweep.points.rows(); ++m) {
+      if ((sweep.points.row(m) - coarse.points.row(n)).norm() < 1e-12) same = m;
+    }
+    REQUIRE(same >= 0);
+    CHECK(sweep.labels[static_cast<std::size_t>(2 * same)].pattern ==
+          coarse.labels[static_cast<std::size_t>(2 * n)].pattern);
+    CHECK(sweep.status[static_cast<std::size_t>(2 * same)] != FallStatus::inherited);
+  }
+  const Sweep whole = run_sweep(plates("", "count = 9 }\nC_R = [1.4, 3.14159]",
+                                       "count = 17 }\nC_R = { from = 2.2, to = 3.2, count = 17 }"))
+                          .sweep;
+  int compared = 0;
+  for (Eigen::Index n = 0; n < whole.fall_count(); ++n) {
+    const auto k = static_cast<std::size_t>(n);
+    const Eigen::Index point = whole.point_of(n);
+    CHECK((whole.points.row(point) - sweep.points.row(point)).norm() < 1e-12);
+    if (sweep.status[k] == FallStatus::inherited || whole.points.row(point) != sweep.points.row(point))
+      continue;
+    ++compared;
+    for (std::size_t f = 0; f < kFeatures; ++f)
+      CHECK(are_same(sweep.features[k].values[f], whole.features[k].values[f]));
+  }
+  CHECK(compared > 2 * 81);
+  const SweepPlan drawn = plates("[sample]\ncount = 100\nseed = 3\n",
+                                 "inertia_ratio = { from = 0.8, to = 2.4, count = 9 }\nC_R = [1.4, 3.14159]",
+                                 "inertia_ratio = { from = 0.8, to = 2.4 }\nC_R = { from = 1.4, to = 3.2 }");
+  Sweep sample = run_sweep(drawn).sweep;
+  REQUIRE(refine(drawn, {}, sample));
+  CHECK(sample.points.rows() == 120);
+  CHECK(sample.fall_count() == 240);
+}
+
+TEST_CASE("a refined grid keeps the trajectories of the falls that were run") {
+  const SweepPlan plan = plates("interval = 2\nkeep = \"trajectories\"\n[refine]\nrounds = 1\n");
+  Sweep sweep = run_sweep(plan).sweep;
+  const Sweep coarse = sweep;
+  REQUIRE(refine(plan, {}, sweep));
+  REQUIRE(sweep.trajectories.size() == sweep.labels.size());
+  CHECK(sweep.trajectories.front() == coarse.trajectories.front());
+  for (std::size_t n = 0; n < sweep.labels.size(); ++n)
+    CHECK(sweep.trajectories[n].allFinite() == (sweep.status[n] != FallStatus::inherited));
+}
+
+TEST_CASE("refining ends where a round adds less than the gain to what is told of points left out") {
+  const std::string from = "inertia_ratio = { from = 0.8, to = 2.4, count = 9 }\nC_R = [1.4, 3.14159]";
+  const std::string to = "inertia_ratio = { from = 0.8, to = 2.4 }\nC_R = { from = 1.4, to = 3.2 }";
+  const std::string sample = "[sample]\ncount = 80\nseed = 3\n[refine]\nrounds = 8\n";
+  const SweepPlan plan = plates(sample + "gain = 0.02\n", from, to), every = plates(sample, from, to);
+  const Sweep begun = run_sweep(plan).sweep;
+  Sweep sweep = begun, whole = begun;
+  const RefiningResult some = refine_by_plan(plan, {}, sweep), all = refine_by_plan(every, {}, whole);
+  CHECK(some.complete);
+  REQUIRE(all.rounds.size() == 9);
+  REQUIRE(some.rounds.size() >= 2);
+  REQUIRE(some.rounds.size() < 9);
+  CHECK(some.message.find("less than 2 %") != std::string::npos);
+  for (std::size_t k = 0; k < some.rounds.size(); ++k) {
+    CHECK(some.rounds[k].agreement == all.rounds[k].agreement);
+    const bool is_last = k + 1 == some.rounds.size();
+    if (k > 0) CHECK((some.rounds[k].agreement - some.rounds[k - 1].agreement < 0.02) == is_last);
+  }
+  CHECK(sweep.points.rows() == some.rounds.back().points);
+  // Points at borders tell more of the points that were drawn first.
+  CHECK(all.rounds.back().agreement > all.rounds.front().agreement);
+  Sweep cancelled = begun;
+  const RefiningResult none =
+      refine_by_plan(every, {.progress = [](const samara::Progress&) { return false; }}, cancelled);
+  CHECK_FALSE(none.complete);
+  CHECK(cancelled.points.rows() == 80);
+  CHECK(
+      refusal("settle = 60", "settle = 60\n[refine]\nrounds = 1\ngain = 1").find("more than 0 and below 1") !=
+      std::string::npos);
+}
+
+TEST_CASE("a point is clamped to the part of a pattern, as near as the map has it") {
+  const Sweep sweep =
+      run_sweep(plates("", "C_R = [1.4, 3.14159]", "C_R = { from = 2.2, to = 3.2, count = 9 }")).sweep;
+  const PatternMap map(sweep, 0);
+  samara::Stream stream(5, 0);
+  for (int n = 0; n < 20; ++n) {
+    const Eigen::Vector2d point(0.8 + 1.6 * stream.uniform(), 2.2 + stream.uniform());
+    const Eigen::VectorXd place = map.clamp(Pattern::zigzag, point);
+    const auto scale = [](const Eigen::VectorXd& from) { return Eigen::Vector2d(from[0] / 1.6, from[1]); };
+    if (map.at(point).pattern == Pattern::zigzag) {
+      CHECK((place - point).norm() < 1e-12);
+      continue;
+    }
+    double nearest = 1e9;
+    for (Eigen::Index k = 0; k < map.size(); ++k) {
+      if (map.pattern(k) == Pattern::zigzag)
+        nearest = std::min(nearest, (scale(sweep.points.row(k)) - scale(point)).norm());
+    }
+    CHECK((scale(place) - scale(point)).norm() <= nearest + 1e-12);
+    // Where falls of the pattern stand alone the map calls them by their neighbours' pattern.
+    const bool is_fall =
+        ((sweep.points.rowwise() - place.transpose()).rowwise().norm().array() < 1e-12).any();
+    CHECK((is_fall || map.at(place).pattern == Pattern::zigzag));
+  }
+  CHECK_THROWS_WITH(map.clamp(Pattern::helix, Eigen::Vector2d(1.0, 3.0)),
+                    Catch::Matchers::Contains("helix is 0 of 81"));
+  CHECK((map.clamp(map.at(Eigen::Vector2d(0.8, 3.2)).pattern, Eigen::Vector2d(0.1, 9.0)) -
+         Eigen::Vector2d(0.8, 3.2))
+            .norm() < 1e-12);
+}
+
+TEST_CASE("shares of patterns are those of all releases, with intervals that hold what was not seen") {
+  Sweep sweep = run_sweep(plates()).sweep;
+  const Eigen::MatrixXd shares = release_shares(sweep);
+  REQUIRE(shares.rows() == 18);
+  CHECK(((shares.rowwise().sum().array() - 1.0).abs() < 1e-14).all());
+  const std::vector<int> counts = sweep.counts();
+  Eigen::Index most = 0;
+  const double largest = shares.colwise().sum().maxCoeff(&most);
+  CHECK(largest * 2.0 == counts[static_cast<std::size_t>(most)]);
+  // Jeffreys' interval of 0 and 1 of 10: tables of Brown, Cai and DasGupta.
+  const Share none = counted_share(0, 10), one = counted_share(1, 10);
+  CHECK(none.lower == 0.0);
+  CHECK(std::abs(none.upper - 0.217) < 5e-4);
+  CHECK(std::abs(one.lower - 0.011) < 5e-4);
+  CHECK(std::abs(one.upper - 0.381) < 5e-4);
+  CHECK(counted_share(10, 10).upper == 1.0);
+  CHECK_THROWS_AS(counted_share(3, 2), samara::ArgumentError);
+}

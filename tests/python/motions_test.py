@@ -1,0 +1,245 @@
+"""Patterns, sweeps, winds, flows and clouds, beside the command and plain formulas."""
+
+import h5py
+import numpy as np
+import pytest
+
+import samara
+from conftest import answer, command
+
+PLATES = {
+    "model": "falling_plate_nd",
+    "fixed": {"beta": 0},
+    "axes": {"inertia_ratio": {"from": 0.8, "to": 2.4, "count": 9}, "C_R": [2.2, 2.7, 3.2]},
+    "releases": {"tilt": [0.4, "40 deg"]},
+    "run": {"until": 120, "step": 0.05},
+}
+LEAF = {"a": "3.5 cm", "b": "2 cm", "c": "0.1 mm", "density": 800, "C_D0": 0.05, "C_w": 2, "C_D90": 1.9, "C_T": 1.2, "C_R": 1.0,
+        "z(0)": 1.0}
+
+
+def helix(t):
+    return np.stack([0.1 * np.cos(6 * t), 0.1 * np.sin(6 * t), -0.4 * t], 1)
+
+
+def test_a_sweep_is_that_of_the_command(tmp_path):
+    swept = samara.sweep(PLATES, progress=False)
+    assert swept.complete and swept.points.shape == (27, 2) and swept.features.shape == (54, len(samara.FEATURES))
+    swept.save(tmp_path / "mine.h5")
+    (tmp_path / "plan.toml").write_text(swept.plan)
+    command("sweep", tmp_path / "plan.toml", "-o", tmp_path / "theirs.h5")
+    with h5py.File(tmp_path / "theirs.h5") as file:
+        np.testing.assert_array_equal(swept.features, file["features"][:])
+        names = [name.decode() for name in file["label_names"]]
+        assert list(swept.labels) == [names[int(k)] for k in file["labels"]]
+        assert tuple(names) == samara.PATTERNS
+    again = samara.Sweep.open(tmp_path / "mine.h5")
+    np.testing.assert_array_equal(again.features, swept.features)
+    assert list(again.labels) == list(swept.labels) and again.releases == swept.releases
+    with pytest.raises(samara.InputError, match="C_Q"):
+        samara.sweep({**PLATES, "axes": {"C_Q": [1.0]}}, progress=False)
+    with pytest.raises(samara.ArgumentError, match="keeps no trajectories"):
+        swept.trajectories()
+
+
+def test_a_sweep_is_a_frame_and_a_map_and_a_page(tmp_path):
+    swept = samara.sweep({**PLATES, "run": {"until": 120, "step": 0.05, "keep": "trajectories"}}, progress=False)
+    shares = swept.shares()
+    for k, name in enumerate(samara.PATTERNS):
+        np.testing.assert_allclose(shares[:, k], (swept.labels.reshape(27, 2) == name).mean(1))
+    pattern, probability, distance = swept.at(swept.points.reshape(9, 3, 2), release=1)
+    assert pattern.shape == probability.shape == distance.shape == (9, 3)
+    # At a fall whose neighbourhood is sure the map says what the fall does.
+    assert all(p == label for p, label, sure in zip(pattern.ravel(), swept.labels[1::2], probability.ravel()) if sure == 1)
+    times, states, names = swept.trajectories()
+    assert states.shape == (54, len(times), len(names))
+    np.testing.assert_allclose(states[1, 0, names.index("theta")], np.radians(40))
+    swept.report(tmp_path / "page.html")
+    assert "default-src 'none'" in (tmp_path / "page.html").read_text()
+    with pytest.raises(samara.ArgumentError, match="inside the box"):
+        swept.at([9.0, 2.5])
+    pytest.importorskip("pandas")
+    frame = swept.frame
+    assert len(frame) == 54 and frame["release_tilt"].nunique() == 2
+    np.testing.assert_array_equal(frame["inertia_ratio"][::2], swept.points[:, 0])
+    steady = frame[frame["pattern"] == "zigzag"]
+    assert (steady["flips"] < swept.thresholds["flips_plane"]).all()
+
+
+def test_a_sweep_that_is_ended_keeps_what_was_done():
+    plan = {**PLATES, "axes": {"inertia_ratio": {"from": 0.8, "to": 2.4, "count": 900}, "C_R": [2.2, 2.7, 3.2]}}
+    ended = samara.sweep(plan, progress=lambda stage, fraction: fraction < 0.3, threads=1)
+    assert not ended.complete and "cancelled" in ended.message
+    assert 0 < len(ended.labels) < 5400 and len(ended.labels) == len(ended.features)
+    refined = samara.sweep({**PLATES, "refine": {"rounds": 1}}, progress=False)
+    assert [points for points, _ in refined.rounds] == [27, 17 * 5]
+
+
+def test_records_of_captures_are_labelled_as_the_command_labels_them(tmp_path):
+    t = np.arange(0, 10, 0.02)
+    columns = {"t[s]": t, **{f"{c}[m]": v for c, v in zip("xyz", helix(t).T)}}
+    path = tmp_path / "round.csv"
+    path.write_text(",".join(columns) + "\n" + "\n".join(",".join(f"{v:.9g}" for v in row) for row in zip(*columns.values())) + "\n")
+    record, = samara.records({"round": columns}, length="5 cm")
+    assert record.positions.shape == (500, 3) and record.normals is None and record.name == "round"
+    assert record.label().pattern == "spiral"
+    told = answer("patterns", path, "--length", "5 cm")["captures"][0]["windows"]
+    windows = samara.patterns(path, length=0.05).sequences[0]
+    assert [(w["pattern"], round(w["margin"], 9)) for w in told] == [(label.pattern, round(label.margin, 9)) for *_, label in windows]
+    features = record.features()
+    assert abs(features["wobble"]) < 0.01 and abs(features["fall"] - 0.4) < 1e-3
+    # By hand, and with an attitude: a plate that stays level descends steadily.
+    level = samara.Record(t, np.c_[0 * t, 0 * t, -t], normals=np.tile([0.0, 0.0, 1.0], (500, 1)), length=0.05)
+    assert level.label().pattern == "steady"
+    # At the threshold itself a tilt is none any more.
+    assert level.label(thresholds={"steady_lengths": 1000.0}).pattern != "steady"
+    with pytest.raises(samara.ArgumentError, match=r"positions have the shape \(500,\), expected \(500, 3\)"):
+        samara.Record(t, t)
+    with pytest.raises(samara.ArgumentError, match="did you mean"):
+        record.label(thresholds={"steady_tlit": 1.0})
+    assert samara.pattern_thresholds(veers=3.0)["veers"] == 3.0 and samara.pattern_thresholds()["veers"] == 2.5
+
+
+def test_patterns_are_frames(tmp_path):
+    pytest.importorskip("pandas")
+    t = np.arange(0, 12, 0.02)
+    swings = np.stack([0.1 * np.sin(6 * t), 0 * t, -0.4 * t], 1)
+    tables = {name: {"t[s]": t, **{f"{c}[m]": v for c, v in zip("xyz", path.T)}} for name, path in [("a", helix(t)), ("b", swings)]}
+    found = samara.patterns(tables, length="5 cm")
+    assert list(found.windows["record"]) == ["a", "b"] and list(found.windows["pattern"]) == ["spiral", "zigzag"]
+    assert list(found.features["pattern"]) == ["spiral", "zigzag"] and len(found.features.columns) == 2 + len(samara.FEATURES)
+    assert list(found.records[0].frame.columns) == ["t", "x", "y", "z"]
+    # Each seen once, never one after the other: half of nothing is still a half.
+    assert set(zip(found.transitions["from"], found.transitions["to"])) == {("spiral", "zigzag"), ("zigzag", "spiral")}
+    assert (found.transitions["count"] == 0).all() and (found.transitions["upper"] == 1).all()
+    found.report(tmp_path / "page.html")
+    assert "Patterns of captures" in (tmp_path / "page.html").read_text()
+
+
+def test_a_regime_is_that_of_the_command():
+    values = {"a": "1 cm", "b": "1 cm", "c": "0.75 mm", "density": 2700, "fluid_density": 1000, "nu": 1e-6}
+    told = answer("regime", "immersed_body", *(x for n, v in values.items() for x in ("--set", f"{n}={v}")))
+    found = samara.regime("immersed_body", values)
+    assert {k: v for k, v in told.items() if k != "schema"} == vars(found)
+    with pytest.raises(samara.ArgumentError, match="does not say length"):
+        samara.regime("falling_plate_nd", {})
+
+
+def test_a_wind_is_its_profile_and_its_field(tmp_path):
+    path = tmp_path / "wind.toml"
+    path.write_text('[mean]\nspeed = "4 m/s"\nroughness = "3 cm"\n[turbulence]\nsigma = "0.8 m/s"\nlength = "5 m"\n[series]\nsigma = "1 m/s"\n')
+    wind = samara.Wind(path)
+    heights = np.array([[2.0, 5.0], [10.0, 40.0]])
+    np.testing.assert_allclose(wind.profile(heights), 4 * np.log(heights / 0.03) / np.log(10 / 0.03), rtol=1e-12)
+    at = np.random.default_rng(0).uniform([0, 0, 2], [200, 200, 8], (300, 3))
+    velocities = wind.velocity(0.0, at, seed=3)
+    assert velocities.shape == (300, 3)
+    np.testing.assert_array_equal(wind.velocity(0.0, at[7], seed=3), velocities[7])
+    assert np.any(wind.velocity(0.0, at[7], seed=3, realisation=1) != velocities[7])
+    deviation = velocities - np.c_[wind.profile(at[:, 2]), np.zeros((300, 2))]
+    # Eddies of 5 m, some hundred of them in the box.
+    np.testing.assert_allclose(deviation.std(axis=0), 0.8, rtol=0.25)
+    times, series = wind.series([[0, 0, 10], [0, 5, 10]], "0.1 s", 600, seed=1)
+    assert series.shape == (600, 2, 3) and times[1] == 0.1
+    np.testing.assert_allclose(series[:, :, 0].mean(axis=0), 4.0, rtol=1e-9)
+    with pytest.raises(samara.ArgumentError, match="do not broadcast"):
+        wind.velocity([0.0, 1.0], at)
+    with pytest.raises(samara.InputError, match="missing.toml"):
+        samara.Wind(tmp_path / "missing.toml").profile(2.0)
+
+
+def test_a_cloud_is_that_of_the_command(tmp_path):
+    path = tmp_path / "cloud.h5"
+    times = np.linspace(0, 0.5, 6)
+    command("simulate", "immersed_body_in_gusts", *(x for n, v in LEAF.items() for x in ("--set", f"{n}={v}")), "--until", 0.5, "--frames", 6,
+            "--turbulence", "k=0.3", "--turbulence", "epsilon=0.2", "--turbulence", "stream_x=1", "--realisations", 64, "--seed", 7,
+            "--ground", 0.3, "--keep", 2, "-o", path)
+    air = samara.Turbulence(0.3, "0.2 m^2/s^3", stream=(1, 0, 0))
+    cloud = samara.realise("immersed_body_in_gusts", LEAF, times, air, 64, 7, ground="0.3 m", keep=2)
+    with h5py.File(path) as file:
+        np.testing.assert_array_equal(cloud.mean, file["mean"][:])
+        np.testing.assert_array_equal(cloud.covariance, file["covariance"][:])
+    assert cloud.states == ["x", "y", "z"] and cloud.covariance.shape == (6, 3, 3)
+    assert cloud.kept.shape == (2, 6, len(cloud.all_states)) and cloud.status.shape == (64,)
+    assert len(cloud.landings) == (cloud.status == "landed").sum() and np.allclose(cloud.landings[:, 4], 0.3)
+    alone = samara.realise("immersed_body_in_gusts", LEAF, times, air, 1, 7, first=1, keep=1)
+    seen = np.isfinite(cloud.kept[1]).all(axis=1)
+    np.testing.assert_array_equal(alone.kept[0][seen], cloud.kept[1][seen])
+    with pytest.raises(samara.ArgumentError, match="expected a samara.Wind"):
+        samara.realise("immersed_body_in_gusts", LEAF, times, "wind.toml")
+    with pytest.raises(samara.ArgumentError, match="immersed_body"):
+        samara.realise("immersed_body", LEAF, times, air)
+
+
+FLOW = """title = "small"
+[flow]
+shape = { kind = "ellipse", length = 1, thickness = 1 }
+reynolds = 10000
+cells_per_length = 6
+extent = { before = 3, behind = 6, side = 3 }
+max_time = 3
+"""
+
+
+def test_a_flow_is_the_arrays_of_its_file_and_bodies_fly_in_its_wake(tmp_path):
+    (tmp_path / "plan.toml").write_text(FLOW)
+    command("flow", tmp_path / "plan.toml", "-o", tmp_path / "wake.h5", codes=(0, 4))
+    flow = samara.Flow.open(tmp_path / "wake.h5")
+    with h5py.File(tmp_path / "wake.h5") as file:
+        u, k = file["centre/u"][:].T, file["centre/k"][:].T
+        np.testing.assert_allclose(flow.x, file["axes/x"][:])
+        np.testing.assert_array_equal(flow.open_share, file["body/open"][:].T)
+    body = flow.open_share == 0
+    assert body.any() and np.isnan(flow["u"][body]).all()
+    np.testing.assert_array_equal(flow["u"][~body], u[~body])
+    np.testing.assert_array_equal(flow["k"][~body], k[~body])
+    assert list(flow) == list(flow.units) and flow.units["k"] == "U^2" and flow.z is None
+    assert flow.summary["reynolds"] == 10000 and flow.summary["message"]
+    with pytest.raises(samara.ArgumentError, match="vorticity"):
+        flow["vorticity"]
+    times = np.linspace(0, 0.05, 3)
+    values = {"diameter": "4 mm", "mass": "20 mg", "x(0)": 0.2}
+    cloud = samara.realise("sphere_flight_in_gusts", values, times, samara.Wake(flow, "2 m/s", "10 cm"), 16, 3)
+    assert cloud.mean.shape == (3, 3) and (cloud.mean_error[-1] > 0).all()
+
+
+MOTIONS = {
+    "model": "immersed_body",
+    "fixed": {key: value for key, value in LEAF.items() if key in ("a", "b", "c", "density", "C_D0", "C_w")},
+    "axes": {name: {"from": 0.4, "to": 2.6, "count": 3} for name in ("C_D90", "C_T", "C_R")},
+    "releases": {"tilt": ["10 deg"], "axis": ["35 deg"]},
+    "run": {"until": "2 s", "step": "1 ms", "settle": "0.5 s"},
+}
+
+
+def test_bodies_fall_by_the_motions_of_a_sweep(tmp_path):
+    motions = samara.Motions.of(samara.sweep(MOTIONS, progress=False))
+    assert motions.starts.shape == (len(motions.kinds), 13) and motions.report["segments"] == len(motions.kinds)
+    follows = motions.runs[1:] == motions.runs[:-1]
+    np.testing.assert_array_equal(motions.ends[:-1][follows], motions.starts[1:][follows])
+    motions.save(tmp_path / "leaf.h5")
+    again = samara.Motions.open(tmp_path / "leaf.h5")
+    np.testing.assert_array_equal(again.starts, motions.starts)
+    places = np.column_stack([np.arange(20.0), np.zeros(20), np.full(20, 1.0)])
+    leaves = [samara.Bodies(one, 20, ground=0, wind=wind, step="2 ms", seed=3) for one, wind in [(motions, None), (again, None), (again, [1, 0, 0])]]
+    for bodies in leaves:
+        assert set(bodies.status) == {"waiting"}
+        bodies.release(places, yaw=np.linspace(0, 6, 20))
+        bodies.advance("100 ms")
+    (still, turned), (same, _), (blown, _) = (bodies.poses() for bodies in leaves)
+    np.testing.assert_array_equal(still, same)
+    np.testing.assert_allclose(np.linalg.norm(turned, axis=1), 1)
+    np.testing.assert_allclose(blown - still, np.tile([0.1, 0, 0], (20, 1)), atol=1e-3)
+    room = np.empty((20, 3)), np.empty((20, 4))
+    for _ in range(600):
+        leaves[0].advance(1 / 60)
+        positions, _ = leaves[0].poses(*room)
+        assert positions is room[0]
+    assert leaves[0].falling == 0 and set(leaves[0].status) == {"landed"}
+    np.testing.assert_allclose(positions[:, 2], 0, atol=1e-12)
+    with pytest.raises(samara.ArgumentError, match="choice is"):
+        samara.Bodies(motions, 3, choice="best")
+    with pytest.raises(samara.ArgumentError, match="count of bodies"):
+        samara.Bodies(motions, 0)
+    with pytest.raises(samara.InputError, match="no.h5"):
+        samara.Motions.open(tmp_path / "no.h5")
