@@ -17,6 +17,7 @@
 #include "options/self_commands.h"
 #include "options/value_runs.h"
 #include "output.h"
+#include "planning_arguments.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "terminal.h"
@@ -294,6 +295,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_flow(app, arguments);
   add_picture(app, arguments);
   add_motion_commands(app, arguments);
+  add_planning_commands(app, arguments);
   add_self(app, self);
   take_one_word_each(app);
   for (CLI::App* command : app.get_subcommands({})) {

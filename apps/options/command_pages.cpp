@@ -8,7 +8,7 @@ namespace samara::apps {
 
 namespace {
 
-constexpr std::array<CommandPage, 24> kPages = {{
+constexpr std::array<CommandPage, 26> kPages = {{
     {"models", {"samara models", "samara models vertical_fall"}, "docs/models.md"},
     {"simulate",
      {"samara simulate falling_plate_nd --until 20 -o plate.csv",
@@ -81,6 +81,14 @@ constexpr std::array<CommandPage, 24> kPages = {{
       "samara regime falling_plate --set semi_chord=1cm --set semi_thickness=0.5mm --set density=2700 "
       "--json"},
      "docs/patterns.md"},
+    {"synthesize",
+     {"samara synthesize motion.toml -o fall.glb",
+      "samara synthesize motion.toml -o fall.csv --course course.h5 --picture fall.svg"},
+     "docs/synthesis.md"},
+    {"ghost",
+     {"samara ghost falling_plate fall.csv --coefficients course.h5",
+      "samara ghost falling_plate fall.csv --coefficients course.h5 --json -o ghost.csv"},
+     "docs/synthesis.md"},
     {"completion",
      {"source <(samara completion bash)", "samara completion fish > ~/.config/fish/completions/samara.fish"},
      "docs/reference/commands.md"},

@@ -23,6 +23,7 @@ PAGES = {
     "BodiesPage": "docs/bodies.md",
     "ExplorePage": "docs/explore.md",
     "MotionPage": "docs/motion.md",
+    "SynthesisPage": "docs/synthesis.md",
     "PlansPage": "docs/plans.md",
     "QueriesPage": "docs/queries.md",
     "FlatFilePage": "docs/flat_file.md",
