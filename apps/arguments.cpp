@@ -12,6 +12,7 @@
 #include "motion_arguments.h"
 #include "option_parts.h"
 #include "output.h"
+#include "planning_arguments.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/version.h"
@@ -345,6 +346,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_flow(app, arguments);
   add_picture(app, arguments);
   add_motion_commands(app, arguments);
+  add_planning_commands(app, arguments);
   for (CLI::App* command : app.get_subcommands({})) refuse_empty(*command);
   check_command(app, argc, argv);
   try {

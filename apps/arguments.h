@@ -246,6 +246,26 @@ struct RegimeArguments {
   bool json = false;
 };
 
+struct GhostArguments {
+  std::string model;
+  std::string path;               ///< table of poses
+  std::vector<std::string> set;   ///< values of the model
+  std::string coefficients;       ///< course that the motion declares, a file; empty: none
+  std::vector<std::string> box;   ///< ranges of coefficients
+  std::string output;             ///< sizes frame by frame; empty: none
+  bool json = false;
+};
+
+struct SynthesizeArguments {
+  std::string plan;
+  std::string output;   ///< the motion
+  std::string course;   ///< its coefficients, a file; empty: none
+  std::string csv;      ///< its states; empty: none
+  std::string picture;  ///< of path and coefficients; empty: none
+  ShownWords body;
+  bool json = false;
+};
+
 /// One of the commands, or nothing but an exit code (help, version, a wrong call).
 struct Arguments {
   std::optional<int> exit_code;
@@ -270,6 +290,8 @@ struct Arguments {
   std::optional<DatabaseArguments> database;
   std::optional<PatternsArguments> patterns;
   std::optional<RegimeArguments> regime;
+  std::optional<GhostArguments> ghost;
+  std::optional<SynthesizeArguments> synthesize;
 };
 
 /// Prints help to stdout and mistakes to stderr itself.

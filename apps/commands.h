@@ -25,5 +25,7 @@ int run(const SweepArguments& arguments);
 int run(const DatabaseArguments& arguments);
 int run(const PatternsArguments& arguments);
 int run(const RegimeArguments& arguments);
+int run(const GhostArguments& arguments);
+int run(const SynthesizeArguments& arguments);
 
 }  // namespace samara::apps

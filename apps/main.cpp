@@ -33,6 +33,8 @@ int dispatch(const Arguments& arguments) {
   if (arguments.database) return run(*arguments.database);
   if (arguments.patterns) return run(*arguments.patterns);
   if (arguments.regime) return run(*arguments.regime);
+  if (arguments.ghost) return run(*arguments.ghost);
+  if (arguments.synthesize) return run(*arguments.synthesize);
   return run(*arguments.body);
 }
 

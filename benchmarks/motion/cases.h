@@ -37,5 +37,6 @@ void run_positions(const Options& options);
 void run_measured(const Options& options);
 void run_sweeps(const Options& options);
 void run_databases(const Options& options);
+void run_sketches(const Options& options);
 
 }  // namespace samara::benchmarks::motion_cases

@@ -45,6 +45,7 @@ class Excerpts(unittest.TestCase):
 
     def test_sweep_of_the_card(self):
         self.assertIn(f"```toml\n{text('examples/falling_card/sweep.toml')}```", text("docs/patterns.md"))
+        self.assertIn(f"```toml\n{text('examples/drawn_fall/motion.toml')}```", text("docs/synthesis.md"))
 
     def test_queries(self):
         self.assertIn(f"```cpp\n{text('examples/query/query.cpp')}```", text("docs/queries.md"))
