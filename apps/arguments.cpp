@@ -4,6 +4,7 @@
 #include <map>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -11,28 +12,19 @@
 #include "flow_arguments.h"
 #include "motion_arguments.h"
 #include "option_parts.h"
+#include "options/build_facts.h"
+#include "options/help_text.h"
+#include "options/self_commands.h"
+#include "options/value_runs.h"
 #include "output.h"
+#include "planning_arguments.h"
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
-#include "samara/base/version.h"
 #include "terminal.h"
 
 namespace samara::apps {
 
 namespace {
-
-/// The licence of the whole is that of its strictest part.
-std::string version_text() {
-#ifdef SAMARA_HAS_SUITESPARSE
-  constexpr const char* kGplParts = "UMFPACK and CHOLMOD of SuiteSparse, also within Ceres Solver";
-#else
-  constexpr const char* kGplParts = "SuiteSparse within Ceres Solver, where the distribution has built it so";
-#endif
-  return fmt::format(
-      "samara {}\nlicence: BSD-3-Clause; linked with parts under the GPL ({}), the program as a whole under "
-      "the GPL",
-      version(), kGplParts);
-}
 
 void add_models(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<ModelsArguments>();
@@ -40,23 +32,47 @@ void add_models(CLI::App& app, Arguments& arguments) {
       app.add_subcommand("models", "models with parameters, units, defaults, sources, validity");
   command->add_option("NAME", values->model,
                       "explain this model only, or the equations of a file (MODEL.toml)");
-  CLI::Option* json = command->add_flag("--json", values->json, "print one JSON object");
+  CLI::Option* json = command->add_flag("--json", values->json, kJson);
   command->add_flag("--check", values->check, "check its promises, and name the kinks of its law")
       ->excludes(json);
+  command->add_option("-o,--output", values->output, kAnswerFile);
   on_call(command, arguments.models, values);
+}
+
+void add_plan(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<PlanArguments>();
+  CLI::App* command = app.add_subcommand(
+      "plan", "a plan to begin with, with comments, for a model: samara build takes it as it is");
+  command
+      ->add_option("MODEL", values->model,
+                   "name of a model (samara models), or file with equations (MODEL.toml)")
+      ->required();
+  command->add_option("-o,--output", values->output, "file for the plan, TOML; stdout if not given");
+  on_call(command, arguments.plan, values);
 }
 
 void add_build(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<BuildArguments>();
   CLI::App* command = app.add_subcommand("build", "builds and certifies the codebook of a plan");
-  command->add_option("PLAN", values->plan, "plan, TOML")->required();
-  command->add_option("-o,--output", values->output, "codebook file to write, HDF5")->required();
+  command->add_option("PLAN", values->plan, "plan, TOML; - for stdin")->required();
+  command->add_option("-o,--output", values->output,
+                      "codebook file to write, HDF5; needed but for --dry-run");
+  command->add_option("--set", values->set,
+                      "in place of what the plan says: NAME=VALUE fixes, NAME=FROM..TO frees, SI or with a "
+                      "unit: C_D=0.8..1.4");
+  command->add_option("--tolerance", values->tolerance, "relative, in place of the plan's");
+  command->add_option("--threads", values->threads, "in place of the plan's; 0: as many as the machine has");
+  CLI::Option* dry =
+      command->add_flag("--dry-run", values->dry_run, "check the plan and say what would be built, no more");
   CLI::Option* resume = command->add_flag(
       "--resume", values->resume,
       "only go on where a build of the same plan and output stopped, which is done anyway if there is one");
+  resume->excludes(dry);
   command->add_flag("--fresh", values->fresh, "begin anew, and drop what an earlier build has left")
-      ->excludes(resume);
+      ->excludes(resume)
+      ->excludes(dry);
   command->add_flag("--force", values->force, "replace the output also if it is no codebook");
+  command->add_flag("--json", values->json, kJson);
   on_call(command, arguments.build, values);
 }
 
@@ -68,7 +84,8 @@ void add_body(CLI::App& app, Arguments& arguments) {
   add_body_words(*command, values->words, true);
   CLI::Option* viscosity = command->add_option("--viscosity", values->viscosity,
                                                "of the fluid, Pa s or with a unit: for the Reynolds number");
-  CLI::Option* json = command->add_flag("--json", values->json, "print one JSON object");
+  CLI::Option* json = command->add_flag("--json", values->json, kJson);
+  command->add_option("-o,--output", values->output, kAnswerFile);
   command->add_flag("--toml", values->toml, "print the lines of a plan of kirchhoff_body")
       ->excludes(json)
       ->excludes(viscosity);
@@ -80,7 +97,10 @@ void add_info(CLI::App& app, Arguments& arguments) {
   CLI::App* command = app.add_subcommand(
       "info", "axes, ranks, size, certificate and provenance of a codebook; loads and checks of a flow");
   command->add_option("BOOK", values->book, "codebook file, or flow file")->required();
-  command->add_flag("--json", values->json, "print one JSON object");
+  CLI::Option* json = command->add_flag("--json", values->json, kJson);
+  command->add_flag("--plan", values->plan, "the plan that a codebook was built from, and nothing else")
+      ->excludes(json);
+  command->add_option("-o,--output", values->output, kAnswerFile);
   on_call(command, arguments.info, values);
 }
 
@@ -107,7 +127,8 @@ void add_stats(CLI::App& app, Arguments& arguments) {
   command->add_option("--seed", values->seed, "of the draws, from 0")
       ->capture_default_str()
       ->check(whole_number<std::uint64_t>());
-  command->add_flag("--json", values->json, "print one JSON object");
+  command->add_option("-o,--output", values->output, kAnswerFile);
+  command->add_flag("--json", values->json, kJson);
   on_call(command, arguments.stats, values);
 }
 
@@ -117,7 +138,16 @@ void add_query(CLI::App& app, Arguments& arguments) {
       app.add_subcommand("query", "values of a codebook, and derivatives by every axis, as CSV or JSON");
   command->add_option("BOOK", values->book, "codebook file")->required();
   command->add_option("--set", values->set, kAssignments)->allow_extra_args(false);
-  command->add_option("--at", values->at, "times, s or with a unit; default: 11 from begin to end");
+  CLI::Option* at = command->add_option("--at", values->at, kTimes);
+  command->add_option("--frames", values->frames, "so many times, equally spaced, in place of 11")
+      ->check(whole_number())
+      ->check(CLI::Range(2, 10000000))
+      ->excludes(at);
+  command->add_option(
+      "--points", values->points,
+      "table of points, CSV with a column for each coordinate (\"C_D,v(0)[cm/s]\"), or - for stdin: a row "
+      "each; what no "
+      "column names is --set, and without a column of the time each point is asked at all times");
   command->add_option("--until", values->until,
                       "11 times from 0 to this one, s or with a unit, also after the codebook's own: by its "
                       "windows, composed, where the initial state is free");
@@ -129,7 +159,7 @@ void add_query(CLI::App& app, Arguments& arguments) {
       "file for the answer, CSV or with --json JSON, or the motion of the body: .glb (glTF) or "
       ".usda; stdout if not given");
   add_shown_words(*command, values->body);
-  command->add_flag("--json", values->json, "print one JSON object");
+  command->add_flag("--json", values->json, kJson);
   on_call(command, arguments.query, values);
 }
 
@@ -145,12 +175,13 @@ void add_export(CLI::App& app, Arguments& arguments) {
       ->required()
       ->check(CLI::IsMember({"paraview", "flat"}));
   command->add_option("--set", values->set, kAssignments)->allow_extra_args(false);
-  command->add_option("--at", values->at, "times, s or with a unit; default: 11 from begin to end");
+  command->add_option("--at", values->at, kTimes);
   command
       ->add_option("-o,--output", values->output,
                    "file to write: NAME.vtu for one time, NAME.pvd for several, with NAME_0000.vtu and so on "
                    "beside it; of a flow NAME.xdmf, which refers to the flow file; NAME.flat")
       ->required();
+  command->add_flag("--json", values->json, kJsonOfFile);
   on_call(command, arguments.exported, values);
 }
 
@@ -169,109 +200,16 @@ void add_validate(CLI::App& app, Arguments& arguments) {
   command->add_option("--seed", values->seed, "of the scrambling, from 0")
       ->capture_default_str()
       ->check(whole_number<std::uint64_t>());
-  command->add_flag("--json", values->json, "print one JSON object");
+  command->add_option("-o,--output", values->output, kAnswerFile);
+  command->add_flag("--json", values->json, kJson);
   on_call(command, arguments.validate, values);
 }
 
-void add_fit(CLI::App& app, Arguments& arguments) {
-  auto values = std::make_shared<FitArguments>();
-  CLI::App* command = app.add_subcommand("fit", "coefficients with uncertainty from captured trajectories");
-  command
-      ->add_option(
-          "SOURCE", values->source,
-          "codebook file, or a model by its name or its file of equations (with a config that has a [box])")
-      ->required();
-  // Not required for the parser, which would take the last capture left out for one to fit.
-  command->add_option("CAPTURE", values->captures,
-                      "capture files: tables, or sidecars (.toml) that map one; or one PEtab problem "
-                      "(.yaml), config included");
-  command->add_option("--sidecar", values->sidecar,
-                      "what the columns of all tables given are, TOML, in place of sidecars beside them");
-  command->add_option("--config", values->config, "what to fit and how, TOML");
-  command->add_option(
-      "--coefficients", values->coefficients,
-      "JSON of another fit: its coefficients are where this one begins, or held where the "
-      "config has no box for them; without a CAPTURE all are held, and --left-out is predicted");
-  command->add_option("--span,--window", values->span,
-                      "only this much of each capture from its first frame, s or with a unit");
-  command->add_flag("--reference", values->reference,
-                    "integrate (CVODES with sensitivities) instead of querying the codebook; only with one");
-  command->add_flag("--profiles", values->profiles,
-                    "fit again with each coefficient held at other values: intervals, and whether there is a "
-                    "limit to both sides");
-  command->add_option(
-      "--left-out", values->left_out,
-      "captures to predict, one or more: their span is seen, with the coefficients held, and --ahead is "
-      "compared");
-  command->add_option("--left-out-span,--left-out-window", values->left_out_span,
-                      "how much of each of them is seen, s or with a unit; default: as --span");
-  command->add_option("--ahead", values->ahead, "how far beyond the span to predict, s or with a unit");
-  command->add_option("--petab", values->petab,
-                      "of a PEtab problem: also write its tables as the fit leaves them, parameters.tsv and "
-                      "simulations.tsv, into this folder");
-  command->add_option("--series", values->series,
-                      "write the coefficients that change in time, those of [series] in the config, to this "
-                      "codebook, for samara simulate --coefficients");
-  command->add_option("-o,--output", values->output, "also write the result as JSON to this file");
-  command->add_option("--report", values->report, "also write a page for the browser to this file, HTML");
-  command->add_flag("--json", values->json, "print one JSON object instead of the table");
-  on_call(command, arguments.fit, values);
+/// Whatever an option collects, one word each: see options/value_runs.h.
+void take_one_word_each(CLI::App& command) {
+  for (CLI::Option* option : command.get_options())
+    if (!option->get_positional()) option->allow_extra_args(false);
 }
-
-void add_design(CLI::App& app, Arguments& arguments) {
-  auto values = std::make_shared<DesignArguments>();
-  CLI::App* command = app.add_subcommand(
-      "design",
-      "the next experiment: which releases, outputs and times would shrink the errors of a fit most");
-  command
-      ->add_option("SOURCE", values->source, "codebook file, or name of a model (with the config of the fit)")
-      ->required();
-  command->add_option("--fit", values->fit, "JSON of the fit so far (samara fit -o)")->required();
-  command->add_option("--config", values->config, "of that fit, TOML; needed for a model only");
-  command->add_option("--captures", values->captures, "how many more")
-      ->capture_default_str()
-      ->check(whole_number());
-  command->add_option("--duration", values->duration,
-                      "of each, s or with a unit; default: as the longest of the fit");
-  command->add_option("--frames", values->frames, "of each; default: at the rate of the fit's")
-      ->check(whole_number());
-  command
-      ->add_option(
-          "--release", values->release,
-          "a coordinate that can be chosen; default: all that are no coefficients; the others stay where "
-          "the captures of the fit were in the mean")
-      ->allow_extra_args(false);
-  command
-      ->add_option("--set", values->set,
-                   "where a release must be, NAME=VALUE or NAME=FROM..TO, SI or with units: \"theta(0)=20 "
-                   "deg..60 deg\"")
-      ->allow_extra_args(false);
-  command->add_option("--seen", values->outputs, "an output that is seen; default: what the fit compared")
-      ->allow_extra_args(false);
-  command->add_option("--noise", values->noise, "of an output, NAME=VALUE; default: what the fit found")
-      ->allow_extra_args(false);
-  command
-      ->add_option("--criterion", values->criterion,
-                   "D (the volume of what remains possible) or A (the mean square of relative errors)")
-      ->capture_default_str();
-  command->add_option("--for", values->coefficients, "a coefficient whose error counts; default: all")
-      ->allow_extra_args(false);
-  command->add_option("--times", values->times, "also find so many frames that say most alone")
-      ->check(whole_number());
-  command->add_option("--draws", values->draws, "of the coefficients from what the fit leaves open")
-      ->capture_default_str()
-      ->check(whole_number());
-  command->add_option("--seed", values->seed, "of draws and first releases")
-      ->capture_default_str()
-      ->check(whole_number<std::uint64_t>());
-  command->add_option("-o,--output", values->output, "also write the design as JSON to this file");
-  command->add_flag("--json", values->json, "print one JSON object instead of the tables");
-  on_call(command, arguments.design, values);
-}
-
-}  // namespace
-
-namespace {
 
 /// `--config "$CONFIG"` with a variable that is not set must not mean that there is no config.
 void refuse_empty(CLI::App& command) {
@@ -313,23 +251,35 @@ void check_row(const CLI::App& command) {
   }
 }
 
+/// Without a word: the help, but nothing was done.
+Arguments nothing_asked(const CLI::App& app) {
+  explain_on_stderr(app.help());
+  Arguments arguments;
+  arguments.exit_code = kWrongCall;
+  return arguments;
+}
+
 }  // namespace
 
 Arguments parse(int argc, const char* const* argv) {
   Arguments arguments;
   CLI::App app(
       "Parametric solution codebooks of bodies moving in a fluid.\n"
-      "Exit codes: 0 done, 1 internal failure, 2 wrong call, 3 bad input file, 4 tolerance or convergence "
-      "missed,\n"
-      "5 query outside the box, 130 interrupted.",
+      "Answers go to stdout, or with -o to a file; everything else goes to stderr. Exit codes: 0 done, 1 "
+      "internal failure, 2 "
+      "wrong call, 3 bad input file, 4 tolerance or convergence missed, 5 query outside the box, 130 "
+      "interrupted.",
       "samara");
-  app.set_version_flag("--version", version_text());
+  app.formatter(help_formatter());
+  app.set_version_flag("-V,--version", version_text());
+  app.set_help_flag("-h,--help", "print this and exit");
   app.require_subcommand(1);
   app.add_option("--model-library", arguments.model_libraries,
-                 "shared library of models of your own, before the command; may be repeated")
-      ->allow_extra_args(false);
+                 "shared library of models of your own, before the command; may be repeated");
+  SelfWords self;
   add_models(app, arguments);
   add_simulate(app, arguments);
+  add_plan(app, arguments);
   add_build(app, arguments);
   add_info(app, arguments);
   add_stats(app, arguments);
@@ -345,11 +295,28 @@ Arguments parse(int argc, const char* const* argv) {
   add_flow(app, arguments);
   add_picture(app, arguments);
   add_motion_commands(app, arguments);
-  for (CLI::App* command : app.get_subcommands({})) refuse_empty(*command);
+  add_planning_commands(app, arguments);
+  add_self(app, self);
+  take_one_word_each(app);
+  for (CLI::App* command : app.get_subcommands({})) {
+    take_one_word_each(*command);
+    refuse_empty(*command);
+    command->add_flag("-q,--quiet", arguments.quiet, "say nothing but errors");
+    command->add_flag("-v,--verbose", arguments.verbose, "say more: each stage, every note, time and memory");
+  }
+  if (argc < 2) return nothing_asked(app);
   check_command(app, argc, argv);
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> words = with_rows_taken_apart(app, {argv + 1, argv + argc});
+    std::ranges::reverse(words);  // as the parser takes them
+    app.parse(std::move(words));
     for (const CLI::App* command : app.get_subcommands()) check_row(*command);
+    const std::string answer = answer_of(app, self);
+    if (!answer.empty()) {
+      print(answer);
+      arguments.exit_code = kDone;
+    }
+    if (!self.names.empty()) arguments.names = NamesArguments{self.names};
   } catch (const CLI::Success& help) {
     std::ostringstream text;
     arguments.exit_code = app.exit(help, text, text);

@@ -5,12 +5,13 @@
 #include <string>
 #include <vector>
 
-/// What the user typed, as plain values; the option parser is known to arguments.cpp, picture_arguments.cpp and
-/// option_parts.h only.
+/// What the user typed, as plain values; the option parser is known to arguments.cpp, option_parts.h, the files named
+/// *_arguments.cpp and those in options/ only.
 namespace samara::apps {
 
 struct ModelsArguments {
   std::string model;  ///< empty: all
+  std::string output;
   bool json = false;
   bool check = false;  ///< what check_model() says of it
 };
@@ -74,18 +75,35 @@ struct WindArguments {
   std::optional<std::uint64_t> seed;
   std::optional<std::uint64_t> realisation;
   std::string output;
+  bool json = false;
 };
 
 struct BuildArguments {
   std::string plan;
-  std::string output;
+  std::string output;  ///< empty: only with dry_run
+  std::vector<std::string> set;
+  std::string tolerance, threads;  ///< empty: those of the plan
+  bool dry_run = false;
   bool resume = false;
   bool fresh = false;
   bool force = false;
+  bool json = false;
+};
+
+struct PlanArguments {
+  std::string model;
+  std::string output;
+};
+
+/// Asked by the completion of shells.
+struct NamesArguments {
+  std::string source;  ///< a model, a codebook or a plan
 };
 
 struct InfoArguments {
   std::string book;
+  bool plan = false;  ///< the text of the plan alone
+  std::string output;
   bool json = false;
 };
 
@@ -96,6 +114,7 @@ struct StatsArguments {
   std::vector<double> quantiles;
   int draws = 4096;
   std::uint64_t seed = 1;
+  std::string output;
   bool json = false;
 };
 
@@ -103,7 +122,9 @@ struct QueryArguments {
   std::string book;
   std::vector<std::string> set;
   std::vector<std::string> at;
-  std::string until;  ///< empty: the codebook's own time
+  std::optional<int> frames;  ///< rows over the whole time; none: 11
+  std::string points;         ///< table of points; "-": stdin
+  std::string until;          ///< empty: the codebook's own time
   bool gradient = false;
   bool clamp = false;
   ShownWords body;  ///< of an animation
@@ -119,6 +140,7 @@ struct ExploreArguments {
   ShownWords body;
   int times = 200;
   std::string output;
+  bool json = false;
 };
 
 struct PlotArguments {
@@ -132,6 +154,7 @@ struct PlotArguments {
   int columns = 2;
   std::string title;
   std::string output;
+  bool json = false;
 };
 
 struct ExportArguments {
@@ -140,6 +163,7 @@ struct ExportArguments {
   std::vector<std::string> set;
   std::vector<std::string> at;
   std::string output;
+  bool json = false;
 };
 
 struct ValidateArguments {
@@ -147,6 +171,7 @@ struct ValidateArguments {
   std::string plan;  ///< whose command is called; empty: the codebook is one of a model
   std::optional<int> points;
   std::uint64_t seed = 1;
+  std::string output;
   bool json = false;
 };
 
@@ -172,6 +197,7 @@ struct FitArguments {
 struct BodyArguments {
   BodyWords words;
   std::string viscosity;  ///< empty: no Reynolds number
+  std::string output;
   bool json = false;
   bool toml = false;
 };
@@ -201,6 +227,7 @@ struct FlowArguments {
   std::string output;
   bool resume = false;
   bool fresh = false;
+  bool json = false;
 };
 
 struct PictureArguments {
@@ -209,6 +236,7 @@ struct PictureArguments {
   int scale = 0;  ///< 0: chosen by the size of the grid
   bool no_streamlines = false;
   std::string output;
+  bool json = false;
 };
 
 struct SweepArguments {
@@ -236,22 +264,47 @@ struct PatternsArguments {
   std::vector<std::string> thresholds;
   std::string report;  ///< page to write; empty: none
   int clusters = 4;
+  std::string output;
   bool json = false;
 };
 
 struct RegimeArguments {
   std::string model;
   std::vector<std::string> set;
+  std::string output;
   std::string sweep;  ///< whose shares of patterns are told; empty: none
+  bool json = false;
+};
+
+struct GhostArguments {
+  std::string model;
+  std::string path;               ///< table of poses
+  std::vector<std::string> set;   ///< values of the model
+  std::string coefficients;       ///< course that the motion declares, a file; empty: none
+  std::vector<std::string> box;   ///< ranges of coefficients
+  std::string output;             ///< sizes frame by frame; empty: none
+  bool json = false;
+};
+
+struct SynthesizeArguments {
+  std::string plan;
+  std::string output;   ///< the motion
+  std::string course;   ///< its coefficients, a file; empty: none
+  std::string csv;      ///< its states; empty: none
+  std::string picture;  ///< of path and coefficients; empty: none
+  ShownWords body;
   bool json = false;
 };
 
 /// One of the commands, or nothing but an exit code (help, version, a wrong call).
 struct Arguments {
   std::optional<int> exit_code;
+  bool quiet = false, verbose = false;
   std::vector<std::string> model_libraries;
   std::optional<ModelsArguments> models;
   std::optional<SimulateArguments> simulate;
+  std::optional<PlanArguments> plan;
+  std::optional<NamesArguments> names;
   std::optional<BuildArguments> build;
   std::optional<InfoArguments> info;
   std::optional<QueryArguments> query;
@@ -270,6 +323,8 @@ struct Arguments {
   std::optional<DatabaseArguments> database;
   std::optional<PatternsArguments> patterns;
   std::optional<RegimeArguments> regime;
+  std::optional<GhostArguments> ghost;
+  std::optional<SynthesizeArguments> synthesize;
 };
 
 /// Prints help to stdout and mistakes to stderr itself.

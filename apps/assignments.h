@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "samara/models/interface/model.h"
 #include "samara/models/trajectories/interval.h"
 
 namespace samara::apps {
@@ -23,12 +24,24 @@ Setting setting_of(const std::string& option, const std::string& text);
 /// @throws ArgumentError naming `what` and the text.
 double number_or_quantity(const std::string& what, const std::string& text, const std::string& unit);
 
+/// The same of an error or a deviation, which degrees Celsius are none of.
+double number_or_difference(const std::string& what, const std::string& text, const std::string& unit);
+
 /// "0.2", or from and to: "20 deg..60 deg". @throws ArgumentError as number_or_quantity()
 models::Interval interval_of(const std::string& name, const std::string& text, const std::string& unit);
 
 /// A place in metres, "0, 5 m, 30 m". @param directions of the three, for the message
 /// @throws ArgumentError as number_or_quantity(), and unless there are three numbers
 Eigen::Vector3d place_of(const std::string& option, const std::string& text, const std::string& directions);
+
+/// "v(0)" for "v0" or "v@0", which no shell takes apart, where no other name is written so; else the name as it is.
+std::string full_name(const std::string& name, const std::vector<std::string>& known);
+/// The other way: "v0" for "v(0)"; else the name as it is.
+std::string shell_name(const std::string& name, const std::vector<std::string>& known);
+
+/// Whether all parameters that have no default are among the values.
+/// @throws ArgumentError naming the others, as --set would give them
+void require_parameters(const models::ModelInfo& info, const std::map<std::string, double>& values);
 
 /// Values of "NAME=VALUE" texts in SI.
 /// @param units of every name that may be set

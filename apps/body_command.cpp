@@ -62,6 +62,7 @@ std::string words_of(const models::BodyInFluid& described, const std::map<std::s
 }  // namespace
 
 int run(const BodyArguments& arguments) {
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.words.body});
   std::optional<double> viscosity;
   if (!arguments.viscosity.empty())
     viscosity = number_or_quantity("--viscosity", arguments.viscosity, "Pa s");
@@ -70,7 +71,7 @@ int run(const BodyArguments& arguments) {
   const std::map<std::string, double> numbers = models::scaling_numbers(described, viscosity);
   const std::map<std::string, double> parameters = models::kirchhoff_parameters(described);
   if (arguments.toml) {
-    print(toml_of(parameters));
+    write_answer(arguments.output, toml_of(parameters));
   } else if (arguments.json) {
     Json object = {{"schema", "samara-body/1"},
                    {"mass", body.mass},
@@ -85,9 +86,9 @@ int run(const BodyArguments& arguments) {
                    {"added_mass_by", described.by_panels ? "panels" : "ellipsoid"},
                    {"scaling_numbers", numbers},
                    {"kirchhoff_body", parameters}};
-    print(object);
+    write_answer(arguments.output, object.dump() + "\n");
   } else {
-    print(words_of(described, numbers));
+    write_answer(arguments.output, words_of(described, numbers));
   }
   return kDone;
 }

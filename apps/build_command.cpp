@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "bodies.h"
 #include "commands.h"
 #include "interrupts.h"
 #include "output.h"
+#include "planned_build.h"
 #include "samara/base/errors.h"
 #include "samara/codebooks/build/build.h"
 #include "samara/codebooks/file/load.h"
@@ -53,6 +53,20 @@ codebooks::BuildOptions build_options(const BuildArguments& arguments) {
   return options;
 }
 
+Json build_json(const codebooks::BuildResult& result, const std::string& path) {
+  const codebooks::BuildRecord& record = result.book.build();
+  return {{"schema", "samara-build/1"},
+          {"output", path},
+          {"met", result.met},
+          {"message", result.message},
+          {"builder", record.builder},
+          {"strategy", record.strategy},
+          {"status", to_string(record.status)},
+          {"seconds", result.book.provenance().build_seconds},
+          {"effort", effort(result.book)},
+          {"certificate", to_json(*result.book.certificate(), result.book)}};
+}
+
 int end_interrupted(const std::filesystem::path& checkpoint) {
   std::error_code ignored;
   warn(std::filesystem::exists(checkpoint, ignored)
@@ -64,9 +78,17 @@ int end_interrupted(const std::filesystem::path& checkpoint) {
 }  // namespace
 
 int run(const BuildArguments& arguments) {
+  if (arguments.dry_run) {
+    const codebooks::Plan plan = plan_of(arguments);
+    if (!arguments.output.empty()) check_target(arguments);
+    print(arguments.json ? planned_json(plan).dump() + "\n" : planned_text(plan));
+    return kDone;
+  }
+  if (arguments.output.empty())
+    throw ArgumentError("--output is required: -o and the codebook file to write");
   catch_interrupts();
   check_target(arguments);
-  const codebooks::Plan plan = codebooks::read_plan(arguments.plan, parameters_of);
+  const codebooks::Plan plan = plan_of(arguments);
   check_output(arguments.output, {plan.model_file});
   const io::FileLock lock(arguments.output + ".lock", fmt::format("builds {}", arguments.output));
   const codebooks::BuildOptions options = build_options(arguments);
@@ -80,7 +102,8 @@ int run(const BuildArguments& arguments) {
     }
     narrate(fmt::format("built {} by {} in {:.1f} s: {}", arguments.output, result.book.build().builder,
                         result.book.provenance().build_seconds, effort(result.book)));
-    print(to_table(*result.book.certificate(), result.book));
+    print(arguments.json ? build_json(result, arguments.output).dump() + "\n"
+                         : to_table(*result.book.certificate(), result.book));
     if (result.met) return kDone;
     warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
     if (result.resumable)

@@ -19,6 +19,7 @@
 #include "samara/models/stochastic/gust_layout.h"
 #include "samara/models/stochastic/realisations.h"
 #include "terminal.h"
+#include "winds.h"
 
 namespace samara::apps {
 
@@ -55,7 +56,6 @@ std::string stray_word(const CloudWords& words, bool has_wind) {
   if (words.antithetic) return "--antithetic";
   if (!words.relative_error.empty()) return "--relative-error";
   if (!words.picture.empty()) return "--picture";
-  if (words.json) return "--json";
   return "";
 }
 
@@ -202,6 +202,7 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
     return kInterrupted;
   }
   warn_of_steps(cloud, options.step);
+  if (!arguments.wind.empty()) warn_of_gusts(arguments.wind, options.step);
   if (!arguments.cloud.picture.empty())
     io::write_text_atomically(arguments.cloud.picture, cloud_picture(cloud, layout, options.ground));
   // Those that only the picture wanted.

@@ -6,8 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/rounded.h"
 #include "samara/base/version.h"
 #include "samara/io/hdf5_writer.h"
+#include "samara/motion/patterns/share.h"
 
 namespace samara::apps {
 
@@ -44,16 +46,21 @@ Json rows(const Eigen::MatrixXd& matrix) {
 }
 
 Json landing_json(const LandingStatistics& landing) {
-  Json quantiles;
-  for (Eigen::Index i = 0; i < 5; ++i)
-    quantiles[fmt::format("{}", models::kLandingShares[i])] = list(landing.quantiles.row(i).transpose());
+  Json quantiles, intervals;
+  for (Eigen::Index i = 0; i < 5; ++i) {
+    const std::string share = fmt::format("{}", models::kLandingShares[i]);
+    quantiles[share] = list(landing.quantiles.row(i).transpose());
+    intervals[share] = {list(landing.quantiles_lower.row(i).transpose()),
+                        list(landing.quantiles_upper.row(i).transpose())};
+  }
   return {{"landed", landing.landed},
           {"t", estimated(landing.t)},
           {"mean", list(landing.mean)},
           {"mean_error", list(landing.mean_error)},
           {"covariance", rows(landing.covariance)},
           {"covariance_error", rows(landing.covariance_error)},
-          {"quantiles", quantiles}};
+          {"quantiles", quantiles},
+          {"quantile_intervals", intervals}};
 }
 
 /// Values of the model that were flown, by name: parameters with their defaults, and initial values "s(0)".
@@ -118,8 +125,12 @@ CloudTable cloud_table(const Ensemble& cloud) {
 
 Json cloud_json(const CloudFile& file) {
   const Ensemble& cloud = file.cloud;
-  Json status;
-  for (const auto& [which, name] : kStatusNames) status[name] = cloud.count(which);
+  Json status, shares;
+  for (const auto& [which, name] : kStatusNames) {
+    status[name] = cloud.count(which);
+    const motion::Share share = motion::counted_share(cloud.count(which), cloud.realisations());
+    shares[name] = {{"share", share.value}, {"interval", {share.lower, share.upper}}};
+  }
   Json times = Json::array();
   for (Eigen::Index k = 0; k < cloud.times.size(); ++k) {
     const auto at = static_cast<std::size_t>(k);
@@ -133,7 +144,8 @@ Json cloud_json(const CloudFile& file) {
   const NamedValues named(file.model);
   Json values;
   for (std::size_t j = 0; j < named.names.size(); ++j) values[named.names[j]] = number(named.values[j]);
-  Json object = {{"model", file.model.model().info().name},
+  Json object = {{"schema", "samara-cloud/1"},
+                 {"model", file.model.model().info().name},
                  {"air", file.air},
                  {"seed", file.seed},
                  {"first", cloud.first},
@@ -148,6 +160,7 @@ Json cloud_json(const CloudFile& file) {
                  {"cancelled", cloud.cancelled},
                  {"values", values},
                  {"status", status},
+                 {"shares", shares},
                  {"relative_error", number(cloud.relative_error)},
                  {"steps_beyond_a_tenth", cloud.steps.beyond_tenth},
                  {"steps_beyond_a_third", cloud.steps.beyond_third},
@@ -235,20 +248,26 @@ std::string cloud_summary(const CloudFile& file, const models::GustLayout& layou
     }
   }
   const auto three = [](double value) { return fmt::format("{:.3g}", value); };
+  // Of one realisation there is no error.
+  const auto with_error = [&](double value, double error) {
+    return std::isfinite(error) ? fmt::format("{} +- {}", three(value), three(error)) : three(value);
+  };
   if (!cloud.landings.empty()) {
     const LandingStatistics landing = models::landing_statistics(cloud);
-    fmt::format_to(std::back_inserter(text), "; landing at t = {} +- {} s", three(landing.t.value),
-                   three(landing.t.error));
+    fmt::format_to(std::back_inserter(text), "; landing at t = {} s",
+                   with_error(landing.t.value, landing.t.error));
     const bool in_plane = layout.space() == models::GustLayout::Space::plane;
     for (Eigen::Index axis = 0; axis < (in_plane ? 1 : 2); ++axis) {
-      fmt::format_to(std::back_inserter(text), ", {} = {} +- {} m (deviation {} m)", axis == 0 ? "x" : "y",
-                     three(landing.mean[axis]), three(landing.mean_error[axis]),
-                     three(std::sqrt(landing.covariance(axis, axis))));
+      fmt::format_to(std::back_inserter(text), ", {} = {} m", axis == 0 ? "x" : "y",
+                     with_error(landing.mean[axis], landing.mean_error[axis]));
+      if (landing.landed > 1)
+        fmt::format_to(std::back_inserter(text), " (deviation {} m)",
+                       three(std::sqrt(landing.covariance(axis, axis))));
     }
   }
   if (!cloud.half_turns.empty()) {
-    fmt::format_to(std::back_inserter(text), "; half turns {} +- {}", three(cloud.mean_half_turns.value),
-                   three(cloud.mean_half_turns.error));
+    fmt::format_to(std::back_inserter(text), "; half turns {}",
+                   with_error(cloud.mean_half_turns.value, cloud.mean_half_turns.error));
   }
   if (cloud.cancelled) text += "; interrupted";
   return text;

@@ -7,6 +7,8 @@ namespace samara::apps {
 
 int run(const ModelsArguments& arguments);
 int run(const SimulateArguments& arguments);
+int run(const PlanArguments& arguments);
+int run(const NamesArguments& arguments);
 int run(const BuildArguments& arguments);
 int run(const InfoArguments& arguments);
 int run(const QueryArguments& arguments);
@@ -25,5 +27,7 @@ int run(const SweepArguments& arguments);
 int run(const DatabaseArguments& arguments);
 int run(const PatternsArguments& arguments);
 int run(const RegimeArguments& arguments);
+int run(const GhostArguments& arguments);
+int run(const SynthesizeArguments& arguments);
 
 }  // namespace samara::apps

@@ -51,6 +51,7 @@ int run(const ExploreArguments& arguments) {
   const id::ExplorerPage page = id::explorer_page(content);
   for (const std::string& sentence : page.warnings) warn(sentence);
   io::write_text_atomically(arguments.output, page.html);
+  tell_of_file(arguments.output, arguments.json);
   return kDone;
 }
 

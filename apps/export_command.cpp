@@ -15,6 +15,7 @@
 #include "samara/io/text_file.h"
 #include "samara/io/vtk_file.h"
 #include "terminal.h"
+#include "value_lists.h"
 
 namespace samara::apps {
 
@@ -50,8 +51,7 @@ Eigen::VectorXd nodes_of(const Codebook& book, int space) {
 std::vector<double> times_of(const Codebook& book, const ExportArguments& arguments) {
   if (!book.has_time() && arguments.at.empty()) return {};
   const codebooks::Coordinate& time = book.time("--at");
-  std::vector<double> times;
-  for (const std::string& text : arguments.at) times.push_back(number_or_quantity("--at", text, time.unit));
+  const std::vector<double> times = numbers_of("--at", arguments.at, time.unit);
   if (!times.empty()) return times;
   const Eigen::VectorXd all = Eigen::VectorXd::LinSpaced(11, time.lower, time.upper);
   return {all.begin(), all.end()};
@@ -138,9 +138,7 @@ void export_flat(const ExportArguments& arguments) {
   codebooks::save_flat(book, arguments.output);
 }
 
-}  // namespace
-
-int run(const ExportArguments& arguments) {
+int export_any(const ExportArguments& arguments) {
   const fs::path output = arguments.output;
   check_output(arguments.output, {arguments.book});
   if (arguments.to == "flat") {
@@ -182,6 +180,14 @@ int run(const ExportArguments& arguments) {
   }
   io::write_text_atomically(output, io::format_pvd(steps));
   return kDone;
+}
+
+}  // namespace
+
+int run(const ExportArguments& arguments) {
+  const int code = export_any(arguments);
+  tell_of_file(arguments.output, arguments.json);
+  return code;
 }
 
 }  // namespace samara::apps

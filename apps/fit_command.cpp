@@ -76,8 +76,11 @@ void check_outputs(const FitArguments& arguments, const id::FitRequest& request)
         }))
       throw ArgumentError(
           "--petab writes the tables of a PEtab problem; one (.yaml) was expected as CAPTURE");
+    std::error_code reason;
+    std::filesystem::create_directory(arguments.petab, reason);
     if (!std::filesystem::is_directory(arguments.petab))
-      throw ArgumentError(fmt::format("--petab names \"{}\", which is no folder", arguments.petab));
+      throw ArgumentError(
+          fmt::format("--petab names \"{}\", which is no folder and cannot become one", arguments.petab));
     for (const std::string& file : petab_files(arguments)) check_output(file, inputs);
   }
   const std::vector<std::pair<std::string, std::string>> written = {
@@ -123,6 +126,12 @@ int run(const FitArguments& arguments) {
   check_outputs(arguments, request);
   const id::FitReport report = id::fit_files(request);
   clear_progress();
+  if (is_verbose()) {
+    for (const id::CaptureFit& capture : report.fit.captures) {
+      for (const std::string& note : capture.notes)
+        narrate(fmt::format("capture \"{}\": {}", capture.id, note));
+    }
+  }
   write(arguments, report);
   if (report.is_usable) return kDone;
   complain(report.message);

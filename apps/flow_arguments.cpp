@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "option_parts.h"
+
 namespace samara::apps {
 
 void add_flow(CLI::App& app, Arguments& arguments) {
@@ -17,6 +19,7 @@ void add_flow(CLI::App& app, Arguments& arguments) {
       "only go on where a run of the same plan and output stopped, which is done anyway if there is one");
   command->add_flag("--fresh", values->fresh, "begin anew, and drop what an earlier run has left")
       ->excludes(resume);
+  command->add_flag("--json", values->json, kJson);
   command->callback([&arguments, values] { arguments.flow = *values; });
 }
 
@@ -32,6 +35,7 @@ void add_picture(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1, 64));
   command->add_flag("--no-streamlines", values->no_streamlines, "colours only");
   command->add_option("-o,--output", values->output, "picture to write, PNG")->required();
+  command->add_flag("--json", values->json, kJsonOfFile);
   command->callback([&arguments, values] { arguments.picture = *values; });
 }
 

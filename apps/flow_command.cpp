@@ -72,7 +72,7 @@ int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
     const codebooks::BuildResult result = flow::build_energy_book(plan, options);
     if (is_interrupted()) return interrupted();
     codebooks::save(result.book, arguments.output);
-    print(to_table(*result.book.certificate(), result.book));
+    if (!arguments.json) print(to_table(*result.book.certificate(), result.book));
     const Eigen::VectorXd change = flow::discretisation(plan, result.book, options.progress);
     clear_progress();
     std::string text =
@@ -80,7 +80,18 @@ int build_book(const FlowArguments& arguments, const flow::FlowPlan& plan) {
     for (Eigen::Index o = 0; o < change.size(); ++o)
       text += fmt::format("  {:<14} {:.3g}\n", result.book.outputs()[static_cast<std::size_t>(o)].name,
                           change(o));
-    print(text);
+    if (arguments.json) {
+      Json object = {{"schema", "samara-flow-book/1"},
+                     {"output", arguments.output},
+                     {"met", result.met},
+                     {"discretisation", Json::object()}};
+      for (Eigen::Index o = 0; o < change.size(); ++o)
+        object["discretisation"][result.book.outputs()[static_cast<std::size_t>(o)].name] = change(o);
+      object["certificate"] = to_json(*result.book.certificate(), result.book);
+      print(object);
+    } else {
+      print(text);
+    }
     if (!result.resumable) fs::remove(options.checkpoint, ignored);
     if (result.met) return kDone;
     warn(fmt::format("{} is written and marked: {}", arguments.output, result.message));
@@ -118,7 +129,8 @@ int run(const FlowArguments& arguments) {
              : std::string()));
   }
   flow::save_flow(result, plan, arguments.output);
-  print(to_table(flow::load_flow(arguments.output), arguments.output));
+  const flow::StoredFlow stored = flow::load_flow(arguments.output);
+  print(arguments.json ? to_json(stored).dump() + "\n" : to_table(stored, arguments.output));
   if (result.status != flow::FlowStatus::max_time) {
     fs::remove(options.checkpoint, ignored);
     return kDone;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/names.h"
+#include "samara/base/rounded.h"
 
 namespace samara::apps {
 
@@ -26,10 +27,10 @@ std::string to_table(const flow::StoredFlow& stored, const std::string& path) {
       fmt::format("Re {:.4g}, angle of attack {:.4g} rad; {} x {} x {} cells of {:.4g} l, {:.3g} % blocked\n",
                   s.reynolds, s.angle_of_attack, grid.cells[0], grid.cells[1], grid.cells[2], grid.spacing,
                   100.0 * s.checks.blockage);
-  const std::string error = s.drag_half_width ? fmt::format(" +- {:.2g} (95 %)", *s.drag_half_width)
-                                              : std::string(" of unknown error");
-  text += fmt::format("C_D {:.4f}{}   C_D' {:.4f}\nC_L {:.4f}   C_L' {:.4f}   C_M {:.4f}\n", s.drag, error,
-                      s.drag_rms, s.lift, s.lift_rms, s.moment);
+  const std::string drag =
+      with_error(s.drag, s.drag_half_width) + (s.drag_half_width ? " (95 %)" : " of unknown error");
+  text += fmt::format("C_D {}   C_D' {:.4f}\nC_L {:.4f}   C_L' {:.4f}   C_M {:.4f}\n", drag, s.drag_rms,
+                      s.lift, s.lift_rms, s.moment);
   text += fmt::format("Strouhal number {:.4f}\nbubble ends {:.3f} l behind the centre\n", s.strouhal,
                       s.bubble_end);
   text += fmt::format("averaged over {:.4g} of {:.4g} l/U\n", s.averaged_time, s.time);

@@ -8,10 +8,12 @@
 #include "commands.h"
 #include "flow_output.h"
 #include "output.h"
+#include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/file/load.h"
 #include "terminal.h"
+#include "text_layout.h"
 
 namespace samara::apps {
 
@@ -146,7 +148,7 @@ std::string axis_table(const Codebook& book, const Outlines& outlines) {
   for (std::size_t k = 0; k < book.coordinates().size(); ++k) {
     const codebooks::Coordinate& c = book.coordinates()[k];
     const pgd::Axis& axis = outlines.front().axes[k];
-    text += fmt::format("{:<12} {:<8} {:<10} {:<10} {:>7} {:>12.6g} {:>12.6g}\n", c.name, c.unit,
+    text += fmt::format("{:<12} {:<8} {:<10} {:<10} {:>7} {:>12.6g} {:>12.6g}\n", c.name, shown_unit(c.unit),
                         to_string(c.role), to_string(axis.basis()), nodes_of(outlines, k), c.lower, c.upper);
   }
   return text;
@@ -204,27 +206,30 @@ std::string describe(const Codebook& book, const std::string& path) {
   text += book.certificate() ? to_table(*book.certificate(), book) : std::string("no certificate\n");
   text += fmt::format("made by {} on {} in {:.1f} s\n", book.provenance().generator,
                       book.provenance().created, book.provenance().build_seconds);
-  return printable(text, "\n");
+  return wrapped_lines(printable(text, "\n"));
 }
 
 }  // namespace
 
 int run(const InfoArguments& arguments) {
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.book});
   if (flow::is_flow_file(arguments.book)) {
+    if (arguments.plan)
+      throw ArgumentError(fmt::format("--plan is of codebooks, and {} is a flow", arguments.book));
     const flow::StoredFlow stored = flow::load_flow(arguments.book);
-    if (arguments.json) {
-      print(to_json(stored));
-    } else {
-      print(to_table(stored, arguments.book));
-    }
+    write_answer(arguments.output,
+                 arguments.json ? to_json(stored).dump() + "\n" : to_table(stored, arguments.book));
     return kDone;
   }
   const Codebook book = codebooks::load(arguments.book);
-  if (arguments.json) {
-    print(to_json(book, arguments.book));
-  } else {
-    print(describe(book, arguments.book));
+  if (arguments.plan) {
+    const std::string& plan = book.provenance().plan;
+    if (plan.empty()) throw InputError(arguments.book, "was not built from a plan");
+    write_answer(arguments.output, printable(plan, "\n\t\r"));
+    return kDone;
   }
+  write_answer(arguments.output,
+               arguments.json ? to_json(book, arguments.book).dump() + "\n" : describe(book, arguments.book));
   return kDone;
 }
 

@@ -2,7 +2,11 @@
 #include <filesystem>
 #include <new>
 
+#include <fmt/format.h>
+#include <sys/resource.h>
+
 #include "commands.h"
+#include "interrupts.h"
 #include "model_libraries.h"
 #include "samara/base/errors.h"
 #include "terminal.h"
@@ -13,7 +17,12 @@ namespace {
 
 int dispatch(const Arguments& arguments) {
   if (arguments.exit_code) return *arguments.exit_code;
+  set_verbosity(arguments.quiet     ? Verbosity::quiet
+                : arguments.verbose ? Verbosity::verbose
+                                    : Verbosity::usual);
   load_model_libraries(arguments.model_libraries);
+  if (arguments.plan) return run(*arguments.plan);
+  if (arguments.names) return run(*arguments.names);
   if (arguments.models) return run(*arguments.models);
   if (arguments.simulate) return run(*arguments.simulate);
   if (arguments.build) return run(*arguments.build);
@@ -33,12 +42,28 @@ int dispatch(const Arguments& arguments) {
   if (arguments.database) return run(*arguments.database);
   if (arguments.patterns) return run(*arguments.patterns);
   if (arguments.regime) return run(*arguments.regime);
+  if (arguments.ghost) return run(*arguments.ghost);
+  if (arguments.synthesize) return run(*arguments.synthesize);
   return run(*arguments.body);
+}
+
+/// What --verbose says when all is done.
+int told_what_it_took(int code) {
+  if (!is_verbose()) return code;
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  narrate(fmt::format("took {:.2f} s of processor time and {:.0f} MB",
+                      seconds(usage.ru_utime) + seconds(usage.ru_stime),
+                      static_cast<double>(usage.ru_maxrss) / 1024.0));
+  return code;
 }
 
 int guarded(int argc, const char* const* argv) {
   try {
-    return dispatch(parse(argc, argv));
+    return told_what_it_took(dispatch(parse(argc, argv)));
   } catch (const OutsideBoxError& error) {
     complain(error.what());
     return kOutsideBox;
@@ -70,5 +95,6 @@ int guarded(int argc, const char* const* argv) {
 
 int main(int argc, char** argv) {
   samara::apps::hold_closed_streams();
+  samara::apps::end_when_interrupted();
   return samara::apps::guarded(argc, argv);
 }

@@ -6,12 +6,14 @@
 #include "commands.h"
 #include "output.h"
 #include "samara/base/errors.h"
+#include "samara/base/unit_labels.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/models/checks/check_model.h"
 #include "samara/models/fields/field_model.h"
 #include "samara/models/interface/model.h"
 #include "samara/models/laws/registry.h"
 #include "terminal.h"
+#include "text_layout.h"
 
 namespace samara::apps {
 
@@ -88,36 +90,13 @@ Json to_json(const Listed& listed) {
   return object;
 }
 
-constexpr std::size_t kWidth = 110;
-
-/// Words of `text` in lines of at most kWidth, all but the first after `indent` spaces.
-std::string wrapped(const std::string& text, std::size_t indent) {
-  std::string lines;
-  std::size_t column = indent;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
-    const std::string word = text.substr(begin, end - begin);
-    if (column > indent && column + 1 + word.size() > kWidth) {
-      lines += fmt::format("\n{:{}}", "", indent);
-      column = indent;
-    } else if (column > indent) {
-      lines += ' ';
-      ++column;
-    }
-    lines += word;
-    column += word.size();
-    begin = end + 1;
-  }
-  return lines;
-}
-
 /// Equations stand apart by a comma or a semicolon and two spaces.
 std::string equation_lines(const std::string& equations) {
   std::string lines;
   for (std::size_t begin = 0; begin < equations.size();) {
     const std::size_t end =
         std::min({equations.find(",  ", begin), equations.find(";  ", begin), equations.size()});
-    lines += fmt::format("  {}\n", wrapped(equations.substr(begin, end - begin), 6));
+    lines += fmt::format("  {}\n", wrapped(equations.substr(begin, end - begin), 6, screen_width(), 2));
     begin = end + 3;
   }
   return lines;
@@ -139,7 +118,7 @@ std::string table(const std::vector<Row>& rows) {
   for (const Row& row : rows) {
     std::string line(2, ' ');
     for (std::size_t k = 0; k + 1 < row.size(); ++k) line += fmt::format("{:<{}}  ", row[k], widths[k]);
-    text += fmt::format("{}{}\n", line, wrapped(row.back(), line.size()));
+    text += fmt::format("{}{}\n", line, wrapped(row.back(), line.size(), screen_width(), line.size()));
   }
   return text;
 }
@@ -148,8 +127,10 @@ std::string table(const std::vector<Row>& rows) {
 Row parameter_row(const models::ParameterInfo& parameter) {
   constexpr std::size_t kShort = 24;
   const std::string value = default_text(parameter);
-  if (value.size() <= kShort) return {parameter.name, parameter.unit, value, parameter.description};
-  return {parameter.name, parameter.unit, "derived", parameter.description + "; default: " + value};
+  if (value.size() <= kShort)
+    return {parameter.name, shown_unit(parameter.unit), value, parameter.description};
+  return {parameter.name, shown_unit(parameter.unit), "derived",
+          parameter.description + "; default: " + value};
 }
 
 std::string joined(const std::vector<std::string>& names) {
@@ -159,10 +140,10 @@ std::string joined(const std::vector<std::string>& names) {
 /// What a field gives, and over what.
 std::string field_table(const models::FieldModel& field) {
   std::vector<Row> rows = {{"coordinate", "unit", "meaning"},
-                           {"t", models::time_unit(field.info), "time, from 0"},
+                           {"t", shown_unit(models::time_unit(field.info)), "time, from 0"},
                            {field.place, "m", fmt::format("place, from 0 to {}", field.extent)}};
   std::vector<Row> outputs = {{"output", "unit", "meaning"}};
-  for (const auto& s : field.info.states) outputs.push_back({s.name, s.unit, s.description});
+  for (const auto& s : field.info.states) outputs.push_back({s.name, shown_unit(s.unit), s.description});
   return fmt::format("{}\n{}", table(rows), table(outputs));
 }
 
@@ -182,12 +163,14 @@ std::string explain(const Listed& listed) {
     return fmt::format("{}\n{}\n{}", text, table(parameters), field_table(*listed.field));
   std::vector<Row> states = {{"initial value", "unit", "default", "state"}};
   for (const auto& s : info.states) {
-    states.push_back({s.name + "(0)", s.unit, fmt::format("{}", s.default_initial), s.description});
+    states.push_back(
+        {s.name + "(0)", shown_unit(s.unit), fmt::format("{}", s.default_initial), s.description});
   }
   text += fmt::format("\n{}\n{}", table(parameters), table(states));
   if (!info.outputs.empty()) {
     std::vector<Row> outputs = {{"output", "unit", "meaning"}};
-    for (const auto& output : info.outputs) outputs.push_back({output.name, output.unit, output.description});
+    for (const auto& output : info.outputs)
+      outputs.push_back({output.name, shown_unit(output.unit), output.description});
     text += fmt::format("\n{}", table(outputs));
   }
   if (info.force_terms.empty()) return text;
@@ -202,7 +185,8 @@ bool print_check(const models::Model& model) {
   std::string text = fmt::format("{}: {}, {}\n", model.info().name, counted(check.findings.size(), "finding"),
                                  counted(check.notes.size(), "kink"));
   for (const std::vector<std::string>* sentences : {&check.findings, &check.notes}) {
-    for (const std::string& sentence : *sentences) text += fmt::format("  {}\n", wrapped(sentence, 4));
+    for (const std::string& sentence : *sentences)
+      text += fmt::format("  {}\n", wrapped(sentence, 4, screen_width(), 2));
   }
   print(text);
   return check.passed();
@@ -211,6 +195,7 @@ bool print_check(const models::Model& model) {
 }  // namespace
 
 int run(const ModelsArguments& arguments) {
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.model});
   std::vector<Listed> listed;
   const models::FieldModel* field = models::find_field_model(arguments.model);
   if (field != nullptr) {
@@ -235,14 +220,16 @@ int run(const ModelsArguments& arguments) {
   if (arguments.json) {
     Json object = {{"schema", "samara-models/1"}, {"models", Json::array()}};
     for (const Listed& one : listed) object["models"].push_back(to_json(one));
-    print(object);
+    write_answer(arguments.output, object.dump() + "\n");
   } else if (!arguments.model.empty()) {
-    print(explain(listed.front()));
+    write_answer(arguments.output, explain(listed.front()));
   } else {
     std::size_t longest = 0;
     for (const Listed& one : listed) longest = std::max(longest, one.info().name.size());
+    std::string text;
     for (const Listed& one : listed)
-      print(fmt::format("{:<{}}  {}\n", one.info().name, longest, one.info().title));
+      text += fmt::format("{:<{}}  {}\n", one.info().name, longest, one.info().title);
+    write_answer(arguments.output, text);
   }
   return kDone;
 }

@@ -2,6 +2,8 @@
 
 #include <memory>
 
+#include "option_parts.h"
+
 namespace samara::apps {
 
 namespace {
@@ -17,7 +19,7 @@ void add_sweep(CLI::App& app, Arguments& arguments) {
       "only go on where a sweep of the same plan and output stopped, which is done anyway if there is one");
   command->add_flag("--fresh", values->fresh, "begin anew, and drop what an earlier sweep has left")
       ->excludes(resume);
-  command->add_flag("--json", values->json, "print one JSON object");
+  command->add_flag("--json", values->json, kJson);
   command->callback([&arguments, values] { arguments.sweep = *values; });
 }
 
@@ -28,7 +30,7 @@ void add_database(CLI::App& app, Arguments& arguments) {
       "the falls of a sweep as segments to go on from: what can follow what, and how often it does");
   command->add_option("SWEEP", values->sweep, "sweep, HDF5")->required();
   command->add_option("-o,--output", values->output, "database of motions to write, HDF5")->required();
-  command->add_flag("--json", values->json, "print one JSON object");
+  command->add_flag("--json", values->json, kJson);
   command->callback([&arguments, values] { arguments.database = *values; });
 }
 
@@ -60,7 +62,8 @@ void add_patterns(CLI::App& app, Arguments& arguments) {
                    "what a word of the labels means, WORD=PATTERN+PATTERN; may be repeated. Default: names "
                    "of patterns")
       ->allow_extra_args(false);
-  command->add_flag("--json", values->json, "print one JSON object");
+  command->add_option("-o,--output", values->output, kAnswerFile);
+  command->add_flag("--json", values->json, kJson);
   command->callback([&arguments, values] { arguments.patterns = *values; });
 }
 
@@ -70,9 +73,10 @@ void add_regime(CLI::App& app, Arguments& arguments) {
       app.add_subcommand("regime", "Re, the three I*, and where a body stands in the measured phase diagram");
   command->add_option("MODEL", values->model, "name of a model of a falling body, or a file")->required();
   command->add_option("--set", values->set, "NAME=VALUE, SI or with a unit")->allow_extra_args(false);
+  command->add_option("-o,--output", values->output, kAnswerFile);
+  command->add_flag("--json", values->json, kJson);
   command->add_option("--sweep", values->sweep,
                       "a sweep of the model: which shares of its falls near this body have which pattern");
-  command->add_flag("--json", values->json, "print one JSON object");
   command->callback([&arguments, values] { arguments.regime = *values; });
 }
 

@@ -19,6 +19,16 @@ namespace samara::apps {
 
 inline constexpr const char* kAssignments = "NAME=VALUE, SI or with a unit: C_D=1.2, \"v(0)=10 cm/s\"";
 
+inline constexpr const char* kTimes =
+    "times, s or with a unit: 0.3, a list 0.1,0.2, or FROM:STEP:TO as in 0:0.1:0.5; default: 11 from begin "
+    "to end";
+
+inline constexpr const char* kAnswerFile = "file for the answer; stdout if not given";
+
+inline constexpr const char* kJsonOfFile = "print one JSON object about the file";
+
+inline constexpr const char* kJson = "print one JSON object";
+
 inline constexpr const char* kBody = "ellipsoid, disc or plate, with --size; or a mesh: OBJ, STL, PLY";
 
 /// "2.5" and "1e3" are no whole numbers, and digits beyond the type are too large: in words, where the parser
@@ -48,6 +58,8 @@ void add_shown_words(CLI::App& command, ShownWords& words);
 void add_body_words(CLI::App& command, BodyWords& words, bool required);
 
 void add_simulate(CLI::App& app, Arguments& arguments);
+void add_fit(CLI::App& app, Arguments& arguments);
+void add_design(CLI::App& app, Arguments& arguments);
 void add_wind(CLI::App& app, Arguments& arguments);
 void add_explore(CLI::App& app, Arguments& arguments);
 void add_plot(CLI::App& app, Arguments& arguments);

@@ -47,6 +47,13 @@ void write_answer(const std::string& path, const std::string& text) {
   }
 }
 
+void tell_of_file(const std::string& path, bool json) {
+  if (!json) return;
+  std::error_code ignored;
+  print(Json{
+      {"schema", "samara-file/1"}, {"output", path}, {"bytes", std::filesystem::file_size(path, ignored)}});
+}
+
 namespace {
 
 std::string counted(long count, const char* one, const char* many) {

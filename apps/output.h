@@ -22,6 +22,8 @@ void print(const Json& object);
 void check_output(const std::string& path, const std::vector<std::string>& inputs);
 /// To a file, or to stdout if the path is empty.
 void write_answer(const std::string& path, const std::string& text);
+/// Of a command whose result is a file: with --json, which file and how large, as one object (schema samara-file/1).
+void tell_of_file(const std::string& path, bool json);
 
 Json to_json(const codebooks::Certificate& certificate, const codebooks::Codebook& book);
 /// The certificate as a readable table.

@@ -11,6 +11,7 @@
 #include "motion_answers.h"
 #include "output.h"
 #include "samara/base/errors.h"
+#include "samara/base/rounded.h"
 #include "samara/identification/captures/capture_file.h"
 #include "samara/io/atomic_file.h"
 #include "samara/motion/pages/pattern_page.h"
@@ -94,10 +95,11 @@ std::string landing_text(const Sweep& sweep, Eigen::Index release) {
   for (const motion::LandingStatistics& s : motion::landing_statistics(sweep, release)) {
     if (s.falls == 0) continue;
     text += fmt::format(
-        "  {:<14} {:>6} falls  x {:.3g} +- {:.2g} m  y {:.3g} +- {:.2g} m  deviations {:.3g}, {:.3g} m  "
-        "distance {:.3g} +- {:.2g} m  after {:.3g} s\n",
-        to_string(s.pattern), s.falls, s.mean.x(), s.mean_error.x(), s.mean.y(), s.mean_error.y(),
-        std::sqrt(s.covariance(0, 0)), std::sqrt(s.covariance(1, 1)), s.distance, s.distance_error, s.time);
+        "  {:<14} {:>6} falls  x {} m  y {} m  deviations {:.3g}, {:.3g} m  "
+        "distance {} m  after {:.3g} s\n",
+        to_string(s.pattern), s.falls, with_error(s.mean.x(), s.mean_error.x()),
+        with_error(s.mean.y(), s.mean_error.y()), std::sqrt(s.covariance(0, 0)),
+        std::sqrt(s.covariance(1, 1)), with_error(s.distance, s.distance_error), s.time);
   }
   return text.empty() ? text : "landing\n" + text;
 }
@@ -196,22 +198,23 @@ int patterns_of_sweep(const PatternsArguments& arguments) {
   const Sweep sweep = motion::load_sweep(arguments.inputs.front());
   if (!arguments.report.empty()) io::write_text_atomically(arguments.report, motion::pattern_html(sweep));
   Json object = sweep_json(sweep);
-  if (!arguments.json) print(sweep_counts(sweep) + shares_text(sweep));
+  std::string text = sweep_counts(sweep) + shares_text(sweep);
   if (sweep.release_count() > 1) object["points_of_one_pattern"] = share_of_one_pattern(sweep);
+  const auto answer = [&] { write_answer(arguments.output, arguments.json ? object.dump() + "\n" : text); };
   if (sweep.fall_count() / sweep.release_count() <=
       std::max(motion::PatternMap::kNeighbours, arguments.clusters)) {
     narrate("so few points have no map and no clusters");
-    if (arguments.json) print(object);
+    answer();
     return kDone;
   }
   for (Eigen::Index r = 0; r < sweep.release_count(); ++r) {
     if (arguments.json) {
       object["releases"][static_cast<std::size_t>(r)].update(release_json(sweep, r, arguments.clusters));
     } else {
-      print(release_report(sweep, r, arguments.clusters));
+      text += release_report(sweep, r, arguments.clusters);
     }
   }
-  if (arguments.json) print(object);
+  answer();
   return kDone;
 }
 
@@ -360,17 +363,14 @@ int patterns_of_captures(const PatternsArguments& arguments) {
   text += thresholds_text(thresholds);
   if (!arguments.report.empty())
     io::write_text_atomically(arguments.report, motion::pattern_html(motions, thresholds, body.numbers));
-  if (arguments.json) {
-    print(object);
-  } else {
-    print(text);
-  }
+  write_answer(arguments.output, arguments.json ? object.dump() + "\n" : text);
   return kDone;
 }
 
 }  // namespace
 
 int run(const PatternsArguments& arguments) {
+  if (!arguments.output.empty()) check_output(arguments.output, arguments.inputs);
   if (arguments.clusters < 1 || arguments.clusters > 100)
     throw ArgumentError(fmt::format("--clusters is {}, expected 1 to 100", arguments.clusters));
   // What is called a sweep is read as one, so that a damaged one is refused for what it is.

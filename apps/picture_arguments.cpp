@@ -27,6 +27,7 @@ void add_explore(CLI::App& app, Arguments& arguments) {
       ->capture_default_str()
       ->check(whole_number());
   command->add_option("-o,--output", values->output, "page to write, .html")->required();
+  command->add_flag("--json", values->json, kJsonOfFile);
   on_call(command, arguments.explore, values);
 }
 
@@ -56,6 +57,7 @@ void add_plot(CLI::App& app, Arguments& arguments) {
       ->check(whole_number());
   command->add_option("--title", values->title, "above the picture");
   command->add_option("-o,--output", values->output, "picture to write, .svg")->required();
+  command->add_flag("--json", values->json, kJsonOfFile);
   on_call(command, arguments.plot, values);
 }
 

@@ -16,6 +16,7 @@ int run(const PictureArguments& arguments) {
   options.pixels_per_cell = arguments.scale;
   options.streamlines = !arguments.no_streamlines;
   io::write_text_atomically(arguments.output, io::format_png(flow::draw_flow(stored, options)));
+  tell_of_file(arguments.output, arguments.json);
   return kDone;
 }
 

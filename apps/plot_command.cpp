@@ -135,6 +135,7 @@ int run(const PlotArguments& arguments) {
   check_output(arguments.output, {arguments.input});
   io::write_text_atomically(arguments.output,
                             io::svg_charts(arguments.title, panels_of(arguments), arguments.columns));
+  tell_of_file(arguments.output, arguments.json);
   return kDone;
 }
 

@@ -7,6 +7,7 @@
 #include "assignments.h"
 #include "commands.h"
 #include "output.h"
+#include "query_points.h"
 #include "samara/base/errors.h"
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/book/book_model.h"
@@ -14,6 +15,7 @@
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/query/derived_query.h"
 #include "samara/codebooks/query/place_query.h"
+#include "samara/codebooks/query/query.h"
 #include "samara/io/csv.h"
 #include "terminal.h"
 
@@ -34,65 +36,9 @@ bool asks_for_place(const Codebook& book, const QueryArguments& arguments) {
   });
 }
 
-/// Points to ask for, one row each, and what was moved to get them into the box.
-struct Points {
-  Eigen::MatrixXd x;  ///< times x coordinates
-  std::vector<std::string> clamped;
-};
-
-std::vector<double> times_of(const Codebook& book, const QueryArguments& arguments) {
-  const bool is_composed = !arguments.until.empty();
-  const codebooks::Coordinate& time = book.time(is_composed ? "--until" : "--at");
-  std::vector<double> times;
-  for (const std::string& text : arguments.at) times.push_back(number_or_quantity("--at", text, time.unit));
-  if (times.empty()) {
-    const double end = is_composed ? number_or_quantity("--until", arguments.until, time.unit) : time.upper;
-    const double begin = is_composed ? 0.0 : time.lower;
-    if (!(end > begin))
-      throw ArgumentError(fmt::format("--until is {}, expected more than 0", arguments.until));
-    const Eigen::VectorXd all = Eigen::VectorXd::LinSpaced(11, begin, end);
-    times.assign(all.begin(), all.end());
-  }
-  return times;
-}
-
-Points points_of(const Codebook& book, const Coordinates& coordinates, const QueryArguments& arguments) {
-  const auto count = std::ssize(coordinates);
-  std::map<std::string, std::string> units;
-  for (auto k = book.has_time() ? 1 : 0; k < count; ++k) {
-    const codebooks::Coordinate& c = coordinates[static_cast<std::size_t>(k)];
-    units[c.name] = c.unit;
-  }
-  const std::map<std::string, double> values = parse_assignments(arguments.set, units);
-  Points points;
-  points.x.resize(1, count);
-  if (book.has_time() || !arguments.at.empty() || !arguments.until.empty()) {
-    const std::vector<double> times = times_of(book, arguments);
-    points.x.resize(static_cast<Eigen::Index>(times.size()), count);
-    points.x.col(0) = Eigen::Map<const Eigen::VectorXd>(times.data(), points.x.rows());
-  }
-  for (auto k = book.has_time() ? 1 : 0; k < count; ++k) {
-    const codebooks::Coordinate& c = coordinates[static_cast<std::size_t>(k)];
-    const auto value = values.find(c.name);
-    if (value == values.end()) {
-      throw ArgumentError(fmt::format("{} is not set, expected --set \"{}=VALUE\" with a value in [{}, {}]{}",
-                                      c.name, c.name, c.lower, c.upper, unit_suffix(c.unit)));
-    }
-    points.x.col(k).setConstant(value->second);
-  }
-  if (!arguments.clamp) return points;
-  for (auto k = 0; k < count; ++k) {
-    const codebooks::Coordinate& c = coordinates[static_cast<std::size_t>(k)];
-    const Eigen::VectorXd inside = points.x.col(k).cwiseMax(c.lower).cwiseMin(c.upper);
-    if (inside != points.x.col(k)) points.clamped.push_back(c.name);
-    points.x.col(k) = inside;
-  }
-  return points;
-}
-
 /// Values, then gradients (output by output, coordinate by coordinate).
 template <class AnyQuery>
-Eigen::MatrixXd answer(AnyQuery query, Eigen::Index outputs, const Points& points, bool gradient) {
+Eigen::MatrixXd answer(AnyQuery query, Eigen::Index outputs, const QueryPoints& points, bool gradient) {
   const auto coordinates = points.x.cols();
   Eigen::MatrixXd table(points.x.rows(), outputs + (gradient ? outputs * coordinates : 0));
   Eigen::VectorXd values(outputs);
@@ -111,11 +57,27 @@ Eigen::MatrixXd answer(AnyQuery query, Eigen::Index outputs, const Points& point
   return table;
 }
 
-std::string slope_unit(const std::string& output, const std::string& coordinate) {
-  return coordinate == "1" ? output : fmt::format("{}/({})", output, coordinate);
+/// The same of many points at once.
+Eigen::MatrixXd batch_answer(codebooks::Query query, const QueryPoints& points, bool gradient) {
+  const Eigen::Index outputs = query.output_count(), coordinates = points.x.cols(), count = points.x.rows();
+  const Eigen::MatrixXd columns = points.x.transpose();
+  Eigen::MatrixXd values(outputs, count);
+  if (!gradient) {
+    query.batch(columns, values, 0);
+    return values.transpose();
+  }
+  Eigen::MatrixXd slopes(outputs * coordinates, count);
+  query.batch(columns, values, slopes, 0);
+  Eigen::MatrixXd table(count, outputs * (1 + coordinates));
+  table.leftCols(outputs) = values.transpose();
+  for (Eigen::Index o = 0; o < outputs; ++o) {
+    for (Eigen::Index k = 0; k < coordinates; ++k)
+      table.col(outputs + o * coordinates + k) = slopes.row(o + outputs * k).transpose();
+  }
+  return table;
 }
 
-std::string to_csv(const Coordinates& coordinates, const Labels& outputs, const Points& points,
+std::string to_csv(const Coordinates& coordinates, const Labels& outputs, const QueryPoints& points,
                    const Eigen::MatrixXd& table, bool gradient) {
   Eigen::MatrixXd all(points.x.rows(), points.x.cols() + table.cols());
   all << points.x, table;
@@ -124,14 +86,15 @@ std::string to_csv(const Coordinates& coordinates, const Labels& outputs, const 
   for (const pgd::OutputLabel& o : outputs) header.push_back(fmt::format("{}[{}]", o.name, o.unit));
   for (const pgd::OutputLabel& o : outputs) {
     for (const codebooks::Coordinate& c : coordinates) {
-      if (gradient) header.push_back(fmt::format("d{}/d{}[{}]", o.name, c.name, slope_unit(o.unit, c.unit)));
+      if (gradient)
+        header.push_back(fmt::format("d{}/d{}[{}]", o.name, c.name, unit_quotient(o.unit, c.unit)));
     }
   }
   return io::format_csv(header, all);
 }
 
 Json to_json(const Codebook& book, const Coordinates& coordinates, const Labels& outputs,
-             const Points& points, const Eigen::MatrixXd& table, bool gradient, bool composed) {
+             const QueryPoints& points, const Eigen::MatrixXd& table, bool gradient, bool composed) {
   const auto list = [](const auto& column) { return std::vector<double>(column.begin(), column.end()); };
   Json object = {{"schema", "samara-query/1"},
                  {"coordinates", Json::object()},
@@ -139,7 +102,8 @@ Json to_json(const Codebook& book, const Coordinates& coordinates, const Labels&
                  {"clamped", points.clamped}};
   if (book.has_time()) object["coordinates"][coordinates[0].name] = list(points.x.col(0));
   for (auto k = book.has_time() ? 1 : 0; k < std::ssize(coordinates); ++k) {
-    object["coordinates"][coordinates[static_cast<std::size_t>(k)].name] = points.x(0, k);
+    Json& of_coordinate = object["coordinates"][coordinates[static_cast<std::size_t>(k)].name];
+    of_coordinate = points.from_table ? Json(list(points.x.col(k))) : Json(points.x(0, k));
   }
   Eigen::Index column = std::ssize(outputs);
   for (std::size_t o = 0; o < outputs.size(); ++o) {
@@ -157,7 +121,7 @@ Json to_json(const Codebook& book, const Coordinates& coordinates, const Labels&
 }
 
 void write(const QueryArguments& arguments, const Codebook& book, const Coordinates& coordinates,
-           const Labels& outputs, const Points& points, const Eigen::MatrixXd& table) {
+           const Labels& outputs, const QueryPoints& points, const Eigen::MatrixXd& table) {
   if (arguments.json) {
     const bool composed = !arguments.until.empty();
     write_answer(
@@ -170,7 +134,7 @@ void write(const QueryArguments& arguments, const Codebook& book, const Coordina
 
 /// The states at times of any length, by the flow map of the codebook.
 int run_composed(const QueryArguments& arguments, const Codebook& book) {
-  const Points points = points_of(book, book.coordinates(), arguments);
+  const QueryPoints points = points_of(book, book.coordinates(), arguments);
   const auto family = codebooks::flow_map_trajectories(book);
   const Eigen::VectorXd q = points.x.row(0).tail(points.x.cols() - 1).transpose();
   const Eigen::VectorXd times = points.x.col(0);
@@ -191,9 +155,11 @@ int run_composed(const QueryArguments& arguments, const Codebook& book) {
 int run_animated(const QueryArguments& arguments, const Codebook& book) {
   if (arguments.json || arguments.gradient)
     throw ArgumentError("a .glb or .usda holds a motion: neither --json nor --gradient was expected");
+  if (!arguments.points.empty())
+    throw ArgumentError("a .glb or .usda holds one motion: no --points was expected");
   const auto model = codebooks::known_model(book.model());
   if (!model) throw ArgumentError(fmt::format("{} is of a program, which moves no body", arguments.book));
-  const Points points = points_of(book, book.coordinates(), arguments);
+  const QueryPoints points = points_of(book, book.coordinates(), arguments);
   Animation animation{.states = animated_states(model->info()),
                       .body = {},
                       .model = book.model().name,
@@ -218,11 +184,13 @@ int run_animated(const QueryArguments& arguments, const Codebook& book) {
 }  // namespace
 
 int run(const QueryArguments& arguments) {
-  if (!arguments.until.empty() && (!arguments.at.empty() || arguments.gradient || arguments.clamp)) {
+  if (!arguments.until.empty() &&
+      (!arguments.at.empty() || arguments.gradient || arguments.clamp || !arguments.points.empty())) {
     throw ArgumentError(
-        "--until composes windows of the codebook: none of --at, --gradient and --clamp was expected");
+        "--until composes windows of the codebook: none of --at, --gradient and --clamp was expected, nor "
+        "--points");
   }
-  if (!arguments.output.empty()) check_output(arguments.output, {arguments.book});
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.book, arguments.points});
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
   if (names_animation(arguments.output)) return run_animated(arguments, book);
@@ -233,13 +201,15 @@ int run(const QueryArguments& arguments) {
   if (!arguments.until.empty()) return run_composed(arguments, book);
   const bool in_mesh = asks_for_place(book, arguments);
   const Coordinates coordinates = in_mesh ? codebooks::PlaceQuery(book).coordinates() : book.coordinates();
-  const Points points = points_of(book, coordinates, arguments);
+  const QueryPoints points = points_of(book, coordinates, arguments);
   for (const std::string& name : points.clamped)
     warn(fmt::format("{} was moved to the border of the box", name));
   codebooks::DerivedQuery query(book);
   const Labels outputs = query.outputs();
   const Eigen::Index count = std::ssize(outputs);
-  const Eigen::MatrixXd table = in_mesh
+  const bool at_once = points.from_table && !in_mesh && count == book.output_count();  // none is derived
+  const Eigen::MatrixXd table = at_once ? batch_answer(codebooks::Query(book), points, arguments.gradient)
+                                : in_mesh
                                     ? answer(codebooks::PlaceQuery(book), count, points, arguments.gradient)
                                     : answer(std::move(query), count, points, arguments.gradient);
   write(arguments, book, coordinates, outputs, points, table);

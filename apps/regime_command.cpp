@@ -83,6 +83,7 @@ Json shares_json(const motion::SharesAt& at) {
 }  // namespace
 
 int run(const RegimeArguments& arguments) {
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.model});
   const models::ParametricModel body = body_of(arguments.model, arguments.set);
   const motion::FallNumbers numbers = motion::fall_numbers(body.model(), body.parameters({}));
   const motion::RegimeAnswer answer = motion::regime(numbers.Re, numbers.I_disc);
@@ -94,7 +95,7 @@ int run(const RegimeArguments& arguments) {
   std::optional<motion::SharesAt> shares;
   if (!arguments.sweep.empty()) shares = shares_of(arguments.sweep, body);
   if (!arguments.json) {
-    print(regime_text(numbers, answer) + (shares ? shares_text(*shares) : ""));
+    write_answer(arguments.output, regime_text(numbers, answer) + (shares ? shares_text(*shares) : ""));
     return kDone;
   }
   Json object = {{"schema", "samara-regime/1"},
@@ -110,7 +111,7 @@ int run(const RegimeArguments& arguments) {
                  {"distance", answer.distance},
                  {"measured", answer.measured}};
   if (shares) object["sweep"] = shares_json(*shares);
-  print(object);
+  write_answer(arguments.output, object.dump() + "\n");
   return kDone;
 }
 

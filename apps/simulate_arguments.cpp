@@ -44,10 +44,6 @@ void add_cloud_words(CLI::App& command, CloudWords& words) {
          "stop once the mean displacement is known within this share of its root mean square");
   option("--threads", words.threads, "default, and 0: as many as the machine has");
   option("--picture", words.picture, "SVG of paths, mean and landing places");
-  command
-      .add_flag("--json", words.json,
-                "print one JSON object with means, covariances, landings and their errors")
-      ->group(kGroup);
 }
 
 }  // namespace
@@ -101,6 +97,9 @@ void add_simulate(CLI::App& app, Arguments& arguments) {
   command->add_option("--wind", values->wind,
                       "of bodies in space: file of a wind (WIND.toml), with its turbulence drawn by --seed");
   add_cloud_words(*command, values->cloud);
+  command->add_flag("--json", values->cloud.json,
+                    "print one JSON object: the trajectory, or of realisations means, covariances, landings "
+                    "and their errors");
   command->add_option("-o,--output", values->output,
                       "CSV file, of realisations also HDF5 (.h5), or the motion of the body (.glb or .usda), "
                       "of which --body, "
@@ -126,7 +125,10 @@ void add_wind(CLI::App& app, Arguments& arguments) {
   command->add_option("--realisation", values->realisation, "number of the series of that seed; default 0")
       ->check(whole_number<std::uint64_t>())
       ->needs(at);
-  at->needs(command->add_option("-o,--output", values->output, "CSV file of the series")->needs(at));
+  command
+      ->add_option("-o,--output", values->output, "CSV file of the series, which --at needs but for --json")
+      ->needs(at);
+  command->add_flag("--json", values->json, kJson);
   on_call(command, arguments.wind, values);
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -96,6 +97,23 @@ Table output_table(const models::ModelInfo& info, const std::vector<models::Fami
   return table;
 }
 
+/// "v[m/s]" in its name and its unit, and its numbers; null where the motion had ended.
+Json trajectory_json(const std::string& model, const Table& table, const std::string& message) {
+  Json object = {
+      {"schema", "samara-simulate/1"}, {"model", model}, {"message", message}, {"columns", Json::array()}};
+  for (std::size_t c = 0; c < table.header.size(); ++c) {
+    const std::string& header = table.header[c];
+    const std::size_t open = header.rfind('[');
+    Json values = Json::array();
+    for (const double value : table.rows.col(static_cast<Eigen::Index>(c)))
+      values.push_back(std::isfinite(value) ? Json(value) : Json(nullptr));
+    object["columns"].push_back({{"name", header.substr(0, open)},
+                                 {"unit", header.substr(open + 1, header.size() - open - 2)},
+                                 {"values", std::move(values)}});
+  }
+  return object;
+}
+
 Table beside(const Table& left, const Table& right) {
   Table both = left;
   both.header.insert(both.header.end(), right.header.begin(), right.header.end());
@@ -150,10 +168,15 @@ models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const
     throw ArgumentError(
         fmt::format("--integrator {} chooses its steps: no --step was expected", arguments.integrator));
   }
-  if (arguments.integrator == "adaptive") return models::AdaptiveOptions{};
-  if (!fixed) return models::IntegrateOptions{};
+  // A body that falls steadily takes long steps: they must not leap over a gust.
+  const double gust =
+      arguments.wind.empty() ? std::numeric_limits<double>::infinity() : shortest_gust(arguments.wind);
+  const double longest = std::isfinite(gust) ? 0.25 * gust : 0.0;
+  if (arguments.integrator == "adaptive") return models::AdaptiveOptions{.max_step = longest};
+  if (!fixed) return models::IntegrateOptions{.max_step = longest};
   const double step = number_or_quantity("--step", arguments.step, models::time_unit(info));
   if (!(step > 0.0)) throw ArgumentError(fmt::format("--step is {}, expected more than 0", arguments.step));
+  if (!arguments.wind.empty()) warn_of_gusts(arguments.wind, step);
   if (arguments.integrator == "rk4") return models::Rk4Options{.step = step};
   return models::RkmkOptions{.step = step};
 }
@@ -182,6 +205,7 @@ std::map<std::string, double> values_of_body(const SimulateArguments& arguments,
 int animate(const SimulateArguments& arguments, const models::ParametricModel& parametric,
             const models::TrajectoryFamily& family, double end) {
   if (arguments.forces) throw ArgumentError("a .glb or .usda holds a motion: no --forces was expected");
+  if (arguments.cloud.json) throw ArgumentError("a .glb or .usda holds a motion: no --json was expected");
   Animation animation{
       .states = animated_states(parametric.model().info()),
       .body = animated_body({arguments.body.body, arguments.body.sizes, arguments.body.unit}, parametric, {}),
@@ -218,6 +242,7 @@ int run(const SimulateArguments& arguments) {
     steered = steered_model(arguments.coefficients, model, steered.values);
     warn_of_missed_tolerance(*steered.book, arguments.coefficients);
   }
+  require_parameters(steered.model->info(), steered.values);
   const models::ParametricModel parametric(steered.model, steered.values, {});
   warn_of_parameters(*model, parametric.fixed());
   const double end = end_of(arguments, parametric);
@@ -233,7 +258,10 @@ int run(const SimulateArguments& arguments) {
 
   Table table = output_table(info, family->info().outputs, times, trajectory.values);
   if (arguments.forces) table = beside(table, force_table(parametric, times, trajectory.values));
-  write_answer(arguments.output, io::format_csv(table.header, table.rows));
+  write_answer(arguments.output,
+               arguments.cloud.json
+                   ? trajectory_json(arguments.model, table, trajectory.outcome.message).dump() + "\n"
+                   : io::format_csv(table.header, table.rows));
   if (trajectory.outcome) return kDone;
   warn(fmt::format("{}; rows after t = {:.6g} are empty", trajectory.outcome.message,
                    trajectory.outcome.reached));

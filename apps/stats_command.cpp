@@ -69,8 +69,8 @@ void add_setting(const Setting& setting, const std::string& unit, codebooks::Sta
   } else {
     distribution.kind = codebooks::distribution_from_string(call.name);
     distribution.first = number_or_quantity(name, call.first, unit);
-    distribution.second =
-        number_or_quantity(name, call.second, distribution.kind == DistributionKind::log_normal ? "1" : unit);
+    distribution.second = number_or_difference(
+        name, call.second, distribution.kind == DistributionKind::log_normal ? "1" : unit);
   }
   request.inputs[name] = distribution;
 }
@@ -110,7 +110,8 @@ codebooks::StatisticsRequest request_of(const StatsArguments& arguments, const C
   std::vector<std::string> known;
   for (const codebooks::Coordinate& c : book.parameters()) known.push_back(c.name);
   for (const std::string& text : arguments.set) {
-    const Setting setting = setting_of("--set", text);
+    Setting setting = setting_of("--set", text);
+    setting.name = full_name(setting.name, known);
     const auto parameters = book.parameters();
     const auto coordinate = std::ranges::find(parameters, setting.name, &codebooks::Coordinate::name);
     if (coordinate == parameters.end())
@@ -217,15 +218,13 @@ Json to_json(const Codebook& book, const BookStatistics& s) {
 }  // namespace
 
 int run(const StatsArguments& arguments) {
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.book, arguments.fit});
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
   const BookStatistics statistics = take_statistics(book, request_of(arguments, book));
   for (const std::string& note : statistics.notes) narrate(note);
-  if (arguments.json) {
-    print(to_json(book, statistics));
-  } else {
-    print(to_csv(book, statistics));
-  }
+  write_answer(arguments.output,
+               arguments.json ? to_json(book, statistics).dump() + "\n" : to_csv(book, statistics));
   return kDone;
 }
 

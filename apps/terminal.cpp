@@ -18,6 +18,8 @@ namespace samara::apps {
 
 namespace {
 
+Verbosity said = Verbosity::usual;
+
 /// Words are lost where stderr is closed, full, or a pipe whose reader has gone: neither an answer nor an
 /// exit code may be lost with them.
 void say(const std::string& text) {
@@ -38,12 +40,21 @@ void hold_closed_streams() {
   }
 }
 
+void set_verbosity(Verbosity verbosity) {
+  said = verbosity;
+}
+
+bool is_verbose() {
+  return said == Verbosity::verbose;
+}
+
 void complain(const std::string& sentence) {
   clear_progress();
   say(fmt::format("samara: {}\n", printable(sentence)));
 }
 
 void warn(const std::string& sentence) {
+  if (said == Verbosity::quiet) return;
   clear_progress();
   say(fmt::format("samara: warning: {}\n", printable(sentence)));
 }
@@ -53,8 +64,13 @@ void warn_of_parameters(const models::Model& model, const std::map<std::string, 
 }
 
 void narrate(const std::string& line) {
+  if (said == Verbosity::quiet) return;
   clear_progress();
   say(fmt::format("{}\n", printable(line)));
+}
+
+void explain_on_stderr(const std::string& lines) {
+  say(lines);
 }
 
 namespace {
@@ -73,10 +89,13 @@ class ProgressReport {
 
   bool operator()(const Progress& progress) {
     const Clock::time_point now = Clock::now();
-    if (progress.stage != stage_ || progress.fraction < fraction_) stage_begin_ = now;
+    const bool begins = progress.stage != stage_;
+    if (begins || progress.fraction < fraction_) stage_begin_ = now;
     stage_ = progress.stage;
     fraction_ = progress.fraction;
-    if (now - told_ >= (overwrites_ ? kRedraw : kHeartbeat)) tell(now);
+    if (said == Verbosity::quiet) return !is_interrupted();
+    const bool is_told = begins && !overwrites_ && is_verbose();
+    if (is_told || now - told_ >= (overwrites_ ? kRedraw : kHeartbeat)) tell(now);
     return !is_interrupted();
   }
 

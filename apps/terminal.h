@@ -22,6 +22,15 @@ inline constexpr int kInterrupted = 130;
 /// else a file opened later would take their descriptor, and receive what is written to them.
 void hold_closed_streams();
 
+/// How much is said on stderr. Errors always are.
+enum class Verbosity {
+  quiet,    ///< nothing else
+  usual,    ///< warnings, narration, progress
+  verbose,  ///< also every stage as it begins, and every note
+};
+void set_verbosity(Verbosity verbosity);
+bool is_verbose();
+
 /// "samara: <sentence>" on stderr.
 void complain(const std::string& sentence);
 /// "samara: warning: <sentence>" on stderr.
@@ -30,9 +39,11 @@ void warn(const std::string& sentence);
 void warn_of_parameters(const models::Model& model, const std::map<std::string, double>& values);
 /// One line of narration on stderr.
 void narrate(const std::string& line);
+/// Lines of help on stderr, whatever the verbosity.
+void explain_on_stderr(const std::string& lines);
 
 /// Draws one line that overwrites itself, if stderr is a terminal: what is done, how long it has taken, how long its
-/// stage may still take. Else prints such a line every half minute. Asks for the work to end once is_interrupted().
+/// stage may still take. Else prints such a line every half minute, and --verbose also one for each stage. Asks for the work to end once is_interrupted().
 ProgressCallback progress_line();
 /// Removes that line.
 void clear_progress();

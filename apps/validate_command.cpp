@@ -58,6 +58,7 @@ void check_plan(const codebooks::Codebook& book, const ValidateArguments& argume
 }  // namespace
 
 int run(const ValidateArguments& arguments) {
+  if (!arguments.output.empty()) check_output(arguments.output, {arguments.book, arguments.plan});
   const codebooks::Codebook book = codebooks::load(arguments.book);
   check_plan(book, arguments);
   codebooks::CertifyOptions options;
@@ -83,13 +84,9 @@ int run(const ValidateArguments& arguments) {
     warn(fmt::format("{} stores quaternions whose norm is off by {:.3g}, more than its tolerance {:.3g}",
                      arguments.book, certificate.norm_defect->max, options.tolerance));
   }
-  if (arguments.json) {
-    Json object = {{"schema", "samara-validate/1"}};
-    object["certificate"] = to_json(certificate, book);
-    print(object);
-  } else {
-    print(to_table(certificate, book));
-  }
+  Json object = {{"schema", "samara-validate/1"}};
+  object["certificate"] = to_json(certificate, book);
+  write_answer(arguments.output, arguments.json ? object.dump() + "\n" : to_table(certificate, book));
   return certificate.met ? kDone : kToleranceMissed;
 }
 

@@ -116,7 +116,10 @@ std::string turbulence_words(const codebooks::WindFile& file) {
   }
   if (!it.turbulence) return "turbulence  none\n";
   constexpr double kCommonBody = 0.1;
-  const wind::ModeSpectrum modes = wind::mode_spectrum(it, kCommonBody);
+  // A wind of small eddies is for smaller bodies.
+  const double body =
+      it.turbulence->longest ? std::min(kCommonBody, 0.5 * *it.turbulence->longest) : kCommonBody;
+  const wind::ModeSpectrum modes = wind::mode_spectrum(it, body);
   const wind::VonKarmanSpectrum& spectrum = modes.spectrum();
   const double longest = 2.0 * std::numbers::pi / modes.options().lowest,
                shortest = 2.0 * std::numbers::pi / modes.options().highest;
@@ -137,23 +140,73 @@ std::string turbulence_words(const codebooks::WindFile& file) {
          divergence;
 }
 
+Json profile_json(const codebooks::WindFile& file) {
+  const wind::ProfileOptions& o = file.wind.profile.options();
+  Json heights = Json::array(), speeds = Json::array();
+  for (const double z : {0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0}) {
+    heights.push_back(z);
+    speeds.push_back(file.wind.profile.speed(z));
+  }
+  return {{"schema", "samara-wind/1"},
+          {"speed", o.speed},
+          {"height", o.height},
+          {"profile", {{"heights", heights}, {"speeds", speeds}}},
+          {"has_turbulence", file.wind.turbulence.has_value() || file.seen.has_value()},
+          {"gusts", file.wind.gusts.size()}};
+}
+
+/// What was drawn, beside what it was drawn from; the series itself where no file has it.
+Json series_json(const wind::WindSeries& series, const wind::SeriesStatistics& statistics,
+                 const wind::SeriesOptions& options, bool with_series) {
+  const auto list = [](const auto& column) { return std::vector<double>(column.begin(), column.end()); };
+  Json object = {{"samples", options.samples}, {"step", options.step}, {"points", Json::array()}};
+  if (with_series) object["times"] = list(series.times);
+  for (Eigen::Index i = 0; i < options.points.cols(); ++i) {
+    Json point = {{"place", list(options.points.col(i))}, {"components", Json::array()}};
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const auto direction = static_cast<std::size_t>(c);
+      Json component = {{"name", kDirections[direction]},
+                        {"mean", statistics.mean(c, i)},
+                        {"deviation", statistics.deviation(c, i)},
+                        {"of_spectrum", statistics.target(c, i)}};
+      if (with_series) component["values"] = list(series.velocity[direction].col(i));
+      point["components"].push_back(std::move(component));
+    }
+    object["points"].push_back(std::move(point));
+  }
+  return object;
+}
+
 }  // namespace
 
 int run(const WindArguments& arguments) {
   if (!arguments.output.empty()) check_output(arguments.output, {arguments.file});
   const codebooks::WindFile file = codebooks::read_wind(arguments.file);
   if (arguments.at.empty()) {
+    if (arguments.json) {
+      print(profile_json(file));
+      return kDone;
+    }
     print(profile_words(file.wind.profile) + turbulence_words(file) +
           fmt::format("gusts       {}\n", file.wind.gusts.size()));
     return kDone;
   }
+  if (arguments.output.empty() && !arguments.json) throw ArgumentError("--at requires --output, or --json");
   if (!file.series)
     throw InputError(arguments.file, "holds no [series], which says what the series of --at are drawn from");
   const wind::SeriesOptions options = series_options(arguments, *file.series);
   const wind::WindSeries series = wind::wind_series(file.wind.profile, options, arguments.seed.value_or(1),
                                                     arguments.realisation.value_or(0));
+  const wind::SeriesStatistics statistics = wind::statistics_of(series, file.wind.profile, options);
+  if (arguments.json) {
+    if (!arguments.output.empty()) write_answer(arguments.output, csv_of(series));
+    Json object = profile_json(file);
+    object["series"] = series_json(series, statistics, options, arguments.output.empty());
+    print(object);
+    return kDone;
+  }
   write_answer(arguments.output, csv_of(series));
-  print(words_of(series, wind::statistics_of(series, file.wind.profile, options), options));
+  print(words_of(series, statistics, options));
   return kDone;
 }
 

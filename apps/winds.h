@@ -16,4 +16,10 @@ std::shared_ptr<const models::Model> model_in_wind(const std::string& file, std:
                                                    const std::shared_ptr<const models::Model>& model,
                                                    const std::map<std::string, double>& values);
 
+/// Duration of the shortest gust of a wind [s]; infinite: there is none. @throws InputError for a bad file
+double shortest_gust(const std::string& file);
+
+/// Warns where steps of that length [s] leap over its gusts. @throws InputError for a bad file
+void warn_of_gusts(const std::string& file, double step);
+
 }  // namespace samara::apps

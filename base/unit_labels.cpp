@@ -93,4 +93,8 @@ std::string unit_suffix(std::string_view unit) {
   return unit == "1" ? std::string() : std::string(" ").append(unit);
 }
 
+std::string shown_unit(std::string_view unit) {
+  return unit == "1" ? "-" : std::string(unit);
+}
+
 }  // namespace samara

@@ -18,4 +18,7 @@ std::string unit_quotient(std::string_view a, std::string_view b);
 /// What follows a number: " m/s", and nothing where the unit is "1".
 std::string unit_suffix(std::string_view unit);
 
+/// In a column of its own: "m/s", and "-" where the unit is "1".
+std::string shown_unit(std::string_view unit);
+
 }  // namespace samara

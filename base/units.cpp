@@ -27,7 +27,7 @@ struct Symbol {
 constexpr double kPi = std::numbers::pi;
 
 // In the order in which a suggestion prefers them.
-const std::array<Symbol, 25> kSymbols = {{
+const std::array<Symbol, 28> kSymbols = {{
     {"m", {1.0, 0, {.metre = 1}}, true},
     {"s", {1.0, 0, {.second = 1}}, true},
     {"g", {1.0, -3, {.kilogram = 1}}, true},
@@ -50,6 +50,9 @@ const std::array<Symbol, 25> kSymbols = {{
     {"L", {1.0, -3, {.metre = 3}}, true},
     {"bar", {1.0, 5, {.metre = -1, .kilogram = 1, .second = -2}}, true},
     {"\u00B0", {kPi / 180.0, 0, {}}},
+    {"in", {2.54, -2, {.metre = 1}}},
+    {"ft", {30.48, -2, {.metre = 1}}},
+    {"lb", {0.45359237, 0, {.kilogram = 1}}},
     // Without prefixes: pA is more often a slip for Pa.
     {"A", {1.0, 0, {.ampere = 1}}},
     {"mol", {1.0, 0, {.mole = 1}}},
@@ -115,10 +118,30 @@ std::optional<Unit> find_symbol(std::string_view text) {
   return std::nullopt;
 }
 
+bool is_celsius(std::string_view text) {
+  return text == "degC" || text == "\u00B0C";
+}
+
+/// Names that are words or signs for what has a symbol.
+struct OtherName {
+  std::string_view text, symbol;
+};
+constexpr std::array<OtherName, 21> kOtherNames = {
+    {{"inch", "in"},    {"inches", "in"},   {"\"", "in"},      {"foot", "ft"}, {"feet", "ft"},
+     {"'", "ft"},       {"pound", "lb"},    {"pounds", "lb"},  {"lbs", "lb"},  {"lbm", "lb"},
+     {"metre", "m"},    {"meter", "m"},     {"second", "s"},   {"sec", "s"},   {"seconds", "s"},
+     {"degree", "deg"}, {"degrees", "deg"}, {"minute", "min"}, {"hour", "h"},  {"gram", "g"},
+     {"litre", "l"}}};
+
 /// "; did you mean ..." for an unknown symbol.
 std::string unit_suggestion(std::string_view text) {
-  for (const std::string_view celsius : {"degC", "C", "\u00B0C", "Celsius", "celsius"}) {
-    if (text == celsius) return "; a temperature is given in K";
+  if (is_celsius(text))
+    return ": a scale with an offset stands alone after the number of a temperature, as in \"20 degC\"";
+  for (const std::string_view celsius : {"C", "Celsius", "celsius"}) {
+    if (text == celsius) return "; did you mean \"degC\"?";
+  }
+  for (const OtherName& other : kOtherNames) {
+    if (text == other.text) return "; did you mean \"" + std::string(other.symbol) + "\"?";
   }
   std::vector<std::string> plain;
   std::vector<std::string> known;
@@ -209,7 +232,11 @@ bool same_dimension(std::string_view first_unit, std::string_view second_unit) {
   return parse_unit(first_unit).dimension == parse_unit(second_unit).dimension;
 }
 
-double quantity_to_si(std::string_view text, std::string_view expected_unit) {
+namespace {
+
+enum class QuantityKind { value, difference };
+
+double to_si(std::string_view text, std::string_view expected_unit, QuantityKind kind) {
   const std::string what = in_quotes(text);
   const Dimension expected = parse_unit(expected_unit).dimension;
   const std::string_view body = trimmed(text);
@@ -228,7 +255,14 @@ double quantity_to_si(std::string_view text, std::string_view expected_unit) {
     if (expected.is_dimensionless()) return number.value;
     throw ArgumentError(what + ": the unit is missing, expected one like " + std::string(expected_unit));
   }
-  const Unit unit = parse(rest, what);
+  constexpr Dimension kTemperature = {.kelvin = 1};
+  if (is_celsius(rest) && expected == kTemperature) {
+    if (kind == QuantityKind::difference)
+      throw ArgumentError(what + ": a difference of temperatures is given in K");
+    constexpr double kZeroCelsius = 273.15;  // K
+    return number.value + kZeroCelsius;
+  }
+  const Unit unit = parse(is_celsius(rest) ? "K" : rest, what);
   if (unit.dimension != expected) {
     const std::string wanted = to_string(expected);
     throw ArgumentError(what + " has the dimension " + to_string(unit.dimension) + ", expected " +
@@ -240,6 +274,16 @@ double quantity_to_si(std::string_view text, std::string_view expected_unit) {
   const double value = unit.to_si(number.value);
   if (!std::isfinite(value)) throw ArgumentError(what + ": the value in SI is too large");
   return value;
+}
+
+}  // namespace
+
+double quantity_to_si(std::string_view text, std::string_view expected_unit) {
+  return to_si(text, expected_unit, QuantityKind::value);
+}
+
+double difference_to_si(std::string_view text, std::string_view expected_unit) {
+  return to_si(text, expected_unit, QuantityKind::difference);
 }
 
 }  // namespace samara

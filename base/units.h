@@ -11,10 +11,11 @@
 /// as superscripts. A product after a slash (`W/m K`) is refused as ambiguous: parentheses say what is meant.
 ///
 /// Symbols: m, g, s, K, Hz, N, Pa, J, W, l or L, rad, bar (these take the SI prefixes from f to T), and
-/// min, h, deg (or a degree sign), rev, rpm, %, px, frame, A, mol, cd, 1. Angles are dimensionless (rad = 1, deg =
-/// pi/180, rev = 2 pi, rpm = 2 pi/60 s^-1); Hz is plainly 1/s, so "2 Hz" given for rad/s means 2 rad/s.
-/// Pixels and video frames count as dimensions of their own, so that a length in px is never taken for one in
-/// m. Temperatures are in K: scales with an offset are refused.
+/// min, h, deg (or a degree sign), rev, rpm, %, in, ft, lb (inch, foot and pound as mass), px, frame, A, mol, cd, 1.
+/// Angles are dimensionless (rad = 1, deg = pi/180, rev = 2 pi, rpm = 2 pi/60 s^-1); Hz is plainly 1/s, so "2 Hz"
+/// given for rad/s means 2 rad/s. Pixels and video frames count as dimensions of their own, so that a length in px is
+/// never taken for one in m. Degrees Celsius (degC, or a degree sign and C) have an offset: they may stand alone after
+/// the number of a temperature, "20 degC", and nowhere else.
 namespace samara {
 
 /// Exponents of the base quantities.
@@ -68,5 +69,8 @@ bool same_dimension(std::string_view first_unit, std::string_view second_unit);
 /// @throws ArgumentError naming the text if its number is malformed, not finite or too large, or its unit is
 /// missing, unknown, or of another dimension.
 double quantity_to_si(std::string_view text, std::string_view expected_unit);
+
+/// The same of what lies between two values: an error, a deviation, a tolerance. @throws also for degrees Celsius
+double difference_to_si(std::string_view text, std::string_view expected_unit);
 
 }  // namespace samara

@@ -12,7 +12,11 @@ import sys
 
 NAMES = ["first_walk", "linear_engine", "nonlinear", "sampling", "models", "realise", "wind", "query", "identification", "motion", "doors"]
 # Scripts, which run only when they are asked for: the house is built twice from nothing, and Python or a browser may not be there.
-SCRIPTS = ["house", "python", "explorer"]
+SCRIPTS = ["house", "python", "explorer", "command"]
+
+
+# Programs that measure cases of a script which are not Python's to measure.
+PARTS = {"command": ["command_eval"]}
 
 
 def run(name, directory, arguments):
@@ -20,8 +24,9 @@ def run(name, directory, arguments):
     program = [sys.executable, pathlib.Path(__file__).parent / f"{name}.py"] if name in SCRIPTS else [directory / name]
     # Draws that nobody may choose are seeded with the commit.
     environment = {**os.environ, "SAMARA_COMMIT": commit()}
-    output = subprocess.run([*program, *arguments], check=True, stdout=subprocess.PIPE, text=True, env=environment).stdout
-    return [json.loads(line) for line in output.splitlines()]
+    programs = [program] + [[directory / part] for part in PARTS.get(name, [])]
+    outputs = [subprocess.run([*p, *arguments], check=True, stdout=subprocess.PIPE, text=True, env=environment).stdout for p in programs]
+    return [json.loads(line) for output in outputs for line in output.splitlines()]
 
 
 def cpu_name():

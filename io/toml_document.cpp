@@ -81,13 +81,14 @@ double as_number(const toml::node& value) {
   return number;
 }
 
-double as_quantity(const toml::node& value, std::string_view unit) {
+double as_quantity(const toml::node& value, std::string_view unit,
+                   double (*to_si)(std::string_view, std::string_view) = quantity_to_si) {
   if (!value.is_string()) {
     if (!value.is_number()) expected("a number, or a string with a unit", value);
     return as_number(value);
   }
   try {
-    return quantity_to_si(value.as_string()->get(), unit);
+    return to_si(value.as_string()->get(), unit);
   } catch (const ArgumentError& error) {
     throw Refusal{error.what()};
   }
@@ -276,6 +277,11 @@ double TomlTable::number(const std::string& key) const {
 
 double TomlTable::quantity(const std::string& key, std::string_view unit) const {
   return converted(*node_, key, [&](const toml::node& value) { return as_quantity(value, unit); });
+}
+
+double TomlTable::difference(const std::string& key, std::string_view unit) const {
+  return converted(*node_, key,
+                   [&](const toml::node& value) { return as_quantity(value, unit, difference_to_si); });
 }
 
 std::vector<std::string> TomlTable::strings(const std::string& key) const {

@@ -65,6 +65,8 @@ class TomlTable {
   double number(const std::string& key) const;
   /// A number, taken to be in SI, or a string with a unit of the dimension of `unit`; the value in SI.
   double quantity(const std::string& key, std::string_view unit) const;
+  /// The same of an error, a deviation, a tolerance: see difference_to_si().
+  double difference(const std::string& key, std::string_view unit) const;
   std::vector<std::string> strings(const std::string& key) const;
   std::vector<double> numbers(const std::string& key) const;
   std::vector<double> quantities(const std::string& key, std::string_view unit) const;

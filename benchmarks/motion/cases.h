@@ -36,6 +36,7 @@ void run_planar(const Options& options);
 void run_positions(const Options& options);
 void run_measured(const Options& options);
 void run_sweeps(const Options& options);
+void run_sketches(const Options& options);
 void run_databases(const Options& options);
 
 }  // namespace samara::benchmarks::motion_cases

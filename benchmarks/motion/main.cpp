@@ -1,5 +1,5 @@
 /// Patterns of falling: what the rule is worth on simulations, on drawn paths and on measured drops, and what sweeps
-/// cost; and motions as segments to go on from.
+/// cost; motions as segments to go on from; and how near planned falls come to their sketches.
 #include <exception>
 #include <iostream>
 
@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
     motion_cases::run_positions(chosen);
     motion_cases::run_measured(chosen);
     motion_cases::run_sweeps(chosen);
+    motion_cases::run_sketches(chosen);
     motion_cases::run_databases(chosen);
   } catch (const std::exception& error) {
     std::cerr << "motion: " << error.what() << '\n';

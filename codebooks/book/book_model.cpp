@@ -19,7 +19,7 @@ models::ParametricModel model_of(const Codebook& book) {
         fmt::format("the codebook was sampled from a command ({}), which has no model to integrate",
                     book.model().equations));
   }
-  if (book.build().builder == "fit") {
+  if (book.build().builder == "fit" || book.build().builder == "plan") {
     throw ArgumentError(fmt::format(
         "the codebook holds a series, the {}: it has no equations that could be integrated, and cannot "
         "be certified again",

@@ -77,8 +77,8 @@ int samara_is_certified(const samara_codebook* book);
 /* Errors against an independent integrator, divided by the range of the output over the box. Errors of a
  * certificate that is not met may be infinite, or NaN where nothing could be measured. */
 typedef struct samara_certificate {
-  int met;            /* 1: the build converged, nothing failed, and no error exceeds the tolerance */
-  int points;         /* at which it was measured, each at `times` times */
+  int met;    /* 1: the build converged, nothing failed, and no error exceeds the tolerance */
+  int points; /* at which it was measured, each at `times` times */
   int times;
   int failed_points;  /* where the integrator gave no trajectory */
   int wrong_points;   /* where some output errs by more; -1: not known */

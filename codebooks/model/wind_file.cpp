@@ -93,7 +93,8 @@ models::wind::TurbulenceOptions read_turbulence(const TomlTable& table, const Pr
   models::wind::TurbulenceOptions options;
   options.height = optional_positive(table, "height", "m");
   options.sigma = optional_positive(table, "sigma", "m/s");
-  options.length = optional_positive(table, "length", "m");
+  const bool has_iec_length = table.is_string("length") && table.string("length") == "iec";
+  if (!has_iec_length) options.length = optional_positive(table, "length", "m");
   options.shortest = optional_positive(table, "shortest", "m");
   options.longest = optional_positive(table, "longest", "m");
   if (options.shortest && options.longest && !(*options.longest > *options.shortest)) {
@@ -118,6 +119,7 @@ models::wind::TurbulenceOptions read_turbulence(const TomlTable& table, const Pr
         "height", fmt::format("is {:.6g} m, expected more than displacement and roughness, {:.6g} m", height,
                               mean.displacement + mean.roughness));
   }
+  if (has_iec_length) options.length = 0.8 * models::wind::iec_scale(height);
   if (options.sigma && options.length) return options;
   const std::string missing = options.sigma ? "length" : "sigma";
   if (mean.kind != ProfileKind::logarithmic || !(mean.speed > 0.0)) {

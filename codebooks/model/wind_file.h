@@ -20,7 +20,7 @@
 ///     kind = "modes"              # a field; "seen": the fluid along the path of each realisation (constants only)
 ///     height = "2 m"              # where the surface layer gives what is not here: that of the mean speed
 ///     sigma = "0.8 m/s"
-///     length = "5 m"              # L of von Karman's spectrum
+///     length = "5 m"              # L of von Karman's spectrum; "iec": 0.8 Lambda of IEC 61400-1 at that height
 ///     constants = "kaimal"        # or "k-epsilon"
 ///     ratios = [1, 1, 1]          # deviations along, across, vertical over sigma
 ///     modes = 200

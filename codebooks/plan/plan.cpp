@@ -229,7 +229,7 @@ void read_tolerance(const TomlTable& root, const Subject& subject, Plan& plan) {
   if (!absolute) return;
   for (const std::string& key : absolute->keys()) {
     const std::string& unit = unit_of(*absolute, key, subject.outputs, subject, subject.what_output);
-    const double value = absolute->quantity(key, unit);
+    const double value = absolute->difference(key, unit);
     if (!(value >= 0.0)) throw absolute->error(key, fmt::format("is {}, expected at least 0", value));
     plan.absolute[key] = value;
   }
@@ -309,13 +309,21 @@ void check_complete(const TomlTable& root, const Plan& plan) {
     }
     return;
   }
+  std::string missing;
+  for (const models::ParameterInfo& parameter : plan.definition->info().parameters) {
+    if (parameter.default_value || !parameter.derived.empty() || is_given(plan, parameter.name)) continue;
+    missing += fmt::format("{}\"{}\"{}", missing.empty() ? "" : ", ", parameter.name,
+                           parameter.unit == "1" ? "" : fmt::format(" ({})", parameter.unit));
+  }
+  const std::string key = root.has("equations") ? "equations" : "model";
+  if (!missing.empty()) throw root.error(key, fmt::format("needs {}, expected in [fixed] or [box]", missing));
   try {
-    const models::ParametricModel model = plan.parametric_model();  // required parameters
+    const models::ParametricModel model = plan.parametric_model();
     std::vector<double> centre;
     for (const BoxEntry& entry : plan.box) centre.push_back(0.5 * (entry.lower + entry.upper));
     model.check(centre);
   } catch (const ArgumentError& error) {
-    throw InputError(plan.source, root.line(root.has("equations") ? "equations" : "model"), error.what());
+    throw InputError(plan.source, root.line(key), error.what());
   }
 }
 

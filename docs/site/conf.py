@@ -2,6 +2,8 @@
 
 import os
 
+from pygments.lexers.special import TextLexer
+
 project = "Samara"
 author = "The Samara authors"
 copyright = "2026, the Samara authors"
@@ -19,3 +21,7 @@ html_theme = "alabaster"
 html_theme_options = {"description": "Parametric solutions of bodies in a fluid", "page_width": "1060px", "fixed_sidebar": True}
 html_show_sourcelink = False
 html_static_path = ["_static"]
+
+
+def setup(app):
+    app.add_lexer("csv", TextLexer)  # tables are shown as they are

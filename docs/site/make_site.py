@@ -20,7 +20,8 @@ def without_links_outside(page, text):
 
     def kept(match):
         target = match.group(2)
-        inside = re.match(r"\w+:", target) or (page.parent / target).resolve().is_relative_to(DOCS)
+        file = (page.parent / target).resolve()
+        inside = re.match(r"\w+:", target) or (file.is_relative_to(DOCS) and not file.is_dir())
         return match.group(0) if inside else match.group(1)
 
     return LINK.sub(kept, text)
@@ -32,7 +33,7 @@ def contents(index):
     result = parts[0]
     for part in parts[1:]:
         pages = list(dict.fromkeys(t.removesuffix(".md") for _, t, anchor in LINK.findall(part) if t.endswith(".md") and not anchor))
-        pages += ["reference/models"] if part.startswith("## Reference") else []
+        pages += ["reference/models", "reference/options"] if part.startswith("## Reference") else []
         caption = part.splitlines()[0].removeprefix("## ")
         if part.startswith("## Reference"):
             part += "- <a href=\"api/index.html\">The library</a>: every header.\n"
@@ -73,6 +74,39 @@ def model_page(model):
     return "\n".join(lines)
 
 
+def option(entry):
+    notes = [entry["value"]] if entry["value"] and entry["value"] != entry["names"][0] else []
+    notes += ["one or more" if entry["several"] else ""] + [f"one of {', '.join(entry['choices'])}" if entry["choices"] else ""]
+    notes += ["required" if entry["required"] else ""] + [f"default: {entry['default']}" if entry["default"] else ""]
+    told = "; ".join(note for note in notes if note)
+    return f"- **`{', '.join(entry['names'])}`**{f' ({told})' if told else ''}: {entry['text']}"
+
+
+def command_page(command):
+    """Everything that the command says of one of its subcommands."""
+    lines = [f"# `samara {command['name']}`", "", command["summary"], ""]
+    for key, word in (("inputs", "Inputs"), ("options", "Options")):
+        if command[key]:
+            lines += [f"## {word}", "", *map(option, command[key]), ""]
+    if command["examples"]:
+        lines += ["## Examples", "", "```text", *command["examples"], "```", ""]
+    return "\n".join(lines)
+
+
+def add_pages(place, title, words, entries):
+    """A folder of pages, and one that lists them. @param entries (name, what it is, text of its page)"""
+    place.mkdir()
+    for name, _, text in entries:
+        (place / f"{name}.md").write_text(text)
+    rows = [f"- [`{name}`]({place.name}/{name}.md): {what}" for name, what, _ in entries]
+    tree = ["```{toctree}", ":hidden:", "", *(f"{place.name}/{name}" for name, *_ in entries), "```"]
+    place.with_suffix(".md").write_text("\n".join([f"# {title}", "", words, "", *rows, "", *tree, ""]))
+
+
+def told(samara, *arguments):
+    return json.loads(subprocess.run([samara, *arguments, "--json"], capture_output=True, text=True, check=True).stdout)
+
+
 def main():
     samara, folder = sys.argv[1], pathlib.Path(sys.argv[2])
     shutil.rmtree(folder, ignore_errors=True)
@@ -82,15 +116,11 @@ def main():
     for page in DOCS.rglob("*.md"):
         text = without_links_outside(page, page.read_text())
         (folder / page.relative_to(DOCS)).write_text(contents(text) if page == DOCS / "index.md" else text)
-    models = json.loads(subprocess.run([samara, "models", "--json"], capture_output=True, text=True, check=True).stdout)["models"]
-    place = folder / "reference" / "models"
-    place.mkdir()
-    for model in models:
-        (place / f"{model['name']}.md").write_text(model_page(model))
-    rows = [f"- [`{m['name']}`](models/{m['name']}.md): {m['title']}" for m in models]
-    tree = ["```{toctree}", ":hidden:", "", *(f"models/{m['name']}" for m in models), "```"]
-    head = ["# Models", "", "As the command knows them (`samara models`). Values are in SI units.", ""]
-    (folder / "reference" / "models.md").write_text("\n".join([*head, *rows, "", *tree, ""]))
+    reference = folder / "reference"
+    add_pages(reference / "models", "Models", "As the command knows them (`samara models`). Values are in SI units.",
+              [(m["name"], m["title"], model_page(m)) for m in told(samara, "models")["models"]])
+    add_pages(reference / "options", "Options of every command", "As the command tells of itself (`samara help`).",
+              [(c["name"], c["summary"], command_page(c)) for c in told(samara, "help")["commands"]])
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 /* Asks a codebook from C.
  *
- *   ask BOOK.h5               what it holds
+ *   ask BOOK.h5               what it holds, and how far that is from the truth
  *   ask BOOK.h5 0.3 1.15 0.1  outputs at a point, coordinates in order, with derivatives by all of them
  */
 #include <stdio.h>
@@ -17,6 +17,15 @@ static void describe(const samara_codebook* book) {
   }
   for (int o = 0; o < samara_output_count(book); ++o)
     printf("output %s [%s]\n", samara_output_name(book, o), samara_output_unit(book, o));
+  for (int f = 0; f < samara_fixed_count(book); ++f) {
+    double value = 0.0;
+    samara_fixed_value(book, f, &value);
+    printf("held %s = %g %s\n", samara_fixed_name(book, f), value, samara_fixed_unit(book, f));
+  }
+  samara_certificate certificate;
+  if (samara_certificate_of(book, &certificate) == SAMARA_DONE)
+    printf("largest error %.2g of the range at %d points, tolerance %g %s\n", certificate.max_error, certificate.points,
+           certificate.tolerance, certificate.met ? "met" : "NOT met");
 }
 
 static int ask(const samara_codebook* book, char** numbers) {

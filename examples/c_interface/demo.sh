@@ -13,7 +13,8 @@ end = 10.0
 relative = 1e-9
 PLAN
 "$1" build "$3/rate.toml" -o "$3/rate.h5" 2>/dev/null
-"$2" "$3/rate.h5"
+"$2" "$3/rate.h5" | tee "$3/holds.txt"
+grep -q "tolerance 1e-09 met" "$3/holds.txt"
 "$2" "$3/rate.h5" 7 4 | tee "$3/answer.txt"
 grep -q "u = 10.5 " "$3/answer.txt"
 status=0

@@ -187,7 +187,7 @@ Acceleration acceleration_of(const Capture& capture, SmoothingOptions options) {
 }
 
 /// One for all positions: the length of the acceleration says it, whatever the axes.
-void suspect_acceleration(const Capture& capture, Sentences& found) {
+void suspect_acceleration(const Capture& capture, bool falls, Sentences& found) {
   constexpr double kMost = 5.0;  // times gravity
   // Finding outliers takes most of the time: it is left out where a look without shows the acceleration of a falling
   // body.
@@ -200,7 +200,7 @@ void suspect_acceleration(const Capture& capture, Sentences& found) {
   const double power = std::log10(size / kGravity);
   const bool is_power =
       std::abs(power - std::round(power)) < 0.02 && std::abs(power) > 1.5 && std::abs(power) < 4.5;
-  if (is_power) {
+  if (is_power && (falls || power > 0.0)) {
     found.push_back(
         fmt::format("positions accelerate by {:.3g} m/s^2, gravity times 10^{:.0f}: are lengths or times "
                     "in another unit?",
@@ -265,7 +265,7 @@ std::string without_numbers(const std::string& sentence) {
 
 }  // namespace
 
-std::vector<std::string> suspicions(const Capture& capture) {
+std::vector<std::string> suspicions(const Capture& capture, bool falls) {
   Sentences found;
   if (capture.times.size() < kFewFrames)
     found.push_back(
@@ -276,14 +276,14 @@ std::vector<std::string> suspicions(const Capture& capture) {
   if (ordered && capture.times.size() >= kFramesForMotion) {
     suspect_order(capture, found);
     suspect_breaks(capture, found);
-    suspect_acceleration(capture, found);
+    suspect_acceleration(capture, falls, found);
   }
   return found;
 }
 
-std::vector<std::string> suspicions_of_all(std::span<const Capture> captures) {
+std::vector<std::string> suspicions_of_all(std::span<const Capture> captures, bool falls) {
   std::vector<Sentences> found(captures.size());
-  parallel_for(captures.size(), [&](std::size_t k) { found[k] = suspicions(captures[k]); });
+  parallel_for(captures.size(), [&](std::size_t k) { found[k] = suspicions(captures[k], falls); });
   std::vector<std::pair<std::string, std::string>> all;
   for (std::size_t k = 0; k < found.size(); ++k) {
     for (std::string& sentence : found[k]) all.emplace_back(captures[k].id, std::move(sentence));

@@ -106,13 +106,19 @@ std::optional<double> unslowed_rise(const Capture& capture, const Weight& weight
   return share;
 }
 
+constexpr double kHeavy = 0.5;  // m/s^2
+
 }  // namespace
+
+bool falls(const models::ParametricModel& equations, std::span<const double> q) {
+  const Weight weight = weight_of(equations, q);
+  return weight.places.empty() || !(weight.acceleration.norm() < kHeavy);
+}
 
 std::vector<std::string> check_gravity(const models::ParametricModel& equations, std::span<const double> q,
                                        std::span<const Capture> captures) {
   const Weight weight = weight_of(equations, q);
   // A body that nearly floats is moved by anything else.
-  constexpr double kHeavy = 0.5;  // m/s^2
   if (weight.places.empty() || !(weight.acceleration.norm() > kHeavy)) return {};
   std::vector<std::pair<std::string, std::string>> found;
   for (const Capture& capture : captures) {

@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "samara/base/names.h"
+#include "samara/base/rounded.h"
+#include "samara/base/unit_labels.h"
 #include "samara/identification/report/diagnostics_report.h"
 
 namespace samara::identification {
@@ -31,8 +33,8 @@ void add_coefficients(const Design& design, Out out) {
   fmt::format_to(out, "\n{:<16} {:>12} {:<10} {:>12} {:>12}\n", "coefficient", "value", "unit", "error now",
                  "expected");
   for (const ExpectedError& c : design.coefficients) {
-    fmt::format_to(out, "{:<16} {:>12.6g} {:<10} {:>12} {:>12.2g}{}\n", c.name, c.value, c.unit,
-                   c.was_determined ? fmt::format("{:.2g}", c.now) : "-", c.expected,
+    fmt::format_to(out, "{:<16} {:>12} {:<10} {:>12} {:>12.2g}{}\n", c.name, rounded(c.value, c.now),
+                   shown_unit(c.unit), c.was_determined ? fmt::format("{:.2g}", c.now) : "-", c.expected,
                    c.was_determined ? fmt::format(" {:>8}", percent(c.expected / c.now)) : "");
   }
   if (design.errors_are_clustered) {

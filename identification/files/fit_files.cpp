@@ -127,15 +127,20 @@ std::vector<std::string> check_mass_of(const FitSource& source, const std::vecto
   return check_mass(*family, captures, source.options, fitted);
 }
 
-/// Whether an axis of the captures seems to point the other way.
-std::vector<std::string> check_gravity_of(const FitSource& source, const std::vector<Capture>& captures) {
+/// What is known of the motion of a body that is let go, in the middle of the box.
+struct FreeBody {
+  std::vector<std::string> upside_down;  ///< an axis of the captures seems to point the other way
+  bool falls = true;
+};
+
+FreeBody free_body_of(const FitSource& source, const std::vector<Capture>& captures) {
   const auto integrated = source.family->equations() == nullptr ? equations_of_codebook(source) : nullptr;
   const models::TrajectoryFamily& family = integrated ? *integrated : *source.family;
   if (family.equations() == nullptr) return {};
   std::vector<double> middle;
   for (const models::FamilyCoordinate& c : family.info().coordinates)
     middle.push_back(0.5 * (c.lower + c.upper));
-  return check_gravity(*family.equations(), middle, captures);
+  return {check_gravity(*family.equations(), middle, captures), falls(*family.equations(), middle)};
 }
 
 /// Coefficients that change in time.
@@ -328,9 +333,9 @@ FitReport fit_files(const FitRequest& request) {
   const bool fits = !captures.fitted.empty();
   const std::vector<Capture>& looked_at = fits ? captures.fitted : captures.left_out;
   Warnings of_captures;
-  of_captures.add_all(WarningKind::captures, suspicions_of_all(looked_at));
-  const std::vector<std::string> upside_down = check_gravity_of(source, looked_at);
-  of_captures.add_all(WarningKind::captures, upside_down);
+  const FreeBody free_body = free_body_of(source, looked_at);
+  of_captures.add_all(WarningKind::captures, suspicions_of_all(looked_at, free_body.falls));
+  of_captures.add_all(WarningKind::captures, free_body.upside_down);
   teller.tell(of_captures);
   if (source.series) return series_of(request, source, captures.fitted, teller);
   if (request.needs_series)
@@ -359,7 +364,7 @@ FitReport fit_files(const FitRequest& request) {
     const auto owner = std::make_shared<Kept>(Kept{kept, objective});
     report.objective = {owner, objective.get()};
   }
-  report.fit.warnings.add_all(WarningKind::captures, upside_down);
+  report.fit.warnings.add_all(WarningKind::captures, free_body.upside_down);
   teller.tell(report.fit.warnings);
   report.is_usable = fits ? report.fit.is_usable() : !report.fit.predictions.empty();
   report.message =

@@ -301,7 +301,7 @@ FitResult fitted(const models::TrajectoryFamily& family, std::span<const Capture
                    .loss = to_string(problem.loss),
                    .fixed = problem.fixed};
   add_setup(family.info(), problem, options, result);
-  add_capture_warnings(family.info(), captures, options, result);
+  add_capture_warnings(family, captures, options, result);
   result.global_search = search;
   estimate_noise(levels, options.noise.rounds, problem, residuals, descend, runs, result);
   const std::optional<std::size_t> best = best_of(runs);

@@ -8,6 +8,7 @@
 #include "samara/base/names.h"
 #include "samara/base/unit_labels.h"
 #include "samara/identification/captures/capture_suspicions.h"
+#include "samara/identification/captures/gravity_check.h"
 #include "samara/identification/problem/camera.h"
 #include "samara/identification/problem/measurement.h"
 #include "samara/identification/smoothing/medians.h"
@@ -177,6 +178,15 @@ void warn_about_starts(const Uncertainty& uncertainty, FitResult& result) {
   }
 }
 
+/// Of a body of the family that is let go; true where its equations are not known.
+bool falls_in_middle(const models::TrajectoryFamily& family) {
+  if (family.equations() == nullptr) return true;
+  std::vector<double> middle;
+  for (const models::FamilyCoordinate& c : family.info().coordinates)
+    middle.push_back(0.5 * (c.lower + c.upper));
+  return falls(*family.equations(), middle);
+}
+
 }  // namespace
 
 void add_misfit_warnings(const FitProblem& problem, FitResult& result) {
@@ -205,8 +215,9 @@ void add_start_warning(const models::TrajectoryFamily& family, const FitOptions&
                   result.source, result.model));
 }
 
-void add_capture_warnings(const models::FamilyInfo& family, std::span<const Capture> captures,
+void add_capture_warnings(const models::TrajectoryFamily& source, std::span<const Capture> captures,
                           const FitOptions& options, FitResult& result) {
+  const models::FamilyInfo& family = source.info();
   std::vector<std::string> known;
   for (const models::FamilyOutput& output : family.outputs) known.push_back(output.name);
   std::map<std::string, std::string> unknown;  // channel -> a capture that has it
@@ -221,7 +232,7 @@ void add_capture_warnings(const models::FamilyInfo& family, std::span<const Capt
                         fmt::format("capture \"{}\": \"{}\" is no output of \"{}\", and was not compared{}",
                                     id, channel, family.model, suggestion(channel, known)));
   }
-  result.warnings.add_all(WarningKind::captures, suspicions_of_all(captures));
+  result.warnings.add_all(WarningKind::captures, suspicions_of_all(captures, falls_in_middle(source)));
 }
 
 void add_speed_warnings(const models::TrajectoryFamily& family, std::span<const Capture> captures,

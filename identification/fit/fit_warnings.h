@@ -17,7 +17,7 @@ void add_start_warning(const models::TrajectoryFamily& family, const FitOptions&
 
 /// What is suspicious about the captures as such, what was done to them, and what in them means nothing to
 /// the model.
-void add_capture_warnings(const models::FamilyInfo& family, std::span<const Capture> captures,
+void add_capture_warnings(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                           const FitOptions& options, FitResult& result);
 
 /// For a fit that led nowhere: captures that move far faster than a body of the model could.

@@ -5,59 +5,18 @@
 #include <set>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/text.h"
+#include "samara/identification/petab/petab_cells.h"
 #include "samara/identification/petab/petab_config.h"
-#include "samara/io/delimited_table.h"
 
 namespace samara::identification {
 
 namespace {
 
 using io::DelimitedTable;
-
-DelimitedTable read_tsv(const std::filesystem::path& path, const std::vector<std::string>& needed) {
-  DelimitedTable table = DelimitedTable::read(path, {.delimiter = '\t', .decimal = '.'});
-  for (const std::string& column : needed) table.texts(column);  // refuses what is missing
-  return table;
-}
-
-/// The cells of a column that may be missing: then they are empty.
-std::vector<std::string> cells_or_empty(const DelimitedTable& table, const std::string& column) {
-  return table.has(column) ? table.texts(column) : std::vector<std::string>(table.rows());
-}
-
-std::optional<double> number_in(std::string_view cell) {
-  const NumberPrefix number = read_number(cell);
-  const bool is_number =
-      number.problem == NumberProblem::none && number.length == cell.size() && !cell.empty();
-  return is_number ? std::optional(number.value) : std::nullopt;
-}
-
-/// One of the cells that say how something is meant, where there are few words.
-void require_word(const DelimitedTable& table, std::size_t row, const std::string& column,
-                  const std::string& cell, const std::vector<std::string>& words) {
-  if (cell.empty() || std::ranges::count(words, cell) > 0) return;
-  throw table.error(
-      row, fmt::format("{} is {}; {} was expected", column, in_quotes(cell), fmt::join(words, " or ")));
-}
-
-/// "1.5;0.2"
-std::vector<double> numbers_in(const DelimitedTable& table, std::size_t row, const std::string& text) {
-  std::vector<double> numbers;
-  for (std::string_view rest = text; !rest.empty();) {
-    const std::size_t end = std::min(rest.find(';'), rest.size());
-    const auto number = number_in(trimmed(rest.substr(0, end)));
-    if (!number)
-      throw table.error(row, fmt::format("{} are no numbers parted by semicolons", in_quotes(text)));
-    numbers.push_back(*number);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
-  return numbers;
-}
 
 /// Everything that is known while the tables are read, one after the other.
 class PetabTables {

@@ -39,7 +39,7 @@ void require_positive_key(const TomlTable& table, const std::string& key, double
 }
 
 double positive_quantity(const TomlTable& table, const std::string& key, const std::string& unit) {
-  const double value = table.quantity(key, unit);
+  const double value = table.difference(key, unit);
   require_positive_key(table, key, value);
   return value;
 }
@@ -243,7 +243,7 @@ std::map<std::string, Prior> read_priors(const TomlTable& root, const Units& coo
     Prior prior{.mean = table.quantity("mean", coordinates.at(name)),
                 .logarithmic = table.optional_boolean("logarithmic").value_or(false)};
     prior.deviation =
-        prior.logarithmic ? table.number("deviation") : table.quantity("deviation", coordinates.at(name));
+        prior.logarithmic ? table.number("deviation") : table.difference("deviation", coordinates.at(name));
     require_positive_key(table, "deviation", prior.deviation);
     if (prior.logarithmic) require_positive_key(table, "mean", prior.mean);
     priors[name] = prior;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/rounded.h"
 #include "samara/identification/statistics/cluster_errors.h"
 #include "samara/identification/statistics/quantiles.h"
 
@@ -60,7 +61,7 @@ std::string plain_verdict(const FitResult& result, const Coefficient& c) {
   // The deviation of a uniform distribution over the box: the data say no more than the box did.
   const double of_box = (c.upper - c.lower) / std::sqrt(12.0);
   if (*error >= of_box) return fmt::format("hardly determined: +- {:.2g}", *error);
-  return fmt::format("{:.5g} +- {:.2g}", c.value, *error);
+  return with_error(c.value, error);
 }
 
 /// " or 0.87 +- 0.08" for each optimum that is as good, where the value is another one.
@@ -71,8 +72,7 @@ std::string other_values(const FitResult& result, const Coefficient& c) {
     const double value = optimum.coefficients[at];
     const double error = optimum.standard_errors[at] * widening(result, c);
     if (std::abs(value - c.value) <= 0.5 * widened_error(result, c).value_or(0.0)) continue;
-    text += fmt::format(" or {:.5g}", value);
-    if (std::isfinite(error)) text += fmt::format(" +- {:.2g}", error);
+    text += " or " + with_error(value, error);
   }
   return text;
 }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "samara/base/rounded.h"
 #include "samara/base/unit_labels.h"
 
 namespace samara::identification {
@@ -242,8 +243,8 @@ void add_noise_text(const FitResult& result, std::back_insert_iterator<std::stri
     const std::string unit = unit_suffix(level.unit);
     const std::string outputs = fmt::format("{}", fmt::join(level.outputs, ", "));
     if (level.estimated) {
-      fmt::format_to(out, "noise of {}: {:.3g} +- {:.1g}{}, estimated\n", outputs, level.value,
-                     level.standard_error(), unit);
+      fmt::format_to(out, "noise of {}: {}{}, estimated\n", outputs,
+                     with_error(level.value, level.standard_error()), unit);
     } else {
       fmt::format_to(out, "noise of {}: taken to be {:.3g}{}\n", outputs, level.value, unit);
     }

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "samara/base/names.h"
+#include "samara/base/rounded.h"
 #include "samara/base/unit_labels.h"
+#include "samara/identification/captures/capture_suspicions.h"
 #include "samara/identification/report/diagnostics_report.h"
 #include "samara/identification/report/fit_setup.h"
 
@@ -119,8 +122,9 @@ void add_coefficient_table(const FitResult& result, std::back_insert_iterator<st
   fmt::format_to(out, "\n{:<16} {:>12} {:<10} {:>12} {:>12} {:>23} {}\n", "coefficient", "value", "unit",
                  "std. error", "naive", "box", "what may be said");
   for (const Coefficient& c : result.coefficients) {
-    fmt::format_to(out, "{:<16} {:>12.6g} {:<10} {:>12} {:>12} {:>23} {}\n", c.name, c.value, c.unit,
-                   error_text(c.standard_error), error_text(c.naive_standard_error),
+    fmt::format_to(out, "{:<16} {:>12} {:<10} {:>12} {:>12} {:>23} {}\n", c.name,
+                   rounded(c.value, c.standard_error ? c.standard_error : c.naive_standard_error),
+                   shown_unit(c.unit), error_text(c.standard_error), error_text(c.naive_standard_error),
                    fmt::format("{:.4g} .. {:.4g}", c.lower, c.upper), verdict(result, c));
   }
   fmt::format_to(out,
@@ -151,13 +155,22 @@ void add_capture_table(const FitResult& result, std::back_insert_iterator<std::s
   for (const CaptureFit& capture : result.captures) {
     fmt::format_to(out, "{:<20} {:>6}", capture.id, capture.frames);
     for (const Nuisance& n : capture.nuisances) {
-      fmt::format_to(
-          out, " {:>22}",
-          fmt::format("{:.4g} +- {}{}", n.value, error_text(n.standard_error), n.at_bound ? " !" : ""));
+      fmt::format_to(out, " {:>22}",
+                     fmt::format("{}{}{}", with_error(n.value, n.standard_error),
+                                 n.standard_error ? "" : " +- -", n.at_bound ? " !" : ""));
     }
     for (const OutputRms& r : capture.residuals) fmt::format_to(out, " {:>16.3g}", r.rms);
     fmt::format_to(out, "\n");
   }
+}
+
+/// A line for each kind, with the capture that has it first, and how many others do.
+std::vector<std::string> counted_notes(const FitResult& result) {
+  std::vector<std::pair<std::string, std::string>> notes;
+  for (const CaptureFit& capture : result.captures) {
+    for (const std::string& note : capture.notes) notes.emplace_back(capture.id, note);
+  }
+  return merge_alike(notes);
 }
 
 }  // namespace
@@ -221,13 +234,7 @@ std::string fit_text(const FitResult& result) {
     fmt::format_to(out, "segments join to within {:.2g} standard deviations of their starts\n",
                    *result.join_defect);
   }
-  if (const auto noted =
-          std::ranges::count_if(result.captures, [](const auto& c) { return !c.notes.empty(); });
-      noted > 0) {
-    fmt::format_to(out,
-                   "notes on the reading and cleaning of {} of {} captures are in the JSON and the report\n",
-                   noted, result.captures.size());
-  }
+  for (const std::string& sentence : counted_notes(result)) fmt::format_to(out, "note: {}\n", sentence);
   add_diagnostics_text(result, text);
   if (result.evaluations > 0) {
     fmt::format_to(out, "{} iterations, {} trajectories, {:.3g} s\n", result.iterations, result.evaluations,

@@ -150,7 +150,7 @@ codebooks::Codebook series_codebook(const CoefficientSeries& series) {
   const pgd::SeparatedField field({t}, outputs, {factors}, Eigen::MatrixXd::Identity(count, count));
 
   codebooks::ModelDescription description{
-      .name = std::string(kSeriesOf) + series.model,
+      .name = series_name(series.model),
       .title = fmt::format("{} of {} along captured motion", names, series.model),
       .equations = fmt::format("{} as functions of the time since the first frame, straight lines between "
                                "instants",
@@ -173,6 +173,10 @@ codebooks::Codebook series_codebook(const CoefficientSeries& series) {
   provenance.build_seconds = series.fit.seconds;
   return codebooks::Codebook(std::move(description), {codebooks::Piece::Groups{field}}, std::move(build),
                              std::move(provenance), certificate_of(series, times));
+}
+
+std::string series_name(const std::string& model) {
+  return std::string(kSeriesOf) + model;
 }
 
 std::shared_ptr<const models::ParameterCourse> codebook_course(const codebooks::Codebook& book,

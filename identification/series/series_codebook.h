@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "samara/codebooks/book/codebook.h"
 #include "samara/identification/series/coefficient_series.h"
@@ -12,6 +13,9 @@ namespace samara::identification {
 /// standard errors: it says how well captures determine them, not how well anything was integrated.
 /// @throws ArgumentError if the fit of the series failed.
 codebooks::Codebook series_codebook(const CoefficientSeries& series);
+
+/// What a codebook of coefficients over time names as its model: it is no solution of that one.
+std::string series_name(const std::string& model);
 
 /// The course of a codebook over time alone whose outputs are parameters of the model: for following(). The
 /// codebook must outlive it.

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "samara/base/rounded.h"
 #include "samara/base/unit_labels.h"
 #include "samara/identification/report/diagnostics_report.h"
 #include "samara/identification/report/fit_report.h"
@@ -29,8 +30,7 @@ Json json_of(const SeriesCoefficient& c) {
 
 std::string value_text(const SeriesCoefficient& c, Eigen::Index k) {
   const double error = c.standard_errors[k];
-  return std::isnan(error) ? fmt::format("{:.5g} ?", c.values[k])
-                           : fmt::format("{:.5g} +- {:.2g}", c.values[k], error);
+  return std::isnan(error) ? fmt::format("{:.5g} ?", c.values[k]) : with_error(c.values[k], error);
 }
 
 void add_table(const CoefficientSeries& series, std::back_insert_iterator<std::string> out) {

@@ -7,6 +7,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
+#include "samara/base/rounded.h"
 #include "samara/identification/statistics/quantiles.h"
 
 namespace samara::identification {
@@ -249,18 +250,28 @@ Profile profile(const ProfileTarget& target, const Eigen::VectorXd& warm_start, 
   return result;
 }
 
+namespace {
+
+/// A normal distribution would have its interval twice as far to both sides.
+double standard_error_of(const Profile& p) {
+  return 0.25 * (*p.interval_upper - *p.interval_lower);
+}
+
+}  // namespace
+
 std::string describe(const Profile& p) {
   const std::string sure = fmt::format("({:.3g} %)", 100.0 * p.confidence);
   const bool open_below = is_unexplored(p.lower_end);
   const bool open_above = is_unexplored(p.upper_end);
   switch (p.shape) {
     case ProfileShape::identified:
-      return fmt::format("{:.5g} to {:.5g} {}", *p.interval_lower, *p.interval_upper, sure);
+      return fmt::format("{} to {} {}", rounded(*p.interval_lower, standard_error_of(p)),
+                         rounded(*p.interval_upper, standard_error_of(p)), sure);
     case ProfileShape::lower_limit:
-      return fmt::format("at least {:.5g} {}{}", *p.interval_lower, sure,
+      return fmt::format("at least {:.3g} {}{}", *p.interval_lower, sure,
                          open_above ? fmt::format(", not explored beyond {:.5g}", p.values.back()) : "");
     case ProfileShape::upper_limit:
-      return fmt::format("at most {:.5g} {}{}", *p.interval_upper, sure,
+      return fmt::format("at most {:.3g} {}{}", *p.interval_upper, sure,
                          open_below ? fmt::format(", not explored below {:.5g}", p.values.front()) : "");
     case ProfileShape::flat:
       return fmt::format("not determined: anything from {:.5g} to {:.5g} fits {}{}", p.values.front(),

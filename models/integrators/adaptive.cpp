@@ -10,6 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/number_text.h"
+#include "samara/base/require.h"
 #include "samara/models/integrators/trajectory_tools.h"
 
 namespace samara::models {
@@ -23,6 +24,7 @@ using Fehlberg = odeint::runge_kutta_fehlberg78<std::vector<double>>;
 void check_options(const AdaptiveOptions& options) {
   check_relative_tolerance(options.relative_tolerance);
   check_max_steps(options.max_steps);
+  require_not_negative(options.max_step, "max_step [s]");
 }
 
 }  // namespace
@@ -71,6 +73,7 @@ struct AdaptiveIntegrator::Impl {
         return "that is all the steps allowed";
       }
       ++attempts;
+      if (options.max_step > 0.0) step = std::min(step, options.max_step);
       const double rest = target - t;
       // A rest of little more than a step is halved: no tiny step is left over.
       const bool cut = step >= rest;

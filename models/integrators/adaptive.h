@@ -20,6 +20,7 @@ struct AdaptiveOptions {
   double relative_tolerance = 1e-12;
   /// Most steps of the whole trajectory, rejected ones included.
   long max_steps = 1000000;
+  double max_step = 0.0;  ///< longest step [s]; 0: whatever the tolerance allows, see integrate.h
 };
 
 /// For many integrations of one model; one per thread.

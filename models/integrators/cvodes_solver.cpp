@@ -12,6 +12,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/number_text.h"
+#include "samara/base/require.h"
 #include "samara/models/integrators/trajectory_tools.h"
 
 namespace samara::models {
@@ -21,6 +22,7 @@ namespace {
 void check_options(const IntegrateOptions& options) {
   check_relative_tolerance(options.relative_tolerance);
   check_max_steps(options.max_steps);
+  require_not_negative(options.max_step, "max_step [s]");
 }
 
 /// For calls of SUNDIALS that fail only if memory is short, or if we are wrong.
@@ -102,6 +104,7 @@ void CvodesSolver::create_state_solver() {
   must(CVodeSetErrFile(cvodes_.get(), nullptr), "CVodeSetErrFile");
   must(CVodeInit(cvodes_.get(), state_rate, 0.0, x_.get()), "CVodeInit");
   must(CVodeSetUserData(cvodes_.get(), this), "CVodeSetUserData");
+  if (options_.max_step > 0.0) must(CVodeSetMaxStep(cvodes_.get(), options_.max_step), "CVodeSetMaxStep");
   if (options_.stiff) {
     matrix_.reset(SUNDenseMatrix(n, n, context_));
     linear_solver_.reset(SUNLinSol_Dense(x_.get(), matrix_.get(), context_));

@@ -61,11 +61,11 @@ void check_complete(const ModelInfo& info, const ParameterValues& p) {
   for (std::size_t j = 0; j < info.parameters.size(); ++j) {
     const ParameterInfo& parameter = info.parameters[j];
     if (p.given[j] || parameter.default_value || !parameter.derived.empty()) continue;
-    missing.push_back(quoted(parameter.name) + " [" + parameter.unit + "]");
+    missing.push_back(quoted(parameter.name) + (parameter.unit == "1" ? "" : " [" + parameter.unit + "]"));
   }
   if (missing.empty()) return;
   throw ArgumentError("model " + quoted(info.name) + " needs a value of " + join(missing) +
-                      "; fix it or leave it free");
+                      "; give it, or leave it free");
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ struct QuadraticDragFall {
   static ModelInfo info() {
     return {
         .name = "quadratic_drag_fall",
-        .title = "Vertical speed of a heavy body in a light fluid",
+        .title = "Vertical speed alone of a heavy body in a light fluid (vertical_fall: with the height)",
         .equations =
             "u' = -(fluid_density C_D area / (2 mass)) (1 + Re_drag/Re) |u| u - g,  "
             "Re = length |u|/nu",
@@ -25,7 +25,8 @@ struct QuadraticDragFall {
             "dissertation, eq. (6.20), which prints u^2 for -|u| u and so holds for u <= 0; from rest "
             "u = -u_T tanh(g t / u_T) with u_T = sqrt(2 mass g / (fluid_density C_D area))",
         .validity =
-            "neither buoyancy nor added mass: bodies much denser than the fluid; C_D constant, or as Re_drag "
+            "neither buoyancy nor added mass (vertical_fall has both, and the height): bodies much denser "
+            "than the fluid; C_D constant, or as Re_drag "
             "follows Re; no rotation",
         .states = {{.name = "u", .unit = "m/s", .description = "vertical velocity, positive upward"}},
         .parameters = parameters(),

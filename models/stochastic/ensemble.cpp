@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <ranges>
+#include <utility>
+
+#include <boost/math/special_functions/beta.hpp>
 
 #include "samara/models/stochastic/ensemble_sums.h"
 
@@ -17,6 +21,24 @@ double quantile_of(const std::vector<double>& sorted, double share) {
   const auto below = static_cast<std::size_t>(place);
   const std::size_t above = std::min(below + 1, sorted.size() - 1);
   return sorted[below] + (place - static_cast<double>(below)) * (sorted[above] - sorted[below]);
+}
+
+/// Chance that at most k of n independent values lie below their quantile of a share.
+double binomial_below(long k, long n, double share) {
+  if (k < 0) return 0.0;
+  return k >= n ? 1.0 : boost::math::ibetac(static_cast<double>(k) + 1.0, static_cast<double>(n - k), share);
+}
+
+/// Numbers, from 0, of the sorted values between which a quantile lies with 95 %: the tails hold 2.5 % at most each. The
+/// second may be n, the first -1: no value of the sample is so far out.
+std::pair<long, long> quantile_ranks(long n, double share) {
+  // Value j lies above the quantile where at most j values lie below it.
+  const auto ranks = std::views::iota(0L, n);
+  const auto lower =
+      std::ranges::partition_point(ranks, [&](long j) { return binomial_below(j, n, share) <= 0.025; });
+  const auto upper =
+      std::ranges::partition_point(ranks, [&](long j) { return 1.0 - binomial_below(j, n, share) > 0.025; });
+  return {lower - ranks.begin() - 1, upper - ranks.begin()};
 }
 
 }  // namespace
@@ -65,8 +87,15 @@ LandingStatistics landing_statistics(const Ensemble& ensemble) {
     std::vector<double> sorted;
     for (const Landing& landing : all) sorted.push_back(landing.position[axis]);
     std::ranges::sort(sorted);
-    for (Eigen::Index i = 0; i < 5; ++i)
+    const auto at = [&](long rank) {
+      return rank >= 0 && rank < result.landed ? sorted[static_cast<std::size_t>(rank)] : nan;
+    };
+    for (Eigen::Index i = 0; i < 5; ++i) {
       result.quantiles(i, axis) = sorted.empty() ? nan : quantile_of(sorted, kLandingShares[i]);
+      const auto [lower, upper] = quantile_ranks(result.landed, kLandingShares[i]);
+      result.quantiles_lower(i, axis) = at(lower);
+      result.quantiles_upper(i, axis) = at(upper);
+    }
   }
   return result;
 }

@@ -87,6 +87,10 @@ struct LandingStatistics {
                   covariance_error = Eigen::Matrix3d::Zero();  ///< [m^2]
   /// Shares 0.05, 0.25, 0.5, 0.75, 0.95 land below these, by coordinate (columns).
   Eigen::Matrix<double, 5, 3> quantiles = Eigen::Matrix<double, 5, 3>::Zero();
+  /// Ends of their 95 % intervals, from order statistics, whatever the distribution is; NaN where too few landed. Of
+  /// antithetic pairs they are those of as many single realisations.
+  Eigen::Matrix<double, 5, 3> quantiles_lower = Eigen::Matrix<double, 5, 3>::Zero(),
+                              quantiles_upper = Eigen::Matrix<double, 5, 3>::Zero();
 };
 
 inline constexpr double kLandingShares[] = {0.05, 0.25, 0.5, 0.75, 0.95};

@@ -27,6 +27,13 @@ BodyOutline outline_of(const ParametricModel& model, std::optional<double> radiu
   }
   if (!radius) return {.length = 2.0 * own_radius, .semi_axes = semi_axes};
   require_not_negative(*radius, "radius of the body [m]");
+  if (*radius > 0.0 && !(semi_axes.minCoeff() > 0.0)) {
+    throw ArgumentError(
+        fmt::format("the radius of the body is {:.6g} m, but that of model \"{}\" is no flat one with "
+                    "semi-axes a and b, over whose "
+                    "outline a wind is averaged; none or 0 was expected",
+                    *radius, info.name));
+  }
   return {.length = 2.0 * own_radius, .semi_axes = Eigen::Vector2d::Constant(*radius)};
 }
 

@@ -17,7 +17,8 @@ struct BodyOutline {
 
 /// From the parameters of a model without free coordinates: a and b, or what outline_radius() finds.
 /// @param radius [m] of a disc in place of the body's own outline; 0: no mean over an outline
-/// @throws ArgumentError if the model has no parameters that say its size, or the radius is negative or not finite
+/// @throws ArgumentError if the model has no parameters that say its size, or the radius is
+/// negative or not finite, or above 0 for a body that is not flat
 BodyOutline outline_of(const ParametricModel& model, std::optional<double> radius = {});
 
 }  // namespace samara::models::wind

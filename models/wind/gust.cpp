@@ -29,6 +29,11 @@ Gust::Gust(const GustOptions& options) : options_(options), slowness_(Eigen::Vec
   check_finite(slowness_, "the time that the gust takes for a metre [s/m]");
 }
 
+bool Gust::passes(double from, double to, const Eigen::Vector3d& position) const {
+  const double arrival = options_.start + slowness_.dot(position);
+  return to > arrival && from < arrival + options_.duration;
+}
+
 double Gust::course(double s) const {
   const double T = options_.duration;
   if (s <= 0.0) return 0.0;

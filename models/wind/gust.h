@@ -35,6 +35,9 @@ class Gust final : public AmbientFlow {
   AmbientSample sample(double t, const Eigen::Vector3d& position) const override;
   /// Of a gust that travels, its way in T/(2 pi); else infinite [m].
   double length() const override;
+  double duration() const { return options_.duration; }
+  /// Whether it changes at a place some time between two times.
+  bool passes(double from, double to, const Eigen::Vector3d& position) const;
 
   /// The factor of `velocity` at s after the start, and its rate [1/s].
   double course(double s) const;

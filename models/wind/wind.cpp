@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
@@ -15,10 +16,10 @@ namespace samara::models::wind {
 
 namespace {
 
-/// Profile and gusts.
-class SteadyPart {
+/// What of a wind is not random.
+class MeanAndGusts {
  public:
-  explicit SteadyPart(const Wind& wind)
+  explicit MeanAndGusts(const Wind& wind)
       : profile_(wind.profile), along_(wind.direction()), gusts_(wind.gusts) {}
 
   AmbientSample sample(double t, const Eigen::Vector3d& position) const {
@@ -32,6 +33,15 @@ class SteadyPart {
   double length() const {
     double least = profile_.length() > 0.0 ? profile_.length() : std::numeric_limits<double>::infinity();
     for (const Gust& gust : gusts_) least = std::min(least, gust.length());
+    return least;
+  }
+
+  /// In which a gust that passes between two times changes [s]; infinite: none does.
+  double time_scale(double from, double to, const Eigen::Vector3d& position) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Gust& gust : gusts_) {
+      if (gust.passes(from, to, position)) least = std::min(least, gust.duration() / std::numbers::pi);
+    }
     return least;
   }
 
@@ -49,29 +59,33 @@ class SteadyPart {
 
 class WindFlow final : public AmbientFlow {
  public:
-  WindFlow(SteadyPart steady, std::optional<WindModes> modes)
-      : steady_(std::move(steady)), modes_(std::move(modes)) {}
+  WindFlow(MeanAndGusts mean_and_gusts, std::optional<WindModes> modes)
+      : mean_and_gusts_(std::move(mean_and_gusts)), modes_(std::move(modes)) {}
 
   AmbientSample sample(double t, const Eigen::Vector3d& position) const override {
-    AmbientSample here = steady_.sample(t, position);
-    if (modes_) SteadyPart::add(modes_->sample(t, position), here);
+    AmbientSample here = mean_and_gusts_.sample(t, position);
+    if (modes_) MeanAndGusts::add(modes_->sample(t, position), here);
     return here;
   }
 
   AmbientSample mean_over(const Ellipse& ellipse, double t, const Eigen::Vector3d& position) const {
-    AmbientSample here = steady_.sample(t, position);
-    if (modes_) SteadyPart::add(modes_->mean_over(ellipse, t, position), here);
+    AmbientSample here = mean_and_gusts_.sample(t, position);
+    if (modes_) MeanAndGusts::add(modes_->mean_over(ellipse, t, position), here);
     return here;
   }
 
+  double time_scale(double from, double to, const Eigen::Vector3d& position) const {
+    return mean_and_gusts_.time_scale(from, to, position);
+  }
+
   double length() const override {
-    const double least =
-        std::min(steady_.length(), modes_ ? modes_->length() : std::numeric_limits<double>::infinity());
+    const double least = std::min(mean_and_gusts_.length(),
+                                  modes_ ? modes_->length() : std::numeric_limits<double>::infinity());
     return std::isfinite(least) ? least : 1.0;  // nothing changes over any way
   }
 
  private:
-  SteadyPart steady_;
+  MeanAndGusts mean_and_gusts_;
   std::optional<WindModes> modes_;
 };
 
@@ -108,6 +122,7 @@ class AirInWind final : public AirAlongPath {
     // In which half of the shortest wave passes the body: over a tenth of it a ramp is within 1 % of the wave.
     const double passing = std::hypot((body.velocity - convection_).norm(), sweeping_) * highest_;
     if (passing > 0.0) air.time_scale = std::numbers::pi / passing;
+    air.time_scale = std::min(air.time_scale, flow_.time_scale(body.t, t, position));
     return air;
   }
 
@@ -121,19 +136,22 @@ class AirInWind final : public AirAlongPath {
 
 class WindAir final : public AirSource {
  public:
-  WindAir(SteadyPart steady, std::optional<ModeSpectrum> modes, const Eigen::Vector2d& semi_axes,
+  WindAir(MeanAndGusts mean_and_gusts, std::optional<ModeSpectrum> modes, const Eigen::Vector2d& semi_axes,
           std::uint64_t seed)
-      : steady_(std::move(steady)), modes_(std::move(modes)), semi_axes_(semi_axes), seed_(seed) {}
+      : mean_and_gusts_(std::move(mean_and_gusts)),
+        modes_(std::move(modes)),
+        semi_axes_(semi_axes),
+        seed_(seed) {}
 
   std::unique_ptr<AirAlongPath> realisation(std::uint64_t number, bool mirrored) const override {
     std::optional<WindModes> modes;
     if (modes_) modes.emplace(*modes_, seed_, number, mirrored);
-    return std::make_unique<AirInWind>(WindFlow(steady_, std::move(modes)), semi_axes_,
+    return std::make_unique<AirInWind>(WindFlow(mean_and_gusts_, std::move(modes)), semi_axes_,
                                        modes_ ? &*modes_ : nullptr);
   }
 
  private:
-  SteadyPart steady_;
+  MeanAndGusts mean_and_gusts_;
   std::optional<ModeSpectrum> modes_;
   Eigen::Vector2d semi_axes_;
   std::uint64_t seed_;
@@ -173,6 +191,13 @@ ModeSpectrum mode_spectrum(const Wind& wind, double body_length) {
   const double shortest = o.shortest.value_or(body_length);
   require_positive(shortest, "the shortest wave of the turbulence [m]");
   if (o.longest) require_positive(*o.longest, "the longest wave of the turbulence [m]");
+  const double longest = o.longest.value_or(2.0 * std::numbers::pi * *length / 0.02);
+  if (!(longest > shortest)) {
+    throw ArgumentError(fmt::format(
+        "the longest wave of the turbulence is {:.6g} m{}, expected more than the shortest, {:.6g} m{}",
+        longest, o.longest ? "" : ", that of its length", shortest,
+        o.shortest ? "" : ": the length of the body"));
+  }
   for (const double ratio : o.ratios) require_not_negative(ratio, "the ratio of a deviation to sigma");
   const Eigen::Matrix3d axes = Eigen::AngleAxisd(wind.towards, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   return {VonKarmanSpectrum(*sigma, *length),
@@ -188,13 +213,13 @@ std::shared_ptr<const AmbientFlow> wind_flow(const Wind& wind, double body_lengt
                                              std::uint64_t realisation) {
   std::optional<WindModes> modes;
   if (const auto spectrum = modes_of(wind, body_length)) modes.emplace(*spectrum, seed, realisation);
-  return std::make_shared<WindFlow>(SteadyPart(wind), std::move(modes));
+  return std::make_shared<WindFlow>(MeanAndGusts(wind), std::move(modes));
 }
 
 std::shared_ptr<const AirSource> wind_air(const Wind& wind, double body_length,
                                           const Eigen::Vector2d& semi_axes, std::uint64_t seed) {
   for (const double axis : semi_axes) require_not_negative(axis, "a semi-axis of the body [m]");
-  return std::make_shared<WindAir>(SteadyPart(wind), modes_of(wind, body_length), semi_axes, seed);
+  return std::make_shared<WindAir>(MeanAndGusts(wind), modes_of(wind, body_length), semi_axes, seed);
 }
 
 }  // namespace samara::models::wind

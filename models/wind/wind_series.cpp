@@ -20,7 +20,17 @@ namespace {
 constexpr std::array kComponents = {Component::along, Component::across, Component::vertical};
 /// Series draw from streams of their own, see wind_modes.cpp.
 constexpr std::uint64_t kSeriesStreams = std::uint64_t{0x53455249} << 32;
-constexpr double kMostNumbers = 2e8;
+constexpr double kMostNumbers = 2e7, kMostPoints = 1000;
+/// The transform takes as many operations a sample as the largest prime factor of their number.
+constexpr long kLargestFactor = 1000;
+
+long largest_prime_factor(long n) {
+  long largest = 1;
+  for (long p = 2; p * p <= n; ++p) {
+    for (; n % p == 0; n /= p) largest = p;
+  }
+  return std::max(largest, n);
+}
 
 void check_series(const WindProfile& profile, const SeriesOptions& options) {
   require_positive(options.step, "the step of the series [s]");
@@ -32,7 +42,22 @@ void check_series(const WindProfile& profile, const SeriesOptions& options) {
   require(options.points.cols() >= 1, "the number of points", options.points.cols(), "at least 1");
   const double numbers =
       3.0 * static_cast<double>(options.samples) * static_cast<double>(options.points.cols());
-  require(numbers <= kMostNumbers, "samples times points times components", numbers, "at most 2e8");
+  if (numbers > kMostNumbers) {
+    throw ArgumentError(
+        fmt::format("{} samples at {} points take {:.3g} numbers, some {:.0f} MB; at most {:.0g} were "
+                    "expected",
+                    options.samples, options.points.cols(), numbers, 60e-6 * numbers, kMostNumbers));
+  }
+  require(static_cast<double>(options.points.cols()) <= kMostPoints, "the number of points",
+          options.points.cols(), "at most 1000");
+  if (largest_prime_factor(options.samples) > kLargestFactor) {
+    long better = options.samples + 1;
+    while (largest_prime_factor(better) > kLargestFactor) ++better;
+    throw ArgumentError(
+        fmt::format("the number of samples is {}, of which {} is a prime factor: their transform would "
+                    "take too long; {} would do",
+                    options.samples, largest_prime_factor(options.samples), better));
+  }
   for (Eigen::Index i = 0; i < options.points.cols(); ++i) {
     const auto point = options.points.col(i);
     require(point.allFinite(), fmt::format("a coordinate of point {} [m]", i + 1), point.sum(),

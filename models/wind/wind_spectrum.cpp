@@ -157,12 +157,12 @@ double VonKarmanSpectrum::structure_function(double r) const {
 }
 
 double VonKarmanSpectrum::variance_share(double lowest, double highest) const {
-  const auto below = [&](double k) {
+  const auto above = [&](double k) {
     const double x2 = k * k * length_ * length_;
     // The share above by its own function: it is small where the spectrum ends.
     return boost::math::ibetac(2.5, 1.0 / 3.0, x2 / (1.0 + x2));
   };
-  return below(lowest) - below(highest);
+  return above(lowest) - above(highest);
 }
 
 double VonKarmanSpectrum::structure_function(double r, double lowest, double highest) const {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include <boost/math/special_functions/beta.hpp>
 #include <fmt/format.h>
@@ -167,11 +167,16 @@ double MarkovChain::log_likelihood(const std::vector<std::vector<int>>& sequence
 }
 
 OrderChoice select_order(const std::vector<std::vector<int>>& sequences, int symbols, int most) {
-  std::vector<std::vector<int>> fit, held_out;
+  std::vector<std::pair<double, std::size_t>> drawn;
   const auto from = static_cast<std::size_t>(std::max(most, 0));
-  for (const std::vector<int>& sequence : sequences) {
-    if (sequence.size() > from) (fit.size() > held_out.size() ? held_out : fit).push_back(sequence);
+  for (std::size_t n = 0; n < sequences.size(); ++n) {
+    if (sequences[n].size() > from) drawn.emplace_back(Stream(1, n).uniform(), n);
   }
+  // By a draw: runs that stand beside each other, or two apart, may be alike, as from one release.
+  std::ranges::sort(drawn);
+  std::vector<std::vector<int>> fit, held_out;
+  for (std::size_t k = 0; k < drawn.size(); ++k)
+    (2 * k < drawn.size() ? fit : held_out).push_back(sequences[drawn[k].second]);
   if (held_out.empty())
     throw ArgumentError(
         fmt::format("{} run{} longer than {} events, expected two or more to select an order by", fit.size(),

@@ -81,7 +81,8 @@ struct OrderChoice {
   std::size_t fitted_runs = 0, held_out_runs = 0;
 };
 
-/// By the log-likelihood of half of the runs, every other one, under chains of the other half.
+/// By the log-likelihood of half of the runs, which are drawn, under chains of the other half; the same runs give the
+/// same halves.
 /// @throws ArgumentError as fitted(), or for fewer than two runs that are longer than `most`.
 OrderChoice select_order(const std::vector<std::vector<int>>& sequences, int symbols, int most = 5);
 

@@ -33,11 +33,11 @@ std::string chain_text(const MotionDatabase& database, const OrderChoice& choice
                   choice.held_out_runs);
   for (const OrderScore& score : choice.scores) text += fmt::format(" {:.3f}", score.log_likelihood);
   text += ")\nwhat follows what, first order, with 95 % intervals\n";
-  const MarkovChain first = MarkovChain::fitted(database.kind_sequences(), kKindCount, 1);
+  const Eigen::MatrixXd counts = MarkovChain::fitted(database.kind_sequences(), kKindCount, 1).counts();
   for (int i = 0; i < kKindCount; ++i) {
     text += fmt::format("  {:<7}", event_kind_names()[static_cast<std::size_t>(i)]);
     for (int j = 0; j < kKindCount; ++j) {
-      const Chance chance = first.chance({&i, 1}, j);
+      const Chance chance = dirichlet_chance(counts(i, j), counts.row(i).sum(), kKindCount);
       text += fmt::format("  {} {:.2f} ({:.2f} to {:.2f})", event_kind_names()[static_cast<std::size_t>(j)],
                           chance.probability, chance.lower, chance.upper);
     }
@@ -51,9 +51,9 @@ std::string chain_text(const MotionDatabase& database, const OrderChoice& choice
 std::string database_text(const MotionDatabase& database, const MotionGraph& graph, const KindChain& kinds) {
   std::string text = fmt::format("{} segments of {} runs, {:.4g} s in the median:", database.segment_count(),
                                  database.runs.size(), median_duration_of(database));
-  const auto counts = kind_counts(database);
+  const auto kinds_seen = kind_counts(database);
   for (std::size_t k = 0; k < kEventKinds; ++k)
-    text += fmt::format(" {} {}", counts[k], event_kind_names()[k]);
+    text += fmt::format(" {} {}", kinds_seen[k], event_kind_names()[k]);
   text += "\nthreshold  share in the largest component    edges\n";
   for (const ThresholdPoint& point : graph.curve) {
     text += fmt::format("{:9.4g}  {:30.3f}  {:>7}{}\n", point.threshold, point.share, point.edges,
@@ -70,8 +70,8 @@ std::string database_json(const MotionDatabase& database, const MotionGraph& gra
                                    {"runs", database.runs.size()},
                                    {"segments", database.segment_count()},
                                    {"median_duration", median_duration_of(database)}};
-  const auto counts = kind_counts(database);
-  for (std::size_t k = 0; k < kEventKinds; ++k) object["kinds"][event_kind_names()[k]] = counts[k];
+  const auto kinds_seen = kind_counts(database);
+  for (std::size_t k = 0; k < kEventKinds; ++k) object["kinds"][event_kind_names()[k]] = kinds_seen[k];
   object["threshold"] = graph.threshold;
   object["threshold_curve"] = nlohmann::ordered_json::array();
   for (const ThresholdPoint& point : graph.curve)
@@ -85,10 +85,10 @@ std::string database_json(const MotionDatabase& database, const MotionGraph& gra
         {{"order", score.order}, {"log_likelihood", score.log_likelihood}, {"error", score.error}});
   }
   object["chain"]["first_order"] = nlohmann::ordered_json::array();
-  const MarkovChain first = MarkovChain::fitted(database.kind_sequences(), kKindCount, 1);
+  const Eigen::MatrixXd counts = MarkovChain::fitted(database.kind_sequences(), kKindCount, 1).counts();
   for (int i = 0; i < kKindCount; ++i) {
     for (int j = 0; j < kKindCount; ++j) {
-      const Chance chance = first.chance({&i, 1}, j);
+      const Chance chance = dirichlet_chance(counts(i, j), counts.row(i).sum(), kKindCount);
       object["chain"]["first_order"].push_back({{"from", event_kind_names()[static_cast<std::size_t>(i)]},
                                                 {"to", event_kind_names()[static_cast<std::size_t>(j)]},
                                                 {"probability", chance.probability},

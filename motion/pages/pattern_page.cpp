@@ -278,7 +278,7 @@ std::vector<std::vector<Pattern>> kept_sequences(const Sweep& sweep) {
     const Eigen::VectorXd q =
         plan.lane_points(sweep.points.row(sweep.point_of(fall))).row(sweep.release_of(fall));
     const auto parameters = model.parameters({q.data(), static_cast<std::size_t>(q.size())});
-    const MotionRecord record = builder.record(body_length(*plan.model, parameters));
+    const MotionRecord record = builder.record(MotionStates::body_length(*plan.model, parameters));
     sequences.emplace_back();
     for (const LabelledWindow& window : label_windows(record, {}, sweep.thresholds))
       sequences.back().push_back(window.label.pattern);

@@ -178,7 +178,7 @@ FallNumbers fall_numbers(const models::Model& model, const std::vector<double>& 
   } else if (const auto thickness = value("thickness"); thickness) {
     all.thickness = *thickness;
   }
-  if (all.thickness > 0.0) all.length = body_length(model, parameters);
+  if (all.thickness > 0.0) all.length = MotionStates::body_length(model, parameters);
   const auto solid = value("density"), fluid = value("fluid_density"), g = value("g"), nu = value("nu");
   if (!(all.length > 0.0) || !solid || !fluid || !g || !nu) {
     throw ArgumentError(

@@ -174,7 +174,7 @@ double MotionStates::angle(std::span<const double> state) const {
   return state[attitude_];
 }
 
-double body_length(const models::Model& model, std::span<const double> parameters) {
+double MotionStates::body_length(const models::Model& model, std::span<const double> parameters) {
   double semi = 0.0;
   const models::ModelInfo& info = model.info();
   for (std::size_t j = 0; j < info.parameters.size(); ++j) {

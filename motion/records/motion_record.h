@@ -70,15 +70,15 @@ class MotionStates {
   Eigen::Vector3d normal(std::span<const double> state) const;
   double angle(std::span<const double> state) const;
 
+  /// Largest full length of the body at these parameters: twice the largest of a, b, c, or of the semi-chord; chord,
+  /// length or diameter; the diameter of a disc of the area, if that alone is known; 2 of a dimensionless plate (then
+  /// its states decide); 0 if the model does not say.
+  static double body_length(const models::Model& model, std::span<const double> parameters);
+
  private:
   bool planar_ = false;
   std::size_t x_ = 0, y_ = 0, z_ = 0, attitude_ = 0;
 };
-
-/// Largest full length of the body at these parameters: twice the largest of a, b, c, or of the semi-chord; chord,
-/// length or diameter; the diameter of a disc of the area, if that alone is known; 2 of a dimensionless plate (then
-/// its states decide); 0 if the model does not say.
-double body_length(const models::Model& model, std::span<const double> parameters);
 
 /// A record put together frame by frame.
 class RecordBuilder {

@@ -106,7 +106,7 @@ class Falls {
     Open& fall = open_[static_cast<std::size_t>(n)];
     const Eigen::VectorXd q = lanes_.row(n);
     const std::vector<double> parameters = model_.parameters({q.data(), static_cast<std::size_t>(q.size())});
-    const MotionRecord record = fall.record->record(body_length(model_.model(), parameters));
+    const MotionRecord record = fall.record->record(MotionStates::body_length(model_.model(), parameters));
     fall.record.reset();
     FeatureOptions options;
     // A fall that landed early has settled at the same share of its time.

@@ -82,7 +82,7 @@ class Bodies:
     ) -> None:
         if choice not in ("chain", "graph"):
             raise ArgumentError(f'choice is {choice!r}, expected "chain" or "graph"')
-        self._core = _core.Bodies(
+        self._core = _core.Bodies.of(
             motions._core,
             _number(count, "count"),
             choice == "graph",

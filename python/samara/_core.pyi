@@ -153,8 +153,8 @@ class Motions:
     def segments(self) -> tuple[list[str], list[int], _Array, _Array, _Array]: ...
 
 class Bodies:
-    def __init__(
-        self,
+    @staticmethod
+    def of(
         motions: Motions,
         count: int,
         by_graph: bool,
@@ -163,7 +163,7 @@ class Bodies:
         ground: Optional[float],
         wind: Optional[_Array],
         seed: int,
-    ) -> None: ...
+    ) -> Bodies: ...
     def release(self, body: int, place: _Array, yaw: float) -> None: ...
     def advance(self, dt: float) -> None: ...
     def falling(self) -> int: ...

@@ -1,4 +1,4 @@
-"""Winds, flows and clouds of realisations (docs/flow.md)."""
+"""Winds, flows and clouds of realisations (docs/flow.md, docs/wind.md, docs/turbulence.md)."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def _triples(values: ArrayLike, what: str) -> _Array:
 
 
 class Wind:
-    """A wind as its file says (docs/flow.md): mean profile, turbulence, gusts. World axes, z up, SI.
+    """A wind as its file says (docs/wind.md): mean profile, turbulence, gusts. World axes, z up, SI.
 
     :raises InputError: at the key that is wrong, when it is first asked
     """

@@ -1,3 +1,5 @@
+#include "samara/motion/bodies/bodies.h"
+
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -12,7 +14,6 @@
 #include "arrays.h"
 #include "calls.h"
 #include "rooms.h"
-#include "samara/motion/bodies/bodies.h"
 #include "samara/motion/bodies/steady_wind.h"
 #include "samara/motion/database/database_file.h"
 #include "samara/motion/database/database_report.h"
@@ -56,8 +57,8 @@ Eigen::Vector3d vector_of(const Array& values, const std::string& what) {
   return Eigen::Map<const Eigen::Vector3d>(values.data());
 }
 
-std::unique_ptr<HeldBodies> bodies_of(const std::shared_ptr<const NextPieces>& pieces, Eigen::Index count, bool by_graph,
-                                      double step, double ramp, std::optional<double> ground,
+std::unique_ptr<HeldBodies> bodies_of(const std::shared_ptr<const NextPieces>& pieces, Eigen::Index count,
+                                      bool by_graph, double step, double ramp, std::optional<double> ground,
                                       const std::optional<Array>& wind, std::uint64_t seed) {
   motion::BodiesOptions options;
   options.choice = by_graph ? motion::BodiesOptions::Choice::graph : motion::BodiesOptions::Choice::chain;
@@ -79,7 +80,8 @@ py::tuple poses_of(const HeldBodies& held, const py::object& positions, const py
 
 std::vector<int> states_of(const HeldBodies& held) {
   std::vector<int> all;
-  for (Eigen::Index n = 0; n < held.bodies.count(); ++n) all.push_back(static_cast<int>(held.bodies.status(n)));
+  for (Eigen::Index n = 0; n < held.bodies.count(); ++n)
+    all.push_back(static_cast<int>(held.bodies.status(n)));
   return all;
 }
 
@@ -107,8 +109,8 @@ void add_bodies(py::module_& module) {
       .def("state_names", [](const NextPieces& pieces) { return pieces.database().state_names; })
       .def("segments", &segments_of);
   py::class_<HeldBodies>(module, "Bodies")
-      .def(py::init(&bodies_of), py::arg("motions"), py::arg("count"), py::arg("by_graph"), py::arg("step"),
-           py::arg("ramp"), py::arg("ground"), py::arg("wind"), py::arg("seed"))
+      .def_static("of", &bodies_of, py::arg("motions"), py::arg("count"), py::arg("by_graph"),
+                  py::arg("step"), py::arg("ramp"), py::arg("ground"), py::arg("wind"), py::arg("seed"))
       .def(
           "release",
           [](HeldBodies& held, Eigen::Index body, const Array& place, double yaw) {

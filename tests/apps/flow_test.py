@@ -74,6 +74,7 @@ class Flows(Case):
         words = run("info", flow())
         self.assertIn("flow, steady", words.stdout)
         told = json.loads(run("info", flow(), "--json").stdout)
+        self.check_schema(told)
         self.assertEqual(told["status"], "steady")
         self.assertLess(told["checks"]["force_disagreement"], 1e-10)
         self.assertIn(f"C_D {told['C_D']:.4f}", words.stdout)

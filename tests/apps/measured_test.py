@@ -1,6 +1,6 @@
 """Usage: measured_test.py SAMARA [CLASS]
 
-The lines of docs/fits.md about measured sets run as they stand, and reach what the page says. The sets are found where
+The lines of docs/measured_sets.md run as they stand, and reach what the page says. The sets are found where
 SAMARA_DATA points; without them the test is skipped (exit code 77). LongMeasured takes minutes: ./dev check runs it.
 """
 
@@ -14,7 +14,7 @@ import sys
 from samara_case import FOLDER, PATIENCE, SAMARA, Case, main
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "fits.md").read_text()
+PAGE = (ROOT / "docs/measured_sets.md").read_text()
 LINES = [re.sub(r" +", " ", line) for line in PAGE.replace("\\\n", "").splitlines() if line.startswith("samara ") and "$SAMARA_DATA" in line]
 
 

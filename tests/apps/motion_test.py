@@ -119,6 +119,7 @@ class Sweeps(Case):
         self.assertEqual(len(re.findall(r"^release ", text, re.M)), 3)
         self.assertIn("adjusted Rand index", text)
         answer = json.loads(run("patterns", swept(), "--json").stdout)
+        self.check_schema(answer)
         for release in answer["releases"]:
             self.assertEqual(sum(release["counts"].values()), 45)
             self.assertEqual(sum(region["points"] for region in release["regions"]), 45)
@@ -286,6 +287,7 @@ class Patterns(Case):
         self.assertEqual(text.returncode, 0, text.stderr)
         self.assertIn("agreement 0.667", text.stdout)
         answer = json.loads(run("patterns", swing, helix, "--length", "5 cm", "--json").stdout)
+        self.check_schema(answer)
         self.assertEqual([c["windows"][-1]["pattern"] for c in answer["captures"]], ["zigzag", "spiral"])
         self.check_error(run("patterns", swing, "--labels", labels), 2, "labels name the capture \"round\"")
         self.check_error(run("patterns", swing, "--class", "a=zigzag"), 2, "--labels was expected")
@@ -338,17 +340,6 @@ class Regimes(Case):
             self.assertIn(part, text)
         self.assertIn("a guess", run("regime", *disc[:-1], "nu=1e-3").stderr)
         self.check_error(run("regime", "falling_plate_nd"), 2, "does not say length")
-
-
-class PatternsPage(Case):
-    def test_the_lines_of_the_page_run(self):
-        page = (ROOT / "docs" / "patterns.md").read_text()
-        shutil.copytree(ROOT / "examples" / "falling_card", FOLDER / "examples" / "falling_card", dirs_exist_ok=True)
-        lines = [line for line in page.splitlines() if line.startswith("samara ") and "$SAMARA_DATA" not in line]
-        self.assertGreaterEqual(len(lines), 4)
-        for line in lines:
-            result = subprocess.run([SAMARA, *shlex.split(line)[1:]], cwd=FOLDER, capture_output=True, text=True, timeout=LONGEST)
-            self.assertEqual(result.returncode, 0, f"{line}: {result.stderr}")
 
 
 if __name__ == "__main__":

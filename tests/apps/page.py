@@ -15,7 +15,7 @@ import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FENCE = re.compile(r"^```(\w*)( slow| elsewhere)?\n(.*?)^```$", re.M | re.S)
-FILE = re.compile(r"`([\w.]+\.(?:toml|csv|json))`[^`\n]*:\n\n$")
+FILE = re.compile(r"`([\w.]+\.(?:toml|csv|json))`(?:(?!\n\n)[^`])*:\n\n$")
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 TOKEN = re.compile(rf"\.\.|{NUMBER}(?:\.\.)?|[A-Za-z_]+|\S")
 CLOSE = 0.02  # digits differ from one machine to another
@@ -83,6 +83,7 @@ class Reader:
         (programs / "samara").unlink(missing_ok=True)
         (programs / "samara").symlink_to(pathlib.Path(samara).resolve())
         self.place = self.folder
+        self.printed = []  # by what was typed, in order
         # The distribution's Python before another one: it has NumPy.
         self.environment = {**os.environ, "PATH": f"{programs}:/usr/bin:{os.environ['PATH']}"}
 
@@ -92,7 +93,8 @@ class Reader:
         script = f"set -e\ntrap 'pwd > {place}' EXIT\n{lines}"
         result = subprocess.run(["bash", "-c", script], cwd=self.place, env=self.environment, capture_output=True, text=True, timeout=self.seconds)
         self.place = pathlib.Path(place.read_text().strip())
-        return result.stdout + result.stderr, result.returncode
+        self.printed.append(result.stdout + result.stderr)
+        return self.printed[-1], result.returncode
 
     def walk(self, test, text):
         """The whole page; @returns how many fences of lines it has"""

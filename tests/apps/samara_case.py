@@ -1,5 +1,6 @@
 """What the tests of the command share: calling it as its users do, plans, and the form of errors."""
 
+import json
 import os
 import pathlib
 import subprocess
@@ -10,6 +11,7 @@ import unittest
 SAMARA = sys.argv[1]
 HERE = tempfile.TemporaryDirectory()
 FOLDER = pathlib.Path(HERE.name)
+SCHEMAS = pathlib.Path(__file__).resolve().parents[2] / "docs" / "schemas"
 
 LINE_PLAN = """model = "constant_rate"
 [box]
@@ -61,6 +63,15 @@ def book(name, plan):
 
 
 class Case(unittest.TestCase):
+    def check_schema(self, answer):
+        """An answer as JSON holds the schema that it names. @returns the name"""
+        import jsonschema  # few tests need it
+        name, version = answer["schema"].split("/")
+        schema = json.loads((SCHEMAS / f"{name}-{version}.json").read_text())
+        jsonschema.Draft202012Validator.check_schema(schema)
+        jsonschema.Draft202012Validator(schema).validate(answer)
+        return name
+
     def check_error(self, result, code, *parts):
         """One sentence on stderr that holds the parts, nothing on stdout, the documented exit code."""
         self.assertEqual(result.returncode, code, result.stderr)

@@ -11,6 +11,7 @@
 
 using Catch::Matchers::Contains;
 using samara::ArgumentError;
+using samara::difference_to_si;
 using samara::Dimension;
 using samara::is_coherent_si;
 using samara::parse_unit;
@@ -85,7 +86,7 @@ TEST_CASE("coherent units of SI are told from scaled ones and from those of a ca
     INFO(unit);
     CHECK(is_coherent_si(unit));
   }
-  for (const char* other : {"cm", "deg", "%", "min", "px", "m/frame", "lb", "kg^x", "", "m^", "1/"}) {
+  for (const char* other : {"cm", "deg", "%", "min", "px", "m/frame", "lb", "ft", "kg^x", "", "m^", "1/"}) {
     INFO(other);
     CHECK_FALSE(is_coherent_si(other));
   }
@@ -116,6 +117,28 @@ TEST_CASE("angles and plain numbers stand for one another") {
   CHECK(quantity_to_si("0.5", "deg") == 0.5);
 }
 
+TEST_CASE("inch, foot and pound are what they were agreed to be in 1959") {
+  CHECK(quantity_to_si("1 in", "m") == 0.0254);
+  CHECK(quantity_to_si("4 in/s", "m/s") == Approx(0.1016).epsilon(1e-15));
+  CHECK(quantity_to_si("1 ft", "m") == Approx(0.3048).epsilon(1e-15));
+  CHECK(quantity_to_si("12 in", "m") == Approx(quantity_to_si("1 ft", "m")).epsilon(1e-15));
+  CHECK(quantity_to_si("1 lb", "kg") == 0.45359237);
+  // As tables have it: water, 62.43 lb/ft^3.
+  CHECK(quantity_to_si("62.43 lb/ft^3", "kg/m^3") == Approx(1000.0).epsilon(1e-4));
+}
+
+TEST_CASE("degrees Celsius have an offset, and stand for temperatures alone") {
+  CHECK(quantity_to_si("20 degC", "K") == 293.15);
+  CHECK(quantity_to_si("-273.15 \u00B0C", "K") == 0.0);
+  CHECK(quantity_to_si("0degC", "mK") == 273.15);
+  CHECK(difference_to_si("2 K", "K") == 2.0);
+  CHECK_THAT(error_text<ArgumentError>([] { difference_to_si("2 degC", "K"); }),
+             Contains("a difference of temperatures is given in K"));
+  for (const char* product : {"W/(m degC)", "degC/s", "degC^2", "m degC"})
+    CHECK_THAT(unit_error(product), Contains("stands alone after the number of a temperature"));
+  CHECK_THAT(quantity_error("20 degC", "m"), Contains("has the dimension K, expected m"));
+}
+
 TEST_CASE("numbers have a decimal point whatever the locale") {
   const std::string before = std::setlocale(LC_ALL, nullptr);
   if (std::setlocale(LC_ALL, "de_DE.UTF-8") == nullptr) std::setlocale(LC_ALL, "C.UTF-8");
@@ -136,7 +159,9 @@ TEST_CASE("an unknown unit is refused with the nearest known") {
   CHECK_THAT(unit_error("pA"), Contains("did you mean \"Pa\"?"));
   CHECK_THAT(unit_error("furlong"), Contains("known: m, s, g"));
   CHECK_THAT(quantity_error("2 mn", "m"), Contains("\"2 mn\": unknown unit \"mn\"; did you mean"));
-  CHECK_THAT(unit_error("degC"), Contains("a temperature is given in K"));
+  CHECK_THAT(unit_error("C"), Contains("did you mean \"degC\"?"));
+  CHECK_THAT(unit_error("inches"), Contains("did you mean \"in\"?"));
+  CHECK_THAT(unit_error("feet/s"), Contains("did you mean \"ft\"?"));
   CHECK_THAT(unit_error("kmin"), Contains("unknown unit"));
 }
 

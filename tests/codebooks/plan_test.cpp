@@ -1,9 +1,15 @@
 #include "samara/codebooks/plan/plan.h"
 
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 
 #include "../error_text.h"
 #include "../io/temporary_directory.h"
+#include "samara/codebooks/plan/plan_changes.h"
+#include "samara/codebooks/plan/plan_template.h"
+#include "samara/models/fields/field_model.h"
+#include "samara/models/laws/registry.h"
 
 using namespace samara::codebooks;
 using Catch::Matchers::Contains;
@@ -294,7 +300,7 @@ TEST_CASE("a name is fixed or free, not both") {
 
 TEST_CASE("a required parameter that is neither fixed nor free is named") {
   CHECK_THAT(refusal("thickness = \"2.55 mm\"", ""),
-             StartsWith("p.toml:1: ") && Contains("needs a value of \"thickness\" [m]"));
+             StartsWith("p.toml:1: ") && Contains("needs \"thickness\" (m), expected in [fixed] or [box]"));
   CHECK_THAT(refusal("density = \"6.339 g/cm^3\"\nthickness = \"2.55 mm\"", ""),
              Contains("\"density\" [kg/m^3]") && Contains("\"thickness\" [m]"));
 }
@@ -353,4 +359,51 @@ TEST_CASE("builders, strategies and numbers of the builder are checked") {
   CHECK_THAT(refusal("threads = 2", "threads = -1"), StartsWith("p.toml:26: [builder] threads: is -1"));
   CHECK_THAT(refusal("threads = 2", "threads = 2.5"), Contains("expected an integer"));
   CHECK_THAT(refusal("seed = 7", "seed = -7"), StartsWith("p.toml:27: [builder] seed: is -7"));
+}
+
+TEST_CASE("what is set in place of a plan makes a plan that says it, and can be built again") {
+  PlanChanges changes{
+      .coordinates = {{"C_D", "1.1", ""}, {"density", "2.7 g/cm^3", "7000"}, {"area", "4.6 cm^2", "4.8e-4"}},
+      .relative = 1e-5,
+      .threads = 1};
+  const Plan plan = changed_plan(kPlan, "p.toml", changes);
+  CHECK(plan.fixed.at("C_D") == 1.1);
+  CHECK_FALSE(plan.fixed.contains("density"));
+  REQUIRE(plan.box.size() == 3);
+  const auto entry = [&](const std::string& name) {
+    return *std::ranges::find(plan.box, name, &BoxEntry::name);
+  };
+  CHECK(entry("density").lower == 2700.0);
+  CHECK(entry("density").upper == 7000.0);
+  CHECK(entry("area").upper == 4.8e-4);
+  CHECK(entry("area").nodes == 9);  // what else is said of an axis stays
+  CHECK(plan.relative == 1e-5);
+  CHECK(plan.builder.threads == 1);
+  CHECK(plan.builder.seed == 7);
+  CHECK(parsed(plan.text).whole_text() == plan.whole_text());
+  CHECK(changed_plan(kPlan, "p.toml", {}).text == kPlan);
+}
+
+TEST_CASE("what is set in place of a plan is checked as the plan is") {
+  const auto error = [](const PlanChanges& changes) {
+    return error_text<samara::ArgumentError>([&] { changed_plan(kPlan, "p.toml", changes); });
+  };
+  CHECK_THAT(error({.coordinates = {{"C_D", "2", "1"}}}), Contains("C_D") && Contains("lower < upper"));
+  CHECK_THAT(error({.coordinates = {{"C_D", "-1", ""}}}), Contains("C_D"));
+  CHECK_THAT(error({.coordinates = {{"C_D", "1 m", ""}}}), Contains("dimension"));
+  CHECK_THAT(error({.coordinates = {{"C_T", "1", ""}}}), Contains("C_T"));
+  CHECK_THAT(error({.relative = 2.0}), Contains("relative"));
+  CHECK_THAT(error({.coordinates = {{"C_D", "1", ""}, {"area", "1 cm^2", ""}, {"v(0)", "0", ""}}}),
+             Contains("box"));
+}
+
+TEST_CASE("the plan to begin with is a plan, for every model") {
+  for (const std::string& name : samara::models::model_names()) {
+    INFO(name);
+    const Plan plan = parsed(plan_template(*samara::models::find_model(name), name));
+    CHECK(plan.model == name);
+    CHECK(plan.box.size() == 1);
+  }
+  for (const std::string& name : samara::models::field_model_names())
+    CHECK(parsed(plan_template(*samara::models::find_field_model(name))).field != nullptr);
 }

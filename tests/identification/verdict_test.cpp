@@ -129,5 +129,5 @@ TEST_CASE("a verdict's error is wider than the standard error where clusters are
   p.cluster_shares[3] = 0.82;
   p.effective_clusters = 1.48;
   CHECK_THAT(widened_error(result, p).value(), WithinAbs(0.1 * 2.2622 / 1.95996, 1e-5));
-  CHECK(verdict(result, p) == "1 +- 0.12, by flight 98 almost alone");
+  CHECK(verdict(result, p) == "1.00 +- 0.12, by flight 98 almost alone");
 }

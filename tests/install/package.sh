@@ -26,7 +26,7 @@ if [ -n "$root" ]; then
   place=/work
 else
   for package in "$folder"/*.deb; do dpkg-deb -x "$package" "$work/tree"; done
-  libraries=$(dirname "$(ls "$work"/tree/usr/lib/*/libsamara_base.so.*.*.* | head -1)")
+  libraries=$(dirname "$(find "$work/tree/usr/lib" -name "libsamara_base.so.*.*.*")")
   # Everything that is linked is there, and nothing is looked for where it was built.
   for file in "$work/tree/usr/bin/samara" "$libraries"/*.so; do
     if LD_LIBRARY_PATH=$libraries ldd "$file" | grep "not found"; then echo "of $file" >&2; exit 1; fi

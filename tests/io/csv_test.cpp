@@ -10,12 +10,14 @@
 
 #include "../error_text.h"
 #include "samara/io/delimited_table.h"
+#include "samara/io/number_table.h"
 #include "temporary_directory.h"
 
 using Catch::Matchers::Contains;
 using samara::ArgumentError;
 using samara::io::DelimitedTable;
 using samara::io::format_csv;
+using samara::io::NumberTable;
 using samara::io::write_csv;
 
 namespace {
@@ -87,4 +89,36 @@ TEST_CASE("what a table cannot hold is refused") {
   CHECK_THAT(format_error({"a"}, one / 0.0), Contains("row 0 of column \"a\" is infinite"));
   CHECK_THAT(format_error({"a"}, one, {{"k:", "v"}}), Contains("free of colons"));
   CHECK_THAT(format_error({"a"}, one, {{"k", "v\nw"}}), Contains("not one line"));
+}
+
+TEST_CASE("a table of plain numbers is read with the bits that were written, whatever its size") {
+  std::mt19937_64 random(11);
+  Eigen::MatrixXd values(30'000, 3);  // several parts
+  for (double& value : values.reshaped()) {
+    do value = std::bit_cast<double>(random());
+    while (!std::isfinite(value));
+  }
+  const NumberTable table =
+      NumberTable::parse(format_csv({"a", "b[m]", "c(0)"}, values, {{"body", "card"}}), "t");
+  CHECK(table.header() == std::vector<std::string>{"a", "b[m]", "c(0)"});
+  CHECK(table.values() == values);
+}
+
+TEST_CASE("a table of numbers takes what any table may hold, and names the line of what is none") {
+  const NumberTable table =
+      NumberTable::parse("# body: card\r\na;b\r\n+1; 2.5 \r\n\r\n# note\r\n\"3\";\r\n", "t");
+  REQUIRE(table.values().rows() == 2);
+  CHECK(table.values()(0, 1) == 2.5);
+  CHECK(table.values()(1, 0) == 3.0);
+  CHECK(std::isnan(table.values()(1, 1)));
+  CHECK(std::string(table.error(1, "is wrong").what()) == "t:6: is wrong");
+  const auto error = [](const std::string& text) {
+    return error_text<samara::InputError>([&] { NumberTable::parse(text, "t"); });
+  };
+  CHECK_THAT(error("a,b\n1,2\n3,x\n"), Contains("t:3") && Contains("x"));
+  CHECK_THAT(error("a,b\n1,2\n3\n"), Contains("t:3"));
+  CHECK_THAT(error("a,b\n1,nan\n"), Contains("t:2") && Contains("nan"));
+  CHECK_THAT(error("a,b\n1,2 3\n"), Contains("t:2"));
+  CHECK_THAT(error(""), Contains("empty"));
+  CHECK(NumberTable::parse("a,b\n", "t").values().rows() == 0);
 }

@@ -3,11 +3,13 @@
 #include <catch2/catch.hpp>
 
 #include "../error_text.h"
+#include "samara/io/toml_edit.h"
 #include "temporary_directory.h"
 
 using Catch::Matchers::Contains;
 using Catch::Matchers::StartsWith;
 using samara::InputError;
+using samara::io::changed_toml;
 using samara::io::TomlTable;
 
 namespace {
@@ -226,4 +228,30 @@ TEST_CASE("a file is read with its path in errors") {
   CHECK_THAT(toml_error([&] { TomlTable::read(directory / "none.toml"); }),
              Contains("none.toml: the file does not exist"));
   CHECK_THAT(toml_error([&] { TomlTable::read(directory.path()); }), Contains("is a directory"));
+}
+
+TEST_CASE("a change of a TOML text leaves everything else as it stands") {
+  const std::string text =
+      "# a plan\nmodel = \"m\"  # \u00e4\n[fixed]\n\"v(0)\" = \"1 \u00b5m/s\"  # why\na = 1\n[box]\nk = "
+      "[1.0,\n  2.0]\n";
+  CHECK(
+      changed_toml(text, "t", {{"fixed", "v(0)", "2.5"}}) ==
+      "# a plan\nmodel = \"m\"  # \u00e4\n[fixed]\n\"v(0)\" = 2.5  # why\na = 1\n[box]\nk = [1.0,\n  2.0]\n");
+  CHECK(
+      changed_toml(text, "t", {{"box", "k", ""}, {"fixed", "k", "3"}}) ==
+      "# a plan\nmodel = \"m\"  # \u00e4\n[fixed]\nk = 3\n\"v(0)\" = \"1 \u00b5m/s\"  # why\na = 1\n[box]\n");
+  CHECK(changed_toml(text, "t", {{"time", "end", "5"}}) == text + "\n[time]\nend = 5\n");
+  CHECK(changed_toml("[a]", "t", {{"a", "x y", "1"}}) == "[a]\n\"x y\" = 1\n");
+  CHECK(changed_toml(text, "t", {{"fixed", "nothing", ""}}) == text);
+}
+
+TEST_CASE("a key that does not stand on lines of its own is not changed") {
+  for (const char* text : {"fixed = { a = 1 }\n", "fixed.a = 1\n", "fixed = 3\n"}) {
+    INFO(text);
+    CHECK_THAT(error_text<samara::ArgumentError>([&] {
+                 changed_toml(text, "t", {{"fixed", "b", "2"}});
+               }),
+               Contains("does not stand on a line of its own"));
+  }
+  CHECK_THROWS_AS(changed_toml("a = ", "t", {{"fixed", "b", "2"}}), samara::InputError);
 }

@@ -125,10 +125,10 @@ TEST_CASE("a fixed value must be finite and within its meaning") {
 
 TEST_CASE("required parameters that are neither fixed nor free are named, all of them") {
   CHECK_THROWS_WITH(fall(kBody, {}),
-                    "model \"vertical_fall\" needs a value of \"C_D\" [1]; fix it or leave it free");
+                    "model \"vertical_fall\" needs a value of \"C_D\"; give it, or leave it free");
   CHECK_THROWS_WITH(
       fall({{"C_D", 1.0}}, {"area"}),
-      "model \"vertical_fall\" needs a value of \"density\" [kg/m^3], \"thickness\" [m]; fix it or "
+      "model \"vertical_fall\" needs a value of \"density\" [kg/m^3], \"thickness\" [m]; give it, or "
       "leave it free");
 }
 

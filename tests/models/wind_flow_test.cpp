@@ -192,3 +192,35 @@ TEST_CASE("a wind that cannot be is refused with what is wrong") {
   CHECK_THROWS_AS(mode_spectrum(wind, 0.1), samara::ArgumentError);
   CHECK_THROWS_AS(wind_air(meadow(), 0.1, {nan, 0.1}, 1), samara::ArgumentError);
 }
+
+TEST_CASE("a body is told that a gust changes the air only while it passes it") {
+  Wind wind{.profile = WindProfile({.kind = ProfileKind::uniform, .speed = 0.0})};
+  wind.gusts.push_back(
+      Gust({.velocity = {0.0, 1.0, 0.0}, .start = 1.0, .duration = 0.02, .travel = {2.0, 0.0, 0.0}}));
+  const auto path = wind_air(wind, 0.1, Eigen::Vector2d::Zero(), 1)->realisation(0, false);
+  BodyOnPath body;
+  body.position.x() = 1.0;  // where it arrives half a second later
+  path->start(body);
+  const auto scale_from = [&](double t) {
+    body.t = t;
+    return path->step(body, 0.01).time_scale;
+  };
+  CHECK(std::isinf(scale_from(1.0)));
+  CHECK(std::isinf(scale_from(1.48)));
+  CHECK_THAT(scale_from(1.495), WithinRel(0.02 / std::numbers::pi, 1e-12));
+  CHECK_THAT(scale_from(1.515), WithinRel(0.02 / std::numbers::pi, 1e-12));
+  CHECK(std::isinf(scale_from(1.53)));
+}
+
+TEST_CASE("waves of no length are refused in metres, by what was given of them") {
+  Wind wind = meadow();
+  wind.turbulence->longest = 0.05;
+  CHECK_THROWS_WITH(
+      mode_spectrum(wind, 0.1),
+      Catch::Matchers::Contains("is 0.05 m, expected more than the shortest, 0.1 m: the length of the body"));
+  wind.turbulence->longest.reset();
+  wind.turbulence->length = 0.001;
+  wind.turbulence->shortest = 0.4;
+  CHECK_THROWS_WITH(mode_spectrum(wind, 0.1),
+                    Catch::Matchers::Contains("m, that of its length, expected more than"));
+}

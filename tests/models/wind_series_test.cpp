@@ -236,3 +236,22 @@ TEST_CASE("a series that cannot be is refused with what is wrong") {
   CHECK_THROWS_AS(wind_series(WindProfile({.kind = ProfileKind::power, .speed = 5.0}), options, 1),
                   samara::ArgumentError);
 }
+
+TEST_CASE(
+    "series whose numbers of samples or points would take the machine are refused, with what would do") {
+  const WindProfile profile({.speed = 10.0, .height = 30.0, .roughness = 0.03});
+  const auto of = [&](long samples, Eigen::Index points) {
+    return wind_series(profile,
+                       {.sigma = 1.0,
+                        .step = 0.1,
+                        .samples = samples,
+                        .points = Eigen::Vector3d(0.0, 0.0, 30.0).replicate(1, points)},
+                       1);
+  };
+  CHECK_THROWS_WITH(of(9'000'000, 1), Catch::Matchers::Contains("9000000 samples at 1 points take"));
+  CHECK_THROWS_WITH(of(4, 1001), Catch::Matchers::Contains("the number of points"));
+  // A prime: its transform would take as many operations as its square.
+  CHECK_THROWS_WITH(of(100003, 1), Catch::Matchers::Contains("of which 100003 is a prime factor"));
+  CHECK_THROWS_WITH(of(2 * 1009, 1), Catch::Matchers::Contains("2019 would do"));
+  CHECK(of(997, 1).times.size() == 997);
+}

@@ -210,10 +210,9 @@ TEST_CASE("bodies that cannot be meant are refused in one sentence") {
   CHECK(refusal([&] { Bodies(pieces, 0); }).find("count of bodies") == 0);
   CHECK(refusal([&] { Bodies(pieces, 1, {.step = NAN}); }).find("expected finite numbers") !=
         std::string::npos);
-  CHECK(
-      refusal([&] { Bodies(pieces, 1, {.wind = std::make_shared<SteadyWind>(Eigen::Vector3d::Zero())}); }) ==
-      "there is no model \"falling_plate_nd_in_gusts\": bodies of \"falling_plate_nd\" fall in still air "
-      "only");
+  CHECK(refusal([&] {
+          Bodies(pieces, 1, {.wind = std::make_shared<SteadyWind>(Eigen::Vector3d::Zero())});
+        }) == "\"falling_plate_nd\" moves in a plane: its bodies fall in still air only");
   Bodies bodies(pieces, 2);
   CHECK(bodies.status(1) == BodyStatus::waiting);
   CHECK(refusal([&] { bodies.release(2, {0.0, 0.0, 0.0}, 0.0); }) == "there is no body 2, expected 0 to 1");

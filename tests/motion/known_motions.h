@@ -35,7 +35,7 @@ inline samara::motion::MotionRecord simulated(const std::string& name, const Val
     const Eigen::VectorXd state = batch.states.col(batch.column(0, k));
     builder.add(batch.times[k], {state.data(), static_cast<std::size_t>(state.size())});
   }
-  return builder.record(samara::motion::body_length(model.model(), model.parameters({})));
+  return builder.record(samara::motion::MotionStates::body_length(model.model(), model.parameters({})));
 }
 
 /// The thin plate of the model sheet, section 3: by default until 120 a/U.

@@ -85,7 +85,7 @@ TEST_CASE("a body's numbers are those of the model sheet, and all three I* are t
       {{"area", 4.7e-4}, {"thickness", 2.55e-3}, {"density", 6338.6}, {"C_D", 1.2}}, {});
   CHECK(fall_numbers(coin.model(), coin.parameters({})).length ==
         Approx(2.0 * std::sqrt(4.7e-4 / std::numbers::pi)));
-  CHECK(body_length(coin.model(), coin.parameters({})) ==
+  CHECK(MotionStates::body_length(coin.model(), coin.parameters({})) ==
         fall_numbers(coin.model(), coin.parameters({})).length);
   CHECK(error_text<samara::ArgumentError>([] {
           const auto model = samara::models::find_model("falling_plate_nd");

@@ -31,7 +31,7 @@ SUB_ROOMS = {
         "smoothing", "captures/exports", "captures", "statistics", "problem", "pages", "report",
         "solve/starts", "solve", "fit", "design", "series", "petab", "files", "explorer",
     ],
-    "motion": ["records", "search", "events", "chains", "patterns", "sweeps", "database", "bodies", "pages", "capi"],
+    "motion": ["records", "search", "events", "chains", "patterns", "sweeps", "database", "bodies", "courses", "ghost", "planning", "pages", "capi"],
 }
 MOST_FILES = 40
 SUFFIXES = {".h", ".cpp"}

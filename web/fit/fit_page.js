@@ -1,7 +1,7 @@
 "use strict";
 // Draws the report of a fit from the JSON in the page. Texts of files only ever become text nodes.
 (() => {
-  const {add, row, table, shown, counted, withUnit, chart, points, line, rules, span} = kit;
+  const {add, row, table, shown, rounded, counted, withUnit, chart, points, line, rules, span} = kit;
   const {measured: MEASURED, model: MODEL, threshold: THRESHOLD, faint: FAINT} = kit.colours();
 
   const fit = JSON.parse(document.getElementById("fit").textContent);
@@ -28,7 +28,7 @@
     for (const c of fit.coefficients) {
       const profile = fit.profiles.find((p) => p.name === c.name);
       const sure = c.determined && !c.at_bound && (!profile || profile.shape === "identified");
-      const coefficientRow = row(made, [c.name, {value: c.value}, c.unit === "1" ? "" : c.unit, {value: c.standard_error, digits: 2},
+      const coefficientRow = row(made, [c.name, {value: c.value, error: c.standard_error}, c.unit === "1" ? "" : c.unit, {value: c.standard_error, digits: 2},
                               {value: c.naive_standard_error, digits: 2}, `${shown(c.lower, 4)} to ${shown(c.upper, 4)}`, {text: c.verdict, name: "wrap " + (sure ? "good" : "bad")}]);
       coefficientRow.dataset.name = c.name;
       if (!c.determined) coefficientRow.children[1].className = "soft";
@@ -50,7 +50,7 @@
       const levels = table(part, ["of", "standard deviation#", "+-#", "unit", "degrees of freedom#", ""]);
       levels.id = "noise";
       for (const n of fit.noise) {
-        row(levels, [n.outputs.join(", "), {value: n.value, digits: 4}, {value: n.standard_error, digits: 2}, n.unit === "1" ? "" : n.unit,
+        row(levels, [n.outputs.join(", "), {value: n.value, error: n.standard_error}, {value: n.standard_error, digits: 2}, n.unit === "1" ? "" : n.unit,
                      {value: n.degrees_of_freedom, digits: 4}, n.estimated ? "estimated" : "assumed"]);
       }
       add(part, "p", `Estimated together with the fit, in ${counted(fit.noise_rounds, "round")}.`, "soft");
@@ -99,8 +99,8 @@
 
   function drawCapture(parent, capture) {
     parent.textContent = "";
-    const own = capture.nuisances.map((n) => `${n.name} = ${shown(n.value, 4)}${n.unit === "1" ? "" : " " + n.unit}` +
-        (n.standard_error === null ? "" : ` ± ${shown(n.standard_error, 2)}`) + (n.at_bound ? " (at a bound)" : ""));
+    const own = capture.nuisances.map((n) => `${n.name} = ${rounded(n.value, n.standard_error)}` +
+        (n.standard_error === null ? "" : ` ± ${shown(n.standard_error, 2)}`) + (n.unit === "1" ? "" : " " + n.unit) + (n.at_bound ? " (at a bound)" : ""));
     const labels = Object.entries(capture.labels).map(([key, value]) => `${key} ${value}`);
     add(parent, "p", [`${capture.frames} frames`, ...labels, ...own].join(", "), "soft");
     for (const r of capture.residuals) {

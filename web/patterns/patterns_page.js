@@ -21,7 +21,8 @@
     const {boundaries, bodies, missing, Re: measuredRe, I_disc: measuredI} = page.diagram;
     const part = section("Where the body stands");
     add(part, "p", "Lines are the boundaries between the regimes of discs in the laboratory (Field, Klaus, Moore, Nori 1997, and others), " +
-        "rounded: 97 % of 347 measured discs lie on their right side. The plane is where discs were measured. Of other outlines it is a guess.", "soft");
+        "rounded: 97 % of 347 measured discs lie on their right side. " +
+        `Discs were measured from Re ${measuredRe.join(" to ")} and I* ${measuredI.join(" to ")}; beyond, and of other outlines, it is a guess.`, "soft");
     if (missing) add(part, "p", `The body is not in it: ${missing}.`, "doubt").id = "no-body";
     const reach = (own, measured) => {
       const decades = own.concat(measured).map(Math.log10);

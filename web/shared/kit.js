@@ -27,6 +27,14 @@ const kit = (() => {
   function shown(value, digits = 6) {
     return value === null || value === undefined ? "–" : String(Number(value.toPrecision(digits)));
   }
+  // A value to the decimal of its error's second digit, as in the text of the report.
+  function rounded(value, error, digits = 4) {
+    if (!(error > 0) || !isFinite(error) || value === null || value === undefined) return shown(value, digits);
+    const first = value === 0 ? -300 : Math.floor(Math.log10(Math.abs(value)));
+    const power = Math.max(Math.floor(Math.log10(Number(error.toPrecision(2))) + 1e-9) - 1, first - 5), scale = 10 ** Math.max(power, 0);
+    if (Math.abs(value) < 1e6 && power > -7) return (power > 0 ? Math.round(value / scale) * scale : value).toFixed(Math.max(-power, 0));
+    return value.toExponential(Math.max(0, first - power));
+  }
   // Of numbers that are far below one.
   function small(value, digits = 3) {
     return value !== null && value !== 0 && Math.abs(value) < 0.01 ? value.toExponential(digits - 1) : shown(value, digits);
@@ -37,13 +45,13 @@ const kit = (() => {
   function withUnit(name, unit) {
     return unit && unit !== "1" ? `${name} [${unit}]` : name;
   }
-  // A cell is a text, or {value, digits} for a number, or {text, name} for a text with a class.
+  // A cell is a text, or {value, digits} or {value, error} for a number, or {text, name} for a text with a class.
   function row(table, cells, tag = "td") {
     const made = add(table, "tr");
     for (const cell of cells) {
       const isNumber = cell !== null && typeof cell === "object" && "value" in cell;
       const isStyled = cell !== null && typeof cell === "object" && "text" in cell;
-      const td = add(made, tag, isNumber ? shown(cell.value, cell.digits) : isStyled ? cell.text : cell,
+      const td = add(made, tag, isNumber ? ("error" in cell ? rounded(cell.value, cell.error) : shown(cell.value, cell.digits)) : isStyled ? cell.text : cell,
                      isNumber ? "" : "text " + ((isStyled && cell.name) || ""));
       if (isNumber && cell.value !== null && cell.value !== undefined) td.dataset.value = String(cell.value);
     }
@@ -145,6 +153,6 @@ const kit = (() => {
     }, 200);
   }
 
-  return {complain, element, add, section, shown, small, counted, withUnit, row, table, colours, width, chart, points, line, rules, span,
+  return {complain, element, add, section, shown, rounded, small, counted, withUnit, row, table, colours, width, chart, points, line, rules, span,
           countPainted};
 })();

@@ -276,3 +276,29 @@ TEST_CASE("a body that comes to the ground where the flow ends has landed") {
   for (const Landing& landing : with_ground.landings) CHECK(std::abs(landing.position.z()) < 1e-12);
   CHECK(realise(ball, {}, *air, times, {.realisations = 64}).count(RealisationStatus::left_flow) == 64);
 }
+
+TEST_CASE("intervals of the quantiles of landings hold the true ones as often as they say") {
+  constexpr int kEnsembles = 400, kLandings = 60;
+  constexpr double kTruth[] = {-1.6448536269514722, -0.6744897501960817, 0.0, 0.6744897501960817,
+                               1.6448536269514722};
+  Eigen::Array<double, 5, 1> held = Eigen::Array<double, 5, 1>::Zero();
+  for (int e = 0; e < kEnsembles; ++e) {
+    samara::Stream random(41, static_cast<std::uint64_t>(e));
+    Ensemble cloud;
+    for (int n = 0; n < kLandings; ++n)
+      cloud.landings.push_back({.realisation = n, .t = 1.0, .position = {random.normal(), 0.0, 0.0}});
+    const LandingStatistics landing = landing_statistics(cloud);
+    for (Eigen::Index i = 0; i < 5; ++i) {
+      const double lower = landing.quantiles_lower(i, 0), upper = landing.quantiles_upper(i, 0);
+      CHECK((!(lower > landing.quantiles(i, 0)) && !(upper < landing.quantiles(i, 0))));
+      // An end that the sample does not reach leaves that side open.
+      held[i] += !(lower > kTruth[i]) && !(upper < kTruth[i]);
+    }
+    // 0.95^60 = 0.046: the largest of 60 is below the upper quantile too often to be an end.
+    CHECK(std::isnan(landing.quantiles_upper(4, 0)));
+    CHECK(std::isnan(landing.quantiles_lower(0, 0)));
+    CHECK(std::isfinite(landing.quantiles_lower(4, 0)));
+  }
+  // At least 95 %, a little more for the steps between order statistics; 0.02 is 1.8 deviations of 400.
+  for (const double share : held / kEnsembles) CHECK((share > 0.93 && share < 0.995));
+}

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+/// Text that is read by people, in lines that fit.
+namespace samara::apps {
+
+/// Columns of the terminal, or what COLUMNS says; 110 where nobody does.
+std::size_t screen_width();
+
+/// Words of `text` in lines of at most `width`, all but the first after `indent` spaces. A word that is longer has a line
+/// of its own.
+/// @param column at which the first begins
+std::string wrapped(const std::string& text, std::size_t indent, std::size_t width, std::size_t column);
+
+/// Every line of `text` that is longer than `width` goes on below, further in than it begins. Others stay as they are.
+std::string wrapped_lines(const std::string& text, std::size_t width = screen_width());
+
+}  // namespace samara::apps

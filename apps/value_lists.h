@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace samara::apps {
+
+/// Numbers of "0.3", of a list "0.1, 0.2 s" or of a range "FROM:STEP:TO" such as "0:0.1:0.5"; a unit at the end holds for
+/// those before it that have none. TO is among them where a whole number of steps leads there.
+/// @param option for the message @param unit of the numbers, SI
+/// @throws ArgumentError as number_or_quantity(), for a step that does not lead from FROM to TO, and for more than ten
+/// million numbers
+std::vector<double> numbers_of(const std::string& option, const std::string& text, const std::string& unit);
+
+/// All of several such texts, one after the other.
+std::vector<double> numbers_of(const std::string& option, const std::vector<std::string>& texts,
+                               const std::string& unit);
+
+}  // namespace samara::apps

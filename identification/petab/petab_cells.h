@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "samara/io/delimited_table.h"
+
+/// Cells of PEtab's tables; internal to identification/. What they throw are InputErrors with file and line.
+namespace samara::identification {
+
+/// A table parted by tabs, with decimal points, that has these columns.
+io::DelimitedTable read_tsv(const std::filesystem::path& path, const std::vector<std::string>& needed);
+
+/// The cells of a column that may be missing: then they are empty.
+std::vector<std::string> cells_or_empty(const io::DelimitedTable& table, const std::string& column);
+
+/// The finite number that a cell is, if it is one.
+std::optional<double> number_in(std::string_view cell);
+
+/// Refuses a cell that is neither empty nor one of some words.
+void require_word(const io::DelimitedTable& table, std::size_t row, const std::string& column,
+                  const std::string& cell, const std::vector<std::string>& words);
+
+/// "1.5;0.2"
+std::vector<double> numbers_in(const io::DelimitedTable& table, std::size_t row, const std::string& text);
+
+}  // namespace samara::identification

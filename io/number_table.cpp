@@ -1,0 +1,118 @@
+#include "samara/io/number_table.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "samara/base/parallel.h"
+#include "samara/base/text.h"
+#include "samara/io/delimited_table.h"
+#include "samara/io/text_file.h"
+
+namespace samara::io {
+
+namespace {
+
+using Eigen::Index;
+
+/// The offset behind the header: the first line that is neither blank nor a comment.
+std::size_t behind_header(std::string_view text) {
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view line = trimmed(text.substr(begin, end - begin));
+    begin = std::min(end + 1, text.size());
+    if (!line.empty() && line.front() != '#' && line.front() != '\r') return begin;
+  }
+  return text.size();
+}
+
+/// Whole lines of the text, about as many bytes in each part.
+std::vector<std::string_view> parts_of(std::string_view text) {
+  constexpr std::size_t kBytes = std::size_t{1} << 18;
+  std::vector<std::string_view> parts;
+  while (!text.empty()) {
+    const std::size_t end = text.size() <= kBytes ? std::string_view::npos : text.find('\n', kBytes);
+    const std::size_t size = end == std::string_view::npos ? text.size() : end + 1;
+    parts.push_back(text.substr(0, size));
+    text.remove_prefix(size);
+  }
+  return parts;
+}
+
+void skip_blanks(const char*& at, const char* end) {
+  while (at < end && (*at == ' ' || *at == '\t')) ++at;
+}
+
+/// Rows of plain finite numbers, row by row. @returns whether that is all there is
+bool read_part(std::string_view text, Index columns, char delimiter, std::vector<double>& numbers) {
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (at < end) {
+    for (Index column = 0; column < columns; ++column) {
+      if (delimiter != '\t') skip_blanks(at, end);
+      if (at < end && *at == '+') ++at;
+      double value = 0.0;
+      const auto [rest, problem] = std::from_chars(at, end, value);
+      if (problem != std::errc() || !std::isfinite(value)) return false;
+      at = rest;
+      if (delimiter != '\t') skip_blanks(at, end);
+      if (column + 1 < columns && (at == end || *at++ != delimiter)) return false;
+      numbers.push_back(value);
+    }
+    if (at < end && *at == '\r') ++at;
+    if (at < end && *at++ != '\n') return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+/// @returns false for tables that have anything but rows of numbers, which the other reader takes, or refuses
+bool NumberTable::read_plain_rows(std::size_t begin, char delimiter) {
+  const std::vector<std::string_view> parts = parts_of(std::string_view(text_).substr(begin));
+  const Index columns = std::ssize(header_);
+  std::vector<std::vector<double>> numbers(parts.size());
+  std::vector<char> is_plain(parts.size(), 0);
+  parallel_for(parts.size(),
+               [&](std::size_t k) { is_plain[k] = read_part(parts[k], columns, delimiter, numbers[k]); });
+  if (std::ranges::count(is_plain, 0) > 0) return false;
+  Index rows = 0;
+  for (const auto& part : numbers) rows += std::ssize(part) / columns;
+  values_.resize(rows, columns);
+  Index row = 0;
+  for (const auto& part : numbers) {
+    const Index count = std::ssize(part) / columns;
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    values_.middleRows(row, count) = Eigen::Map<const Rows>(part.data(), count, columns);
+    row += count;
+  }
+  return true;
+}
+
+NumberTable NumberTable::parse(std::string text, const std::string& name) {
+  NumberTable table;
+  table.text_ = std::move(text);
+  table.name_ = name;
+  const std::size_t begin = behind_header(table.text_);
+  const DelimitedTable head = DelimitedTable::parse(std::string_view(table.text_).substr(0, begin), name);
+  table.header_ = head.header();
+  if (table.read_plain_rows(begin, head.delimiter())) return table;
+  const DelimitedTable whole = DelimitedTable::parse(table.text_, name);
+  table.header_ = whole.header();
+  table.values_.resize(static_cast<Index>(whole.rows()), std::ssize(table.header_));
+  for (Index column = 0; column < table.values_.cols(); ++column)
+    table.values_.col(column) = whole.numbers(table.header_[static_cast<std::size_t>(column)]);
+  return table;
+}
+
+NumberTable NumberTable::read(const std::filesystem::path& path) {
+  return parse(read_text_file(path), path.string());
+}
+
+InputError NumberTable::error(Eigen::Index row, const std::string& sentence) const {
+  return DelimitedTable::parse(text_, name_).error(static_cast<std::size_t>(row), sentence);
+}
+
+}  // namespace samara::io

@@ -1,0 +1,206 @@
+#include "samara/motion/ghost/pose_path.h"
+
+#include <array>
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+
+namespace samara::motion {
+
+namespace {
+
+constexpr Eigen::Index kStencil = 2 * kEndFrames + 1;
+using StencilMatrix = Eigen::Matrix<double, kStencil, 1>;
+
+const std::array<const char*, 3> kPlanarPose = {"x", "y", "theta"};
+const std::array<const char*, 7> kSpatialPose = {"x", "y", "z", "qw", "qx", "qy", "qz"};
+
+/// Weights of the first and the second derivative at 0 of the polynomial through nodes (B. Fornberg, Generation of finite
+/// difference formulas on arbitrarily spaced grids, Math. Comp. 51 (1988) 699-706).
+struct DerivativeWeights {
+  StencilMatrix first, second;
+};
+
+DerivativeWeights weights_at_zero(const StencilMatrix& nodes) {
+  Eigen::Matrix<double, kStencil, 3> c = Eigen::Matrix<double, kStencil, 3>::Zero();
+  c(0, 0) = 1.0;
+  double c1 = 1.0;
+  for (Eigen::Index i = 1; i < kStencil; ++i) {
+    double c2 = 1.0;
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const double c3 = nodes[i] - nodes[j];
+      c2 *= c3;
+      if (j + 1 == i) {
+        for (Eigen::Index k = 2; k >= 1; --k) {
+          c(i, k) = c1 * (static_cast<double>(k) * c(i - 1, k - 1) - nodes[i - 1] * c(i - 1, k)) / c2;
+        }
+        c(i, 0) = -c1 * nodes[i - 1] * c(i - 1, 0) / c2;
+      }
+      for (Eigen::Index k = 2; k >= 1; --k) {
+        c(j, k) = (nodes[i] * c(j, k) - static_cast<double>(k) * c(j, k - 1)) / c3;
+      }
+      c(j, 0) = nodes[i] * c(j, 0) / c3;
+    }
+    c1 = c2;
+  }
+  return {c.col(1), c.col(2)};
+}
+
+Eigen::Quaterniond attitude(const PosePath& path, Eigen::Index frame) {
+  return Eigen::Quaterniond(path.poses(frame, 3), path.poses(frame, 4), path.poses(frame, 5),
+                            path.poses(frame, 6))
+      .normalized();
+}
+
+/// The rotation vector of q, of the shorter way.
+Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& q) {
+  const double sign = q.w() < 0.0 ? -1.0 : 1.0;
+  const Eigen::Vector3d axis = sign * q.vec();
+  const double sine = axis.norm();
+  if (sine < 1e-9) return 2.0 * axis;
+  return 2.0 * std::atan2(sine, sign * q.w()) / sine * axis;
+}
+
+void check_path(const PosePath& path) {
+  const Eigen::Index frames = path.times.size();
+  if (frames < kStencil || path.poses.rows() != frames) {
+    throw ArgumentError(
+        fmt::format("the path has {} times and {} poses, expected one pose for each of {} times or more",
+                    frames, path.poses.rows(), kStencil));
+  }
+  if (path.poses.cols() != 3 && path.poses.cols() != 7) {
+    throw ArgumentError(fmt::format("a pose of the path has {} numbers, expected 3 in a plane or 7 in space",
+                                    path.poses.cols()));
+  }
+  for (Eigen::Index k = 0; k < frames; ++k) {
+    if (!std::isfinite(path.times[k]) || !path.poses.row(k).allFinite())
+      throw ArgumentError(fmt::format("frame {} of the path is not finite, expected numbers", k));
+    if (k > 0 && !(path.times[k] > path.times[k - 1])) {
+      throw ArgumentError(
+          fmt::format("the time of frame {} of the path is {} after {}, expected times that increase", k,
+                      path.times[k], path.times[k - 1]));
+    }
+    if (!path.is_planar() && std::abs(path.poses.row(k).tail<4>().norm() - 1.0) > 1e-3) {
+      throw ArgumentError(fmt::format("the quaternion in frame {} of the path has the length {}, expected 1",
+                                      k, path.poses.row(k).tail<4>().norm()));
+    }
+  }
+}
+
+void check_turn(double turn, Eigen::Index frame) {
+  constexpr double kMostTurn = 2.0;
+  if (std::abs(turn) <= kMostTurn) return;
+  throw ArgumentError(
+      fmt::format("the path turns by {:.2f} rad from frame {} to one within {} of it, expected at most {}: "
+                  "more frames a second",
+                  std::abs(turn), frame, kEndFrames, kMostTurn));
+}
+
+/// Body axes turn: what is fixed in the world has the rate -w x there.
+void planar_rates(const PosePath& path, Eigen::Index frame, const DerivativeWeights& weights,
+                  Eigen::Ref<Eigen::RowVectorXd> velocity, Eigen::Ref<Eigen::RowVectorXd> acceleration) {
+  const auto around = path.poses.middleRows(frame - kEndFrames, kStencil);
+  for (Eigen::Index j = 0; j < kStencil; ++j) check_turn(around(j, 2) - path.poses(frame, 2), frame);
+  const Eigen::RowVector3d first = weights.first.transpose() * around;
+  const Eigen::RowVector3d second = weights.second.transpose() * around;
+  const double c = std::cos(path.poses(frame, 2)), s = std::sin(path.poses(frame, 2));
+  const double w = first[2];
+  const double vx = c * first[0] + s * first[1], vy = -s * first[0] + c * first[1];
+  velocity << vx, vy, w;
+  acceleration << c * second[0] + s * second[1] + w * vy, -s * second[0] + c * second[1] - w * vx, second[2];
+}
+
+/// Of rotation vectors phi from the attitude of a frame, w = phi' and w' = phi'' there: the terms that w has besides
+/// vanish with phi, and their rate is phi' x phi'/2 = 0.
+void spatial_rates(const PosePath& path, Eigen::Index frame, const DerivativeWeights& weights,
+                   Eigen::Ref<Eigen::RowVectorXd> velocity, Eigen::Ref<Eigen::RowVectorXd> acceleration) {
+  const Eigen::Quaterniond here = attitude(path, frame);
+  Eigen::Matrix<double, kStencil, 3> turns;
+  for (Eigen::Index j = 0; j < kStencil; ++j) {
+    const Eigen::Vector3d phi = rotation_vector(here.conjugate() * attitude(path, frame - kEndFrames + j));
+    check_turn(phi.norm(), frame);
+    turns.row(j) = phi;
+  }
+  const auto places = path.poses.block(frame - kEndFrames, 0, kStencil, 3);
+  const Eigen::Vector3d p1 = (weights.first.transpose() * places).transpose();
+  const Eigen::Vector3d p2 = (weights.second.transpose() * places).transpose();
+  const Eigen::Vector3d w = (weights.first.transpose() * turns).transpose();
+  const Eigen::Vector3d u = here.conjugate() * p1;
+  velocity << u.transpose(), w.transpose();
+  acceleration << (here.conjugate() * p2 - w.cross(u)).transpose(), weights.second.transpose() * turns;
+}
+
+template <std::size_t N>
+PosePath path_by_names(const std::array<const char*, N>& names, const models::ModelInfo& model,
+                       const Eigen::VectorXd& times, const Eigen::MatrixXd& states) {
+  PosePath path{.times = times, .poses = Eigen::MatrixXd(states.rows(), static_cast<Eigen::Index>(N))};
+  for (std::size_t k = 0; k < N; ++k) {
+    Eigen::Index column = -1;
+    for (std::size_t i = 0; i < model.states.size(); ++i) {
+      if (model.states[i].name == names[k]) column = static_cast<Eigen::Index>(i);
+    }
+    if (column < 0) {
+      throw ArgumentError(fmt::format(
+          "model \"{}\" has no state \"{}\": it moves no body in a plane or in space", model.name, names[k]));
+    }
+    path.poses.col(static_cast<Eigen::Index>(k)) = states.col(column);
+  }
+  return path;
+}
+
+bool has_state(const models::ModelInfo& model, const std::string& name) {
+  for (const models::StateInfo& state : model.states) {
+    if (state.name == name) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+PosePath path_of(const models::ModelInfo& model, const Eigen::VectorXd& times,
+                 const Eigen::MatrixXd& states) {
+  if (has_state(model, "qw")) return path_by_names(kSpatialPose, model, times, states);
+  return path_by_names(kPlanarPose, model, times, states);
+}
+
+PosePath path_of(const identification::Capture& capture) {
+  const bool spatial = capture.has("z");
+  PosePath path{.times = capture.times, .poses = Eigen::MatrixXd(capture.frame_count(), spatial ? 7 : 3)};
+  for (Eigen::Index k = 0; k < path.poses.cols(); ++k) {
+    const char* name =
+        spatial ? kSpatialPose[static_cast<std::size_t>(k)] : kPlanarPose[static_cast<std::size_t>(k)];
+    const identification::Channel& channel = capture.channel(name);
+    for (Eigen::Index frame = 0; frame < channel.values.size(); ++frame) {
+      if (std::isfinite(channel.values[frame])) continue;
+      throw ArgumentError(fmt::format("{} was not seen in frame {} of \"{}\", expected it in all frames",
+                                      name, frame, capture.id));
+    }
+    if (channel.unit == "px") {
+      throw ArgumentError(fmt::format("{} of \"{}\" is in pixels, expected a length", name, capture.id));
+    }
+    path.poses.col(k) = channel.values;
+  }
+  return path;
+}
+
+PathRates path_rates(const PosePath& path) {
+  check_path(path);
+  const Eigen::Index count = path.times.size() - 2 * kEndFrames;
+  const Eigen::Index rates = path.is_planar() ? 3 : 6;
+  PathRates result{Eigen::MatrixXd(count, rates), Eigen::MatrixXd(count, rates)};
+  Eigen::RowVectorXd velocity(rates), acceleration(rates);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index frame = k + kEndFrames;
+    const StencilMatrix nodes = path.times.segment<kStencil>(k).array() - path.times[frame];
+    const DerivativeWeights weights = weights_at_zero(nodes);
+    (path.is_planar() ? planar_rates : spatial_rates)(path, frame, weights, velocity, acceleration);
+    result.velocities.row(k) = velocity;
+    result.accelerations.row(k) = acceleration;
+  }
+  return result;
+}
+
+}  // namespace samara::motion

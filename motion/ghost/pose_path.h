@@ -1,0 +1,49 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/identification/captures/capture.h"
+#include "samara/models/interface/model.h"
+
+/// A motion as places and attitudes at frames, whoever made it, and what its frames say of velocities and accelerations.
+namespace samara::motion {
+
+/// SI, or the units of a dimensionless model; frames in rows.
+struct PosePath {
+  Eigen::VectorXd times;
+  /// In space x, y, z, qw, qx, qy, qz (body to world, quaternions of length one, signs of no matter); in a plane x, y
+  /// (up), theta, unwrapped.
+  Eigen::MatrixXd poses;
+
+  bool is_planar() const { return poses.cols() == 3; }
+};
+
+/// The poses of states of a model, frames in rows.
+/// @throws ArgumentError if the model moves no body
+PosePath path_of(const models::ModelInfo& model, const Eigen::VectorXd& times, const Eigen::MatrixXd& states);
+
+/// Of a capture with all channels x, y, theta, or x, y, z, qw, qx, qy, qz. Frames where any of them was not seen are
+/// refused: what lies between two frames is a polynomial.
+/// @throws ArgumentError naming the channel or the frame
+PosePath path_of(const identification::Capture& capture);
+
+/// Frames at each end of which nothing is said of rates.
+inline constexpr Eigen::Index kEndFrames = 3;
+
+/// Velocities of the body's origin and rotation rate in body axes (ux, uy, uz, wx, wy, wz; of a planar motion vx, vy, w)
+/// and their rates, of frames kEndFrames .. frames - 1 - kEndFrames, in rows.
+struct PathRates {
+  Eigen::MatrixXd velocities, accelerations;
+};
+
+/// From the polynomial of degree six through seven frames: errors of the order dt^6. Positions, and the rotation vectors
+/// from the middle frame to the others, are interpolated.
+/// @throws ArgumentError naming the frame: fewer than 7 frames, times that do not increase, numbers that are not finite,
+/// quaternions that are not of length one to 1e-3 (files round), more than 2 rad of turn between a frame and the third
+/// after it.
+PathRates path_rates(const PosePath& path);
+
+}  // namespace samara::motion

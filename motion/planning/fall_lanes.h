@@ -1,0 +1,116 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "samara/models/batch/stepper.h"
+#include "samara/motion/planning/motion_plan.h"
+#include "samara/motion/records/motion_record.h"
+
+/// Pieces of falls, from one decision to the next, many side by side.
+namespace samara::motion {
+
+/// How far a fall has come, and what it has cost.
+struct FallPoint {
+  double t = 0.0;
+  std::vector<double> state;
+  std::vector<double> coefficients;  ///< at this time; a ramp may be under way
+  std::vector<double> heading_for;   ///< what they are on the way to, or are
+  double height = 0.0;               ///< of the place
+  double square_time = 0.0;          ///< integral of the squared deviation over time [m^2 s]
+  Eigen::Vector3d deviation = Eigen::Vector3d::Zero();  ///< here [m]
+};
+
+enum class FallEnd {
+  decision,  ///< a minimum of speed, or no event for long
+  ground,    ///< or the time that the plan gives
+  not_finite,
+};
+
+struct FallPiece {
+  FallPoint to;
+  FallEnd end = FallEnd::not_finite;
+  double acceleration_square = 0.0;  ///< mean over the piece of |a(c) - a(natural)|^2 [m^2/s^4]
+};
+
+/// What the search needs of a plan, once.
+class PlannedFall {
+ public:
+  explicit PlannedFall(const MotionPlan& plan);
+
+  const MotionPlan& plan() const { return plan_; }
+  /// The box free, everything else fixed.
+  const models::ParametricModel& model() const { return model_; }
+  const MotionStates& states() const { return states_; }
+  const std::vector<std::string>& names() const { return names_; }
+  const std::vector<double>& natural() const { return natural_; }
+  double semi_length() const { return semi_length_; }
+  /// A rise of the squared speed that makes the minimum before it an event.
+  double prominence() const { return prominence_; }
+  /// A decision is due after so long without an event.
+  double longest_piece() const { return longest_piece_; }
+
+  FallPoint release() const;
+  bool is_over(double t, double height) const;
+  /// From the target at this time; zero where there is no sketch.
+  Eigen::Vector3d deviation(double t, const Eigen::Vector3d& position) const;
+  /// From the straight way to the landing place; zero where none is asked for, or a sketch leads there.
+  Eigen::Vector3d off_course(const FallPoint& point) const;
+  double speed_square(std::span<const double> state) const;
+
+ private:
+  const MotionPlan& plan_;
+  std::optional<Sketch> way_;
+  std::vector<std::string> names_;
+  std::vector<double> natural_;
+  models::ParametricModel model_;
+  MotionStates states_;
+  std::vector<std::size_t> velocity_;
+  double semi_length_ = 1.0, prominence_ = 0.0, longest_piece_ = 0.0;
+};
+
+/// A minimum that a rise has confirmed.
+class SpeedMinimum {
+ public:
+  explicit SpeedMinimum(double prominence) : prominence_(prominence) {}
+
+  enum class Seen { nothing, lowest, confirmed };
+  /// The squared speed of the next instant; `lowest`: this one may become the minimum; `confirmed`: the last lowest was.
+  Seen look(double speed_square);
+
+ private:
+  double prominence_;
+  double high_ = -1.0, low_ = 0.0;
+  bool falling_ = false;
+};
+
+/// How a fall goes on.
+struct Continuation {
+  const FallPoint* from = nullptr;
+  std::vector<double> target;  ///< of the coefficients
+};
+
+/// Runs continuations to their next decision, several side by side. One object per thread.
+class FallLanes {
+ public:
+  explicit FallLanes(const PlannedFall& fall);
+
+  /// @param pieces one per continuation
+  void run(std::span<const Continuation> continuations, std::span<FallPiece> pieces);
+
+ private:
+  struct Rider;
+  void board(Rider& rider, Eigen::Index lane, const Continuation& continuation);
+  /// @returns whether the piece of this lane has ended
+  bool look(Rider& rider, Eigen::Index lane);
+  void put_point(const Rider& rider, Eigen::Index lane, FallPoint& point) const;
+  double roaming(double t, const std::vector<double>& coefficients);
+
+  const PlannedFall& fall_;
+  models::Stepper stepper_;
+  std::vector<double> state_, rate_, natural_rate_;
+  models::ParametricModel::Workspace workspace_;
+};
+
+}  // namespace samara::motion

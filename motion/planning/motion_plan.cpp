@@ -1,0 +1,249 @@
+#include "samara/motion/planning/motion_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/base/limits.h"
+#include "samara/base/names.h"
+#include "samara/codebooks/model/model_file.h"
+#include "samara/io/text_file.h"
+#include "samara/io/toml_document.h"
+#include "samara/motion/records/motion_record.h"
+
+namespace samara::motion {
+
+namespace {
+
+using io::TomlTable;
+
+class PlanReader {
+ public:
+  PlanReader(const TomlTable& root, const std::string& text) : root_(root) {
+    plan_.source = root.file();
+    plan_.text = text;
+  }
+
+  MotionPlan read() {
+    root_.expect_keys(
+        {"model", "body", "release", "path", "landing", "duration", "box", "turbulence", "search"});
+    read_model();
+    read_body();
+    read_release();
+    read_box();
+    read_path();
+    read_landing();
+    read_rest();
+    if (!plan_.sketch && !plan_.landing) {
+      throw root_.error(
+          "path", "is missing, and [landing] too: expected one of them, to say where the body is to go");
+    }
+    return plan_;
+  }
+
+ private:
+  std::filesystem::path folder() const { return std::filesystem::path(root_.file()).parent_path(); }
+
+  void read_model() {
+    try {
+      plan_.model = codebooks::open_model(root_.string("model"), folder());
+      planar_ = MotionStates(plan_.model->info()).is_planar();
+    } catch (const ArgumentError& error) {
+      throw root_.error("model", error.what());
+    }
+    const models::ModelInfo& info = plan_.model->info();
+    for (const auto& parameter : info.parameters) units_[parameter.name] = parameter.unit;
+    for (const auto& state : info.states) units_[state.name + "(0)"] = state.unit;
+    time_ = models::time_unit(info);
+    length_ = units_.at("x(0)");
+  }
+
+  const std::string& unit_of(const TomlTable& table, const std::string& key) const {
+    const auto it = units_.find(key);
+    if (it != units_.end()) return it->second;
+    std::vector<std::string> known;
+    for (const auto& [name, unit] : units_) known.push_back(name);
+    throw table.error(key, fmt::format("the model has no parameter or initial value of this name{}",
+                                       suggestion(key, known)));
+  }
+
+  static double in_size(const TomlTable& table, const std::string& key, double value) {
+    if (std::abs(value) <= kLargestInput) return value;
+    throw table.error(key, fmt::format("is {}, expected at most {} in size", value, kLargestInput));
+  }
+
+  static double positive(const TomlTable& table, const std::string& key, double value) {
+    if (value > 0.0 && value <= kLargestInput) return value;
+    throw table.error(key, fmt::format("is {}, expected more than 0 and at most {}", value, kLargestInput));
+  }
+
+  void read_body() {
+    const auto body = root_.optional_table("body");
+    if (!body) return;
+    for (const std::string& key : body->keys())
+      plan_.fixed[key] = in_size(*body, key, body->quantity(key, unit_of(*body, key)));
+  }
+
+  void set_initial(const TomlTable& table, const std::string& key, const std::string& name, double value) {
+    if (!plan_.fixed.emplace(name, value).second)
+      throw table.error(key, fmt::format("stands beside {} in [body], expected one of the two", name));
+  }
+
+  void read_release() {
+    const TomlTable release = root_.table("release");
+    release.expect_keys(planar_ ? std::vector<std::string>{"height", "tilt"}
+                                : std::vector<std::string>{"height", "tilt", "axis"});
+    const double height = positive(release, "height", release.quantity("height", length_));
+    set_initial(release, "height", planar_ ? "y(0)" : "z(0)", height);
+    const auto tilt = release.optional_quantity("tilt", "1");
+    const double axis = release.optional_quantity("axis", "1").value_or(0.0);
+    if (!tilt) return;
+    if (planar_) return set_initial(release, "tilt", "theta(0)", in_size(release, "tilt", *tilt));
+    const double sine = std::sin(0.5 * in_size(release, "tilt", *tilt));
+    set_initial(release, "tilt", "qw(0)", std::cos(0.5 * *tilt));
+    set_initial(release, "tilt", "qx(0)", sine * std::cos(axis));
+    set_initial(release, "tilt", "qy(0)", sine * std::sin(axis));
+    set_initial(release, "tilt", "qz(0)", 0.0);
+  }
+
+  void read_box() {
+    const TomlTable box = root_.table("box");
+    for (const std::string& key : box.keys()) {
+      const std::string& unit = unit_of(box, key);
+      if (key.ends_with("(0)")) throw box.error(key, "is an initial value, expected a coefficient");
+      const std::vector<double> range = box.quantities(key, unit);
+      if (range.size() != 2 || !(range[0] < range[1]))
+        throw box.error(key, "expected two values, [from, to], the first less than the second");
+      SteeredCoefficient coefficient{.name = key, .lower = range[0], .upper = range[1]};
+      const auto given = plan_.fixed.find(key);
+      coefficient.natural = given != plan_.fixed.end() ? given->second : 0.5 * (range[0] + range[1]);
+      if (coefficient.natural < range[0] || coefficient.natural > range[1]) {
+        throw box.error(key, fmt::format("is {} to {}, expected it to hold {}, which stands in [body]",
+                                         range[0], range[1], coefficient.natural));
+      }
+      plan_.fixed[key] = coefficient.natural;
+      plan_.box.push_back(coefficient);
+    }
+    if (plan_.box.empty())
+      throw root_.error("box", "is empty, expected at least one coefficient that may change");
+    check_points(box);
+  }
+
+  /// The natural values, and the corners that differ from them in one coefficient.
+  void check_points(const TomlTable& box) {
+    try {
+      std::map<std::string, double> fixed = plan_.fixed;
+      models::ParametricModel(plan_.model, fixed, {}).check({});
+      for (const SteeredCoefficient& coefficient : plan_.box) {
+        for (const double value : {coefficient.lower, coefficient.upper}) {
+          fixed[coefficient.name] = value;
+          models::ParametricModel(plan_.model, fixed, {}).check({});
+        }
+        fixed[coefficient.name] = coefficient.natural;
+      }
+    } catch (const ArgumentError& error) {
+      throw InputError(plan_.source, box.line(plan_.box.front().name), error.what());
+    }
+  }
+
+  void read_path() {
+    const auto path = root_.optional_table("path");
+    if (!path) return;
+    path->expect_keys({"file", "deviation"});
+    plan_.sketch = read_sketch(folder() / path->string("file"), planar_);
+    if (path->has("deviation"))
+      plan_.deviation = positive(*path, "deviation", path->quantity("deviation", length_));
+    const double height = plan_.fixed.at(planar_ ? "y(0)" : "z(0)");
+    const double begins = plan_.sketch->top();
+    const double tolerance = 2.0 * plan_.semi_length() + 0.02 * height;
+    if (begins < height - tolerance) {
+      throw path->error(
+          "file", fmt::format("begins at height {:.6g}, under the release at {:.6g}: expected a sketch that "
+                              "begins where the body is let go",
+                              begins, height));
+    }
+    plan_.ground = plan_.sketch->is_timed() ? 0.0 : std::max(0.0, plan_.sketch->bottom());
+    if (plan_.ground >= height) {
+      throw path->error("file", fmt::format("ends at height {:.6g}, not below the release at {:.6g}",
+                                            plan_.ground, height));
+    }
+    if (plan_.sketch->is_timed()) plan_.duration = plan_.sketch->end_time();
+  }
+
+  void read_landing() {
+    const auto landing = root_.optional_table("landing");
+    if (!landing) return;
+    std::vector<std::string> keys = {"x", "deviation"};
+    if (!planar_) keys.push_back("y");
+    landing->expect_keys(keys);
+    plan_.landing =
+        Eigen::Vector3d(in_size(*landing, "x", landing->quantity("x", length_)), 0.0, plan_.ground);
+    if (!planar_) plan_.landing->y() = in_size(*landing, "y", landing->quantity("y", length_));
+    if (!landing->has("deviation")) return;
+    if (plan_.sketch) throw landing->error("deviation", "stands beside [path], expected it there");
+    plan_.deviation = positive(*landing, "deviation", landing->quantity("deviation", length_));
+  }
+
+  static int count(const TomlTable& table, const std::string& key, std::int64_t least, std::int64_t most,
+                   int otherwise) {
+    const std::int64_t value = table.optional_integer(key).value_or(otherwise);
+    if (value < least || value > most)
+      throw table.error(key, fmt::format("is {}, expected {} to {}", value, least, most));
+    return static_cast<int>(value);
+  }
+
+  void read_rest() {
+    if (root_.has("duration")) {
+      if (plan_.duration)
+        throw root_.error("duration", "stands beside a sketch with times, expected one of the two");
+      plan_.duration = positive(root_, "duration", root_.quantity("duration", time_));
+    }
+    if (const auto turbulence = root_.optional_table("turbulence")) {
+      turbulence->expect_keys({"intensity"});
+      plan_.turbulence = turbulence->number("intensity");
+      if (!(plan_.turbulence > 0.0) || plan_.turbulence > 10.0)
+        throw turbulence->error("intensity",
+                                fmt::format("is {}, expected more than 0 and at most 10", plan_.turbulence));
+    }
+    const models::Scales scales = plan_.scales();
+    const double time = plan_.semi_length() / scales.velocity;
+    plan_.search.step = 0.01 * time;
+    plan_.search.ramp = time;
+    const auto search = root_.optional_table("search");
+    if (!search) return;
+    search->expect_keys({"beam", "children", "sweeps", "step", "ramp", "seed"});
+    plan_.search.beam = count(*search, "beam", 1, 4096, plan_.search.beam);
+    plan_.search.children = count(*search, "children", 2, 4096, plan_.search.children);
+    plan_.search.sweeps = count(*search, "sweeps", 0, 100, plan_.search.sweeps);
+    plan_.search.seed = static_cast<std::uint64_t>(count(*search, "seed", 0, 2000000000, 1));
+    if (search->has("step")) plan_.search.step = positive(*search, "step", search->quantity("step", time_));
+    if (search->has("ramp")) plan_.search.ramp = positive(*search, "ramp", search->quantity("ramp", time_));
+    if (plan_.search.ramp < plan_.search.step) {
+      throw search->error(
+          search->has("ramp") ? "ramp" : "step",
+          fmt::format("makes a ramp of {} in steps of {}, expected a ramp of one step or more",
+                      plan_.search.ramp, plan_.search.step));
+    }
+  }
+
+  const TomlTable& root_;
+  MotionPlan plan_;
+  bool planar_ = false;
+  std::map<std::string, std::string> units_;
+  std::string time_, length_;
+};
+
+}  // namespace
+
+MotionPlan read_motion_plan(const std::filesystem::path& path) {
+  return parse_motion_plan(io::read_text_file(path), path.string());
+}
+
+MotionPlan parse_motion_plan(const std::string& text, const std::string& name) {
+  const TomlTable root = TomlTable::parse(text, name);
+  return PlanReader(root, text).read();
+}
+
+}  // namespace samara::motion

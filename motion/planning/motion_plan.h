@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "samara/models/interface/parametric_model.h"
+#include "samara/motion/planning/sketch.h"
+
+/// What a fall is asked to be: MOTION.toml, as a value.
+namespace samara::motion {
+
+/// A coefficient that may change while the body falls.
+struct SteeredCoefficient {
+  std::string name;
+  double lower = 0.0, upper = 0.0;
+  double natural =
+      0.0;  ///< its value for the body as it is: where a fall begins, and what turbulence moves it from
+};
+
+struct MotionSearch {
+  int beam = 64;      ///< falls that are kept at each event
+  int children = 48;  ///< ways that each of them is continued
+  int sweeps = 2;     ///< of windows of Gauss-Newton over the fall that was found; none with turbulence
+  double step = 0.0;  ///< s, of the integration
+  double ramp = 0.0;  ///< s, in which coefficients go from value to value
+  std::uint64_t seed = 1;
+  int threads = 0;  ///< 0: as many as the machine has
+};
+
+struct MotionPlan {
+  std::shared_ptr<const models::Model> model;
+  std::map<std::string, double>
+      fixed;  ///< SI, parameters and initial values, the natural coefficients among them
+  std::vector<SteeredCoefficient> box;
+
+  std::optional<Sketch> sketch;
+  std::optional<Eigen::Vector3d> landing;  ///< where the body is to come down, m, its height unused
+  double ground = 0.0;                     ///< m, height at which the fall ends
+  std::optional<double> duration;          ///< s, after which the fall ends
+  /// Root mean square distance from the sketch, or distance from the landing place, that is good enough [m].
+  std::optional<double> deviation;
+  /// Of the surrounding air, u'/U: how far it makes coefficients roam is what their changes cost. 0: no such cost.
+  double turbulence = 0.0;
+  MotionSearch search;
+
+  std::string source;  ///< file it came from, for messages
+  std::string text;
+
+  /// Semi-length of the body, the unit of deviations in costs; the model's length where it does not say [m].
+  double semi_length() const;
+  models::Scales scales() const;
+};
+
+/// One round of the search, or one sweep of what comes after it.
+struct PlanningStep {
+  std::string stage;   ///< "beam" or "windows"
+  double cost = 0.0;   ///< of the best fall so far, see beam_search.cpp
+  double depth = 0.0;  ///< m, how far the best one has fallen
+  long pieces = 0;     ///< falls from one decision to the next that were run
+};
+
+/// MOTION.toml:
+///
+///     model = "falling_plate"
+///     duration = "2 s"              # after which the fall ends, if it has not landed
+///     [body]                        # parameters and initial values: SI, or with units
+///     semi_chord = "7 mm"
+///     [release]                     # height = where it is let go above the ground, tilt (and axis, in space)
+///     height = "40 cm"
+///     tilt = "34 deg"
+///     [path]
+///     file = "sketch.csv"           # beside this file
+///     deviation = "5 mm"            # that is good enough
+///     [landing]                     # beside or instead of [path]: x = "10 cm" (and y, in space), deviation
+///     [box]                         # what may change, and how far
+///     C_T = [0.8, 1.4]
+///     [turbulence]
+///     intensity = 0.1
+///     [search]                      # beam, children, sweeps, step, ramp, seed
+///
+/// @throws InputError, with file and line, for unknown keys, names or units, values outside their meaning, an empty or
+/// reversed range, a sketch that rises or begins below the release, or a plan that asks for nothing.
+MotionPlan read_motion_plan(const std::filesystem::path& path);
+/// The same from text; `name` stands for the file in messages, files it names are beside it.
+MotionPlan parse_motion_plan(const std::string& text, const std::string& name);
+
+}  // namespace samara::motion

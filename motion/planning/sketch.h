@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+
+#include <Eigen/Core>
+
+namespace samara::motion {
+
+/// A path that a fall is asked to follow: a polyline that goes down, or one with times. World axes, z up; a motion in a
+/// plane has y = 0.
+///
+/// Without times the target of a body is the point of the sketch at its own height, above the first and below the last
+/// point those two; with times it is the point of that time.
+class Sketch {
+ public:
+  /// @param points in rows  @param times none, or one for each point
+  /// @throws ArgumentError for fewer than two points, numbers that are not finite, times that do not increase, or,
+  /// without times, a point that is not below the one before.
+  explicit Sketch(Eigen::MatrixX3d points, Eigen::VectorXd times = {});
+
+  bool is_timed() const { return times_.size() > 0; }
+  Eigen::Vector3d target(double t, const Eigen::Vector3d& position) const;
+
+  /// d(target)/d(height of the body): of a sketch with times, zero.
+  Eigen::Vector3d slope(const Eigen::Vector3d& position) const;
+
+  const Eigen::MatrixX3d& points() const { return points_; }
+  double top() const { return points_(0, 2); }
+  double bottom() const { return points_(points_.rows() - 1, 2); }
+  /// Of a sketch with times.
+  double end_time() const { return times_[times_.size() - 1]; }
+
+ private:
+  Eigen::Index next_point(double t, double height) const;
+
+  Eigen::MatrixX3d points_;
+  Eigen::VectorXd times_;
+  /// What the target is looked up by, decreasing or increasing: heights, or times.
+  Eigen::VectorXd keys_;
+};
+
+/// Columns x, z (or x, y in a plane, y up), or x, y, z; t, if it is timed. Units stand in the header, "x[cm]"; SI where
+/// they do not.
+/// @param planar whether y, and not z, is up
+/// @throws InputError with file and line
+Sketch read_sketch(const std::filesystem::path& path, bool planar);
+
+}  // namespace samara::motion

@@ -1,0 +1,363 @@
+"""Usage: command_test.py SAMARA [CLASS]
+
+The command line as such: its help, options and their values, completion, manual pages, answers as JSON, plans that are changed in the call,
+questions by the thousand.
+"""
+
+import csv
+import io
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import time
+
+import mutations
+from samara_case import COIN_PLAN, FOLDER, HERE, LINE_PLAN, SAMARA, Case, book, main, run, write
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+
+
+def tree():
+    return json.loads(run("help", "--json").stdout)["commands"]
+
+
+def rows(text):
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+class Help(Case):
+    def test_every_command_ends_its_help_with_two_examples_and_a_page_that_is_there(self):
+        for command in tree():
+            shown = run(command["name"], "--help")
+            self.assertEqual(shown.returncode, 0)
+            self.assertEqual(run("help", command["name"]).stdout, shown.stdout)
+            lines = shown.stdout.rstrip().splitlines()
+            self.assertTrue(lines[-1].startswith("More: docs/"), command["name"])
+            self.assertTrue((ROOT / command["page"]).exists(), command["page"])
+            self.assertEqual(len(command["examples"]), 2)
+            known = {name for option in command["options"] for name in option["names"]}
+            for example in command["examples"]:
+                self.assertRegex(example, rf"\bsamara {command['name']}\b")
+                for word in re.findall(r"(?<=\s)--?[a-z][\w-]*", example.split(" | ")[0]):
+                    self.assertIn(word, known, example)
+            for line in lines:
+                self.assertTrue(len(line) <= 110 or " " not in line.strip() or "{" in line, line)
+
+    def test_without_a_word_it_helps_and_says_that_nothing_was_done(self):
+        alone = run()
+        self.assertEqual((alone.returncode, alone.stdout), (2, ""))
+        self.assertEqual(alone.stderr, run("help").stdout)
+        self.assertEqual(run("--help").stdout, run("help").stdout)
+        self.check_error(run("help", "qeury"), 2, 'did you mean "query"?')
+
+    def test_lines_fit_the_width_that_is_asked_for(self):
+        for columns in ("60", "140"):
+            result = subprocess.run([SAMARA, "query", "--help"], capture_output=True, text=True, env={**os.environ, "COLUMNS": columns})
+            longest = max(len(line) for line in result.stdout.splitlines() if "samara" not in line)
+            self.assertLessEqual(longest, int(columns))
+            self.assertGreater(longest, int(columns) - 25)
+        described = run("info", book("coin", COIN_PLAN)).stdout
+        self.assertLessEqual(max(map(len, described.splitlines())), 110)
+
+    def test_the_version_names_commit_format_build_and_licence(self):
+        shown = run("--version").stdout
+        self.assertEqual(run("-V").stdout, shown)
+        for part in [r"^samara \d+\.\d+\.\d+$", r"^commit: \S+$", r"^codebook format: \d+\.\d+$", r"^build: .*SuiteSparse", r"^licence: BSD-3-Clause"]:
+            self.assertRegex(shown, re.compile(part, re.M))
+
+    def test_manual_pages_hold_every_option(self):
+        self.assertIn(".TH SAMARA 1", run("help", "--man").stdout)
+        for command in tree():
+            page = run("help", command["name"], "--man").stdout
+            for option in command["options"]:
+                self.assertIn(option["names"][-1].replace("-", "\\-"), page)
+            if shutil.which("man"):
+                shown = subprocess.run(["man", "--warnings", "-l", "-"], input=page, capture_output=True, text=True)
+                self.assertEqual((shown.returncode, shown.stderr), (0, ""), command["name"])
+
+    def test_quiet_says_nothing_but_errors_and_verbose_says_more(self):
+        plan, target = write("said.toml", LINE_PLAN), FOLDER / "said.h5"
+        self.assertEqual(run("build", plan, "-o", target, "-q").stderr, "")
+        usual, loud = run("build", plan, "-o", target).stderr, run("build", plan, "-o", target, "--verbose").stderr
+        self.assertIn("built", usual)
+        self.assertGreater(len(loud.splitlines()), len(usual.splitlines()))
+        self.assertRegex(loud, r"took .* s of processor time and \d+ MB")
+        self.check_error(run("query", target, "-q"), 2, "k is not set")
+        self.assertEqual(run("query", target, "--set", "k=11", "--clamp", "-q").stderr, "")
+
+
+class Interrupts(Case):
+    def test_ctrl_c_ends_any_command_with_a_sentence_and_130(self):
+        for stop in (signal.SIGINT, signal.SIGTERM):
+            # It waits for the points.
+            process = subprocess.Popen([SAMARA, "query", book("line", LINE_PLAN), "--points", "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            while not int(re.search(r"SigCgt:\s*(\w+)", pathlib.Path(f"/proc/{process.pid}/status").read_text())[1], 16) >> (stop - 1) & 1:
+                time.sleep(0.01)
+            process.send_signal(stop)
+            out, err = process.communicate(timeout=20)
+            self.assertEqual((process.returncode, out), (130, ""))
+            self.assertEqual(err, "\nsamara: interrupted; no file was changed\n")
+
+
+class Options(Case):
+    """No option makes an input of what is left over, and none takes an input for a value."""
+
+    def test_a_value_too_many_is_refused_behind_every_option_of_every_command(self):
+        line, surplus = book("line", LINE_PLAN), write("surplus.csv", "t[s],x[m]\n0,0\n1,1\n2,2\n")
+        values = {"INT": "3", "UINT": "3", "FLOAT": "0.5"}
+        by_name = {"--set": "k=2", "--turbulence": "uniform", "--fit": surplus, "--points": "5"}
+        checked = 0
+        for command in tree():
+            if command["name"] in ("help", "completion"):
+                continue
+            inputs = [line] if command["inputs"] else []
+            for option in command["options"]:
+                if not option["value"] or option["names"][-1] == "--left-out":
+                    continue
+                value = option["choices"][0] if option["choices"] else by_name.get(option["names"][-1], values.get(option["value"], "1"))
+                result = run(command["name"], *inputs, option["names"][-1], value, surplus)
+                self.assertEqual(result.returncode, 2, f"{command['name']} {option['names']}: {result.stdout}{result.stderr}")
+                self.assertEqual(result.stdout, "")
+                checked += 1
+        self.assertGreater(checked, 100)
+        self.assertFalse([name for name in os.listdir(".") if name == "1"])
+
+    def test_an_option_before_the_input_leaves_it_alone(self):
+        line = book("line", LINE_PLAN)
+        usual = run("query", line, "--set", "k=4", "--at", "0.1").stdout
+        self.assertEqual(run("query", "--at", "0.1", line, "--set", "k=4").stdout, usual)
+        self.assertEqual(run("query", "--at", "0.1", "--set", "k=4", line).stdout, usual)
+        two = run("query", line, "--set", "k=4", "--at", "0.1", "0.2").stdout
+        self.assertEqual(run("query", "--at", "0.1", "0.2", line, "--set", "k=4").stdout, two)
+        self.assertEqual(run("stats", "--quantiles", "0.5", "0.9", line).returncode, 0)
+        svg = FOLDER / "before.svg"
+        self.assertEqual(run("plot", "--outputs", "u", line, "-o", svg).returncode, 0)
+        for option in ("--at", "--set", "--points"):
+            self.check_error(run("query", option, line), 2, "BOOK")
+
+    def test_a_file_left_out_before_the_inputs_is_the_only_one(self):
+        result = run("fit", "--left-out", "a.csv", book("coin", COIN_PLAN), "none.csv", "--ahead", "0.1", "--span", "0.1")
+        self.check_error(result, 3, "none.csv: the file does not exist")  # the codebook is the source, this the capture
+
+    def test_v0_stands_for_the_initial_value(self):
+        coin = book("coin", COIN_PLAN)
+        usual = run("query", coin, "--set", "C_D=1", "--set", "v(0)=0.1").stdout
+        for name in ("v0", "v@0"):
+            self.assertEqual(run("query", coin, "--set", "C_D=1", "--set", f"{name}=0.1").stdout, usual)
+        self.check_error(run("query", coin, "--set", "C_D=1", "--set", "v0=0.1", "--set", "v(0)=0.1"), 2, "twice")
+        self.check_error(run("query", coin, "--set", "C_D=1", "--set", "w0=0.1"), 2, 'unknown name "w0"')
+
+    def test_what_is_missing_is_said_in_words_of_the_command(self):
+        self.check_error(run("simulate", "vertical_fall", "--set", "C_D=1.2"), 2,
+                         "--set density=.. kg/m^3, --set area=.. m^2, --set thickness=.. m; samara models vertical_fall")
+
+    def test_inches_feet_pounds_and_degrees_are_understood(self):
+        coin = book("coin", COIN_PLAN)
+        ask = ["query", coin, "--set", "C_D=1", "--at", "0.1"]
+        self.assertEqual(run(*ask, "--set", "v0=4 in/s").stdout, run(*ask, "--set", "v0=0.1016").stdout)
+        self.assertEqual(run(*ask, "--set", "v0=1 ft/s").returncode, 0)
+        self.check_error(run(*ask, "--set", "v0=4 inches/s"), 2, 'did you mean "in"?')
+
+    def test_derivatives_have_units_of_their_own(self):
+        header = run("query", book("coin", COIN_PLAN), "--set", "C_D=1", "--set", "v0=0.1", "--gradient").stdout.splitlines()[0]
+        self.assertEqual(header, "t[s],C_D[1],v(0)[m/s],v[m/s],x[m],dv/dt[m/s^2],dv/dC_D[m/s],dv/dv(0)[1],dx/dt[m/s],dx/dC_D[m],dx/dv(0)[s]")
+
+    def test_the_unit_of_a_plain_number_is_not_printed(self):
+        line = book("line", LINE_PLAN)
+        for shown in (run("info", line).stdout, run("validate", line, "--points", "100").stdout, run("models", "constant_rate").stdout):
+            self.assertNotRegex(shown, r"\d 1[,;\s]|\[1\]|\s1  (parameter|initial|required)")
+
+
+class Completion(Case):
+    def complete(self, *words):
+        script = f'{run("completion", "bash").stdout}\nCOMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _samara; printf "%s\\n" "${{COMPREPLY[@]}}"'
+        result = subprocess.run(["bash", "-c", script, "bash", SAMARA, *map(str, words)], capture_output=True, text=True, cwd=FOLDER)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout.split()
+
+    def test_bash_completes_commands_options_models_choices_and_names(self):
+        self.assertEqual(self.complete("qu"), ["query"])
+        self.assertEqual(self.complete("query", "coin.h5", "--gr"), ["--gradient"])
+        self.assertIn("vertical_fall", self.complete("simulate", "vert"))
+        self.assertEqual(self.complete("simulate", "vertical_fall", "--integrator", "rk"), ["rk4", "rkmk"])
+        self.assertEqual(self.complete("simulate", "vertical_fall", "--set", "de"), ["density="])
+        self.assertEqual(self.complete("query", book("coin", COIN_PLAN), "--set", ""), ["C_D=", "v0="])
+        self.assertEqual(self.complete("build", write("named.toml", COIN_PLAN), "--set", "thi"), ["thickness="])
+        write("beside.csv", "")
+        self.assertIn("beside.csv", self.complete("fit", "besi"))
+
+    def test_every_shell_gets_every_option(self):
+        for shell in ("bash", "zsh", "fish"):
+            script = run("completion", shell).stdout
+            for command in tree():
+                for option in command["options"]:
+                    name = option["names"][-1]
+                    self.assertIn(f"-l {name[2:]}" if shell == "fish" else name, script)
+            if shutil.which(shell):
+                checked = subprocess.run([shell, "-n"], input=script, capture_output=True, text=True)
+                self.assertEqual((checked.returncode, checked.stderr), (0, ""))
+        self.check_error(run("completion"), 2, "bash, zsh or fish")
+        self.check_error(run("completion", "tcsh"), 2, "tcsh")
+
+
+class ManyQuestions(Case):
+    def test_lists_and_ranges_of_times(self):
+        line = book("line", LINE_PLAN)
+        times = lambda *at: [float(row["t[1]"]) for row in rows(run("query", line, "--set", "k=4", "--at", *at).stdout)]
+        self.assertEqual(times("0:0.1:0.5"), [0.1 * k for k in range(6)])
+        self.assertEqual(times("0.1,0.2", "100 %"), [0.1, 0.2, 1.0])
+        self.assertEqual(times("0:25:100 %"), [0.0, 0.25, 0.5, 0.75, 1.0])
+        self.assertEqual(times("2:-1:0.5"), [2.0, 1.0])
+        self.assertEqual(len(rows(run("query", line, "--set", "k=4", "--frames", "25").stdout)), 25)
+        for bad, part in [("0:0:1", "no steps"), ("0:-1:5", "no steps"), ("0:1", "FROM:STEP:TO"), ("0:1e-9:10", "at most"), ("0,x", "x"), ("0,,1", "--at")]:
+            self.check_error(run("query", line, "--set", "k=4", "--at", bad), 2, part)
+        self.check_error(run("query", line, "--set", "k=4", "--at", "1", "--frames", "5"), 2, "--frames", "--at")
+
+    def test_a_table_of_points_gives_what_one_call_each_gives(self):
+        coin = book("coin", COIN_PLAN)
+        points = write("points.csv", "v0[cm/s],t[ms],C_D\n10,100,1\n20,400,1.5\n0,0,0.8\n")
+        many = rows(run("query", coin, "--points", points, "--gradient").stdout)
+        self.assertEqual(len(many), 3)
+        for row in many:
+            one = rows(run("query", coin, "--set", f"C_D={row['C_D[1]']}", "--set", f"v0={row['v(0)[m/s]']}", "--at", row["t[s]"], "--gradient").stdout)[0]
+            for name, value in one.items():
+                self.assertAlmostEqual(float(row[name]), float(value), delta=1e-12 * max(1.0, abs(float(value))), msg=name)
+        piped = subprocess.run([SAMARA, "query", coin, "--points", "-", "--gradient"], input=points.read_text(), capture_output=True, text=True)
+        self.assertEqual(rows(piped.stdout), many)
+        answer = json.loads(run("query", coin, "--points", points, "--json").stdout)
+        self.assertEqual(answer["coordinates"]["t"], [0.1, 0.4, 0.0])
+        self.assertEqual([len(output["values"]) for output in answer["outputs"]], [3, 3])
+
+    def test_points_without_a_time_are_asked_at_all_times(self):
+        line, points = book("line", LINE_PLAN), write("rates.csv", "k\n2\n5\n")
+        asked = rows(run("query", line, "--points", points, "--at", "0:1:2").stdout)
+        self.assertEqual([(float(r["k[1]"]), float(r["t[1]"])) for r in asked], [(k, t) for k in (2.0, 5.0) for t in (0.0, 1.0, 2.0)])
+        for row in asked:
+            one = rows(run("query", line, "--set", f"k={row['k[1]']}", "--at", row["t[1]"]).stdout)[0]
+            self.assertAlmostEqual(float(row["u[1]"]), float(one["u[1]"]), places=9)
+
+    def test_bad_tables_of_points_name_the_line(self):
+        line = book("line", LINE_PLAN)
+        refuse = lambda text, code, *parts, more=(): self.check_error(run("query", line, "--points", write("bad_points.csv", text), *more), code, *parts)
+        refuse("k,t\n4,1\n11,1\n", 5, "bad_points.csv:3", "k = 11", "[1, 10]")
+        refuse("kk,t\n4,1\n", 3, "kk", 'did you mean "k"')
+        refuse("k,k[1]\n4,1\n", 3, "two columns")
+        refuse("k[m],t\n4,1\n", 3, "k is in m")
+        refuse("k,t\n4,\n", 3, "bad_points.csv:2", "has no t")
+        refuse("k,t\n4,x\n", 3, "bad_points.csv:2")
+        refuse("k,t\n", 3, "has no rows")
+        refuse("t\n1\n", 2, "k is not set")
+        refuse("k,t\n4,1\n", 2, "column of the time", more=("--at", "1"))
+        refuse("k,t\n4,1\n", 2, "--set names", more=("--set", "k=3"))
+        refuse("k,t\n4,1\n", 2, "--points", more=("--until", "30"))
+        clamped = run("query", line, "--points", write("far.csv", "k,t\n11,1\n4,1\n"), "--clamp")
+        self.assertEqual(clamped.returncode, 0)
+        self.assertEqual([float(r["k[1]"]) for r in rows(clamped.stdout)], [10.0, 4.0])
+
+
+class ChangedPlans(Case):
+    def test_a_call_overrides_the_plan_and_the_codebook_keeps_what_was_built(self):
+        plan, target = write("changed.toml", COIN_PLAN), FOLDER / "changed.h5"
+        result = run("build", plan, "-o", target, "--set", "C_D=0.9..1.1", "--set", "v0=10 cm/s", "--tolerance", "1e-2", "--threads", "1", "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        built = json.loads(result.stdout)
+        self.assertTrue(built["met"])
+        info = json.loads(run("info", target, "--json").stdout)
+        self.assertEqual([(c["name"], c["lower"], c["upper"]) for c in info["coordinates"][1:]], [("C_D", 0.9, 1.1)])
+        self.assertEqual(info["model"]["fixed"]["v(0)"], 0.1)
+        self.assertEqual(info["certificate"]["tolerance"], 1e-2)
+        # The plan in the codebook says the same.
+        kept = run("info", target, "--plan").stdout
+        again = FOLDER / "again.h5"
+        self.assertEqual(run("build", write("kept.toml", kept), "-o", again).returncode, 0)
+        at = ["--set", "C_D=1.03", "--gradient"]
+        self.assertEqual(run("query", again, *at).stdout, run("query", target, *at).stdout)
+
+    def test_what_cannot_be_set_is_refused(self):
+        plan, target = write("refused.toml", COIN_PLAN), FOLDER / "refused.h5"
+        for options, part in [(["--set", "C_T=1"], "C_T"), (["--set", "C_D=2..1"], "lower < upper"), (["--set", "C_D=.."], "FROM..TO"), (["--set", "C_D"], "NAME=VALUE"),
+                              (["--set", "C_D=1", "--set", "C_D=2"], "twice"), (["--tolerance", "2"], "relative"), (["--threads", "1.5"], "--threads"),
+                              (["--set", "C_D=1", "--set", "v0=0"], "box")]:
+            self.check_error(run("build", plan, "-o", target, *options), 2, part)
+        self.check_error(run("build", plan), 2, "--output is required")
+        self.assertFalse(target.exists())
+
+    def test_a_dry_run_builds_nothing_and_says_what_would_be(self):
+        target = FOLDER / "dry.h5"
+        result = run("build", write("dry.toml", COIN_PLAN), "-o", target, "--dry-run", "--set", "v0=0.1")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertIn("C_D from 0.8 to 1.6\n", result.stdout)
+        self.assertIn("v(0) = 0.1 m/s", result.stdout)
+        self.assertIn("nothing was built", result.stdout)
+        self.assertFalse(target.exists())
+        self.check_error(run("build", write("dry.toml", COIN_PLAN.replace("0.8", "1.8")), "--dry-run"), 3, "dry.toml", "lower < upper")
+
+    def test_the_plan_to_begin_with_builds(self):
+        for model in ("vertical_fall", "constant_rate", "heat_rod"):
+            plan, target = run("plan", model).stdout, FOLDER / f"begin_{model}.h5"
+            result = subprocess.run([SAMARA, "build", "-", "-o", target], input=plan, capture_output=True, text=True)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(run("info", target, "--plan").stdout, plan)
+        self.check_error(run("plan", "vertical_fal"), 2, "vertical_fall")
+
+
+class SchemasAndFiles(Case):
+    """Every --json is one object whose schema is published and holds; -o is where the answer goes."""
+
+    @classmethod
+    def setUpClass(cls):
+        coin = book("coin", COIN_PLAN)
+        fall = run("simulate", "vertical_fall", "--set", "C_D=1.2", "--set", "area=4.7144e-4", "--set", "thickness=2.55e-3", "--set", "density=6338.5", "--until", "0.35",
+                   "--frames", "22").stdout.splitlines()
+        drop = write("drop.csv", "\n".join(["t[s],x[m]", *(f"{r.split(',')[0]},{r.split(',')[2]}" for r in fall[1:])]) + "\n")
+        fit = FOLDER / "drop.json"
+        assert run("fit", coin, drop, "-o", fit).returncode == 0
+        wind = write("wind.toml", '[mean]\nprofile = "uniform"\nspeed = 3.0\n')
+        card = ["--set", "semi_chord=1cm", "--set", "semi_thickness=0.5mm", "--set", "density=2700"]
+        cls.calls = [
+            ["models"], ["models", "vertical_fall"], ["simulate", "constant_rate", "--set", "k=2", "--until", "5"], ["info", coin], ["stats", coin, "--quantiles", "0.5"],
+            ["query", coin, "--set", "C_D=1", "--set", "v0=0.1", "--gradient"], ["validate", coin, "--points", "50"], ["fit", coin, drop, "--profiles"],
+            ["body", "disc", "--size", "1 cm", "1 mm", "--density", "2700", "--fluid", "1000"], ["design", coin, "--fit", fit], ["wind", wind], ["help"],
+            ["build", FOLDER / "coin.toml", "--dry-run"], ["build", FOLDER / "coin.toml", "-o", FOLDER / "schema.h5"], ["regime", "falling_plate", *card],
+            ["plot", coin, "-o", FOLDER / "schema.svg"], ["explore", coin, "-o", FOLDER / "schema.html"], ["patterns", write("fall.csv", plate())]]
+
+    def test_every_answer_holds_the_schema_that_it_names(self):
+        seen = set()
+        for call in self.calls:
+            with self.subTest(call=call):
+                result = run(*call, "--json")
+                self.assertIn(result.returncode, (0, 4), result.stderr)
+                seen.add(self.check_schema(json.loads(result.stdout)))
+        self.assertGreater(len(seen), 14)
+
+    def test_an_answer_goes_to_the_file_that_o_names_and_nowhere_else(self):
+        target = FOLDER / "answer.txt"
+        for call in self.calls:
+            if call[0] in ("models", "info", "stats", "query", "validate", "body", "regime", "patterns", "simulate"):
+                with self.subTest(call=call):
+                    result = run(*call, "-o", target)
+                    self.assertIn(result.returncode, (0, 4), result.stderr)
+                    self.assertEqual(result.stdout, "")
+                    self.assertEqual(target.read_text(), run(*call).stdout)
+                    self.assertNotEqual(target.read_text(), "")
+
+
+def plate():
+    """A falling plate as a table."""
+    result = run("simulate", "falling_plate", "--set", "semi_chord=1 cm", "--set", "semi_thickness=0.5 mm", "--set", "density=2700", "--set", "C_T=1.2", "--set", "C_R=3",
+                 "--set", "A=1.4", "--set", "mu1=0.2", "--set", "theta(0)=0.5", "--until", "1", "--frames", "101")
+    table = rows(result.stdout)
+    return "t[s],x[m],y[m],theta[rad]\n" + "".join(f"{r['t[s]']},{r['x[m]']},{r['y[m]']},{r['theta[rad]']}\n" for r in table)
+
+
+class Mutations(Case):
+    def test_damaged_plans_and_tables_end_as_documented(self):
+        self.assertEqual(mutations.failures(SAMARA, 40, seed=27), [])
+
+
+if __name__ == "__main__":
+    main()
