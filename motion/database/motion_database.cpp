@@ -247,7 +247,7 @@ MotionDatabase build_database(const Sweep& sweep, const DatabaseOptions& options
       source.model.parameters({q.data(), static_cast<std::size_t>(q.size())});
   const MovingStates moving = MovingStates::of(*source.plan.model, parameters);
   database.symmetry = moving.symmetry();
-  database.body_length = body_length(*source.plan.model, parameters);
+  database.body_length = MotionStates::body_length(*source.plan.model, parameters);
   database.events = event_options(mean_square_speed(source, moving, options), database.body_length);
   Cutter cutter(sweep, source, database, database.step, std::lround(database.frame_interval / database.step));
   require_done(watch_batch(

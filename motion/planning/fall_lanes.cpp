@@ -43,7 +43,7 @@ std::vector<std::size_t> velocity_places(const models::ModelInfo& info) {
 
 double MotionPlan::semi_length() const {
   const models::ParametricModel parametric(model, fixed, {});
-  const double semi = 0.5 * body_length(*model, parametric.parameters({}));
+  const double semi = 0.5 * motion::MotionStates::body_length(*model, parametric.parameters({}));
   return semi > 0.0 ? semi : parametric.scales({}).length;
 }
 
