@@ -80,6 +80,9 @@ SweepResult run_sweep(const SweepPlan& plan, const SweepOptions& options = {});
 bool append_falls(const SweepPlan& plan, const Eigen::MatrixXd& points, const SweepOptions& options,
                   Sweep& sweep);
 
+/// Equations, parameters and initial values: what makes a model another one of the same name.
+std::string model_text(const models::ModelInfo& info);
+
 /// A sweep of the plan without any falls.
 Sweep empty_sweep(const SweepPlan& plan);
 

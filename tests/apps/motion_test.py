@@ -156,6 +156,10 @@ step = "1 ms"
                          "inside the box")
         self.check_error(run("regime", "immersed_body", "--set", "a=1 cm", "--set", "b=1 cm", "--set", "c=0.01 mm", "--set", "density=1000",
                              "--sweep", path), 2, "is of the model \"falling_plate\"")
+        # What the sweep held fixed is asked for, too, and what follows from it.
+        self.check_error(run("regime", "falling_plate", *there[:4], "--set", "semi_thickness=2 mm", "--sweep", path), 2,
+                         "semi_thickness of the body is 0.002, expected 0.001, at which the sweep held it")
+        self.check_error(run("regime", "falling_plate", *there, "--set", "x(0)=1", "--sweep", path), 2, "x(0) of the body is 1, expected 0")
 
     def test_an_interrupted_sweep_goes_on_where_it_stopped(self):
         plan = write("long.toml", PLATES.replace("count = 9", "count = 15000").replace("until = 120", "until = 60"))
