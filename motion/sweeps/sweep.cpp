@@ -241,6 +241,10 @@ std::vector<int> Sweep::counts(Eigen::Index release) const {
   return all;
 }
 
+Eigen::Index Sweep::run_count() const {
+  return fall_count() - std::ranges::count(status, FallStatus::inherited);
+}
+
 Sweep empty_sweep(const SweepPlan& plan) {
   Sweep sweep;
   sweep.model = plan.model->info().name;

@@ -72,7 +72,8 @@ def test_a_sweep_that_is_ended_keeps_what_was_done():
     assert not ended.complete and "cancelled" in ended.message
     assert 0 < len(ended.labels) < 5400 and len(ended.labels) == len(ended.features)
     refined = samara.sweep({**PLATES, "refine": {"rounds": 1}}, progress=False)
-    assert [points for points, _ in refined.rounds] == [27, 17 * 5]
+    assert [points for points, *_ in refined.rounds] == [27, 17 * 5]
+    assert refined.rounds[0][1] == 27 and refined.rounds[1][1] == (refined.status[::2] != "inherited").sum()
 
 
 def test_records_of_captures_are_labelled_as_the_command_labels_them(tmp_path):
