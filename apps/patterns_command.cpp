@@ -234,7 +234,7 @@ std::string transitions_text(const motion::Transitions& all) {
   std::string text;
   for (Eigen::Index i = 0; i < all.counts.rows(); ++i) {
     for (Eigen::Index j = 0; j < all.counts.cols(); ++j) {
-      if (!std::isfinite(all.probability(i, j)) || all.counts.row(i).sum() == 0) continue;
+      if (!std::isfinite(all.probability(i, j))) continue;
       text += fmt::format("  {:<14} to {:<14} {:>6}  {:.2f} ({:.2f} to {:.2f}, 95 %)\n",
                           motion::pattern_names()[static_cast<std::size_t>(i)],
                           motion::pattern_names()[static_cast<std::size_t>(j)], all.counts(i, j),

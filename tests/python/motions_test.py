@@ -110,9 +110,8 @@ def test_patterns_are_frames(tmp_path):
     assert list(found.windows["record"]) == ["a", "b"] and list(found.windows["pattern"]) == ["spiral", "zigzag"]
     assert list(found.features["pattern"]) == ["spiral", "zigzag"] and len(found.features.columns) == 2 + len(samara.FEATURES)
     assert list(found.records[0].frame.columns) == ["t", "x", "y", "z"]
-    # Each seen once, never one after the other: half of nothing is still a half.
-    assert set(zip(found.transitions["from"], found.transitions["to"])) == {("spiral", "zigzag"), ("zigzag", "spiral")}
-    assert (found.transitions["count"] == 0).all() and (found.transitions["upper"] == 1).all()
+    # Each seen once, never one after the other: nothing is known of what follows.
+    assert len(found.transitions) == 0
     found.report(tmp_path / "page.html")
     assert "Patterns of captures" in (tmp_path / "page.html").read_text()
 
