@@ -13,6 +13,7 @@
 #include "samara/base/errors.h"
 #include "samara/identification/pages/html_page.h"
 #include "samara/motion/patterns/transitions.h"
+#include "samara/motion/records/even_frames.h"
 #include "samara/motion/sweeps/pattern_map.h"
 #include "samara/motion/sweeps/phase_diagram.h"
 #include "samara/motion/sweeps/sweep_plan.h"
@@ -253,7 +254,9 @@ Features window_features(const MotionRecord& record, const LabelledWindow& windo
   const Eigen::Index first = std::lower_bound(begin, end, window.from) - begin;
   const Eigen::Index count = std::upper_bound(begin, end, window.to) - begin - first;
   if (count < kFewestFrames) return {};
-  return features(part(record, first, count), {.settle_share = 0.0});
+  const MotionRecord piece = part(record, first, count);
+  if (!long_gap(piece.times).empty()) return {};
+  return features(piece, {.settle_share = 0.0});
 }
 
 }  // namespace

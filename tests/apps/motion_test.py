@@ -247,6 +247,11 @@ class Patterns(Case):
         self.check_error(run("patterns", swing, "--threshold", "steady_swa=2"), 2, "--threshold", "did you mean \"steady_sway\"")
         self.check_error(run("patterns", swing, "--threshold", "veers=-2"), 2, "--threshold", "veers is -2")
         self.check_error(run("patterns", swing, "--set", "a=1"), 2, "--body was expected")
+        # One with a gap says so, and the others are answered.
+        far = self.track("far.csv", numpy.c_[t, 0.1 * numpy.sin(6 * t), 0 * t, -0.4 * t][(t < 5) | (t > 5.3)])
+        both = json.loads(run("patterns", far, swing, "--length", "5 cm", "--report", FOLDER / "both.html", "--json").stdout)["captures"]
+        self.assertEqual([[w["pattern"] for w in c["windows"]] for c in both], [["unresolved"], ["zigzag"]])
+        self.assertIn("no frames from 4.98 to 5.32 s", both[0]["windows"][0]["why"])
         short = self.track("short.csv", numpy.c_[t, t, t, t][:9])
         self.check_error(run("patterns", short), 2, "has 9 frames that were seen, expected at least 12")
 
