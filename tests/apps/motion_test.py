@@ -219,6 +219,11 @@ step = "1 ms"
         half = FOLDER / "half.h5"
         half.write_bytes(swept().read_bytes()[:3000])
         self.check_error(run("patterns", half), 3, "half.h5", "HDF5")
+        shutil.copy(swept(), half)
+        with h5py.File(half, "a") as file:
+            del file["model_text"]
+            file.create_dataset("model_text", (0,), "S8")
+        self.check_error(run("patterns", half), 3, "/model_text", "is not one text")
 
 
 class Patterns(Case):
