@@ -26,8 +26,8 @@ using Data = nlohmann::ordered_json;
 
 /// Below, a place of the map is drawn pale.
 constexpr double kSure = 0.7;
-/// Of a grid with more points, slices are drawn from the nearest falls, as of drawn points.
-constexpr Eigen::Index kMostCells = 300'000;
+/// Of a grid with more points, slices are drawn from the nearest falls, as of drawn points: each cell asks all points.
+constexpr Eigen::Index kMostCells = 40'000;
 /// Places along each side of such a slice, and coordinates whose slices there are.
 constexpr int kRaster = 32;
 constexpr Eigen::Index kMostAxes = 6;
@@ -142,11 +142,13 @@ bool has_cells(const Sweep& sweep) {
   return cells > 0 && cells <= kMostCells && cells * sweep.release_count() == sweep.fall_count();
 }
 
-/// Every point of a grid, the last axis fastest.
+/// The map at every point of a grid, the last axis fastest.
 std::string cells_text(const Sweep& sweep, const PatternMap& map) {
   std::string text;
-  for (Eigen::Index n = 0; n < map.size(); ++n)
-    text += letter(map.pattern(n), map.at(sweep.points.row(n)).probability);
+  for (Eigen::Index n = 0; n < map.size(); ++n) {
+    const MapAnswer answer = map.at(sweep.points.row(n));
+    text += letter(answer.pattern, answer.probability);
+  }
   return text;
 }
 
