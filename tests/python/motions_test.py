@@ -165,6 +165,8 @@ def test_a_cloud_is_that_of_the_command(tmp_path):
     alone = samara.realise("immersed_body_in_gusts", LEAF, times, air, 1, 7, first=1, keep=1)
     seen = np.isfinite(cloud.kept[1]).all(axis=1)
     np.testing.assert_array_equal(alone.kept[0][seen], cloud.kept[1][seen])
+    with pytest.raises(samara.ArgumentError, match=r"stream has the shape \(1, 3\), expected \(3,\)"):
+        samara.realise("immersed_body_in_gusts", LEAF, times, samara.Turbulence(0.3, 0.2, stream=[[1, 0, 0]]))
     with pytest.raises(samara.ArgumentError, match="expected a samara.Wind"):
         samara.realise("immersed_body_in_gusts", LEAF, times, "wind.toml")
     with pytest.raises(samara.ArgumentError, match="immersed_body"):
