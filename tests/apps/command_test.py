@@ -177,7 +177,7 @@ class Completion(Case):
         script = f'{run("completion", "bash").stdout}\nCOMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _samara; printf "%s\\n" "${{COMPREPLY[@]}}"'
         result = subprocess.run(["bash", "-c", script, "bash", SAMARA, *map(str, words)], capture_output=True, text=True, cwd=FOLDER)
         self.assertEqual(result.returncode, 0, result.stderr)
-        return result.stdout.split()
+        return result.stdout.splitlines()
 
     def test_bash_completes_commands_options_models_choices_and_names(self):
         self.assertEqual(self.complete("qu"), ["query"])
@@ -189,6 +189,8 @@ class Completion(Case):
         self.assertEqual(self.complete("build", write("named.toml", COIN_PLAN), "--set", "thi"), ["thickness="])
         write("beside.csv", "")
         self.assertIn("beside.csv", self.complete("fit", "besi"))
+        write("with a blank.h5", "")
+        self.assertEqual(self.complete("info", "with"), ["with a blank.h5"])
 
     def test_every_shell_gets_every_option(self):
         for shell in ("bash", "zsh", "fish"):
