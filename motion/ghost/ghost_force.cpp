@@ -174,7 +174,7 @@ class BodyOnPath {
     std::vector<models::Wrench> wrenches(terms.size());
     model_.forces(time(0), span(x_), p_, wrenches);
     net_weight_ = wrenches[static_cast<std::size_t>(gravity - terms.begin())].force.norm();
-    semi_length_ = 0.5 * body_length(model_, complete_);
+    semi_length_ = 0.5 * motion::MotionStates::body_length(model_, complete_);
     if (!(semi_length_ > 0.0)) semi_length_ = parametric.scales({}).length;
     if (!(net_weight_ > 0.0)) {
       throw ArgumentError(fmt::format("the net weight of \"{}\" is {}, expected a body that does not float",
