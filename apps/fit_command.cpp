@@ -70,19 +70,11 @@ void check_outputs(const FitArguments& arguments, const id::FitRequest& request)
   if (!arguments.output.empty()) check_output(arguments.output, inputs);
   if (!arguments.report.empty()) check_output(arguments.report, inputs);
   if (!arguments.series.empty()) check_output(arguments.series, inputs);
-  if (!arguments.petab.empty()) {
-    if (std::ranges::none_of(arguments.captures, [](const std::string& file) {
-          return file.ends_with(".yaml") || file.ends_with(".yml");
-        }))
-      throw ArgumentError(
-          "--petab writes the tables of a PEtab problem; one (.yaml) was expected as CAPTURE");
-    std::error_code reason;
-    std::filesystem::create_directory(arguments.petab, reason);
-    if (!std::filesystem::is_directory(arguments.petab))
-      throw ArgumentError(
-          fmt::format("--petab names \"{}\", which is no folder and cannot become one", arguments.petab));
-    for (const std::string& file : petab_files(arguments)) check_output(file, inputs);
-  }
+  const auto is_problem = [](const std::string& file) {
+    return file.ends_with(".yaml") || file.ends_with(".yml");
+  };
+  if (!arguments.petab.empty() && std::ranges::none_of(arguments.captures, is_problem))
+    throw ArgumentError("--petab writes the tables of a PEtab problem; one (.yaml) was expected as CAPTURE");
   const std::vector<std::pair<std::string, std::string>> written = {
       {"--report", arguments.report}, {"--output", arguments.output}, {"--series", arguments.series}};
   for (std::size_t a = 0; a < written.size(); ++a) {
@@ -96,6 +88,14 @@ void check_outputs(const FitArguments& arguments, const id::FitRequest& request)
                                       written[b].first, written[a].second));
     }
   }
+  if (arguments.petab.empty()) return;
+  // Last: a call that is refused leaves no folder behind.
+  std::error_code reason;
+  std::filesystem::create_directory(arguments.petab, reason);
+  if (!std::filesystem::is_directory(arguments.petab))
+    throw ArgumentError(
+        fmt::format("--petab names \"{}\", which is no folder and cannot become one", arguments.petab));
+  for (const std::string& file : petab_files(arguments)) check_output(file, inputs);
 }
 
 /// Files before the screen: an answer that cannot be printed is not lost.

@@ -20,7 +20,7 @@ void remember(int signal) {
 }
 
 void end_at_once(int /*signal*/) {
-  constexpr char kSentence[] = "\nsamara: interrupted; no file was changed\n";
+  constexpr char kSentence[] = "\nsamara: interrupted\n";
   // What stderr does not take is lost.
   [[maybe_unused]] const auto written = write(STDERR_FILENO, kSentence, sizeof kSentence - 1);
   _exit(kInterrupted);

@@ -43,7 +43,7 @@ struct Listed {
   const models::ModelInfo& info() const { return model ? model->info() : field->info; }
 };
 
-Json to_json(const Listed& listed) {
+Json listed_json(const Listed& listed) {
   const models::ModelInfo& info = listed.info();
   const models::ForceUnits units = models::force_units(info);
   Json object = {{"name", info.name},
@@ -219,7 +219,7 @@ int run(const ModelsArguments& arguments) {
   }
   if (arguments.json) {
     Json object = {{"schema", "samara-models/1"}, {"models", Json::array()}};
-    for (const Listed& one : listed) object["models"].push_back(to_json(one));
+    for (const Listed& one : listed) object["models"].push_back(listed_json(one));
     write_answer(arguments.output, object.dump() + "\n");
   } else if (!arguments.model.empty()) {
     write_answer(arguments.output, explain(listed.front()));

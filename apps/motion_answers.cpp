@@ -26,7 +26,11 @@ std::string sweep_counts(const motion::Sweep& sweep) {
     text += fmt::format("\n{:<24}", release_text(sweep, r));
     for (const int count : sweep.counts(r)) text += fmt::format(" {:>12}", count);
   }
-  return text + "\n" + thresholds_text(sweep.thresholds);
+  text += "\n";
+  if (sweep.run_count() < sweep.fall_count())
+    text += fmt::format("{} of {} falls were run, the others inherited their patterns\n", sweep.run_count(),
+                        sweep.fall_count());
+  return text + thresholds_text(sweep.thresholds);
 }
 
 std::string thresholds_text(const motion::PatternThresholds& thresholds) {
@@ -68,9 +72,13 @@ Json number_or_null(double value) {
 }
 
 Json sweep_json(const motion::Sweep& sweep) {
-  Json object = {{"schema", "samara-sweep/1"},  {"model", sweep.model},
-                 {"coordinates", sweep.names},  {"points", sweep.points.rows()},
-                 {"falls", sweep.fall_count()}, {"thresholds", thresholds_json(sweep.thresholds)},
+  Json object = {{"schema", "samara-sweep/1"},
+                 {"model", sweep.model},
+                 {"coordinates", sweep.names},
+                 {"points", sweep.points.rows()},
+                 {"falls", sweep.fall_count()},
+                 {"run", sweep.run_count()},
+                 {"thresholds", thresholds_json(sweep.thresholds)},
                  {"releases", Json::array()}};
   for (Eigen::Index r = 0; r < sweep.release_count(); ++r) {
     Json one = {{"release", release_text(sweep, r)}};

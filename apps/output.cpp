@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include <fmt/format.h>
 
@@ -37,6 +38,17 @@ void check_output(const std::string& path, const std::vector<std::string>& input
     }
   }
   io::require_writable(path);
+}
+
+void check_replaced(const std::string& path, const std::string& kind, const std::string& mark) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return;
+  constexpr std::size_t kLooked = 65536;
+  std::string begin(kLooked, '\0');
+  std::ifstream(path, std::ios::binary).read(begin.data(), kLooked);
+  if (begin.find(mark) == std::string::npos)
+    throw ArgumentError(
+        fmt::format("the output \"{}\" is a file, and no {}: it would be overwritten", path, kind));
 }
 
 void write_answer(const std::string& path, const std::string& text) {

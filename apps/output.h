@@ -20,6 +20,10 @@ void print(const Json& object);
 /// Before the work is done: whether an answer can be written to the file.
 /// @throws ArgumentError if not, or if it is one of the inputs.
 void check_output(const std::string& path, const std::vector<std::string>& inputs);
+/// Of a file that is written by a name that may be another's: a sentence for where it is there and is none of its kind.
+/// @param kind such as "plan" @param mark what every file of the kind holds in its first 64 kB
+/// @throws ArgumentError if the file is there, regular, and without the mark
+void check_replaced(const std::string& path, const std::string& kind, const std::string& mark);
 /// To a file, or to stdout if the path is empty.
 void write_answer(const std::string& path, const std::string& text);
 /// Of a command whose result is a file: with --json, which file and how large, as one object (schema samara-file/1).

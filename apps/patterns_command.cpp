@@ -106,9 +106,10 @@ std::string landing_text(const Sweep& sweep, Eigen::Index release) {
 
 std::string map_text(const motion::PatternMap& map) {
   std::string text = fmt::format(
-      "map: {:.1f} % of points are called right by their {} nearest; {:.1f} % have a neighbour "
-      "of another pattern\n",
-      100.0 * map.left_one_out(), motion::PatternMap::kNeighbours, 100.0 * map.border_share());
+      "map: {:.1f} % of the {} points that were run are called right by their {} nearest; {:.1f} % have a "
+      "neighbour of another pattern\n",
+      100.0 * map.left_one_out(), map.run_count(), motion::PatternMap::kNeighbours,
+      100.0 * map.border_share());
   const std::vector<motion::MapRegion> regions = map.regions();
   for (std::size_t k = 0; k < motion::kPatterns; ++k) {
     const auto pattern = static_cast<motion::Pattern>(k);
@@ -148,8 +149,10 @@ Json landing_json(const Sweep& sweep, Eigen::Index release) {
 
 Json release_json(const Sweep& sweep, Eigen::Index release, int clusters) {
   const motion::PatternMap map(sweep, release);
-  Json one = {
-      {"left_one_out", map.left_one_out()}, {"border_share", map.border_share()}, {"regions", Json::array()}};
+  Json one = {{"left_one_out", map.left_one_out()},
+              {"points_run", map.run_count()},
+              {"border_share", map.border_share()},
+              {"regions", Json::array()}};
   for (const motion::MapRegion& region : map.regions())
     one["regions"].push_back({{"pattern", to_string(region.pattern)}, {"points", region.falls}});
   one["clusters"] = Json::array();
@@ -234,7 +237,7 @@ std::string transitions_text(const motion::Transitions& all) {
   std::string text;
   for (Eigen::Index i = 0; i < all.counts.rows(); ++i) {
     for (Eigen::Index j = 0; j < all.counts.cols(); ++j) {
-      if (!std::isfinite(all.probability(i, j)) || all.counts.row(i).sum() == 0) continue;
+      if (!std::isfinite(all.probability(i, j))) continue;
       text += fmt::format("  {:<14} to {:<14} {:>6}  {:.2f} ({:.2f} to {:.2f}, 95 %)\n",
                           motion::pattern_names()[static_cast<std::size_t>(i)],
                           motion::pattern_names()[static_cast<std::size_t>(j)], all.counts(i, j),

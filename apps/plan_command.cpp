@@ -52,7 +52,10 @@ std::vector<std::string> names_of(const std::string& source) {
 }  // namespace
 
 int run(const PlanArguments& arguments) {
-  if (!arguments.output.empty()) check_output(arguments.output, {arguments.model});
+  if (!arguments.output.empty()) {
+    check_output(arguments.output, {arguments.model});
+    check_replaced(arguments.output, "plan", "[box");
+  }
   const models::FieldModel* field = models::find_field_model(arguments.model);
   write_answer(arguments.output,
                field != nullptr

@@ -15,6 +15,7 @@
 #include "samara/base/unit_labels.h"
 #include "samara/codebooks/plan/plan_changes.h"
 #include "samara/io/text_file.h"
+#include "value_lists.h"
 
 namespace samara::apps {
 
@@ -37,7 +38,11 @@ codebooks::PlanChanges changes_of(const BuildArguments& arguments, const std::ve
     const std::size_t dots = setting.text.find("..");
     const std::string upper =
         dots == std::string::npos ? "" : std::string(trimmed(setting.text.substr(dots + 2)));
-    changes.coordinates.push_back({name, std::string(trimmed(setting.text.substr(0, dots))), upper});
+    std::string lower(trimmed(setting.text.substr(0, dots)));
+    // "0.5..2 mm" is meant as 0.5 mm to 2 mm, as in lists of numbers.
+    if (!lower.empty() && unit_behind(lower).empty() && !unit_behind(upper).empty())
+      lower += " " + unit_behind(upper);
+    changes.coordinates.push_back({name, lower, upper});
     if (changes.coordinates.back().value.empty() || (dots != std::string::npos && upper.empty()))
       throw ArgumentError(fmt::format("--set \"{}\": NAME=VALUE or NAME=FROM..TO was expected", text));
   }

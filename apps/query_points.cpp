@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,7 @@
 #include "samara/base/unit_labels.h"
 #include "samara/base/units.h"
 #include "samara/io/number_table.h"
+#include "samara/io/text_file.h"
 #include "value_lists.h"
 
 namespace samara::apps {
@@ -56,7 +58,9 @@ struct GivenPoints {
 
 GivenPoints given_points(const std::string& path, const std::vector<Coordinate>& coordinates) {
   const bool is_stdin = path == "-";
-  GivenPoints given{is_stdin ? "stdin" : path, io::NumberTable::read(is_stdin ? "/dev/stdin" : path), {}};
+  const std::string file = is_stdin ? "stdin" : path;
+  std::string text = io::read_text_file(is_stdin ? "/dev/stdin" : path);
+  GivenPoints given{file, io::NumberTable::parse(std::move(text), file), {}};
   std::vector<std::string> known;
   for (const Coordinate& c : coordinates) known.push_back(c.name);
   for (const std::string& header : given.table.header()) {

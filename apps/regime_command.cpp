@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <optional>
 
 #include <fmt/format.h>
@@ -31,32 +30,12 @@ std::string regime_text(const motion::FallNumbers& n, const motion::RegimeAnswer
   return text;
 }
 
-/// Of the falls of a sweep around this body.
-motion::SharesAt shares_of(const std::string& file, const models::ParametricModel& body) {
+motion::SharesAt shares_around(const std::string& file, const models::ParametricModel& body) {
   const motion::Sweep sweep = motion::load_sweep(file);
-  const models::ModelInfo& info = body.model().info();
-  if (sweep.model != info.name)
-    throw ArgumentError(fmt::format("--sweep: {} is of the model \"{}\", expected one of \"{}\"", file,
-                                    sweep.model, info.name));
-  const std::vector<double> parameters = body.parameters({});
-  std::vector<double> initial(info.states.size());
-  body.initial({}, initial);
-  Eigen::VectorXd point(static_cast<Eigen::Index>(sweep.names.size()));
-  for (Eigen::Index k = 0; k < point.size(); ++k) {
-    const std::string& name = sweep.names[static_cast<std::size_t>(k)];
-    const auto parameter = std::ranges::find(info.parameters, name, &models::ParameterInfo::name);
-    const auto state =
-        std::ranges::find_if(info.states, [&](const auto& one) { return one.name + "(0)" == name; });
-    if (parameter == info.parameters.end() && state == info.states.end())
-      throw InputError(file, fmt::format("has the coordinate \"{}\", which the model has not", name));
-    point[k] = parameter != info.parameters.end()
-                   ? parameters[static_cast<std::size_t>(parameter - info.parameters.begin())]
-                   : initial[static_cast<std::size_t>(state - info.states.begin())];
-  }
   try {
-    return motion::shares_at(sweep, point);
+    return motion::shares_of(sweep, body);
   } catch (const ArgumentError& error) {
-    throw ArgumentError(fmt::format("--sweep: {}", error.what()));
+    throw ArgumentError(fmt::format("--sweep {}: {}", file, error.what()));
   }
 }
 
@@ -93,7 +72,7 @@ int run(const RegimeArguments& arguments) {
         "guess",
         numbers.Re, numbers.I_disc));
   std::optional<motion::SharesAt> shares;
-  if (!arguments.sweep.empty()) shares = shares_of(arguments.sweep, body);
+  if (!arguments.sweep.empty()) shares = shares_around(arguments.sweep, body);
   if (!arguments.json) {
     write_answer(arguments.output, regime_text(numbers, answer) + (shares ? shares_text(*shares) : ""));
     return kDone;

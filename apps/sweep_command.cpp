@@ -49,8 +49,8 @@ int end_interrupted_sweep(const motion::SweepOptions& options, const std::string
 
 void narrate_rounds(const motion::RefiningResult& refined) {
   for (const motion::RefiningRound& round : refined.rounds)
-    narrate(fmt::format("{} points tell {:.2f} % of those left out right", round.points,
-                        100.0 * round.agreement));
+    narrate(fmt::format("{} points, {} of them run, tell {:.2f} % of those that came first right",
+                        round.points, round.run, 100.0 * round.agreement));
   narrate("refined: " + refined.message);
 }
 
@@ -67,6 +67,8 @@ int run(const SweepArguments& arguments) {
   clear_progress();
   if (!result.complete) return end_interrupted_sweep(options, result.message);
   if (result.taken_up > 0) narrate(fmt::format("took up {} falls of an earlier sweep", result.taken_up));
+  double seconds = result.seconds;
+  Json rounds = Json::array();
   // What was swept is not lost if refining is interrupted.
   if (plan.refine > 0) {
     save(result.sweep, options.checkpoint);
@@ -75,14 +77,19 @@ int run(const SweepArguments& arguments) {
     clear_progress();
     if (!refined.complete) return end_interrupted_sweep(options, "interrupted while it was refined");
     narrate_rounds(refined);
+    seconds += refined.seconds;
+    for (const motion::RefiningRound& round : refined.rounds)
+      rounds.push_back({{"points", round.points}, {"run", round.run}, {"agreement", round.agreement}});
   }
   save(result.sweep, arguments.output);
   std::error_code ignored;
   std::filesystem::remove(options.checkpoint, ignored);
-  narrate(fmt::format("swept {} falls in {:.2f} s: {}", result.sweep.fall_count(), result.seconds,
-                      arguments.output));
+  narrate(fmt::format("swept {} falls, {} of them run, in {:.2f} s: {}", result.sweep.fall_count(),
+                      result.sweep.run_count(), seconds, arguments.output));
   if (arguments.json) {
-    print(sweep_json(result.sweep));
+    Json object = sweep_json(result.sweep);
+    object["rounds"] = rounds;
+    print(object);
   } else {
     print(sweep_counts(result.sweep));
   }

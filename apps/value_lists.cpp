@@ -24,14 +24,6 @@ std::vector<std::string> split_at(const std::string& text, char separator) {
   return parts;
 }
 
-/// What stands behind the number: "s" of "0.2 s".
-std::string unit_behind(const std::string& text) {
-  const NumberPrefix number = read_number(text);
-  return number.problem == NumberProblem::none
-             ? std::string(trimmed(std::string_view(text).substr(number.length)))
-             : "";
-}
-
 std::vector<double> values_of(const std::string& option, std::vector<std::string> parts,
                               const std::string& unit) {
   const std::string last = unit_behind(parts.back());
@@ -67,6 +59,13 @@ std::vector<double> range_of(const std::string& option, const std::string& text,
 }
 
 }  // namespace
+
+std::string unit_behind(const std::string& text) {
+  const NumberPrefix number = read_number(text);
+  return number.problem == NumberProblem::none
+             ? std::string(trimmed(std::string_view(text).substr(number.length)))
+             : "";
+}
 
 std::vector<double> numbers_of(const std::string& option, const std::string& text, const std::string& unit) {
   if (text.find(':') == std::string::npos) return values_of(option, split_at(text, ','), unit);

@@ -76,6 +76,11 @@ pkg-config.")
 
 # What every package of Debian has: who may copy it, and what has changed.
 find_program(samara_gzip gzip)
+# Their date is that of the version in CHANGELOG.md.
+file(STRINGS ${PROJECT_SOURCE_DIR}/CHANGELOG.md samara_heading REGEX "^## ${PROJECT_VERSION}, ")
+string(REGEX MATCH "[0-9]+-[0-9]+-[0-9]+" samara_day "${samara_heading}")
+execute_process(COMMAND ${CMAKE_COMMAND} -E env LC_ALL=C date -u -R -d "${samara_day} 12:00" OUTPUT_VARIABLE samara_date
+  OUTPUT_STRIP_TRAILING_WHITESPACE)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/debian/changelog.in ${CMAKE_CURRENT_BINARY_DIR}/debian/changelog @ONLY)
 if(samara_gzip)
   execute_process(COMMAND ${samara_gzip} -9 -n -k -f ${CMAKE_CURRENT_BINARY_DIR}/debian/changelog)

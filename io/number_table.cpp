@@ -52,7 +52,7 @@ bool read_part(std::string_view text, Index columns, char delimiter, std::vector
   while (at < end) {
     for (Index column = 0; column < columns; ++column) {
       if (delimiter != '\t') skip_blanks(at, end);
-      if (at < end && *at == '+') ++at;
+      if (at < end && *at == '+' && ++at < end && *at == '-') return false;
       double value = 0.0;
       const auto [rest, problem] = std::from_chars(at, end, value);
       if (problem != std::errc() || !std::isfinite(value)) return false;

@@ -60,6 +60,13 @@ Span lines_of(const std::string& text, const toml::key& key, const toml::node& v
   return lines;
 }
 
+/// Whether the line is the head of the table itself, and not of one in it, as [box.C_D] is of [box].
+bool is_head_of(const std::string& line, const std::string& table) {
+  const toml::table root = toml::parse(line);
+  const toml::table* own = root[table].as_table();
+  return own != nullptr && own->empty();
+}
+
 std::string changed_once(const std::string& text, const std::string& name, const TomlChange& change) {
   toml::table root;
   try {
@@ -88,6 +95,10 @@ std::string changed_once(const std::string& text, const std::string& name, const
   const std::size_t head = offset_of(text, table->source().begin);
   if (head >= text.size() || text[head] != '[') refuse(change);
   const std::size_t behind = line_end(text, head);
+  if (!is_head_of(text.substr(head, behind - head), change.table)) {
+    const std::size_t before = line_begin(text, head);
+    return text.substr(0, before) + "[" + toml_key(change.table) + "]\n" + line + "\n" + text.substr(before);
+  }
   const std::string gap = text[behind - 1] == '\n' ? "" : "\n";
   return text.substr(0, behind) + gap + line + text.substr(behind);
 }

@@ -79,7 +79,7 @@ std::string option_branches(const std::vector<CommandWords>& tree) {
 constexpr const char* kBash = R"SH(# Completion of samara for bash: source <(samara completion bash)
 _samara_models="@models@"
 _samara_words() { COMPREPLY=($(compgen -W "$1" -- "$current")); }
-_samara_files() { COMPREPLY=($(compgen -f -- "$current")); compopt -o filenames 2>/dev/null; }
+_samara_files() { mapfile -t COMPREPLY < <(compgen -f -- "$current"); compopt -o filenames 2>/dev/null; }
 _samara_names() {
   local names=$("${COMP_WORDS[0]}" completion --names "${COMP_WORDS[2]}" 2>/dev/null)
   COMPREPLY=($(compgen -S = -W "$names" -- "$current"))

@@ -50,7 +50,7 @@ void run_walks(const Options& options) {
   const motion::NextPieces pieces(planar_motions(600));
   double worst = 1.0;
   // Drawn when all else was frozen: choices were made on seeds 5, 6 and 9.
-  for (const std::uint64_t seed : {101u, 102u, 103u, 104u}) {
+  for (const std::uint64_t seed : {2201u, 2202u, 2203u, 2204u}) {
     motion::Bodies body(pieces, 1,
                         {.choice = motion::BodiesOptions::Choice::graph, .ramp = 1.0, .seed = seed});
     body.release(0, {0.0, 0.0, 0.0}, 0.0);

@@ -135,7 +135,8 @@ samara_precision samara_query_precision(const samara_query* query);
 samara_status samara_values(samara_query* query, const double* x, double* values);
 /* The same with derivatives: gradient[output * coordinates + coordinate]. */
 samara_status samara_gradient(samara_query* query, const double* x, double* values, double* gradient);
-/* Many points, one after the other; threads 0: as many as the machine has. */
+/* Many points, one after the other; threads 0: as many as the machine has. Where an output is derived, one thread
+ * answers, whatever `threads` says; so also in the two batches below. */
 samara_status samara_batch(samara_query* query, size_t count, const double* points, double* values,
                            int threads);
 /* The same with derivatives, those of each point as samara_gradient() has them. */
@@ -159,7 +160,7 @@ size_t samara_trajectory_time_count(const samara_trajectory* trajectory);
  * wanted: derivatives[(parameter * outputs + output) * times + time]. */
 samara_status samara_trajectory_values(samara_trajectory* trajectory, const double* q, double* values,
                                        double* derivatives);
-/* Many trajectories, one after the other. */
+/* Many trajectories, one after the other; threads as in samara_batch(). */
 samara_status samara_trajectory_batch(samara_trajectory* trajectory, size_t count, const double* points,
                                       double* values, double* derivatives, int threads);
 

@@ -26,7 +26,8 @@
  *
  * Numbers are doubles, in SI units, angles in rad. A book does not change once it is open: threads share it, each
  * with its own work space. Answers do not allocate. Compile with optimisation, and for the machine where that may
- * be (-O3 -march=native): GCC and Clang then use its vectors.
+ * be (-O3 -march=native): GCC and Clang then use its vectors. Under -ffast-math files and points that hold NaN or
+ * infinity are refused as well.
  *
  * A file that is damaged, cut off, from another format version or of another byte order is refused when it is
  * opened: every size and offset in it is checked, and a checksum over all of it.
@@ -140,6 +141,8 @@ typedef double samara_eval_lanes;
 
 /* Numbers of rows are stored up to a multiple of this. */
 #define SAMARA_EVAL_PAD 8
+/* Doubles of a work space, whose size in bytes the caller works out, and adds some to. */
+#define SAMARA_EVAL_MOST_WORK ((size_t)-1 / sizeof(double) / 2)
 /* Products of more differences may leave the range of doubles. */
 #define SAMARA_EVAL_MOST_PRODUCTS 64
 
@@ -193,6 +196,7 @@ struct samara_eval {
   samara_eval_group* group_list;
   samara_eval_piece* piece_list;
   size_t weights_lead, blend_lead, column_lead, work_size;
+  size_t numbers_read; /* words of all arrays that were checked */
 };
 
 /* Reading ------------------------------------------------------------------------------------------------ */
@@ -253,15 +257,26 @@ static int samara_eval_has(const samara_eval* book, size_t offset, size_t count,
   return each == 0 || count <= (book->word_count - offset) / each;
 }
 
-/* Finite numbers at the offset that word `at` holds; null if they are not there. */
-static const double* samara_eval_numbers(const samara_eval* book, size_t at, size_t count, size_t each) {
+/* Whether a number is neither infinite nor NaN: by its bits, since compilers that are told of finite numbers only
+ * (-ffast-math) take isfinite() away. */
+static int samara_eval_is_finite(double number) {
+  uint64_t word;
+  memcpy(&word, &number, 8);
+  return ((word >> 52) & 0x7ff) != 0x7ff;
+}
+
+/* Finite numbers at the offset that word `at` holds; null if they are not there. Arrays of a sound file do not
+ * overlap: one whose arrays have more words than it has itself is forged, and would take long to read. */
+static const double* samara_eval_numbers(samara_eval* book, size_t at, size_t count, size_t each) {
   const size_t offset = samara_eval_count(book, at);
   const double* numbers;
   size_t i;
   if (!samara_eval_has(book, offset, count, each)) return NULL;
+  if (count * each > book->word_count - book->numbers_read) return NULL;
+  book->numbers_read += count * each;
   numbers = (const double*)(const void*)(book->words + 8 * offset);
   for (i = 0; i < count * each; ++i)
-    if (!isfinite(numbers[i])) return NULL;
+    if (!samara_eval_is_finite(numbers[i])) return NULL;
   return numbers;
 }
 
@@ -295,7 +310,7 @@ static size_t samara_eval_padded(size_t count) {
   return (count + SAMARA_EVAL_PAD - 1) / SAMARA_EVAL_PAD * SAMARA_EVAL_PAD;
 }
 
-static int samara_eval_read_axis(const samara_eval* book, size_t at, samara_eval_axis* axis) {
+static int samara_eval_read_axis(samara_eval* book, size_t at, samara_eval_axis* axis) {
   if (!samara_eval_has(book, at, SAMARA_EVAL_AXIS_SIZE, 1)) return 0;
   axis->kind = samara_eval_count(book, at);
   axis->transform = samara_eval_count(book, at + 1);
@@ -306,7 +321,8 @@ static int samara_eval_read_axis(const samara_eval* book, size_t at, samara_eval
   axis->lower = samara_eval_number(book->words, at + 6);
   axis->upper = samara_eval_number(book->words, at + 7);
   axis->distances = axis->reference = axis->lambda = axis->slopes = NULL;
-  if (!isfinite(axis->lower) || !isfinite(axis->upper) || axis->lower > axis->upper) return 0;
+  if (!samara_eval_is_finite(axis->lower) || !samara_eval_is_finite(axis->upper) || axis->lower > axis->upper)
+    return 0;
   if (axis->nodes == 0 || axis->nodes > book->word_count || axis->transform > SAMARA_EVAL_SQUARE_ROOT)
     return 0;
   if (axis->kind == SAMARA_EVAL_LIST) {
@@ -467,7 +483,23 @@ static int samara_eval_read_tables(samara_eval* book) {
     book->attitude[i] = samara_eval_count(book, SAMARA_EVAL_H_ATTITUDE + 1 + i);
     if (book->has_attitude && book->attitude[i] >= book->outputs) return 0;
   }
-  return !book->has_attitude || (isfinite(book->attitude_length) && book->attitude_length > 0.0);
+  return !book->has_attitude || (samara_eval_is_finite(book->attitude_length) && book->attitude_length > 0.0);
+}
+
+/* a + b * c, or `most` + 1 where that is more than `most`; a may be that already. */
+static size_t samara_eval_sum_up(size_t a, size_t b, size_t c, size_t most) {
+  if (a > most || (c != 0 && b > (most - a) / c)) return most + 1;
+  return a + b * c;
+}
+
+/* Doubles of a work space: first nodes; weights and slopes of all axes; two blends; two lists of columns; room to
+ * align. `most` + 1 where they are more than `most`, as in a forged file where size_t has 32 bits. */
+static size_t samara_eval_work_of(const samara_eval* book, size_t most) {
+  const size_t d = book->coordinates;
+  size_t size = samara_eval_padded(d) + 2 * SAMARA_EVAL_PAD;
+  size = samara_eval_sum_up(size, book->weights_lead, 2 * d, most);
+  size = samara_eval_sum_up(size, book->blend_lead, 2, most);
+  return samara_eval_sum_up(size, book->column_lead, 2 * (d + 1), most);
 }
 
 /* Null, or what is wrong with the words of a file. */
@@ -493,7 +525,7 @@ static const char* samara_eval_read(samara_eval* book) {
   book->pieces = samara_eval_count(book, SAMARA_EVAL_H_PIECES);
   book->groups = samara_eval_count(book, SAMARA_EVAL_H_GROUPS);
   book->fixed = samara_eval_count(book, SAMARA_EVAL_H_FIXED);
-  /* Each has words of its own, so that no product of sizes overflows below. */
+  /* Each has words of its own, so that no product of these sizes overflows below. */
   if (d == 0 || d > 32767 || book->outputs > 32767 || book->fixed > 32767 || book->pieces == 0 ||
       book->pieces > book->word_count / (2 * d) ||
       book->groups > book->word_count / (d * SAMARA_EVAL_CORE_SIZE))
@@ -508,12 +540,11 @@ static const char* samara_eval_read(samara_eval* book) {
   if (!book->axis_list || !book->piece_list || !book->group_list || !book->core_list)
     return "memory is short";
   if (!samara_eval_read_pieces(book)) return contradiction;
-  /* First nodes; weights and slopes of all axes; two blends; two lists of columns; room to align. */
   book->column_lead += SAMARA_EVAL_PAD;
   book->blend_lead += SAMARA_EVAL_PAD;
-  book->work_size = samara_eval_padded(d) + 2 * d * book->weights_lead + 2 * book->blend_lead +
-                    2 * (d + 1) * book->column_lead + 2 * SAMARA_EVAL_PAD;
-  return NULL;
+  book->work_size = samara_eval_work_of(book, SAMARA_EVAL_MOST_WORK);
+  return book->work_size > SAMARA_EVAL_MOST_WORK ? "the file asks for more memory than there are addresses"
+                                                 : NULL;
 }
 
 /* Room for a file, on a border of vectors. */
@@ -966,12 +997,10 @@ samara_eval_status samara_eval_point(const samara_eval* book, double* work, cons
   const samara_eval_piece* piece;
   size_t k, g;
   if (book == NULL || work == NULL || x == NULL || values == NULL) return SAMARA_EVAL_WRONG_CALL;
+  for (k = 0; k < book->coordinates; ++k)
+    if (!samara_eval_is_finite(x[k])) return SAMARA_EVAL_WRONG_CALL;
   piece = samara_eval_find(book, x);
-  if (piece == NULL) {
-    for (k = 0; k < book->coordinates; ++k)
-      if (!isfinite(x[k])) return SAMARA_EVAL_WRONG_CALL;
-    return SAMARA_EVAL_OUTSIDE;
-  }
+  if (piece == NULL) return SAMARA_EVAL_OUTSIDE;
   work += (64 - (uintptr_t)work % 64) % 64 / 8;
   for (k = 0; k < book->coordinates; ++k) {
     double* const weights = work + samara_eval_padded(book->coordinates) + 2 * k * book->weights_lead;
@@ -989,7 +1018,7 @@ int samara_eval_outside(const samara_eval* book, const double* x) {
   for (k = 0; book != NULL && x != NULL && k < book->coordinates; ++k) {
     double lower = 0.0, upper = 0.0;
     samara_eval_bounds(book, (int)k, &lower, &upper);
-    if (!(x[k] >= lower && x[k] <= upper)) return (int)k;
+    if (!samara_eval_is_finite(x[k]) || !(x[k] >= lower && x[k] <= upper)) return (int)k;
   }
   return -1;
 }

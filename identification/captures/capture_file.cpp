@@ -92,7 +92,8 @@ void add_labels(std::vector<Capture>& captures, const Sidecar& sidecar) {
   require_file(sidecar, "labels", sidecar.labels->file);
   const io::DelimitedTable table = io::DelimitedTable::read(sidecar.labels->file);
   const std::string& column = sidecar.labels->column;
-  const std::vector<std::string> names = table.texts(column);
+  std::vector<std::string> names = table.texts(column);
+  for (std::string& name : names) name = with_decimal_point(name, table.decimal());
   for (Capture& capture : captures) {
     const auto label = capture.labels.find(column);
     const std::string name =
@@ -110,15 +111,18 @@ void add_labels(std::vector<Capture>& captures, const Sidecar& sidecar) {
     }
     for (const std::string& other : table.header()) {
       if (other != column)
-        capture.labels[other] = table.texts(other)[static_cast<std::size_t>(row - names.begin())];
+        capture.labels[other] = with_decimal_point(
+            table.texts(other)[static_cast<std::size_t>(row - names.begin())], table.decimal());
     }
   }
 }
 
 /// Captures whose labels are among those that `where` allows.
 void select_by_labels(std::vector<Capture>& captures, const Sidecar& sidecar) {
-  for (const auto& [label, allowed] : sidecar.where) {
+  for (auto [label, allowed] : sidecar.where) {
     if (!sidecar.has_label(label)) continue;
+    const char decimal = io::DelimitedTable::read(sidecar.labels->file).decimal();
+    for (std::string& value : allowed) value = with_decimal_point(value, decimal);
     std::erase_if(captures, [&](const Capture& capture) {
       const auto found = capture.labels.find(label);
       return found == capture.labels.end() || !is_allowed(found->second, allowed);

@@ -46,11 +46,13 @@ std::vector<std::string> named_cells(const io::DelimitedTable& table, const Side
 Rows selected_rows(const io::DelimitedTable& table, const Sidecar& sidecar) {
   Rows rows(table.rows());
   std::iota(rows.begin(), rows.end(), std::size_t{0});
-  for (const auto& [column, allowed] : sidecar.where) {
+  for (auto [column, allowed] : sidecar.where) {
     // Labels of captures are looked at when they are known.
     if (!table.has(column) && sidecar.has_label(column)) continue;
-    const std::vector<std::string> cells = named_cells(table, sidecar, "where", column, column);
-    for (const std::string& value : allowed) {
+    std::vector<std::string> cells = named_cells(table, sidecar, "where", column, column);
+    for (std::string& cell : cells) cell = with_decimal_point(cell, table.decimal());
+    for (std::string& value : allowed) {
+      value = with_decimal_point(value, table.decimal());
       if (std::ranges::any_of(cells, [&](const std::string& cell) { return is_allowed(cell, {value}); }))
         continue;
       throw sidecar.error("where", column,
@@ -221,7 +223,8 @@ Capture read_group(const io::DelimitedTable& table, const Columns& columns, cons
   Capture capture;
   capture.id = group.cells.empty() ? file_stem(table) : fmt::format("{}", fmt::join(group.cells, "/"));
   capture.file = table.file();
-  for (std::size_t k = 0; k < group.cells.size(); ++k) capture.labels[sidecar.group_by[k]] = group.cells[k];
+  for (std::size_t k = 0; k < group.cells.size(); ++k)
+    capture.labels[sidecar.group_by[k]] = with_decimal_point(group.cells[k], table.decimal());
   Rows rows = group.rows;
   capture.times = times_of(columns, sidecar, rows);
   keep_interval(rows, capture.times, sidecar);

@@ -56,7 +56,12 @@ std::string axis_of(const Weight& weight) {
 /// What turns the world of a capture, as a sidecar says it.
 std::string remedy(const Capture& capture, const Weight& weight) {
   const std::string axis = axis_of(weight).substr(1);
-  return capture.has("qw") ? fmt::format("up = \"-{}\"", axis) : fmt::format("flip = [\"{}\"]", axis);
+  if (capture.has("qw")) return fmt::format("up = \"-{}\"", axis);
+  std::string flipped = fmt::format("\"{}\"", axis);
+  // In a mirrored plane angles count the other way.
+  for (const char* const turn : {"theta", "w"})
+    if (capture.has(turn)) flipped += fmt::format(", \"{}\"", turn);
+  return fmt::format("flip = [{}]", flipped);
 }
 
 /// Downward, m, frame by frame; empty where it was not measured.

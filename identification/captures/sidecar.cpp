@@ -276,6 +276,13 @@ InputError Sidecar::error(const std::string& section, const std::string& key,
       .error(is_stated || section.empty() ? key : section, sentence);
 }
 
+std::string with_decimal_point(const std::string& cell, char decimal) {
+  if (decimal != ',' || std::ranges::count(cell, ',') != 1) return cell;
+  std::string pointed = cell;
+  std::ranges::replace(pointed, ',', '.');
+  return number_of(pointed) ? pointed : cell;
+}
+
 bool is_allowed(const std::string& cell, const std::vector<std::string>& allowed) {
   return std::ranges::any_of(allowed, [&](const std::string& text) {
     if (!is_comparison(text)) return cell == text;

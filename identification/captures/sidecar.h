@@ -86,6 +86,9 @@ struct Sidecar {
   InputError error(const std::string& section, const std::string& key, const std::string& sentence) const;
 };
 
+/// Of a cell "1,5", where the decimal sign is a comma, "1.5"; all else as it is.
+std::string with_decimal_point(const std::string& cell, char decimal);
+
 /// Whether a cell is among texts, of which "< 2" and "> 0.5" stand for all numbers below or above.
 bool is_allowed(const std::string& cell, const std::vector<std::string>& allowed);
 

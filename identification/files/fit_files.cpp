@@ -312,6 +312,8 @@ FitReport fit_files(const FitRequest& request) {
     } catch (const ArgumentError& error) {
       throw InputError(path->string(), error.what());
     }
+    for (const std::string& sentence : petab_noise_outside_bounds(problem, report.fit))
+      if (report.fit.warnings.add(WarningKind::noise, sentence) && request.warning) request.warning(sentence);
     report.petab_parameters = petab_parameters(problem, report.fit);
     report.petab_simulations = petab_simulations(problem, report.fit);
     return report;

@@ -57,7 +57,9 @@ std::string petab_config(const PetabProblem& problem, const PetabSettings& setti
     if (std::ranges::count(role, p.coordinate) > 0) continue;
     role.push_back(p.coordinate);
     box += toml_line(p.coordinate, fmt::format("[{}, {}]", toml_number(p.lower), toml_number(p.upper)));
-    if (p.nominal && p.condition.empty()) initial += toml_line(p.coordinate, toml_number(*p.nominal));
+    // A uniform prior may leave the nominal value out, where the fit would begin.
+    if (p.nominal && p.condition.empty())
+      initial += toml_line(p.coordinate, toml_number(std::clamp(*p.nominal, p.lower, p.upper)));
     if (!p.prior.empty()) priors += prior_line(p);
     const bool is_on_log_scale = p.scale == "log" || p.scale == "log10";
     if (is_on_log_scale && p.lower > 0.0 && p.condition.empty()) by_factors.push_back(p.coordinate);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -85,6 +86,8 @@ class PetabTables {
       }
       problem_.parameters.push_back(std::move(p));
     }
+    problem_.parameter_columns = table.header();
+    for (const std::string& column : table.header()) problem_.parameter_cells.push_back(table.texts(column));
   }
 
   static double numeric(const DelimitedTable& table, std::size_t row, const std::string& column,
@@ -97,19 +100,14 @@ class PetabTables {
                          PetabParameter& p) {
     require_word(table, row, "objectivePriorType", p.prior,
                  {"uniform", "parameterScaleUniform", "normal", "parameterScaleNormal", "logNormal"});
-    const bool is_on_log_scale = p.scale == "log" || p.scale == "log10";
-    if (p.prior.empty() || p.prior == "uniform" || p.prior == "parameterScaleUniform") {
-      p.prior.clear();
-      p.prior_numbers = numbers_in(table, row, numbers);
-      // Where a uniform prior is narrower than the bounds, it bounds.
-      if (p.prior_numbers.size() != 2 || is_on_log_scale) return;
-      p.lower = std::max(p.lower, p.prior_numbers[0]);
-      p.upper = std::min(p.upper, p.prior_numbers[1]);
-      if (!(p.lower < p.upper))
-        throw table.error(row, "the uniform prior and the bounds have nothing in common");
+    p.prior_numbers = numbers_in(table, row, numbers);
+    if (p.prior.empty()) {
+      if (!p.prior_numbers.empty())
+        throw table.error(row, "objectivePriorParameters stand there without an objectivePriorType");
       return;
     }
-    p.prior_numbers = numbers_in(table, row, numbers);
+    if (p.prior == "uniform" || p.prior == "parameterScaleUniform") return narrow(table, row, p);
+    const bool is_on_log_scale = p.scale == "log" || p.scale == "log10";
     if (p.prior_numbers.size() != 2 || !(p.prior_numbers[1] > 0.0))
       throw table.error(row, "objectivePriorParameters are not a mean and a standard deviation above 0");
     if (p.prior == "parameterScaleNormal") {
@@ -117,6 +115,26 @@ class PetabTables {
         for (double& number : p.prior_numbers) number *= std::log(10.0);
       p.prior = is_on_log_scale ? "logNormal" : "normal";
     }
+  }
+
+  /// A uniform prior is no term of the objective: where it is narrower than the bounds, it bounds.
+  static void narrow(const DelimitedTable& table, std::size_t row, PetabParameter& p) {
+    std::vector<double> ends = std::exchange(p.prior_numbers, {});
+    if (!ends.empty() && !(ends.size() == 2 && ends[0] < ends[1]))
+      throw table.error(
+          row, fmt::format("objectivePriorParameters of a uniform prior are {} numbers; a lower and a "
+                           "higher one, or none, were expected",
+                           ends.size()));
+    const bool is_of_logarithms = std::exchange(p.prior, {}) == "parameterScaleUniform";
+    if (ends.empty()) return;
+    for (double& end : ends) {
+      if (is_of_logarithms && p.scale == "log") end = std::exp(end);
+      if (is_of_logarithms && p.scale == "log10") end = std::pow(10.0, end);
+    }
+    p.lower = std::max(p.lower, ends[0]);
+    p.upper = std::min(p.upper, ends[1]);
+    if (!(p.lower < p.upper))
+      throw table.error(row, "the uniform prior and the bounds have nothing in common");
   }
 
   void read_observables(const std::filesystem::path& path) {
@@ -169,6 +187,11 @@ class PetabTables {
     if (!is_new) return;
     if (number) settings_.noise[output] = *number;
     if (parameter == nullptr) return;
+    if (parameter->estimated && !parameter->prior.empty())
+      throw InputError(
+          problem_.file.parameters.front().string(), parameter->line,
+          fmt::format("{} is a noise level, which is estimated without a prior; {} is not understood",
+                      in_quotes(parameter->id), in_quotes(parameter->prior)));
     if (parameter->estimated) settings_.estimated_noise[output] = parameter->id;
     parameter->noise_of = output;
   }

@@ -24,7 +24,7 @@ namespace samara::identification {
 struct PetabParameter {
   std::string id = {};
   bool estimated = false;
-  double lower = 0.0, upper = 0.0;
+  double lower = 0.0, upper = 0.0;  ///< of the bounds and a uniform prior
   std::optional<double> nominal = {};
   std::string scale = {};  ///< "lin", "log", "log10"
   std::string prior = {};  ///< its type; empty: none
@@ -38,9 +38,11 @@ struct PetabParameter {
 struct PetabProblem {
   PetabFile file = {};
   std::vector<PetabParameter> parameters = {};
-  std::map<std::string, std::string> observables = {};  ///< output -> observableId
-  std::vector<Capture> captures = {};                   ///< one for each condition and replicate
-  std::string config = {};                              ///< TOML, as parse_fit_config() takes it
+  std::vector<std::string> parameter_columns = {};             ///< of the table of parameters, as it was read
+  std::vector<std::vector<std::string>> parameter_cells = {};  ///< column by column
+  std::map<std::string, std::string> observables = {};         ///< output -> observableId
+  std::vector<Capture> captures = {};                          ///< one for each condition and replicate
+  std::string config = {};                                     ///< TOML, as parse_fit_config() takes it
 };
 
 /// The label of a capture that names its condition.

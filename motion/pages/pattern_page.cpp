@@ -13,6 +13,7 @@
 #include "samara/base/errors.h"
 #include "samara/identification/pages/html_page.h"
 #include "samara/motion/patterns/transitions.h"
+#include "samara/motion/records/even_frames.h"
 #include "samara/motion/sweeps/pattern_map.h"
 #include "samara/motion/sweeps/phase_diagram.h"
 #include "samara/motion/sweeps/sweep_plan.h"
@@ -25,8 +26,8 @@ using Data = nlohmann::ordered_json;
 
 /// Below, a place of the map is drawn pale.
 constexpr double kSure = 0.7;
-/// Of a grid with more points, slices are drawn from the nearest falls, as of drawn points.
-constexpr Eigen::Index kMostCells = 300'000;
+/// Of a grid with more points, slices are drawn from the nearest falls, as of drawn points: each cell asks all points.
+constexpr Eigen::Index kMostCells = 40'000;
 /// Places along each side of such a slice, and coordinates whose slices there are.
 constexpr int kRaster = 32;
 constexpr Eigen::Index kMostAxes = 6;
@@ -141,11 +142,13 @@ bool has_cells(const Sweep& sweep) {
   return cells > 0 && cells <= kMostCells && cells * sweep.release_count() == sweep.fall_count();
 }
 
-/// Every point of a grid, the last axis fastest.
+/// The map at every point of a grid, the last axis fastest.
 std::string cells_text(const Sweep& sweep, const PatternMap& map) {
   std::string text;
-  for (Eigen::Index n = 0; n < map.size(); ++n)
-    text += letter(map.pattern(n), map.at(sweep.points.row(n)).probability);
+  for (Eigen::Index n = 0; n < map.size(); ++n) {
+    const MapAnswer answer = map.at(sweep.points.row(n));
+    text += letter(answer.pattern, answer.probability);
+  }
   return text;
 }
 
@@ -253,7 +256,9 @@ Features window_features(const MotionRecord& record, const LabelledWindow& windo
   const Eigen::Index first = std::lower_bound(begin, end, window.from) - begin;
   const Eigen::Index count = std::upper_bound(begin, end, window.to) - begin - first;
   if (count < kFewestFrames) return {};
-  return features(part(record, first, count), {.settle_share = 0.0});
+  const MotionRecord piece = part(record, first, count);
+  if (!long_gap(piece.times).empty()) return {};
+  return features(piece, {.settle_share = 0.0});
 }
 
 }  // namespace

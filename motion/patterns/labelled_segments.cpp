@@ -8,6 +8,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/io/delimited_table.h"
+#include "samara/motion/records/even_frames.h"
 
 namespace samara::motion {
 
@@ -115,7 +116,9 @@ PatternLabel label_of(const LabelledSegment& segment, const std::vector<Capture>
     return {Pattern::unresolved, 0.0,
             fmt::format("{} frames, fewer than {}", segment.frame_count(), kFewestFrames)};
   }
-  return label(features(record_of(segment, captures, length), {.settle_share = 0.0}), thresholds);
+  const MotionRecord record = record_of(segment, captures, length);
+  if (const std::string gap = long_gap(record.times); !gap.empty()) return {Pattern::unresolved, 0.0, gap};
+  return label(features(record, {.settle_share = 0.0}), thresholds);
 }
 
 SegmentAgreement compare(const std::vector<LabelledSegment>& segments, const std::vector<Capture>& captures,

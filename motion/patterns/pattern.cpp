@@ -7,6 +7,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/require.h"
+#include "samara/motion/records/even_frames.h"
 
 namespace samara::motion {
 
@@ -206,6 +207,11 @@ std::vector<LabelledWindow> label_windows(const MotionRecord& record, const Wind
           "a number from 1 to 1000");
   require(options.overlap >= 0.0 && options.overlap < 1.0, "overlap", options.overlap,
           "a number from 0 to below 1");
+  check(record);
+  if (const std::string gap = long_gap(record.times); !gap.empty()) {
+    const double end = record.times[record.frame_count() - 1];
+    return {{record.times[0], end, {Pattern::unresolved, 0.0, gap}, 1}};
+  }
   const SmoothedMotion motion = smoothed(record);
   const FeatureOptions all = {.settle_share = 0.0};
   std::vector<LabelledWindow> sequence;

@@ -77,8 +77,9 @@ struct WindowOptions {
 };
 
 /// A fall as a sequence of patterns: windows of some swings that overlap, equal neighbours merged. The pattern of
-/// the fall is its last. One window where the record is shorter, or has no swings.
-/// @throws ArgumentError as features(), and for options outside their meaning.
+/// the fall is its last. One window where the record is shorter, or has no swings; one that is unresolved where frames are
+/// missing for too long (long_gap() of even_frames.h).
+/// @throws ArgumentError as check() of the record, and for options outside their meaning.
 std::vector<LabelledWindow> label_windows(const MotionRecord& record, const WindowOptions& options = {},
                                           const PatternThresholds& thresholds = {});
 

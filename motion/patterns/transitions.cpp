@@ -30,6 +30,7 @@ Transitions transitions(const std::vector<std::vector<Pattern>>& sequences) {
   if (kinds < 2.0) return all;
   for (Eigen::Index i = 0; i < kSize; ++i) {
     const double total = all.counts.row(i).sum();
+    if (total == 0.0) continue;
     for (Eigen::Index j = 0; j < kSize; ++j) {
       if (i == j || !seen[static_cast<std::size_t>(i)] || !seen[static_cast<std::size_t>(j)]) continue;
       // Nothing follows itself.

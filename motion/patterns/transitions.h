@@ -16,7 +16,7 @@ namespace samara::motion {
 /// intervals are those of the beta marginals, 2.5 to 97.5 %. A count of 0 is no proof that something cannot happen.
 struct Transitions {
   Eigen::MatrixXi counts;
-  Eigen::MatrixXd probability, lower, upper;  ///< NaN where a pattern was not seen
+  Eigen::MatrixXd probability, lower, upper;  ///< NaN where a pattern was not seen, or never changes
   int falls = 0;
 };
 

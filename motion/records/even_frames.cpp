@@ -2,48 +2,76 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/motion/records/motion_record.h"
 
 namespace samara::motion {
 
 namespace {
 
-/// Where a frame of the bridged record lies: after a frame of the old one, by a share of the way to the next.
-struct BetweenFrames {
-  Eigen::Index before = 0;
-  double share = 0.0;
-};
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
 
 double median_interval(const Eigen::VectorXd& times) {
   std::vector<double> intervals;
   for (Eigen::Index k = 1; k < times.size(); ++k) intervals.push_back(times[k] - times[k - 1]);
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::ranges::nth_element(intervals, middle);
-  return *middle;
+  return median_of(std::move(intervals));
 }
 
-std::vector<BetweenFrames> frames_of(const Eigen::VectorXd& times, double interval) {
+/// The frame before the first gap that is too long.
+std::optional<Eigen::Index> before_long_gap(const Eigen::VectorXd& times, double interval) {
+  for (Eigen::Index k = 0; k + 1 < times.size(); ++k) {
+    if ((times[k + 1] - times[k]) / interval > static_cast<double>(kLongestGap) + 1.5) return k;
+  }
+  return {};
+}
+
+/// Of five values, what cubics do not have, of size 1: divided differences.
+Eigen::Matrix<double, 5, 1> fourth_difference(const Eigen::Ref<const Eigen::VectorXd>& times) {
+  const double width = times[4] - times[0];
+  Eigen::Matrix<double, 5, 1> weights;
+  for (int i = 0; i < 5; ++i) {
+    weights[i] = 1.0;
+    for (int j = 0; j < 5; ++j) {
+      if (j != i) weights[i] *= width / (times[i] - times[j]);
+    }
+  }
+  return weights.normalized();
+}
+
+}  // namespace
+
+std::vector<BetweenFrames> even_frames(const Eigen::VectorXd& times) {
+  if (const std::string gap = long_gap(times); !gap.empty()) throw ArgumentError(gap);
+  const double interval = median_interval(times);
   std::vector<BetweenFrames> frames;
   for (Eigen::Index k = 0; k < times.size(); ++k) {
     frames.push_back({k, 0.0});
     if (k + 1 == times.size()) break;
     const double steps = (times[k + 1] - times[k]) / interval;
     if (steps < 1.5) continue;
-    if (steps > static_cast<double>(kLongestGap) + 1.5) {
-      throw ArgumentError(fmt::format(
-          "the record has no frames from {:.6g} to {:.6g} s, {:.0f} at its rate, expected at most {}: "
-          "its parts may be records of their own",
-          times[k], times[k + 1], steps - 1.0, kLongestGap));
-    }
     const auto pieces = std::lround(steps);
     for (long piece = 1; piece < pieces; ++piece)
       frames.push_back({k, static_cast<double>(piece) / static_cast<double>(pieces)});
   }
   return frames;
+}
+
+std::string long_gap(const Eigen::VectorXd& times) {
+  const double interval = median_interval(times);
+  const auto k = before_long_gap(times, interval);
+  if (!k) return "";
+  return fmt::format(
+      "the record has no frames from {:.6g} to {:.6g} s, {:.0f} at its rate, expected at most {}: "
+      "its parts may be records of their own",
+      times[*k], times[*k + 1], (times[*k + 1] - times[*k]) / interval - 1.0, kLongestGap);
 }
 
 Eigen::MatrixXd between(const Eigen::MatrixXd& values, const std::vector<BetweenFrames>& frames) {
@@ -56,17 +84,17 @@ Eigen::MatrixXd between(const Eigen::MatrixXd& values, const std::vector<Between
   return all;
 }
 
-}  // namespace
-
-std::optional<MotionRecord> bridged(const MotionRecord& record) {
-  const std::vector<BetweenFrames> frames = frames_of(record.times, median_interval(record.times));
-  if (static_cast<Eigen::Index>(frames.size()) == record.frame_count()) return {};
-  MotionRecord all = record;
-  all.times = between(record.times, frames);
-  all.positions = between(record.positions, frames);
-  if (record.angles.size() > 0) all.angles = between(record.angles, frames);
-  if (record.normals.rows() > 0) all.normals = between(record.normals, frames).rowwise().normalized();
-  return all;
+double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values, const Eigen::VectorXd& times) {
+  if (values.size() < 5) return 0.0;
+  const double longest = 1.5 * median_interval(times);
+  std::vector<double> any, whole;
+  for (Eigen::Index k = 0; k + 5 <= values.size(); ++k) {
+    any.push_back(std::abs(fourth_difference(times.segment(k, 5)).dot(values.segment(k, 5))));
+    const bool has_gap = ((times.segment(k + 1, 4) - times.segment(k, 4)).array() >= longest).any();
+    if (!has_gap) whole.push_back(any.back());
+  }
+  const bool are_few = static_cast<Eigen::Index>(whole.size()) < kFewestFrames;
+  return 1.4826 * median_of(are_few ? std::move(any) : std::move(whole));
 }
 
 }  // namespace samara::motion

@@ -1,18 +1,35 @@
 #pragma once
 
-#include <optional>
+#include <string>
+#include <vector>
 
-#include "samara/motion/records/motion_record.h"
+#include <Eigen/Core>
 
 namespace samara::motion {
 
 /// Longest gap that is bridged, in frames.
 inline constexpr Eigen::Index kLongestGap = 10;
 
-/// The record with frames put in where some are missing, between those beside a gap by straight lines, so that frame
-/// numbers measure time: what counts frames (noise, recurrence) asks for it. None where nothing is missing: all
-/// intervals are below 1.5 times their median.
+/// Where a frame of a bridged record lies: after a given frame, by a share of the way to the next.
+struct BetweenFrames {
+  Eigen::Index before = 0;
+  double share = 0.0;
+};
+
+/// Frames with others put in where some are missing, so that frame numbers measure time, as recurrence asks for. All
+/// are the given ones where nothing is missing: intervals below 1.5 times their median.
+/// @param times of two frames or more, increasing
 /// @throws ArgumentError naming a gap of more than kLongestGap frames: how a body moved there nobody knows.
-std::optional<MotionRecord> bridged(const MotionRecord& record);
+std::vector<BetweenFrames> even_frames(const Eigen::VectorXd& times);
+
+/// The sentence that even_frames() would throw; empty where it would not.
+std::string long_gap(const Eigen::VectorXd& times);
+
+/// Rows of `values` at such frames, by straight lines between given ones.
+Eigen::MatrixXd between(const Eigen::MatrixXd& values, const std::vector<BetweenFrames>& frames);
+
+/// As noise_of() (motion_record.h), of frames some of which may be missing: from runs of five frames without a gap; where
+/// there are few, from any five, by what a cubic through four of them leaves of the fifth.
+double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values, const Eigen::VectorXd& times);
 
 }  // namespace samara::motion

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Cholesky>
 
@@ -33,6 +35,12 @@ struct Smooth {
   Eigen::VectorXd residuals;  ///< per column, rms, over what noise of size 1 would leave
 };
 
+double middle_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
 /// Frames that lie like those of the frame before have the same weights.
 Smooth smooth(const Eigen::VectorXd& times, const Eigen::MatrixXd& values, Eigen::Index half) {
   const Eigen::Index frames = times.size();
@@ -43,6 +51,7 @@ Smooth smooth(const Eigen::VectorXd& times, const Eigen::MatrixXd& values, Eigen
   result.residuals.setZero(values.cols());
   QuadraticWeights weights;
   Eigen::VectorXd offsets, last_offsets;
+  std::vector<double> value_shares, rate_shares;
   double expected = 0.0;
   for (Eigen::Index k = 0; k < frames; ++k) {
     const Eigen::Index first = std::clamp<Eigen::Index>(k - half, 0, frames - width);
@@ -56,18 +65,19 @@ Smooth smooth(const Eigen::VectorXd& times, const Eigen::MatrixXd& values, Eigen
     result.rates.row(k).noalias() = weights.rate.transpose() * values.middleRows(first, width);
     result.residuals += (result.values.row(k) - values.row(k)).transpose().cwiseAbs2();
     expected += 1.0 - 2.0 * weights.value[k - first] + weights.value.squaredNorm();
-    if (k == frames / 2) {
-      result.value_share = weights.value.norm();
-      result.rate_share = weights.rate.norm();
-    }
+    value_shares.push_back(weights.value.norm());
+    rate_shares.push_back(weights.rate.norm());
   }
+  result.value_share = middle_of(std::move(value_shares));
+  result.rate_share = middle_of(std::move(rate_shares));
   result.residuals = (result.residuals / expected).cwiseSqrt();
   return result;
 }
 
-double largest_noise(const Eigen::MatrixXd& columns) {
+/// Of the frames that were seen: those between are means of them, and have less.
+double largest_noise(const Eigen::VectorXd& times, const Eigen::MatrixXd& columns) {
   double most = 0.0;
-  for (Eigen::Index c = 0; c < columns.cols(); ++c) most = std::max(most, noise_of(columns.col(c)));
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) most = std::max(most, noise_of(columns.col(c), times));
   return most;
 }
 
@@ -100,48 +110,52 @@ Smooth quietest(const Eigen::VectorXd& times, const Eigen::MatrixXd& values, con
   return best;
 }
 
-double largest_turn(const MotionRecord& record) {
+/// In the time of one frame, also where some between were not seen.
+double largest_turn(const MotionRecord& record, const std::vector<BetweenFrames>& frames) {
+  Eigen::VectorXd steps = Eigen::VectorXd::Zero(record.frame_count());
+  for (const BetweenFrames& frame : frames) steps[frame.before] += 1.0;
   double most = 0.0;
   for (Eigen::Index k = 1; k < record.frame_count(); ++k) {
     const double turn =
         record.is_planar()
             ? std::abs(record.angles[k] - record.angles[k - 1])
             : std::acos(std::clamp(record.normals.row(k).dot(record.normals.row(k - 1)), -1.0, 1.0));
-    most = std::max(most, turn);
+    most = std::max(most, turn / steps[k - 1]);
   }
   return most;
 }
 
 }  // namespace
 
-SmoothedMotion smoothed(const MotionRecord& given) {
-  check(given);
-  const std::optional<MotionRecord> without_gaps = bridged(given);
-  const MotionRecord& record = without_gaps ? *without_gaps : given;
+SmoothedMotion smoothed(const MotionRecord& record) {
+  check(record);
+  // Smoothing asks the frames that were seen; what it finds is bridged, not their noise.
+  const std::vector<BetweenFrames> frames = even_frames(record.times);
   SmoothedMotion motion;
-  motion.times = record.times;
-  const double noise = record.position_noise ? *record.position_noise : largest_noise(record.positions);
+  motion.times = between(record.times, frames);
+  const double noise =
+      record.position_noise ? *record.position_noise : largest_noise(record.times, record.positions);
   const double quiet = 0.02 * mean_speed(record);
   const Smooth path = quietest(record.times, record.positions,
                                [&](const Smooth& at) { return at.rate_share * noise <= quiet; });
-  motion.positions = path.values;
-  motion.velocities = path.rates;
+  motion.positions = between(path.values, frames);
+  motion.velocities = between(path.rates, frames);
   motion.position_noise = path.value_share * noise;
   motion.velocity_noise = path.rate_share * noise;
   if ((record.positions.col(1).array() == record.positions(0, 1)).all()) motion.ground_directions = 1;
   if (!record.has_attitude()) return motion;
   const Eigen::MatrixXd attitude =
       record.is_planar() ? Eigen::MatrixXd(record.angles) : Eigen::MatrixXd(record.normals);
-  const double angle_noise = record.angle_noise ? *record.angle_noise : largest_noise(attitude);
+  const double angle_noise = record.angle_noise ? *record.angle_noise : largest_noise(record.times, attitude);
   constexpr double kQuietAngle = 0.04;  // rad
   const Smooth turning = quietest(
       record.times, attitude, [&](const Smooth& at) { return at.value_share * angle_noise <= kQuietAngle; });
   motion.angle_noise = turning.value_share * angle_noise;
-  motion.frame_angle = largest_turn(record);
+  motion.frame_angle = largest_turn(record, frames);
   if (record.is_planar()) {
-    motion.angles = turning.values.col(0);
+    motion.angles = between(turning.values, frames).col(0);
   } else {
-    motion.normals = turning.values.rowwise().normalized();
+    motion.normals = between(turning.values, frames).rowwise().normalized();
   }
   return motion;
 }

@@ -18,7 +18,7 @@ struct SmoothedMotion {
   double velocity_noise = 0.0;             ///< m/s, likewise in a component
   int ground_directions = 2;               ///< horizontal ones with noise in them; 1 where y never changes
   double angle_noise = 0.0;                ///< rad, left in an angle, or in a component of the normal
-  double frame_angle = 0.0;  ///< rad, largest turn of the plate between two frames as they were seen
+  double frame_angle = 0.0;  ///< rad, largest turn of the plate in the time of one frame, as it was seen
 
   Eigen::Index frame_count() const { return times.size(); }
   bool is_planar() const { return angles.size() > 0; }
@@ -27,7 +27,8 @@ struct SmoothedMotion {
 
 /// The span of the quadratics is the smallest that leaves 2 % of the mean speed in a velocity and 0.04 rad in an
 /// angle, unless their residuals grow beyond the noise before: then they no longer follow the motion.
-/// @throws ArgumentError as check(record)
+/// Where frames are missing, the smoothed motion goes on by straight lines, so that its frames are even in time.
+/// @throws ArgumentError as check(record) and even_frames() (even_frames.h)
 SmoothedMotion smoothed(const MotionRecord& record);
 
 /// Frames first, .., first + count - 1.

@@ -147,6 +147,20 @@ bool refine_sample(const SweepPlan& plan, const SweepOptions& options, Sweep& sw
   return append_falls(plan, candidates(order, Eigen::all), options, sweep);
 }
 
+/// Of equally near ones the first.
+std::vector<Eigen::Index> nearest_rows(const Eigen::MatrixXd& places, const Eigen::VectorXd& place,
+                                       Eigen::Index count) {
+  const Eigen::VectorXd distances = (places.rowwise() - place.transpose()).rowwise().squaredNorm();
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(places.rows()));
+  std::iota(order.begin(), order.end(), 0);
+  const auto last = order.begin() + count;
+  std::partial_sort(order.begin(), last, order.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return distances[a] < distances[b] || (distances[a] == distances[b] && a < b);
+  });
+  order.erase(last, order.end());
+  return order;
+}
+
 }  // namespace
 
 PatternMap::PatternMap(const Sweep& sweep, Eigen::Index release) {
@@ -160,8 +174,11 @@ PatternMap::PatternMap(const Sweep& sweep, Eigen::Index release) {
   width_ = (sweep.upper - sweep.lower).unaryExpr([](double w) { return w > 0.0 ? w : 1.0; });
   places_ = (sweep.points.topRows(count).rowwise() - lower_.transpose()).array().rowwise() /
             width_.transpose().array();
-  for (Eigen::Index n = 0; n < count; ++n)
-    patterns_.push_back(sweep.labels[static_cast<std::size_t>(n * releases + release)].pattern);
+  for (Eigen::Index n = 0; n < count; ++n) {
+    const auto fall = static_cast<std::size_t>(n * releases + release);
+    patterns_.push_back(sweep.labels[fall].pattern);
+    if (sweep.status[fall] != FallStatus::inherited) run_.push_back(n);
+  }
   for (const auto& axis : sweep.axes) grid_.push_back(static_cast<Eigen::Index>(axis.size()));
   if (std::accumulate(grid_.begin(), grid_.end(), Eigen::Index{1}, std::multiplies()) != count) grid_.clear();
   tree_ = std::make_shared<NearPoints>(places_);
@@ -239,22 +256,26 @@ MapAnswer PatternMap::at(const Eigen::VectorXd& point) const {
   return found;
 }
 
-double PatternMap::left_one_out(Eigen::Index of) const {
-  constexpr Eigen::Index kMost = 2000;
-  const Eigen::Index count = of > 0 ? std::min(of, size()) : size();
-  const Eigen::Index stride = std::max<Eigen::Index>(1, count / kMost);
-  double right = 0.0, asked = 0.0;
-  for (Eigen::Index n = 0; n < count; n += stride) {
-    std::vector<Eigen::Index> around = nearest(places_.row(n), kNeighbours + 1);
-    if (const auto self = std::ranges::find(around, n); self != around.end()) {
+double PatternMap::left_one_out(const std::vector<Eigen::Index>& asked) const {
+  constexpr std::size_t kMost = 2000;
+  const std::vector<Eigen::Index>& points = asked.empty() ? run_ : asked;
+  const Eigen::MatrixXd places = places_(run_, Eigen::all);
+  const Eigen::Index count = std::min<Eigen::Index>(kNeighbours + 1, places.rows());
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / kMost);
+  double right = 0.0, all = 0.0;
+  for (std::size_t k = 0; k < points.size(); k += stride) {
+    std::vector<Eigen::Index> around;
+    for (const Eigen::Index n : nearest_rows(places, places_.row(points[k]), count))
+      around.push_back(run_[static_cast<std::size_t>(n)]);
+    if (const auto self = std::ranges::find(around, points[k]); self != around.end()) {
       around.erase(self);
     } else {
       around.pop_back();  // so many others lie at the same place
     }
-    right += answer(around).pattern == pattern(n);
-    asked += 1.0;
+    right += answer(around).pattern == pattern(points[k]);
+    all += 1.0;
   }
-  return right / asked;
+  return right / all;
 }
 
 std::vector<std::vector<Eigen::Index>> PatternMap::neighbours() const {

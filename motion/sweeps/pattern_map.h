@@ -38,8 +38,13 @@ class PatternMap {
   MapAnswer at(const Eigen::VectorXd& point) const;
 
   /// Share of points whose neighbours, without itself, have its pattern most often: what the map is worth at places
-  /// between its points. Of at most 2,000 of them, evenly spread. @param of the first so many points; 0: all
-  double left_one_out(Eigen::Index of = 0) const;
+  /// between its points. Only points that were run are asked, and only of each other: one that inherited its label has
+  /// it from its neighbours. Of at most 2,000 of them, evenly spread.
+  /// @param asked points; empty: all that were run
+  double left_one_out(const std::vector<Eigen::Index>& asked = {}) const;
+
+  /// Points that were run, not inherited.
+  Eigen::Index run_count() const { return static_cast<Eigen::Index>(run_.size()); }
 
   /// The largest first. On a grid, neighbours differ by one step along one axis; else each point hangs together with
   /// its kNeighbours nearest.
@@ -68,6 +73,7 @@ class PatternMap {
   Eigen::VectorXd lower_, width_;
   Eigen::MatrixXd places_;  ///< points x coordinates, box of unit sides
   std::vector<Pattern> patterns_;
+  std::vector<Eigen::Index> run_;
   std::vector<Eigen::Index> grid_;          ///< points along each axis; empty: no grid
   std::shared_ptr<const NearPoints> tree_;  ///< of places_
   std::array<std::shared_ptr<const NearPoints>, kPatterns> trees_;  ///< of those of each pattern

@@ -27,6 +27,12 @@ struct SharesAt {
 /// @throws ArgumentError for other than the sweep's number of coordinates, a point outside its box, or no falls.
 SharesAt shares_at(const Sweep& sweep, const Eigen::VectorXd& point);
 
+/// Around a body of the sweep's model, at its own values of the coordinates. All else must be what the sweep held fixed:
+/// parameters, and initial values that no release sets, to 1e-9 of them.
+/// @throws ArgumentError as shares_at(), and naming what differs: the model, its equations, or the first such value;
+/// InputError where the plan of the sweep cannot be read, as without the model's file.
+SharesAt shares_of(const Sweep& sweep, const models::ParametricModel& body);
+
 /// Points of a sweep as bodies in the diagram of Re and I*.
 struct PlacedBodies {
   std::vector<FallNumbers> bodies;  ///< each once, in the order of points

@@ -10,15 +10,17 @@ namespace samara::motion {
 /// A sweep before its first round, and after each.
 struct RefiningRound {
   Eigen::Index points = 0;
-  /// Share of points of which the others tell the pattern, of the release where they do so worst: of a grid, whose
-  /// points are everywhere alike, of all; of drawn points those that were drawn first, since later ones crowd at borders.
+  Eigen::Index run = 0;  ///< of them; the others inherited their labels
+  /// Share of the points that came first of which the others that were run tell the pattern, of the release where they
+  /// do so worst: later ones crowd at borders, and those that inherited have what their neighbours have.
   double agreement = 0.0;
 };
 
 struct RefiningResult {
   std::vector<RefiningRound> rounds;  ///< the sweep as it came first
   bool complete = false;              ///< false: cancelled; the rounds that are here are whole
-  std::string message = "not run";    ///< why it ended
+  double seconds = 0.0;
+  std::string message = "not run";  ///< why it ended
 };
 
 /// Rounds of refine() (pattern_map.h), as many as the plan has, or until one adds less than its `refine_gain` to the

@@ -180,18 +180,6 @@ bool append_lanes(const SweepPlan& plan, const models::ParametricModel& model, c
   return true;
 }
 
-/// What makes a model another one of the same name.
-std::string text_of(const models::ModelInfo& info) {
-  std::string text = info.equations + "\n";
-  for (const models::ParameterInfo& p : info.parameters) {
-    const std::string value = p.default_value ? fmt::format("{}", *p.default_value) : "";
-    text += fmt::format("{} [{}] {}\n", p.name, p.unit, p.derived.empty() ? value : p.derived);
-  }
-  for (const models::StateInfo& s : info.states)
-    text += fmt::format("{}(0) [{}] {}\n", s.name, s.unit, s.default_initial);
-  return text;
-}
-
 /// What an earlier run of the same plan has left.
 Sweep take_up(const SweepPlan& plan, const std::filesystem::path& checkpoint) {
   std::error_code ignored;
@@ -214,6 +202,17 @@ Sweep take_up(const SweepPlan& plan, const std::filesystem::path& checkpoint) {
 }
 
 }  // namespace
+
+std::string model_text(const models::ModelInfo& info) {
+  std::string text = info.equations + "\n";
+  for (const models::ParameterInfo& p : info.parameters) {
+    const std::string value = p.default_value ? fmt::format("{}", *p.default_value) : "";
+    text += fmt::format("{} [{}] {}\n", p.name, p.unit, p.derived.empty() ? value : p.derived);
+  }
+  for (const models::StateInfo& s : info.states)
+    text += fmt::format("{}(0) [{}] {}\n", s.name, s.unit, s.default_initial);
+  return text;
+}
 
 std::string to_string(FallStatus status) {
   switch (status) {
@@ -242,11 +241,15 @@ std::vector<int> Sweep::counts(Eigen::Index release) const {
   return all;
 }
 
+Eigen::Index Sweep::run_count() const {
+  return fall_count() - std::ranges::count(status, FallStatus::inherited);
+}
+
 Sweep empty_sweep(const SweepPlan& plan) {
   Sweep sweep;
   sweep.model = plan.model->info().name;
   sweep.generator = fmt::format("samara {}", version());
-  sweep.model_text = text_of(plan.model->info());
+  sweep.model_text = model_text(plan.model->info());
   sweep.plan_text = plan.text;
   const auto count = static_cast<Eigen::Index>(plan.axes.size());
   sweep.lower.resize(count);

@@ -47,6 +47,8 @@ struct Sweep {
     return releases.empty() ? 1 : static_cast<Eigen::Index>(releases.size());
   }
   Eigen::Index fall_count() const { return static_cast<Eigen::Index>(labels.size()); }
+  /// Falls that were run; the others inherited their labels, see pattern_map.h.
+  Eigen::Index run_count() const;
   Eigen::Index point_of(Eigen::Index fall) const { return fall / release_count(); }
   Eigen::Index release_of(Eigen::Index fall) const { return fall % release_count(); }
   /// Falls per pattern, in the order of pattern_names(), of one release or (-1) of all.
@@ -79,6 +81,9 @@ SweepResult run_sweep(const SweepPlan& plan, const SweepOptions& options = {});
 /// @returns false if cancelled; then nothing was appended
 bool append_falls(const SweepPlan& plan, const Eigen::MatrixXd& points, const SweepOptions& options,
                   Sweep& sweep);
+
+/// Equations, parameters and initial values: what makes a model another one of the same name.
+std::string model_text(const models::ModelInfo& info);
 
 /// A sweep of the plan without any falls.
 Sweep empty_sweep(const SweepPlan& plan);

@@ -204,7 +204,11 @@ Sweep load_sweep(const std::filesystem::path& path) {
   sweep.plan_text = plan.front();
   sweep.generator = file.text_attribute("/", "generator");
   // Older files do not say it.
-  if (file.has("/model_text")) sweep.model_text = file.texts("/model_text").at(0);
+  if (file.has("/model_text")) {
+    const std::vector<std::string> model = file.texts("/model_text");
+    if (model.size() != 1) throw file.error("/model_text", "is not one text");
+    sweep.model_text = model.front();
+  }
   sweep.names = file.texts("/point_names");
   sweep.units = file.texts("/point_units");
   const auto count = static_cast<Eigen::Index>(sweep.names.size());

@@ -32,6 +32,13 @@ def _triples(values: ArrayLike, what: str) -> _Array:
     return array
 
 
+def _triple(values: ArrayLike, what: str) -> list[float]:
+    array = real_array(values, what)
+    if array.shape != (3,):
+        raise ArgumentError(f"{what} has the shape {array.shape}, expected (3,)")
+    return array.tolist()
+
+
 class Wind:
     """A wind as its file says (docs/wind.md): mean profile, turbulence, gusts. World axes, z up, SI.
 
@@ -89,7 +96,7 @@ class Flow:
     """The flow about a body from the file of ``samara flow``: all in body lengths and U.
 
     ``summary`` is a dictionary (drag, Strouhal number, status and message, ..); ``units`` those of the fields; ``x``, ``y``
-    (and ``z``) the centres of cells; ``flow["k"]`` a field as an array (x, y[, z]), NaN inside the body; ``open`` the open
+    (and ``z``) the centres of cells; ``flow["k"]`` a field as an array (x, y[, z]), NaN inside the body; ``open_share`` the open
     share of each cell.
     """
 
@@ -265,14 +272,14 @@ def _air(air: Union[Wind, Wake, Turbulence], radius: Optional[float]) -> dict[st
             "flow": air.flow._core,
             "speed": one_si(air.speed, "m/s", "speed"),
             "length": one_si(air.length, "m", "length"),
-            "place": _triples(air.place, "place").tolist(),
+            "place": _triple(air.place, "place"),
         }
     if isinstance(air, Turbulence):
         return {
             "kind": "turbulence",
             "k": one_si(air.k, "m^2/s^2", "k"),
             "epsilon": one_si(air.epsilon, "m^2/s^3", "epsilon"),
-            "stream": _triples(air.stream, "stream").tolist(),
+            "stream": _triple(air.stream, "stream"),
             "decays": bool(air.decays),
         }
     raise ArgumentError(f"the air is of the type {type(air).__name__}, expected a samara.Wind, samara.Wake or samara.Turbulence")

@@ -243,11 +243,11 @@ class Sweep:
     patterns; ``margins``, ``status``, ``reached`` [s] (falls,); ``landing`` (falls, 3): x, y [m], t [s].
     """
 
-    def __init__(self, core: _core.Sweep, complete: bool = True, message: str = "", rounds: Iterable[tuple[int, float]] = ()) -> None:
+    def __init__(self, core: _core.Sweep, complete: bool = True, message: str = "", rounds: Iterable[tuple[int, int, float]] = ()) -> None:
         self._core = core
         self.complete, self.message = complete, message
         self.rounds = list(rounds)
-        """Of refining: points, and the share of those left out that the others call right."""
+        """Of refining: points, those of them that were run, and the share of those that came first that the others call right."""
         told = core.describe()
         self.model: str = told["model"]
         self.plan: str = told["plan"]

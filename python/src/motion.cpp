@@ -145,7 +145,7 @@ py::dict regime(const py::object& which, const std::map<std::string, double>& va
 }
 
 /// @param path of the plan, or its text
-/// @returns the sweep, whether it is complete, how it ended, and the rounds of its refining (points, agreement)
+/// @returns the sweep, whether it is complete, how it ended, and the rounds of its refining (points, run, agreement)
 py::tuple run_sweep(const std::optional<std::filesystem::path>& path, const std::string& text,
                     const py::object& progress, const std::filesystem::path& checkpoint, int threads) {
   Failure failure;
@@ -164,7 +164,7 @@ py::tuple run_sweep(const std::optional<std::filesystem::path>& path, const std:
   });
   py::list rounds;
   for (const motion::RefiningRound& round : refined.rounds)
-    rounds.append(py::make_tuple(round.points, round.agreement));
+    rounds.append(py::make_tuple(round.points, round.run, round.agreement));
   return py::make_tuple(std::make_shared<Sweep>(std::move(result.sweep)), result.complete, result.message,
                         rounds);
 }

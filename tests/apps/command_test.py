@@ -100,7 +100,7 @@ class Interrupts(Case):
             process.send_signal(stop)
             out, err = process.communicate(timeout=20)
             self.assertEqual((process.returncode, out), (130, ""))
-            self.assertEqual(err, "\nsamara: interrupted; no file was changed\n")
+            self.assertEqual(err, "\nsamara: interrupted\n")
 
 
 class Options(Case):
@@ -177,7 +177,7 @@ class Completion(Case):
         script = f'{run("completion", "bash").stdout}\nCOMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _samara; printf "%s\\n" "${{COMPREPLY[@]}}"'
         result = subprocess.run(["bash", "-c", script, "bash", SAMARA, *map(str, words)], capture_output=True, text=True, cwd=FOLDER)
         self.assertEqual(result.returncode, 0, result.stderr)
-        return result.stdout.split()
+        return result.stdout.splitlines()
 
     def test_bash_completes_commands_options_models_choices_and_names(self):
         self.assertEqual(self.complete("qu"), ["query"])
@@ -189,6 +189,8 @@ class Completion(Case):
         self.assertEqual(self.complete("build", write("named.toml", COIN_PLAN), "--set", "thi"), ["thickness="])
         write("beside.csv", "")
         self.assertIn("beside.csv", self.complete("fit", "besi"))
+        write("with a blank.h5", "")
+        self.assertEqual(self.complete("info", "with"), ["with a blank.h5"])
 
     def test_every_shell_gets_every_option(self):
         for shell in ("bash", "zsh", "fish"):
@@ -254,6 +256,8 @@ class ManyQuestions(Case):
         refuse("k,t\n4,1\n", 2, "column of the time", more=("--at", "1"))
         refuse("k,t\n4,1\n", 2, "--set names", more=("--set", "k=3"))
         refuse("k,t\n4,1\n", 2, "--points", more=("--until", "30"))
+        piped = subprocess.run([SAMARA, "query", line, "--points", "-"], input="k,t\n4,x\n", capture_output=True, text=True)
+        self.check_error(piped, 3, "samara: stdin:2: ")
         clamped = run("query", line, "--points", write("far.csv", "k,t\n11,1\n4,1\n"), "--clamp")
         self.assertEqual(clamped.returncode, 0)
         self.assertEqual([float(r["k[1]"]) for r in rows(clamped.stdout)], [10.0, 4.0])
@@ -293,6 +297,9 @@ class ChangedPlans(Case):
         self.assertIn("C_D from 0.8 to 1.6\n", result.stdout)
         self.assertIn("v(0) = 0.1 m/s", result.stdout)
         self.assertIn("nothing was built", result.stdout)
+        result = run("build", write("dry.toml", COIN_PLAN), "--dry-run", "--set", "thickness=2..3 mm", "--set", "v0=0 m/s..0.1")
+        self.assertIn("thickness from 0.002 to 0.003 m\n", result.stdout)
+        self.assertIn("v(0) from 0 to 0.1 m/s\n", result.stdout)
         self.assertFalse(target.exists())
         self.check_error(run("build", write("dry.toml", COIN_PLAN.replace("0.8", "1.8")), "--dry-run"), 3, "dry.toml", "lower < upper")
 
@@ -303,6 +310,15 @@ class ChangedPlans(Case):
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertEqual(run("info", target, "--plan").stdout, plan)
         self.check_error(run("plan", "vertical_fal"), 2, "vertical_fall")
+
+    def test_no_file_of_another_kind_is_lost_to_a_plan_or_a_flat_file(self):
+        notes, line = write("notes.txt", "mine\n"), book("line", LINE_PLAN)
+        self.check_error(run("plan", "vertical_fall", "-o", notes), 2, "notes.txt", "no plan")
+        self.check_error(run("export", line, "--to", "flat", "-o", notes), 2, "notes.txt", "no flat file")
+        self.assertEqual(notes.read_text(), "mine\n")
+        for name, call in (("twice.toml", ["plan", "vertical_fall"]), ("twice.flat", ["export", line, "--to", "flat"])):
+            for _ in range(2):
+                self.assertEqual(run(*call, "-o", FOLDER / name).returncode, 0)
 
 
 class SchemasAndFiles(Case):

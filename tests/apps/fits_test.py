@@ -291,6 +291,9 @@ class Fits(Case):
         own = write("own.yaml", problem.read_text().replace("parameters_in", "parameters"))
         self.check_error(run("fit", model, own, "--petab", FOLDER), 2, "parameters.tsv")
         self.check_error(run("fit", model, write("any.csv", "t[s],v[m/s]\n"), "--petab", folder), 2, "--petab")
+        unmade, twice = FOLDER / "unmade", FOLDER / "twice.json"
+        self.check_error(run("fit", model, problem, "--petab", unmade, "-o", twice, "--report", twice), 2, "two files")
+        self.assertFalse(unmade.exists())
 
     def test_a_prediction_needs_captures_a_span_and_a_time(self):
         path, capture = book("coin", COIN_PLAN), self.capture()

@@ -88,12 +88,13 @@ class Reader:
         self.environment = {**os.environ, "PATH": f"{programs}:/usr/bin:{os.environ['PATH']}"}
 
     def type(self, lines):
-        """What was printed, on stdout and then on stderr, and the exit code."""
+        """What was printed, on stdout and stderr as a terminal shows them, and the exit code."""
         place = self.folder / ".place"
         script = f"set -e\ntrap 'pwd > {place}' EXIT\n{lines}"
-        result = subprocess.run(["bash", "-c", script], cwd=self.place, env=self.environment, capture_output=True, text=True, timeout=self.seconds)
+        result = subprocess.run(["bash", "-c", script], cwd=self.place, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                text=True, timeout=self.seconds)
         self.place = pathlib.Path(place.read_text().strip())
-        self.printed.append(result.stdout + result.stderr)
+        self.printed.append(result.stdout)
         return self.printed[-1], result.returncode
 
     def walk(self, test, text):

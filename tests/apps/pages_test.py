@@ -47,6 +47,8 @@ def walk(test, page):
         reader = Reader(SAMARA, folder, LONGEST)
         reader.walk(test, text)
     test.assertTrue(any(kind in ("run", "left") for kind, *_ in steps(text)), f"{page} shows no lines to run")
+    if not reader.printed:
+        test.skipTest(f"all lines of {page} are left to ./dev check or to other tests")
     return text, reader.printed
 
 
@@ -54,9 +56,13 @@ def leaves_land_as_told(test, page):
     """On a machine with other vectors the last digits differ, and the motion is chaotic."""
     text, printed = walk(test, page)
     landing = re.compile(r"x = ([0-9.]+) \+- ([0-9.]+) m\s+\(deviation\s+([0-9.]+)\s+m\)")
-    (mean, error, deviation), now = [[float(x) for x in landing.search(t).groups()] for t in (text, "".join(printed))]
-    test.assertLess(abs(now[0] - mean), 4.0 * error)
-    test.assertLess(abs(now[2] / deviation - 1.0), 0.2)
+    told, now = [[[float(x) for x in found] for found in landing.findall(t)] for t in (text, "".join(printed))]
+    test.assertEqual((len(told), len(now)), (2, 2))
+    for (mean, error, deviation), (mean_now, _, deviation_now) in zip(told, now):
+        test.assertLess(abs(mean_now - mean), 4.0 * error)
+        test.assertLess(abs(deviation_now / deviation - 1.0), 0.2)
+    for count in re.findall(r"(\d+) landed", "".join(printed)):
+        test.assertGreater(int(count), 990)
 
 
 CHECKS = {"WhereALeafLands": leaves_land_as_told}

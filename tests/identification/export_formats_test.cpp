@@ -253,6 +253,17 @@ TEST_CASE("Kinovea's text for gnuplot is a capture for each track, by its name o
   CHECK(coded[0].labels.at("body") == "track 1");
   CHECK(coded[0].times.isApprox(Vector3d(0.0, 1.5, 3660.03)));
 
+  // Films of 100 frames a second and more: thousandths.
+  files.put("tracks.txt",
+            "#Kinovea Trajectory data export\n#T X Y\n0:00:00:000 1 2\n0:00:00:005 2 3\n0:00:00:400 3 4\n");
+  CHECK(read_captures(path).front().times.isApprox(Vector3d(0.0, 0.005, 0.4)));
+  for (const std::string part : {"4", "4000"}) {
+    files.put("tracks.txt", "#Kinovea Trajectory data export\n#T X Y\n0:00:00:" + part + " 1 2\n");
+    CHECK(reading_error(path) == "tracks.txt:3: the time \"0:00:00:" + part +
+                                     "\" is no timecode: h:mm:ss: and two digits (hundredths) or three "
+                                     "(thousandths) were expected");
+  }
+
   files.put("tracks.txt", "#Kinovea Trajectory data export\n#T X Y\n0:00:00:00 1 2\n0.5 2 3\n");
   CHECK(reading_error(path) == "tracks.txt:4: the time \"0.5\" is no timecode as the first one is");
   files.put("tracks.txt", "#Kinovea Trajectory data export\n#T X Y\n0:00:00:00 1\n");

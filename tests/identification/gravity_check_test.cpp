@@ -70,4 +70,11 @@ TEST_CASE("a plate that flutters and tumbles is not suspected, and upside down i
   const std::vector<double> times = even_times(121, 1.2);
   CHECK(doubts("falling_plate", plate, times, 1.0).empty());
   CHECK(doubts("falling_plate", plate, times, -1.0).size() == 1);
+  // A mirrored film mirrors the angle as well, which the advice names where it is measured.
+  const ParametricModel model(samara::models::find_model("falling_plate"), plate, {});
+  std::vector<Capture> mirrored = motions(model, times, -1.0);
+  std::erase_if(mirrored[0].channels, [](const Channel& c) { return c.unit != "m"; });
+  mirrored[0].channels.push_back({"theta", "rad", Eigen::VectorXd::Zero(121)});
+  CHECK_THAT(check_gravity(model, {}, mirrored).at(0),
+             Catch::Contains("(flip = [\"y\", \"theta\"] in a sidecar"));
 }

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <memory>
 #include <sstream>
 
 #include <catch2/catch.hpp>
@@ -141,6 +142,67 @@ TEST_CASE("priors, parameters that are held and noise beside the measurements ar
   const std::string again = DecayProblem::rows({{"slow", 2.0}}, 0.0, "\t0.05", "\tnoiseParameters");
   problem.measurements += again.substr(again.find('\n') + 1);
   CHECK(problem.fit().fit.captures.size() == 2);
+}
+
+TEST_CASE("uniform priors of a PEtab problem bound on every scale, and other counts of numbers are refused") {
+  const auto with = [](const std::string& scale, const std::string& prior) {
+    auto problem = std::make_unique<DecayProblem>();
+    problem->parameters =
+        "parameterId\tparameterScale\tlowerBound\tupperBound\tnominalValue\testimate\tobjectivePriorType\t"
+        "objectivePriorParameters\nrate\t" +
+        scale + "\t0.1\t5\t1\t1\t" + prior + "\n";
+    return problem;
+  };
+  // The rate of the data, 0.8, lies below each of them.
+  CHECK(found(with("log10", "uniform\t1.5;3")->fit(), "rate") == Approx(1.5).epsilon(1e-6));
+  CHECK(found(with("lin", "parameterScaleUniform\t1.5;3")->fit(), "rate") == Approx(1.5).epsilon(1e-6));
+  CHECK(found(with("log10", "parameterScaleUniform\t0.2;0.6")->fit(), "rate") ==
+        Approx(std::pow(10.0, 0.2)).epsilon(1e-6));
+  CHECK(found(with("log", "parameterScaleUniform\t0.25;1")->fit(), "rate") ==
+        Approx(std::exp(0.25)).epsilon(1e-6));
+  CHECK_THAT(with("log10", "uniform\t2;3;4")->complaint(),
+             Contains("parameters.tsv:2") && Contains("are 3 numbers"));
+  CHECK_THAT(with("lin", "uniform\t3;2")->complaint(), Contains("a lower and a higher one"));
+  CHECK_THAT(with("lin", "\t2;3")->complaint(), Contains("without an objectivePriorType"));
+  CHECK_THAT(with("lin", "uniform\t6;7")->complaint(), Contains("nothing in common"));
+}
+
+TEST_CASE("the parameters that a PEtab fit writes are the rows it read, and say the same again") {
+  DecayProblem problem;
+  problem.parameters =
+      "parameterId\tparameterName\tparameterScale\tlowerBound\tupperBound\testimate\tobjectivePriorType\t"
+      "objectivePriorParameters\tgroup\n"
+      "rate\t\"the \"\"rate\"\"\"\tlin\t0.1\t5.0\t1\tnormal\t1.2;1e-6\tdecay\n";
+  const std::string written = problem.fit().petab_parameters;
+  CHECK_THAT(written, Catch::StartsWith("parameterId\tparameterName\tparameterScale\tlowerBound\tupperBound\t"
+                                        "estimate\tobjectivePriorType\tobjectivePriorParameters\tgroup\t"
+                                        "nominalValue\tstandardError\n") &&
+                          Contains("\t0.1\t5.0\t1\tnormal\t1.2;1e-6\tdecay\t1."));
+  problem.parameters = written;
+  const FitReport again = problem.fit();
+  CHECK(found(again, "rate") == Approx(1.2).epsilon(1e-4));
+  CHECK(again.petab_parameters.substr(0, written.size() / 2) == written.substr(0, written.size() / 2));
+}
+
+TEST_CASE("a noise level of a PEtab problem has no prior, and a warning where it leaves its bounds") {
+  DecayProblem problem;
+  const std::string head = problem.parameters.substr(0, problem.parameters.find('\n'));
+  const auto with = [&](const std::string& sigma) {
+    auto other = std::make_unique<DecayProblem>();
+    other->parameters =
+        head + "\tobjectivePriorType\tobjectivePriorParameters\nrate\tlin\t0.1\t5\t1\t1\t\t\n" + sigma;
+    other->observables = "observableId\tobservableFormula\tnoiseFormula\nspeed\tv\tsigma\n";
+    other->measurements = DecayProblem::rows({{"slow", 2.0}, {"fast", 5.0}}, 0.02);
+    return other;
+  };
+  CHECK_THAT(with("sigma\tlin\t0.5\t1\t0.6\t1\tnormal\t0.6;0.001\n")->complaint(),
+             Contains("parameters.tsv:3") && Contains("\"sigma\" is a noise level"));
+  const auto bounded = with("sigma\tlin\t0.5\t1\t0.6\t1\t\t\n");
+  const FitReport report = bounded->fit();
+  CHECK(report.fit.warnings.has(WarningKind::noise, "outside its bounds of 0.5 to 1"));
+  CHECK(nominal(report).at("sigma") == "0.5");
+  bounded->parameters = report.petab_parameters;
+  CHECK(bounded->fit().is_usable);
 }
 
 TEST_CASE("what a PEtab problem says and a fit does not know is refused with its file and line") {

@@ -284,6 +284,28 @@ TEST_CASE("a sidecar names the decimal sign, and one without a table says how it
   files.put("drop.csv", "t[s];x[m]\n0;1,5\n0,1;2,5\n0,2;3\n");
   CHECK(
       read_captures(files.path() / "drop.csv").front().channel("x").values.isApprox(Vector3d(1.5, 2.5, 3.0)));
+  // Cells of `where` and labels are read by the same sign.
+  files.put("heights.csv",
+            "t[s];x[m];h\n0;1;2\n0,1;1;1,5\n0,2;1;0,5\n0,3;1;2\n0,4;1;1,5\n0,5;1;1,5\n0,6;1;2\n");
+  CHECK(read_captures(files.put("heights.toml", "file = \"heights.csv\"\nwhere = { h = [\"> 1\"] }\n"))
+            .front()
+            .times.size() == 6);
+  const auto by_height = read_captures(files.put(
+      "heights.toml", "file = \"heights.csv\"\ngroup_by = [\"h\"]\nwhere = { h = [\"1,5\", \"2\"] }\n"));
+  REQUIRE(by_height.size() == 2);
+  CHECK(by_height[1].id == "1,5");
+  CHECK(by_height[1].labels.at("h") == "1.5");
+  files.put("index.csv", "name;mass\ndrop;2,5\n");
+  const auto labelled = [&](const std::string& where) {
+    return files.put(
+        "drop.toml",
+        "labels = { file = \"index.csv\", column = \"name\" }\nwhere = { mass = \"" + where + "\" }\n");
+  };
+  for (const std::string where : {"2,5", "> 2", "< 3"}) {
+    labelled(where);
+    CHECK(read_captures(files.path() / "drop.csv").front().labels.at("mass") == "2.5");
+  }
+  std::filesystem::remove(labelled("2,5"));
   const auto sidecar = files.put("other.toml", "decimal = \".\"\n");
   CHECK_THAT(error_of<samara::InputError>([&] { read_captures(files.path() / "drop.csv", sidecar); }),
              Catch::Contains("the decimal sign is a point"));

@@ -245,6 +245,13 @@ TEST_CASE("a change of a TOML text leaves everything else as it stands") {
   CHECK(changed_toml(text, "t", {{"fixed", "nothing", ""}}) == text);
 }
 
+TEST_CASE("a key of a TOML table that only its tables imply gets a head of its own") {
+  const std::string box = "a = 1\n[box.C_D]\nrange = [0, 1]\n";
+  CHECK(changed_toml(box, "t", {{"box", "v(0)", "[0, 1]"}}) ==
+        "a = 1\n[box]\n\"v(0)\" = [0, 1]\n\n[box.C_D]\nrange = [0, 1]\n");
+  CHECK(changed_toml(box + "[box]\nk = 1\n", "t", {{"box", "m", "2"}}) == box + "[box]\nm = 2\nk = 1\n");
+}
+
 TEST_CASE("a key that does not stand on lines of its own is not changed") {
   for (const char* text : {"fixed = { a = 1 }\n", "fixed.a = 1\n", "fixed = 3\n"}) {
     INFO(text);

@@ -4,8 +4,10 @@
 #include <catch2/catch.hpp>
 
 #include "known_motions.h"
+#include "samara/base/streams.h"
 #include "samara/models/bodies/kinematic_paths.h"
 #include "samara/motion/patterns/pattern.h"
+#include "samara/motion/records/even_frames.h"
 #include "tests/error_text.h"
 
 using namespace samara::motion;
@@ -271,4 +273,37 @@ TEST_CASE("frames that were not seen leave features as they are, and gaps of man
   CHECK(label(some).pattern == label(all).pattern);
   const std::string text = error_text<samara::ArgumentError>([&] { features(without(whole, 700, 30)); });
   CHECK(text.find("no frames from 69.9 to 73 s, 30 at its rate, expected at most 10") != std::string::npos);
+}
+
+TEST_CASE("noise is that of the frames that were seen, however many are missing between them") {
+  samara::Stream stream(11, 0);
+  const auto falling = [&](const auto& is_seen) {
+    std::vector<Eigen::Vector4d> rows;
+    for (int k = 0; k < 720; ++k) {
+      const Eigen::Vector3d noise(stream.normal(), stream.normal(), stream.normal());
+      if (!is_seen(k)) continue;
+      const double t = k / 120.0;
+      rows.emplace_back(t, 0.004 * noise.x(), 0.004 * noise.y(), 0.004 * noise.z() - 0.5 * t);
+    }
+    MotionRecord record;
+    record.length = 0.05;
+    record.times.resize(static_cast<Eigen::Index>(rows.size()));
+    record.positions.resize(record.times.size(), 3);
+    for (Eigen::Index k = 0; k < record.times.size(); ++k) {
+      record.times[k] = rows[static_cast<std::size_t>(k)][0];
+      record.positions.row(k) = rows[static_cast<std::size_t>(k)].tail<3>();
+    }
+    return record;
+  };
+  // Every third missing, no five frames follow each other.
+  const MotionRecord whole = falling([](int) { return true; }),
+                     third = falling([](int k) { return k % 3 != 1; }),
+                     drawn = falling([&](int) { return stream.uniform() > 0.25; });
+  for (const MotionRecord& record : {whole, third, drawn}) {
+    INFO(record.frame_count() << " frames");
+    CHECK_THAT(noise_of(record.positions.col(0), record.times), WithinRel(0.004, 0.2));
+  }
+  for (const MotionRecord& record : {whole, drawn}) CHECK(label(features(record)).pattern == Pattern::steady);
+  CHECK_THAT(noise_of(whole.positions.col(0), whole.times),
+             WithinRel(noise_of(whole.positions.col(0)), 1e-9));
 }

@@ -83,6 +83,38 @@ TEST_CASE("a refined grid runs only what lies between different labels") {
       CHECK(are_same(sweep.features[k].values[f], whole.features[k].values[f]));
   }
   CHECK(compared > 2 * 81);
+  // Only points that were run are asked, of each other: what inherits has its label from them.
+  const PatternMap map(sweep, 0);
+  CHECK(map.run_count() == 17 * 17 - inherited / 2);
+  CHECK(sweep.run_count() == 2 * map.run_count());
+  Sweep run_alone = sweep;
+  run_alone.axes.clear();
+  std::vector<Eigen::Index> points;
+  std::vector<PatternLabel> labels;
+  std::vector<FallStatus> status;
+  for (Eigen::Index n = 0; n < sweep.points.rows(); ++n) {
+    const auto first = static_cast<std::size_t>(2 * n);
+    if (sweep.status[first] == FallStatus::inherited) continue;
+    points.push_back(n);
+    labels.insert(labels.end(), {sweep.labels[first], sweep.labels[first + 1]});
+    status.insert(status.end(), {sweep.status[first], sweep.status[first + 1]});
+  }
+  run_alone.points = sweep.points(points, Eigen::all);
+  run_alone.labels = labels;
+  run_alone.status = status;
+  CHECK(map.left_one_out() == PatternMap(run_alone, 0).left_one_out());
+  Sweep rounds = coarse;
+  const RefiningResult refined = refine_by_plan(plan, {}, rounds);
+  REQUIRE(refined.rounds.size() == 2);
+  CHECK(refined.seconds > 0.0);
+  CHECK(refined.rounds[0].run == 81);
+  CHECK(refined.rounds[1].run == map.run_count());
+  std::vector<Eigen::Index> first;
+  for (Eigen::Index n = 0; n < 17 * 17; ++n) {
+    if (n / 17 % 2 == 0 && n % 17 % 2 == 0) first.push_back(n);
+  }
+  CHECK(refined.rounds[1].agreement ==
+        std::min(map.left_one_out(first), PatternMap(sweep, 1).left_one_out(first)));
   const SweepPlan drawn = plates("[sample]\ncount = 100\nseed = 3\n",
                                  "inertia_ratio = { from = 0.8, to = 2.4, count = 9 }\nC_R = [1.4, 3.14159]",
                                  "inertia_ratio = { from = 0.8, to = 2.4 }\nC_R = { from = 1.4, to = 3.2 }");

@@ -83,6 +83,11 @@ class Links(unittest.TestCase):
                     self.assertIn(anchor, list(anchors(file)), f"{page.relative_to(ROOT)}: {target}")
         self.assertGreater(seen, 100)
 
+    def test_no_link_to_another_page_is_called_above_or_below(self):
+        for page in PAGES + TEXTS:
+            found = re.search(r"\[(?:above|below)\]\([^#)]", page.read_text())
+            self.assertIsNone(found, f"{page.relative_to(ROOT)}: {found and found.group()}..: name the page")
+
     def test_pages_named_in_sources_exist(self):
         for folder in ("apps", "base", "codebooks", "flow", "identification", "io", "motion", "pgd", "python", "examples"):
             for file in (ROOT / folder).rglob("*"):

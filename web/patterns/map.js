@@ -123,7 +123,7 @@ function drawPatternMap(page, report) {
   for (const select of [which, xChoice, yChoice]) if (select) select.addEventListener("change", redraw);
   redraw();
 
-  const all = table(part, ["release", ...page.patterns.map((name) => name + "#"), "called right by the others, %#"]);
+  const all = table(part, ["release", ...page.patterns.map((name) => name + "#"), "of those run called right by the others, %#"]);
   all.id = "releases";
   for (const release of releases)
     row(all, [release.name, ...release.counts.map((value) => ({value})), {value: 100 * release.left_one_out, digits: 4}]);

@@ -49,19 +49,21 @@ std::string with_point(std::string cell) {
   return cell;
 }
 
-/// Of "1:02:03:45", hours, minutes, seconds and hundredths, the seconds; nothing of other texts.
+/// Of "1:02:03:45" or "1:02:03:450", hours, minutes, seconds and their hundredths or, from 100 frames a second on,
+/// thousandths, the seconds; nothing of other texts.
 std::optional<double> seconds_of(const std::string& timecode) {
-  constexpr double kParts[] = {3600.0, 60.0, 1.0, 0.01};
+  const KinoveaCells texts = cells_of(timecode, ':');
+  if (texts.size() != 4 || texts[3].size() < 2 || texts[3].size() > 3) return {};
+  const double weights[] = {3600.0, 60.0, 1.0, texts[3].size() == 2 ? 0.01 : 0.001};
   double seconds = 0.0;
-  std::size_t part = 0;
-  for (const std::string& text : cells_of(timecode, ':')) {
-    const NumberPrefix number = read_number(text);
-    const bool is_whole = number.problem == NumberProblem::none && number.length == text.size() &&
-                          text.find_first_not_of("0123456789") == std::string::npos;
-    if (!is_whole || part == 4) return {};
-    seconds += kParts[part++] * number.value;
+  for (std::size_t part = 0; part < 4; ++part) {
+    const NumberPrefix number = read_number(texts[part]);
+    const bool is_whole = number.problem == NumberProblem::none && number.length == texts[part].size() &&
+                          texts[part].find_first_not_of("0123456789") == std::string::npos;
+    if (!is_whole) return {};
+    seconds += weights[part] * number.value;
   }
-  return part == 4 ? std::optional(seconds) : std::nullopt;
+  return seconds;
 }
 
 /// The units that Kinovea does not name. @param line of the first time, for the error
@@ -141,6 +143,12 @@ Export read_gnuplot_text(const std::vector<std::string>& lines, const ExportHint
       throw InputError(hints.file, static_cast<int>(k) + 1,
                        fmt::format("{} numbers stand there, expected time, x and y", cells.size()));
     const std::optional<double> seconds = seconds_of(cells[0]);
+    if (!seconds && cells[0].find(':') != std::string::npos)
+      throw InputError(
+          hints.file, static_cast<int>(k) + 1,
+          fmt::format("the time \"{}\" is no timecode: h:mm:ss: and two digits (hundredths) or three "
+                      "(thousandths) were expected",
+                      cells[0]));
     if (rows++ == 0) {
       has_timecodes = seconds.has_value();
       first_line = static_cast<int>(k) + 1;
