@@ -116,6 +116,7 @@ void write_segments(io::Hdf5Writer& file, const MotionDatabase& database) {
   write("pattern", [&](const MotionSegment& s) {
     return static_cast<int>(database.runs[static_cast<std::size_t>(s.run)].pattern);
   });
+  write("is_steady", [](const MotionSegment& s) { return s.is_steady ? 1 : 0; });
   write("begin", [](const MotionSegment& s) { return s.begin; });
   write("duration", [](const MotionSegment& s) { return s.duration; });
   Eigen::MatrixXd displacement(database.segment_count(), 3);
@@ -170,7 +171,7 @@ void read_runs(const io::Hdf5Reader& file, MotionDatabase& database) {
   database.coefficient_names = file.texts("/coefficient_names");
   database.coefficient_units = file.texts("/coefficient_units");
   const auto coefficients = static_cast<Eigen::Index>(database.coefficient_names.size());
-  if (coefficients == 0 || database.coefficient_units.size() != database.coefficient_names.size())
+  if (database.coefficient_units.size() != database.coefficient_names.size())
     throw file.error("/coefficient_units", "are not as many as /coefficient_names");
   database.lower = file.vector("/lower", {.rows = coefficients});
   database.upper = file.vector("/upper", {.rows = coefficients});
@@ -203,6 +204,7 @@ void read_segments(const io::Hdf5Reader& file, MotionDatabase& database) {
   const auto first = numbers_below(file, "/segments/first", count, kMostFrames);
   const auto last = numbers_below(file, "/segments/last", count, kMostFrames);
   const auto kinds = numbers_below(file, "/segments/kind", count, static_cast<Eigen::Index>(kEventKinds));
+  const auto steady = numbers_below(file, "/segments/is_steady", count, 2);
   const Eigen::VectorXd begin = file.vector("/segments/begin", {.rows = count});
   const Eigen::VectorXd duration = file.vector("/segments/duration", {.rows = count});
   const Eigen::MatrixXd displacement = file.matrix("/segments/displacement", {.rows = count, .columns = 3});
@@ -210,7 +212,7 @@ void read_segments(const io::Hdf5Reader& file, MotionDatabase& database) {
     const auto k = static_cast<std::size_t>(n);
     if (n > 0 && runs[k] < runs[k - 1]) throw file.error("/segments/run", "is not in the order of runs");
     database.segments.push_back({runs[k], first[k], last[k], static_cast<EventKind>(kinds[k]), begin[n],
-                                 duration[n], displacement.row(n)});
+                                 duration[n], displacement.row(n), steady[k] == 1});
   }
 }
 

@@ -60,6 +60,11 @@ std::string database_text(const MotionDatabase& database, const MotionGraph& gra
                         point.threshold == graph.threshold ? "  chosen" : "");
   }
   text += fmt::format("{} segments are kept, {} pruned\n", graph.kept, graph.pruned);
+  if (2 * graph.kept < database.segment_count())
+    text +=
+        "fewer than half of the segments hang together: what goes on by this graph shows few of these "
+        "motions; "
+        "sweep more densely, or a box of one kind of motion\n";
   return text + chain_text(database, kinds.choice);
 }
 

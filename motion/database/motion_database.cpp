@@ -43,9 +43,6 @@ Source source_of(const Sweep& sweep) {
     }
     source.columns.push_back(static_cast<Eigen::Index>(k));
   }
-  if (source.columns.empty())
-    throw ArgumentError(
-        fmt::format("the sweep changes no coefficient of {}; they are {}", sweep.model, join(coefficients)));
   for (Eigen::Index n = 0; n < sweep.fall_count(); ++n) {
     const FallStatus status = sweep.status[static_cast<std::size_t>(n)];
     if (status == FallStatus::done || status == FallStatus::landed) source.falls.push_back(n);
@@ -105,6 +102,7 @@ class Cutter {
       segment.last = frame_of(event.t);
       segment.kind = event.kind;
       segment.displacement = event.displacement;
+      segment.is_steady = event.is_steady;
       if (!moving_.is_planar()) {
         const Eigen::Vector3d v = moving_.at(run.last_event).velocity;
         const double speed = std::hypot(v.x(), v.y());
@@ -134,18 +132,21 @@ void require_done(const models::WatchedBatch& batch) {
     throw NoResultError("cancelled before the motions were cut into segments");
 }
 
-/// Of the settled parts of all falls.
-double mean_square_speed(const Source& source, const MovingStates& moving, const DatabaseOptions& options) {
+/// Of the settled parts of all falls, down to where they landed: then the same share of their time has settled.
+double mean_square_speed(const Sweep& sweep, const Source& source, const MovingStates& moving,
+                         const DatabaseOptions& options) {
   const auto count = source.lanes.rows();
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(count), counts = Eigen::VectorXd::Zero(count);
   const models::WatchedBatch batch =
       watch_batch(source.model, source.lanes,
                   [&](Eigen::Index n, double t, std::span<const double> state) {
-                    if (t >= source.plan.settle) {
+                    const double end = sweep.reached[source.falls[static_cast<std::size_t>(n)]];
+                    const double share = std::min(1.0, end / source.plan.until);
+                    if (t >= source.plan.settle * share && t <= end) {
                       sums[n] += moving.at(state).velocity.squaredNorm();
                       counts[n] += 1.0;
                     }
-                    return true;
+                    return t < end;
                   },
                   {.step = source.plan.step,
                    .interval = source.plan.interval,
@@ -159,6 +160,8 @@ double mean_square_speed(const Source& source, const MovingStates& moving, const
     square += sums[n];
     frames += counts[n];
   }
+  if (!(frames > 0.0))
+    throw ArgumentError("no fall of the sweep has a frame after its settle time, of which speeds are told");
   return square / frames;
 }
 
@@ -227,9 +230,16 @@ MovingStates MotionDatabase::moving_states() const {
 
 std::vector<std::vector<int>> MotionDatabase::kind_sequences() const {
   std::vector<std::vector<int>> sequences(runs.size());
-  for (const MotionSegment& segment : segments) {
-    if (segment.begin >= settle)
-      sequences[static_cast<std::size_t>(segment.run)].push_back(static_cast<int>(segment.kind));
+  std::vector<int> stretch;
+  for (std::size_t n = 0; n < segments.size(); ++n) {
+    const MotionSegment& segment = segments[n];
+    const bool counts = segment.begin >= settle && !segment.is_steady;
+    if (counts) stretch.push_back(static_cast<int>(segment.kind));
+    const bool is_last = !counts || n + 1 == segments.size() || segments[n + 1].run != segment.run;
+    if (!is_last) continue;
+    std::vector<int>& longest = sequences[static_cast<std::size_t>(segment.run)];
+    if (stretch.size() > longest.size()) longest = stretch;
+    stretch.clear();
   }
   return sequences;
 }
@@ -248,7 +258,7 @@ MotionDatabase build_database(const Sweep& sweep, const DatabaseOptions& options
   const MovingStates moving = MovingStates::of(*source.plan.model, parameters);
   database.symmetry = moving.symmetry();
   database.body_length = MotionStates::body_length(*source.plan.model, parameters);
-  database.events = event_options(mean_square_speed(source, moving, options), database.body_length);
+  database.events = event_options(mean_square_speed(sweep, source, moving, options), database.body_length);
   Cutter cutter(sweep, source, database, database.step, std::lround(database.frame_interval / database.step));
   require_done(watch_batch(
       source.model, source.lanes,

@@ -38,14 +38,16 @@ struct MotionSegment {
   double begin = 0.0, duration = 0.0;  ///< s
   /// In horizontal axes of which x lies along the horizontal velocity at its start, m; planar: (x, 0, z) of the world.
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
+  bool is_steady = false;  ///< as Event::is_steady; no part of chains
 };
 
 struct MotionDatabase {
   std::string model;
   std::map<std::string, double> fixed;  ///< of all runs, SI
   std::vector<std::string> coefficient_names, coefficient_units;
-  Eigen::VectorXd lower, upper;  ///< of the box of coefficients
-  std::string plan_text;         ///< of the sweep; empty if it came from none
+  Eigen::VectorXd lower,
+      upper;              ///< of the box of coefficients, which may be none: all runs have those in `fixed`
+  std::string plan_text;  ///< of the sweep; empty if it came from none
   std::vector<std::string> state_names;
   double step = 0.0;            ///< s, of the integration
   double frame_interval = 0.0;  ///< s
@@ -67,7 +69,8 @@ struct MotionDatabase {
   Eigen::Index next_of(Eigen::Index segment) const;
   MovingStates moving_states() const;
   StateMetric metric() const { return StateMetric(metric_weights); }
-  /// Kinds of consecutive segments, run by run, without those that begin before `settle`.
+  /// Kinds of consecutive segments, run by run, without those that begin before `settle`: of each run the longest
+  /// stretch without a steady segment, whose kind would be round-off.
   std::vector<std::vector<int>> kind_sequences() const;
   /// The model with its fixed values, its coefficients free.
   /// @throws ArgumentError if this program does not know the model

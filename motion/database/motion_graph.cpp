@@ -1,7 +1,6 @@
 #include "samara/motion/database/motion_graph.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -9,7 +8,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/parallel.h"
-#include "samara/motion/database/segment_tree.h"
+#include "samara/motion/search/near_points.h"
 
 namespace samara::motion {
 
@@ -17,37 +16,88 @@ namespace {
 
 constexpr int kMostEdges = 24;
 
-/// Edges of one node below the last threshold, by distance.
-std::vector<GraphEdge> edges_from(const MotionDatabase& database, const SegmentTree& tree,
-                                  const GraphOptions& options, Eigen::Index n) {
-  std::vector<GraphEdge> edges;
-  const Eigen::Index next = database.next_of(n);
-  if (next >= 0) edges.push_back({n, next, 0.0});
-  const Eigen::VectorXd state = database.ends.row(n);
-  std::array<NearSegment, SegmentTree::kMost> found;
-  // Of its own run there may be so many that are none.
-  const auto wanted = static_cast<std::size_t>(options.most_edges + 2 * options.apart + 1);
-  const std::size_t count = tree.nearest({state.data(), static_cast<std::size_t>(state.size())},
-                                         std::span(found).first(std::min(wanted, found.size())));
-  int taken = 0;
-  for (std::size_t k = 0; k < count && taken < options.most_edges; ++k) {
-    const auto [other, distance] = found[k];
-    const bool same_run = database.segments[static_cast<std::size_t>(other)].run ==
-                          database.segments[static_cast<std::size_t>(n)].run;
-    if (same_run && std::abs(other - n) <= options.apart) continue;
-    if (distance >= options.thresholds.back()) break;
-    edges.push_back({n, other, distance});
-    ++taken;
+/// Starts of all segments and of their symmetric copies.
+class Starts {
+ public:
+  explicit Starts(const MotionDatabase& database)
+      : database_(database),
+        moving_(database.moving_states()),
+        metric_(database.metric()),
+        points_(places()) {}
+
+  /// Edges of one node below the last threshold, by distance.
+  std::vector<GraphEdge> edges_from(const GraphOptions& options, Eigen::Index n) const {
+    std::vector<GraphEdge> edges;
+    const Eigen::VectorXd place = place_of(database_.ends.row(n), 0);
+    // Wider and wider, until there are enough.
+    for (const double threshold : options.thresholds) {
+      edges = edges_within(options, n, place, threshold);
+      if (std::ssize(edges) >= options.most_edges) break;
+    }
+    if (std::ssize(edges) > options.most_edges) edges.resize(static_cast<std::size_t>(options.most_edges));
+    const Eigen::Index next = database_.next_of(n);
+    if (next >= 0) edges.insert(edges.begin(), {n, next, 0.0});
+    return edges;
   }
-  return edges;
-}
+
+ private:
+  Eigen::Index run_of(Eigen::Index segment) const {
+    return database_.segments[static_cast<std::size_t>(segment)].run;
+  }
+
+  Eigen::VectorXd place_of(const Eigen::VectorXd& state, int copy) const {
+    Eigen::VectorXd place(moving_.reduced_size());
+    const std::span<double> numbers(place.data(), static_cast<std::size_t>(place.size()));
+    moving_.reduce({state.data(), static_cast<std::size_t>(state.size())}, numbers);
+    if (copy > 0) moving_.turn_to_copy(copy, numbers);
+    metric_.place(numbers);
+    return place;
+  }
+
+  Eigen::MatrixXd places() {
+    places_.resize(database_.segment_count() * moving_.copies(), moving_.reduced_size());
+    for (Eigen::Index p = 0; p < places_.rows(); ++p)
+      places_.row(p) =
+          place_of(database_.starts.row(p / moving_.copies()), static_cast<int>(p % moving_.copies()));
+    return places_;
+  }
+
+  /// Of other runs, the nearest of each. A periodic motion begins again and again as it did: with more of a run,
+  /// or with the own one, there would be no room for others, the less the longer runs are.
+  std::vector<GraphEdge> edges_within(const GraphOptions& options, Eigen::Index n,
+                                      const Eigen::VectorXd& place, double threshold) const {
+    std::vector<GraphEdge> near;
+    for (const Eigen::Index p :
+         points_.within({place.data(), static_cast<std::size_t>(place.size())}, threshold * threshold)) {
+      const Eigen::Index to = p / moving_.copies();
+      if (run_of(to) != run_of(n)) near.push_back({n, to, (places_.row(p).transpose() - place).norm()});
+    }
+    std::ranges::sort(near, {}, [](const GraphEdge& e) { return std::pair(e.distance, e.to); });
+    std::vector<GraphEdge> edges;
+    for (const GraphEdge& edge : near) {
+      const auto same_run = [&](const GraphEdge& e) { return run_of(e.to) == run_of(edge.to); };
+      const auto same = [&](const GraphEdge& e) { return e.to == edge.to; };
+      if (std::ranges::any_of(edges, same) || std::ranges::count_if(edges, same_run) >= options.most_of_run)
+        continue;
+      edges.push_back(edge);
+      if (std::ssize(edges) == options.most_edges) break;
+    }
+    return edges;
+  }
+
+  const MotionDatabase& database_;
+  MovingStates moving_;
+  StateMetric metric_;
+  Eigen::MatrixXd places_;  // a copy a row, segment by segment
+  NearPoints points_;
+};
 
 /// All of them, by node.
 std::vector<GraphEdge> near_edges(const MotionDatabase& database, const GraphOptions& options) {
-  const SegmentTree tree(database);
+  const Starts starts(database);
   std::vector<std::vector<GraphEdge>> of_nodes(database.segments.size());
   parallel_for(database.segment_count(), [&](Eigen::Index n) {
-    of_nodes[static_cast<std::size_t>(n)] = edges_from(database, tree, options, n);
+    of_nodes[static_cast<std::size_t>(n)] = starts.edges_from(options, n);
   });
   std::vector<GraphEdge> edges;
   for (const auto& some : of_nodes) edges.insert(edges.end(), some.begin(), some.end());
@@ -142,9 +192,9 @@ void check_graph_options(const GraphOptions& options) {
     before = threshold;
   }
   if (options.thresholds.empty()) throw ArgumentError("there is no threshold, expected one or more");
-  if (options.apart < 0 || options.apart > 3)
-    throw ArgumentError(
-        fmt::format("segments {} apart were to be no neighbours, expected 0 to 3", options.apart));
+  if (options.most_of_run < 1)
+    throw ArgumentError(fmt::format("{} edges of a node into one run were asked for, expected 1 or more",
+                                    options.most_of_run));
   if (options.most_edges < 1 || options.most_edges > kMostEdges)
     throw ArgumentError(
         fmt::format("{} edges of a node were asked for, expected 1 to {}", options.most_edges, kMostEdges));

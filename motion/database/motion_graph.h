@@ -18,7 +18,8 @@ struct GraphEdge {
 struct GraphOptions {
   std::vector<double> thresholds = {0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6};  ///< increasing
   int most_edges = 16;  ///< of a node, the nearest
-  int apart = 2;        ///< segments of the same run that lie no farther apart are no neighbours
+  int most_of_run =
+      2;  ///< of these into one other run; into its own a node has none but the one that comes next
   double plateau = 0.01;
 };
 
@@ -42,7 +43,7 @@ struct MotionGraph {
 };
 
 /// @throws ArgumentError for thresholds that do not increase from above 0, most_edges outside 1 to 24, or
-/// apart outside 0 to 3.
+/// most_of_run below 1.
 MotionGraph motion_graph(const MotionDatabase& database, const GraphOptions& options = {});
 
 /// Components of nodes 0 to nodes - 1 (R. Tarjan, SIAM J. Comput. 1, 1972), the largest first. Not by recursion: deep

@@ -65,6 +65,7 @@ Eigen::Vector3d arc(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   if (square < 0.04 && from.dot(to) > 0.0)
     return (1.0 + square * (1.0 / 6.0 + square * (3.0 / 40.0 + square * 15.0 / 336.0))) * axis;
   const double sine = std::sqrt(square);
+  if (sine == 0.0) return Eigen::Vector3d::Zero();  // opposite: about which axis, nobody can tell
   return std::atan2(sine, from.dot(to)) / sine * axis;
 }
 
@@ -176,7 +177,7 @@ void EventFinder::propose() {
   has_candidate_ = true;
 }
 
-void EventFinder::end_segment(const Mark& at) {
+void EventFinder::end_segment(const Mark& at, bool is_steady) {
   event_.t = at.t;
   event_.duration = at.t - begin_.t;
   event_.displacement = at.place - begin_.place;
@@ -191,6 +192,7 @@ void EventFinder::end_segment(const Mark& at) {
   const bool turns = std::abs(signed_turn) >= options_.turn * std::numbers::pi;
   event_.kind = signed_turn < 0.0 ? (turns ? EventKind::turn_minus : EventKind::swing_minus)
                                   : (turns ? EventKind::turn_plus : EventKind::swing_plus);
+  event_.is_steady = is_steady;
   event_.is_first = is_first_;
   is_first_ = false;
   begin_ = at;
@@ -222,13 +224,13 @@ bool EventFinder::see(double t, std::span<const double> state) {
     propose();
   if (has_candidate_ && square - candidate_.square >= prominence_) {
     event_state_.swap(candidate_state_);
-    end_segment(candidate_);
+    end_segment(candidate_, false);
     start_level(t, square);
     return true;
   }
   if (options_.steady > 0.0 && t - level_since_ >= options_.steady) {
     std::ranges::copy(state, event_state_.begin());
-    end_segment(mark(0));
+    end_segment(mark(0), true);
     start_level(t, square);
     return true;
   }

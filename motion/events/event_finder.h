@@ -17,7 +17,7 @@
 namespace samara::motion {
 
 /// A turn is a segment whose net turn of the normal is 0.6 pi or more. The sign is that of theta; in space that of
-/// the turn about the horizontal axis to the left of the way, so that yaw does not count.
+/// the turn about the horizontal axis to the right of the way, as theta has it on a way along +x; yaw does not count.
 enum class EventKind { swing_minus, swing_plus, turn_minus, turn_plus };
 
 inline constexpr std::size_t kEventKinds = 4;
@@ -48,6 +48,8 @@ struct Event {
   double duration = 0.0;                                   ///< s, of the segment
   double turn = 0.0;                                       ///< rad, its net turn
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< along it, world, m
+  /// It ends because the speed hardly changed for long, not at a minimum: the sign of its kind may be round-off.
+  bool is_steady = false;
   bool is_first = true;  ///< the segment began with the first state that was seen
 };
 
@@ -87,7 +89,7 @@ class EventFinder {
   bool is_minimum() const;
   void propose();
   double minimum_time(int points) const;
-  void end_segment(const Mark& at);
+  void end_segment(const Mark& at, bool is_steady);
   void start_level(double t, double square);
 
   MovingStates states_;

@@ -23,7 +23,7 @@
 ///
 ///     const GhostForce found = ghost_force(leaf, path);                       // at the coefficients of `leaf`
 ///     const GhostForce best = ghost_force(leaf, path, {.box = {{"C_T", {0.8, 1.4}}}});
-///     best.box->force.max;                                                    // at the best ones inside the box
+///     best.box->ghost.force_sizes.max;                                        // at the best ones inside the box
 namespace samara::motion {
 
 /// Sizes of a wrench along a path.

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "samara/base/parallel.h"
+#include "samara/base/shared_progress.h"
 #include "samara/base/streams.h"
 #include "samara/models/batch/batch_tasks.h"
 
@@ -44,11 +45,17 @@ class Beam {
     BeamResult result;
     tbb::task_arena arena = models::arena_of(plan_.search.threads);
     while (!rounds_.back().empty() && std::ssize(rounds_) <= kMostDecisions) {
-      if (progress && !progress({"searching falls", std::min(1.0, share_done())})) {
+      // What a round reports is how far falls had come before it.
+      const double done = std::min(1.0, share_done());
+      const ProgressCallback round = [&](const Progress&) {
+        return !progress || progress({"searching falls", done});
+      };
+      SharedProgress shared(round, "searching falls", 1.0);
+      if (shared.goes_on()) arena.execute([&] { extend(shared); });
+      if (shared.cancelled()) {
         result.cancelled = true;
         return result;
       }
-      arena.execute([&] { extend(); });
       note(result);
     }
     std::ranges::stable_sort(finished_, {}, &Finished::cost);
@@ -109,7 +116,7 @@ class Beam {
     return node.point.square_time / t / (a * a) + node.change / fallen;
   }
 
-  void extend() {
+  void extend(SharedProgress& progress) {
     const std::vector<Node>& parents = rounds_.back();
     const auto children = static_cast<std::size_t>(plan_.search.children);
     std::vector<Continuation> continuations(parents.size() * children);
@@ -127,8 +134,9 @@ class Beam {
     parallel_for(tasks, [&](std::size_t task) {
       const std::size_t first = task * kTask, count = std::min(kTask, continuations.size() - first);
       FallLanes(fall_).run(std::span(continuations).subspan(first, count),
-                           std::span(pieces).subspan(first, count));
+                           std::span(pieces).subspan(first, count), progress);
     });
+    if (progress.cancelled()) return;
     choose(parents, continuations, pieces);
   }
 

@@ -10,6 +10,8 @@ namespace samara::motion {
 namespace {
 
 constexpr Eigen::Index kLanes = 32;
+/// Semi-lengths over the velocity scale from decision to decision, at most.
+constexpr double kLongestPiece = 8.0;
 
 std::vector<std::string> names_of(const MotionPlan& plan) {
   std::vector<std::string> names;
@@ -51,6 +53,16 @@ models::Scales MotionPlan::scales() const {
   return models::ParametricModel(model, fixed, {}).scales({});
 }
 
+double MotionPlan::steps() const {
+  const double speed = scales().velocity;
+  const models::ParametricModel natural(model, fixed, {});
+  std::vector<double> state(static_cast<std::size_t>(natural.state_count()));
+  natural.initial({}, state);
+  double time = std::max(0.0, MotionStates(model->info()).position(state).z() - ground) / speed;
+  if (duration) time = std::min(time, *duration);
+  return std::max(time, kLongestPiece * semi_length() / speed) / search.step;
+}
+
 PlannedFall::PlannedFall(const MotionPlan& plan)
     : plan_(plan),
       names_(names_of(plan)),
@@ -61,7 +73,7 @@ PlannedFall::PlannedFall(const MotionPlan& plan)
       semi_length_(plan.semi_length()) {
   const models::Scales scales = plan.scales();
   prominence_ = 0.02 * scales.velocity * scales.velocity;
-  longest_piece_ = 8.0 * semi_length_ / scales.velocity;
+  longest_piece_ = kLongestPiece * semi_length_ / scales.velocity;
   if (!plan.landing || plan.sketch) return;
   const Eigen::Vector3d start = states_.position(release().state);
   if (!(start.z() > plan.ground)) return;
@@ -210,7 +222,8 @@ double FallLanes::roaming(double t, const std::vector<double>& coefficients) {
   return fall_.speed_square(rate_);
 }
 
-void FallLanes::run(std::span<const Continuation> continuations, std::span<FallPiece> pieces) {
+void FallLanes::run(std::span<const Continuation> continuations, std::span<FallPiece> pieces,
+                    SharedProgress& progress) {
   std::vector<Rider> riders(static_cast<std::size_t>(kLanes));
   std::size_t next = 0, riding = 0;
   for (Eigen::Index lane = 0; lane < kLanes && next < continuations.size(); ++lane) {
@@ -219,7 +232,7 @@ void FallLanes::run(std::span<const Continuation> continuations, std::span<FallP
     board(rider, lane, continuations[next++]);
     ++riding;
   }
-  while (riding > 0) {
+  while (riding > 0 && progress.goes_on()) {
     stepper_.step(fall_.plan().search.step);
     for (Eigen::Index lane = 0; lane < kLanes; ++lane) {
       Rider& rider = riders[static_cast<std::size_t>(lane)];

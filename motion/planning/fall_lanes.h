@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "samara/base/shared_progress.h"
 #include "samara/models/batch/stepper.h"
 #include "samara/motion/planning/motion_plan.h"
 #include "samara/motion/records/motion_record.h"
@@ -96,8 +97,9 @@ class FallLanes {
  public:
   explicit FallLanes(const PlannedFall& fall);
 
-  /// @param pieces one per continuation
-  void run(std::span<const Continuation> continuations, std::span<FallPiece> pieces);
+  /// @param pieces one per continuation; those that had not ended when `progress` was cancelled are not finite
+  void run(std::span<const Continuation> continuations, std::span<FallPiece> pieces,
+           SharedProgress& progress);
 
  private:
   struct Rider;

@@ -212,19 +212,28 @@ class PlanReader {
     plan_.search.step = 0.01 * time;
     plan_.search.ramp = time;
     const auto search = root_.optional_table("search");
-    if (!search) return;
-    search->expect_keys({"beam", "children", "sweeps", "step", "ramp", "seed"});
-    plan_.search.beam = count(*search, "beam", 1, 4096, plan_.search.beam);
-    plan_.search.children = count(*search, "children", 2, 4096, plan_.search.children);
-    plan_.search.sweeps = count(*search, "sweeps", 0, 100, plan_.search.sweeps);
-    plan_.search.seed = static_cast<std::uint64_t>(count(*search, "seed", 0, 2000000000, 1));
-    if (search->has("step")) plan_.search.step = positive(*search, "step", search->quantity("step", time_));
-    if (search->has("ramp")) plan_.search.ramp = positive(*search, "ramp", search->quantity("ramp", time_));
+    if (search) read_search(*search);
+    const double steps = plan_.steps();
+    if (steps <= MotionPlan::kMostSteps) return;
+    const std::string what =
+        fmt::format("makes about {:.3g} steps of {:.3g} of this fall, expected at most {:.0e}", steps,
+                    plan_.search.step, MotionPlan::kMostSteps);
+    if (search && search->has("step")) throw search->error("step", what);
+    throw root_.error("release", what + ": give a step in [search]");
+  }
+
+  void read_search(const TomlTable& search) {
+    search.expect_keys({"beam", "children", "sweeps", "step", "ramp", "seed"});
+    plan_.search.beam = count(search, "beam", 1, 4096, plan_.search.beam);
+    plan_.search.children = count(search, "children", 2, 4096, plan_.search.children);
+    plan_.search.sweeps = count(search, "sweeps", 0, 100, plan_.search.sweeps);
+    plan_.search.seed = static_cast<std::uint64_t>(count(search, "seed", 0, 2000000000, 1));
+    if (search.has("step")) plan_.search.step = positive(search, "step", search.quantity("step", time_));
+    if (search.has("ramp")) plan_.search.ramp = positive(search, "ramp", search.quantity("ramp", time_));
     if (plan_.search.ramp < plan_.search.step) {
-      throw search->error(
-          search->has("ramp") ? "ramp" : "step",
-          fmt::format("makes a ramp of {} in steps of {}, expected a ramp of one step or more",
-                      plan_.search.ramp, plan_.search.step));
+      throw search.error(search.has("ramp") ? "ramp" : "step",
+                         fmt::format("makes a ramp of {} in steps of {}, expected a ramp of one step or more",
+                                     plan_.search.ramp, plan_.search.step));
     }
   }
 

@@ -54,6 +54,10 @@ struct MotionPlan {
   /// Semi-length of the body, the unit of deviations in costs; the model's length where it does not say [m].
   double semi_length() const;
   models::Scales scales() const;
+  /// About how many steps the fall takes: to the ground at the model's velocity scale, or to its duration.
+  double steps() const;
+  /// Plans of more are refused: they would be searched for hours.
+  static constexpr double kMostSteps = 1e6;
 };
 
 /// One round of the search, or one sweep of what comes after it.

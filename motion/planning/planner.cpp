@@ -1,5 +1,6 @@
 #include "samara/motion/planning/planner.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -29,6 +30,10 @@ void check(const MotionPlan& plan) {
   require(plan.search.sweeps >= 0, "sweeps", plan.search.sweeps, "0 or more");
   require(!plan.box.empty(), "number of coefficients that may change", plan.box.size(), "1 or more");
   require_not_negative(plan.turbulence, "intensity of turbulence");
+  if (!(plan.steps() <= MotionPlan::kMostSteps))
+    throw ArgumentError(
+        fmt::format("a step of {} makes about {:.3g} steps of the fall, expected at most {:.0e}",
+                    plan.search.step, plan.steps(), MotionPlan::kMostSteps));
   for (const SteeredCoefficient& c : plan.box) {
     if (c.lower < c.upper && c.natural >= c.lower && c.natural <= c.upper) continue;
     throw ArgumentError(
@@ -64,10 +69,13 @@ std::optional<FallPoint> parting(const PlannedFall& fall, const RealisedFall& re
 class Planner {
  public:
   Planner(const MotionPlan& plan, const ProgressCallback& progress)
-      : plan_(plan), fall_(plan), progress_(progress) {}
+      : plan_(plan), fall_(plan), progress_([this, &progress](const Progress& report) {
+          if (progress && !progress(report)) cancelled_ = true;
+          return !cancelled_;
+        }) {}
 
   MotionResult run() {
-    if (!search({}, fall_.release())) return result_;
+    if (!search({}, fall_.release())) return cancelled_ ? cancelled() : result_;
     for (int round = 0; round < kMostClosings; ++round) {
       std::size_t kept = 0;
       const auto from = parting(fall_, real_, knots_, *course_, kept);
@@ -76,27 +84,35 @@ class Planner {
       ++result_.closings;
       if (!search(head, *from)) break;
     }
+    if (cancelled_) return cancelled();
     finish();
     return result_;
   }
 
  private:
+  MotionResult cancelled() const {
+    MotionResult none;
+    none.status = MotionStatus::cancelled;
+    none.message = "cancelled before the search was over";
+    none.history = result_.history;
+    return none;
+  }
+
   /// The rest of a fall, from a state that was reached. @returns false if there is none
   bool search(const std::vector<CourseKnot>& head, const FallPoint& start) {
     BeamResult beam = search_beam(fall_, start, progress_);
     result_.history.insert(result_.history.end(), beam.history.begin(), beam.history.end());
     if (beam.cancelled || beam.lost) {
       if (course_) return false;  // what there was before stays
-      result_.status = beam.cancelled ? MotionStatus::cancelled : MotionStatus::lost;
-      result_.message = beam.cancelled
-                            ? "cancelled before a fall was found"
-                            : "no fall came to the ground: its numbers were not finite, or it took too long";
+      result_.status = MotionStatus::lost;
+      result_.message = "no fall came to the ground: its numbers were not finite, or it took too long";
       return false;
     }
     FoundFall best = beam.falls.front();
     // Windows know nothing of what turbulence costs.
     if (plan_.sketch && !(plan_.turbulence > 0.0))
       best = refine_in_windows(fall_, start, best, progress_, result_.history);
+    if (cancelled_) return false;
     std::vector<CourseKnot> knots = head;
     knots.insert(knots.end(), best.knots.begin(), best.knots.end());
     CoefficientCourse course(fall_.names(), fall_.natural(), knots);
@@ -109,8 +125,7 @@ class Planner {
   }
 
   static double score(const RealisedFall& real) {
-    return real.times.size() > 0 ? real.deviation + real.landing_miss
-                                 : std::numeric_limits<double>::infinity();
+    return real.is_over ? real.deviation + real.landing_miss : std::numeric_limits<double>::infinity();
   }
 
   void finish() {
@@ -125,23 +140,46 @@ class Planner {
     result_.end = real_.times[real_.times.size() - 1];
     result_.deviation = real_.deviation;
     result_.landing_miss = real_.landing_miss;
-    const double miss = plan_.sketch ? real_.deviation : real_.landing_miss;
-    const std::string what = plan_.sketch ? "rms from the sketch" : "from the landing place";
+    const auto& info = plan_.model->info();
+    const auto in = [](double value, const std::string& unit) {
+      return unit == "1" ? fmt::format("{:.4g}", value) : fmt::format("{:.4g} {}", value, unit);
+    };
+    const std::string length = std::ranges::find(info.states, "x", &models::StateInfo::name)->unit;
+    const std::string time = models::time_unit(info);
+    double miss = 0.0;
+    std::string distances;
+    if (plan_.sketch) {
+      miss = real_.deviation;
+      distances = in(real_.deviation, length) + " rms from the sketch";
+    }
+    if (plan_.landing) {
+      miss = std::max(miss, real_.landing_miss);
+      distances += fmt::format("{}{} from the landing place", distances.empty() ? "" : ", ",
+                               in(real_.landing_miss, length));
+    }
     result_.status = MotionStatus::found;
-    result_.message = fmt::format("{:.4g} {}", miss, what);
-    if (plan_.duration && result_.end < *plan_.duration * (1.0 - 1e-9)) {
+    result_.message = distances;
+    if (!real_.is_over || (plan_.landing && !real_.landed)) {
+      const Eigen::VectorXd state = real_.states.row(real_.states.rows() - 1);
+      const double height =
+          fall_.states().position({state.data(), static_cast<std::size_t>(state.size())}).z() - plan_.ground;
+      result_.status = MotionStatus::not_landed;
+      result_.message = fmt::format("{} above the ground after {}; {}", in(height, length),
+                                    in(result_.end, time), distances);
+    } else if (plan_.duration && result_.end < *plan_.duration * (1.0 - 1e-9)) {
       result_.status = MotionStatus::landed_early;
-      result_.message =
-          fmt::format("on the ground after {:.4g}, expected {:.4g}", result_.end, *plan_.duration);
+      result_.message = fmt::format("on the ground after {}, expected {}", in(result_.end, time),
+                                    in(*plan_.duration, time));
     } else if (plan_.deviation && miss > *plan_.deviation) {
       result_.status = MotionStatus::deviation_missed;
-      result_.message = fmt::format("{:.4g} {}, {:.4g} was asked", miss, what, *plan_.deviation);
+      result_.message = fmt::format("{}; {} was asked", distances, in(*plan_.deviation, length));
     }
   }
 
   const MotionPlan& plan_;
   PlannedFall fall_;
-  const ProgressCallback& progress_;
+  ProgressCallback progress_;  ///< the one given, remembering that it cancelled
+  bool cancelled_ = false;
   std::vector<CourseKnot> knots_;
   std::optional<CoefficientCourse> course_;
   RealisedFall real_;
@@ -158,6 +196,8 @@ std::string to_string(MotionStatus status) {
       return "deviation missed";
     case MotionStatus::landed_early:
       return "landed early";
+    case MotionStatus::not_landed:
+      return "not landed";
     case MotionStatus::lost:
       return "lost";
     case MotionStatus::cancelled:
@@ -189,7 +229,9 @@ RealisedFall realise(const MotionPlan& plan, const CoefficientCourse& course, do
     const Eigen::Vector3d deviation = fall.deviation(times[row], place);
     if (row > 0) square_time += 0.5 * h * (before.squaredNorm() + deviation.squaredNorm());
     before = deviation;
-    if (!fall.is_over(times[row], place.z()) && row + 1 < times.size()) continue;
+    real.landed = place.z() <= plan.ground;
+    real.is_over = fall.is_over(times[row], place.z());
+    if (!real.is_over && row + 1 < times.size()) continue;
     real.times = times.head(row + 1);
     real.states = motion.states.topRows(row + 1);
     real.deviation = row > 0 ? std::sqrt(square_time / times[row]) : 0.0;

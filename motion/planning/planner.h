@@ -26,6 +26,7 @@ enum class MotionStatus {
   found,             ///< and as good as was asked, if anything was
   deviation_missed,  ///< there is a motion, not as near as was asked
   landed_early,      ///< on the ground before the time that the plan gives
+  not_landed,        ///< it is not where it was to land when its time is over, or did not come to its end
   lost,              ///< no fall came to the ground or to the end of the time: no motion
   cancelled,         ///< by the progress callback: no motion
 };
@@ -56,6 +57,8 @@ struct RealisedFall {
   Eigen::VectorXd times;
   Eigen::MatrixXd states;
   double deviation = 0.0, landing_miss = 0.0;
+  bool landed = false;   ///< it came to the ground
+  bool is_over = false;  ///< it landed, or the time that the plan gives was over
 };
 RealisedFall realise(const MotionPlan& plan, const CoefficientCourse& course, double longest);
 

@@ -188,6 +188,8 @@ TEST_CASE("steady descent is cut every two lengths of fall, and a finder allocat
   REQUIRE(list.events.size() > 10);
   for (std::size_t k = list.events.size() - 5; k < list.events.size(); ++k)
     CHECK(list.events[k].duration == Approx(steady.options.steady).margin(0.051));
+  CHECK(list.events.back().is_steady);
+  CHECK_FALSE(plate_run(1.1, 60.0).events().events.back().is_steady);
 
   const Run run = plate_run(1.1, 60.0);
   EventFinder finder(run.moving, run.options), other(run.moving, run.options);
@@ -200,6 +202,19 @@ TEST_CASE("steady descent is cut every two lengths of fall, and a finder allocat
   });
   CHECK(calls == 0);
   CHECK(events == run.events().events.size());
+}
+
+TEST_CASE("a normal that is the opposite one in the next frame leaves the turns finite") {
+  const MovingStates moving = MovingStates::of_record(true);
+  const std::vector<double> times = equal_times(12.0, 0.1);
+  Eigen::MatrixXd states = Eigen::MatrixXd::Zero(9, static_cast<Eigen::Index>(times.size()));
+  for (Eigen::Index k = 0; k < states.cols(); ++k) {
+    states(3, k) = 2.0 + std::cos(times[static_cast<std::size_t>(k)]);
+    states(8, k) = k < 7 ? 1.0 : -1.0;
+  }
+  const EventList list = events_of(moving, {.mean_square_speed = 4.5}, times, states);
+  REQUIRE(list.events.size() == 2);
+  for (const Event& event : list.events) CHECK(event.turn == 0.0);
 }
 
 TEST_CASE("a noisy record has the events of the clean motion") {

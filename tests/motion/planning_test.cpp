@@ -277,6 +277,12 @@ TEST_CASE(
   plan.duration = 1e3;
   CHECK(plan_motion(plan).status == MotionStatus::landed_early);
   CHECK(plan_motion(plan, [](const samara::Progress&) { return false; }).status == MotionStatus::cancelled);
+  const MotionResult late =
+      plan_motion(plan, [](const samara::Progress& report) { return report.stage != "refining"; });
+  CHECK(late.status == MotionStatus::cancelled);
+  CHECK_FALSE(late.is_usable());
+  plan.search.step = 1e-9;
+  CHECK_THROWS_WITH(plan_motion(plan), Catch::Contains("a step of 1e-09 makes"));
 }
 
 TEST_CASE("a fall comes down where it is asked to") {
@@ -286,6 +292,21 @@ TEST_CASE("a fall comes down where it is asked to") {
   const RealisedFall natural = realise(plan, CoefficientCourse({"C_R", "C_T"}, {3.0, 1.1}), 200.0);
   CHECK(motion.landing_miss < 0.5);
   CHECK(natural.landing_miss > 2.0);
+  CHECK(motion.status == MotionStatus::found);
+  MotionPlan hasty = plan;
+  hasty.duration = 2.0;
+  const MotionResult above = plan_motion(hasty);
+  CHECK(above.status == MotionStatus::not_landed);
+  CHECK_THAT(above.message, Catch::Contains("above the ground after 2"));
+  // Path and place are judged both: the sketch ends ten away from the landing place.
+  MotionPlan both = slanted_plan();
+  both.landing = Eigen::Vector3d::Zero();
+  both.deviation = 4.0;
+  const MotionResult torn = plan_motion(both);
+  CHECK(torn.landing_miss > 4.0);
+  CHECK(torn.deviation < 4.0);
+  CHECK(torn.status == MotionStatus::deviation_missed);
+  CHECK_THAT(torn.message, Catch::Contains("rms from the sketch") && Catch::Contains("landing place"));
 }
 
 TEST_CASE("calm air keeps coefficients at home") {
@@ -311,6 +332,7 @@ TEST_CASE("plans of motions say in one sentence what is wrong with them") {
   refuses(plan_text("[landing]\nx = 4\n", ""), "expected one of them");
   refuses(plan_text("beam = 8", "beam = 0"), "expected 1 to");
   refuses(plan_text("beam = 8", "step = 2"), "expected a ramp");
+  refuses(plan_text("beam = 8", "step = 1e-9"), "steps of 1e-09");
   refuses(plan_text("height = 20", "height = -1"), "more than 0");
   refuses(plan_text("inertia_ratio = 1.3", "inertia_ratio = -1.3"), "inertia_ratio");
   Eigen::MatrixX3d rising(2, 3);

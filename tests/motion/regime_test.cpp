@@ -8,6 +8,7 @@
 #include "samara/io/delimited_table.h"
 #include "samara/models/interface/parametric_model.h"
 #include "samara/models/laws/registry.h"
+#include "samara/motion/records/motion_record.h"
 #include "tests/error_text.h"
 #include "tests/identification/measured_data.h"
 
