@@ -36,7 +36,7 @@ def _triple(values: ArrayLike, what: str) -> list[float]:
     array = real_array(values, what)
     if array.shape != (3,):
         raise ArgumentError(f"{what} has the shape {array.shape}, expected (3,)")
-    return array.tolist()
+    return [float(value) for value in array]
 
 
 class Wind:

@@ -302,7 +302,7 @@ TEST_CASE("a required parameter that is neither fixed nor free is named") {
   CHECK_THAT(refusal("thickness = \"2.55 mm\"", ""),
              StartsWith("p.toml:1: ") && Contains("needs \"thickness\" (m), expected in [fixed] or [box]"));
   CHECK_THAT(refusal("density = \"6.339 g/cm^3\"\nthickness = \"2.55 mm\"", ""),
-             Contains("\"density\" [kg/m^3]") && Contains("\"thickness\" [m]"));
+             Contains("\"density\" (kg/m^3)") && Contains("\"thickness\" (m)"));
 }
 
 TEST_CASE("a plan needs a box with something in it, and an end") {

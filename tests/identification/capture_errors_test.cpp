@@ -76,7 +76,7 @@ TEST_CASE("a capture needs three frames and a quantity") {
 TEST_CASE("a file that is not there is named") {
   CHECK_THAT(reading_error("/nowhere/a.csv"), Contains("/nowhere/a.csv"));
   CHECK_THAT(sidecar_error("file = \"b.csv\"\n"), Contains("b.csv"));
-  CHECK_THAT(sidecar_error("frame_rate = 60\n"), Contains("file: the key is missing"));
+  CHECK_THAT(sidecar_error("frame_rate = 60\n"), Contains("file: is missing: the sidecar names no table"));
 }
 
 TEST_CASE("a file that is read as a sidecar because of where it lies is said to be") {

@@ -165,7 +165,7 @@ TEST_CASE("noise levels and what steps cost stand in all reports") {
   CHECK(json["integration_shift"].get<double>() == 0.25);
   CHECK(json["coefficients"][0]["integration_shift"].get<double>() == -0.01);
   const std::string text = fit_text(result);
-  CHECK_THAT(text, Contains("noise of x, y: 0.002 +- 0.0002 m, estimated\n") &&
+  CHECK_THAT(text, Contains("noise of x, y: 0.00200 +- 0.00020 m, estimated\n") &&
                        Contains("noise of theta: taken to be 0.1\n") && Contains("estimated in 3 rounds") &&
                        Contains("would move no coefficient by more than 0.25 standard errors"));
 }
