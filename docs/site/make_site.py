@@ -1,7 +1,8 @@
 """Usage: make_site.py SAMARA FOLDER
 
 Lays the pages of docs out in FOLDER for Sphinx: with the contents that docs/index.md gives by its headings, a page for
-each model that the command SAMARA knows, and without links to what is no page.
+each model that the command SAMARA knows, the notebooks of examples/python as they run here, and without links to what is
+no page. The package samara is the one that PYTHONPATH leads to.
 """
 
 import json
@@ -34,7 +35,10 @@ def contents(index):
     for part in parts[1:]:
         pages = list(dict.fromkeys(t.removesuffix(".md") for _, t, anchor in LINK.findall(part) if t.endswith(".md") and not anchor))
         pages += ["reference/models", "reference/options"] if part.startswith("## Reference") else []
+        pages += ["tutorials/notebooks"] if part.startswith("## Tutorials") else []
         caption = part.splitlines()[0].removeprefix("## ")
+        if part.startswith("## Tutorials"):
+            part = part.rstrip() + "\n- [Notebooks](tutorials/notebooks.md): the same jobs from Python, with their pictures.\n"
         if part.startswith("## Reference"):
             part += "- <a href=\"api/index.html\">The library</a>: every header.\n"
         result += part.rstrip() + "\n\n```{toctree}\n:hidden:\n:caption: " + caption + "\n\n" + "\n".join(pages) + "\n```\n\n"
@@ -95,12 +99,22 @@ def command_page(command):
 
 def add_pages(place, title, words, entries):
     """A folder of pages, and one that lists them. @param entries (name, what it is, text of its page)"""
-    place.mkdir()
+    place.mkdir(exist_ok=True)
     for name, _, text in entries:
         (place / f"{name}.md").write_text(text)
     rows = [f"- [`{name}`]({place.name}/{name}.md): {what}" for name, what, _ in entries]
     tree = ["```{toctree}", ":hidden:", "", *(f"{place.name}/{name}" for name, *_ in entries), "```"]
     place.with_suffix(".md").write_text("\n".join([f"# {title}", "", words, "", *rows, "", *tree, ""]))
+
+
+def notebook_pages(place):
+    """(name, title, text) of each notebook, run from the first cell to the last; its pictures go beside the pages."""
+    place.mkdir()
+    for path in sorted((DOCS.parent / "examples" / "python").glob("*.ipynb")):
+        subprocess.run([sys.executable, "-m", "nbconvert", "--log-level=ERROR", "--to", "markdown", "--execute", "--output-dir",
+                        place, path], check=True)
+        text = without_links_outside(path, (place / f"{path.stem}.md").read_text())
+        yield path.stem, re.search(r"(?m)^# (.*)", text)[1], text
 
 
 def told(samara, *arguments):
@@ -121,6 +135,8 @@ def main():
               [(m["name"], m["title"], model_page(m)) for m in told(samara, "models")["models"]])
     add_pages(reference / "options", "Options of every command", "As the command tells of itself (`samara help`).",
               [(c["name"], c["summary"], command_page(c)) for c in told(samara, "help")["commands"]])
+    place = folder / "tutorials" / "notebooks"
+    add_pages(place, "Notebooks", "Run when this site was made; their files are in `examples/python`.", list(notebook_pages(place)))
 
 
 if __name__ == "__main__":
