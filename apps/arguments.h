@@ -278,11 +278,11 @@ struct RegimeArguments {
 
 struct GhostArguments {
   std::string model;
-  std::string path;               ///< table of poses
-  std::vector<std::string> set;   ///< values of the model
-  std::string coefficients;       ///< course that the motion declares, a file; empty: none
-  std::vector<std::string> box;   ///< ranges of coefficients
-  std::string output;             ///< sizes frame by frame; empty: none
+  std::string path;              ///< table of poses
+  std::vector<std::string> set;  ///< values of the model
+  std::string coefficients;      ///< course that the motion declares, a file; empty: none
+  std::vector<std::string> box;  ///< ranges of coefficients
+  std::string output;            ///< sizes frame by frame; empty: none
   bool json = false;
 };
 

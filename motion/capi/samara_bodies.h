@@ -40,13 +40,13 @@ typedef struct samara_motions samara_motions;
 typedef struct samara_bodies samara_bodies;
 
 typedef struct samara_bodies_options {
-  size_t size;      /* of this struct, sizeof(samara_bodies_options) */
-  int by_graph;     /* 0: next pieces are drawn from the chain of kinds, else evenly from the graph */
-  double step;      /* s, at most; 0: that of the database */
-  double ramp;      /* s, in which coefficients change; below 0: a quarter of the median segment */
-  int has_ground;   /* else they fall for ever */
-  double ground;    /* m, height */
-  double wind[3];   /* m/s, steady; of models in space */
+  size_t size;    /* of this struct, sizeof(samara_bodies_options) */
+  int by_graph;   /* 0: next pieces are drawn from the chain of kinds, else evenly from the graph */
+  double step;    /* s, at most; 0: that of the database */
+  double ramp;    /* s, in which coefficients change; below 0: a quarter of the median segment */
+  int has_ground; /* else they fall for ever */
+  double ground;  /* m, height */
+  double wind[3]; /* m/s, steady; of models in space */
   uint64_t seed;
 } samara_bodies_options;
 
@@ -61,11 +61,13 @@ void samara_motions_close(samara_motions* motions);
 /* Options with their defaults. */
 samara_bodies_options samara_bodies_defaults(void);
 /* Options null: defaults. Null if they mean nothing, or there are no bodies. */
-samara_bodies* samara_bodies_open(const samara_motions* motions, size_t count, const samara_bodies_options* options);
+samara_bodies* samara_bodies_open(const samara_motions* motions, size_t count,
+                                  const samara_bodies_options* options);
 void samara_bodies_close(samara_bodies* bodies);
 
 /* Moving as if it had fallen for a while, its centre at x, y, z, turned about the vertical by `yaw`. */
-samara_bodies_status samara_bodies_release(samara_bodies* bodies, size_t body, const double* place, double yaw);
+samara_bodies_status samara_bodies_release(samara_bodies* bodies, size_t body, const double* place,
+                                           double yaw);
 samara_bodies_status samara_bodies_advance(samara_bodies* bodies, double dt);
 /* 3 numbers a body: x, y, z; 4 a body: the quaternion w, x, y, z, body to world. */
 samara_bodies_status samara_bodies_poses(const samara_bodies* bodies, double* positions, double* rotations);

@@ -18,12 +18,12 @@ use() {  # use COMMAND ARGUMENT ..: in the root, or in the unpacked tree
 }
 
 if [ -n "$root" ]; then
-  mkdir -p "$root/packages" "$root/work"
+  mkdir -p "$root/packages" "$root/trial"
   cp "$folder"/*.deb "$root/packages"
   chroot "$root" apt-get update -qq
   chroot "$root" sh -c 'DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends /packages/*.deb gcc libc6-dev pkg-config' \
     >"$work/apt.log" 2>&1 || { tail -20 "$work/apt.log"; exit 1; }
-  place=/work
+  place=/trial
 else
   for package in "$folder"/*.deb; do dpkg-deb -x "$package" "$work/tree"; done
   libraries=$(dirname "$(find "$work/tree/usr/lib" -name "libsamara_base.so.*.*.*")")
@@ -43,7 +43,7 @@ use samara query "$place/coin.h5" --set C_D=1.15 --set "v(0)=10 cm/s" --at 0.3
 use samara fit "$place/coin.h5" "$examples/coin/coin.toml" --config "$examples/coin/fit.toml" --span "0.4 s" | grep "^C_D *1\.17 "
 
 if [ -n "$root" ]; then
-  chroot "$root" sh -c "gcc $examples/c_interface/ask.c \$(pkg-config --cflags --libs samara) -o /work/ask && /work/ask /work/coin.h5 0.3 1.15 0.1"
+  chroot "$root" sh -c "cd / && gcc $examples/c_interface/ask.c \$(pkg-config --cflags --libs samara) -o trial/ask && trial/ask trial/coin.h5 0.3 1.15 0.1"
 else
   export PKG_CONFIG_PATH=$libraries/pkgconfig
   # shellcheck disable=SC2046
