@@ -19,10 +19,11 @@ struct RunOption {
   ValueKind kind;
 };
 
-constexpr std::array<RunOption, 6> kRunOptions = {{{"--at", ValueKind::number},
+constexpr std::array<RunOption, 7> kRunOptions = {{{"--at", ValueKind::number},
                                                    {"--size", ValueKind::number},
                                                    {"--quantiles", ValueKind::number},
                                                    {"--outputs", ValueKind::name},
+                                                   {"--model", ValueKind::name},
                                                    {"--turbulence", ValueKind::assignment},
                                                    {"--left-out", ValueKind::file}}};
 

@@ -258,13 +258,41 @@ int count_of(const std::vector<int>& clusters) {
   return clusters.empty() ? 0 : 1 + *std::ranges::max_element(clusters);
 }
 
-void add_scores(PredictedCaptures outcome, const PredictionOptions& prediction, FitResult& fitted) {
+void add_sentences(PredictedCaptures& outcome, Warnings& warnings) {
   for (const auto& [reason, captures] : outcome.lacks)
-    fitted.warnings.add(WarningKind::predictions, lack_sentence(reason, captures));
-  fitted.warnings.add_all(WarningKind::predictions, std::move(outcome.sentences));
+    warnings.add(WarningKind::predictions, lack_sentence(reason, captures));
+  warnings.add_all(WarningKind::predictions, std::move(outcome.sentences));
+}
+
+void add_scores(PredictedCaptures outcome, const PredictionOptions& prediction, FitResult& fitted) {
+  add_sentences(outcome, fitted.warnings);
   Scores scores = scores_of(outcome.compared, std::move(outcome.predictions), prediction);
   fitted.predictions = std::move(scores.all);
   fitted.capture_predictions = std::move(scores.by_capture);
+}
+
+/// The captures of each fold by a fit of all others.
+PredictedCaptures predict_folds(const models::TrajectoryFamily& family, std::span<const Capture> captures,
+                                const FitOptions& options, const PredictionOptions& prediction,
+                                const Folds& folds, Warnings& warnings) {
+  check_folds(captures, options, prediction, folds);
+  const std::vector<int> clusters = clusters_of(captures, options.uncertainty.cluster_by);
+  const std::vector<int> fold_of = deal(count_of(clusters), folds);
+  FitOptions plain = options;
+  plain.uncertainty.profiles = false;
+  plain.uncertainty.bootstrap = {};
+  PredictedCaptures outcome;
+  for (int fold = 0; fold < folds.count; ++fold) {
+    std::vector<Capture> training, left_out;
+    for (std::size_t k = 0; k < captures.size(); ++k)
+      (fold_of[static_cast<std::size_t>(clusters[k])] == fold ? left_out : training).push_back(captures[k]);
+    const FitResult of_others = fit(family, training, plain);
+    const std::string which = fmt::format("fold {} of {}", fold + 1, folds.count);
+    if (of_others.status != FitStatus::converged)
+      warnings.add(WarningKind::predictions, fmt::format("the fit without {}: {}", which, of_others.message));
+    outcome.add(look_ahead(family, of_others, left_out, options, prediction));
+  }
+  return outcome;
 }
 
 }  // namespace
@@ -308,25 +336,18 @@ void check_folds(std::span<const Capture> captures, const FitOptions& options,
 void cross_validate(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                     const FitOptions& options, const PredictionOptions& prediction, const Folds& folds,
                     FitResult& fitted) {
-  check_folds(captures, options, prediction, folds);
-  const std::vector<int> clusters = clusters_of(captures, options.uncertainty.cluster_by);
-  const std::vector<int> fold_of = deal(count_of(clusters), folds);
-  FitOptions plain = options;
-  plain.uncertainty.profiles = false;
-  plain.uncertainty.bootstrap = {};
-  PredictedCaptures outcome;
-  for (int fold = 0; fold < folds.count; ++fold) {
-    std::vector<Capture> training, left_out;
-    for (std::size_t k = 0; k < captures.size(); ++k)
-      (fold_of[static_cast<std::size_t>(clusters[k])] == fold ? left_out : training).push_back(captures[k]);
-    const FitResult of_others = fit(family, training, plain);
-    const std::string which = fmt::format("fold {} of {}", fold + 1, folds.count);
-    if (of_others.status != FitStatus::converged)
-      fitted.warnings.add(WarningKind::predictions,
-                          fmt::format("the fit without {}: {}", which, of_others.message));
-    outcome.add(look_ahead(family, of_others, left_out, options, prediction));
-  }
-  add_scores(std::move(outcome), prediction, fitted);
+  add_scores(predict_folds(family, captures, options, prediction, folds, fitted.warnings), prediction,
+             fitted);
+}
+
+std::vector<ForecastError> cross_validated_errors(const models::TrajectoryFamily& family,
+                                                  std::span<const Capture> captures,
+                                                  const FitOptions& options,
+                                                  const PredictionOptions& prediction, const Folds& folds,
+                                                  Warnings& warnings) {
+  PredictedCaptures outcome = predict_folds(family, captures, options, prediction, folds, warnings);
+  add_sentences(outcome, warnings);
+  return forecast_errors(outcome.compared, std::move(outcome.predictions), prediction);
 }
 
 }  // namespace samara::identification
