@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include "commands.h"
-#include "interrupts.h"
-#include "model_libraries.h"
+#include "inputs/model_libraries.h"
+#include "options/commands.h"
 #include "samara/base/errors.h"
-#include "terminal.h"
+#include "terminal/interrupts.h"
+#include "terminal/terminal.h"
 
 namespace samara::apps {
 
