@@ -19,6 +19,7 @@ struct FollowedCoefficient {
   double deviation = 0.0;  ///< of the value; of its logarithm if logarithmic: 0.1 is 10 %
   double drift = 0.0;      ///< per sqrt(s): after t seconds it has gone drift sqrt(t), in the mean square
   bool logarithmic = false;
+  bool own = false;  ///< of this motion alone, not one of all motions from which this one may differ
   /// It is held at a bound that it reaches [SI].
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();

@@ -1,6 +1,7 @@
 #include "samara/identification/following/followed_motion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
+#include "samara/base/require.h"
 #include "samara/identification/problem/known_values.h"
 #include "samara/identification/problem/measurement.h"
 
@@ -30,6 +32,20 @@ bool is_state(const models::ModelInfo& info, const std::string& name) {
 bool is_parameter(const models::ModelInfo& info, const std::string& name) {
   return std::ranges::any_of(info.parameters,
                              [&](const models::ParameterInfo& parameter) { return parameter.name == name; });
+}
+
+/// Of a state, parameter or output.
+std::string unit_of(const models::ModelInfo& info, const std::string& name) {
+  for (const models::StateInfo& state : info.states) {
+    if (state.name == name) return state.unit;
+  }
+  for (const models::ParameterInfo& parameter : info.parameters) {
+    if (parameter.name == name) return parameter.unit;
+  }
+  for (const models::OutputInfo& output : info.outputs) {
+    if (output.name == name) return output.unit;
+  }
+  return "1";
 }
 
 /// The states of the attitude; empty if there is none.
@@ -119,7 +135,7 @@ void add_own(const models::ModelInfo& info, const FitResult& fitted, FollowOptio
       options.start[state] = start_in(fitted.setup, name);
     } else if (is_parameter(info, name)) {
       const FollowedStart start = start_in(fitted.setup, name);
-      FollowedCoefficient own{.name = name, .value = start.mean, .deviation = start.deviation};
+      FollowedCoefficient own{.name = name, .value = start.mean, .deviation = start.deviation, .own = true};
       const auto box = fitted.setup.unknowns.box.find(name);
       if (box != fitted.setup.unknowns.box.end()) {
         own.lower = box->second.lower;
@@ -213,17 +229,17 @@ Eigen::MatrixXd frames_of(const Follower& follower, const Capture& capture) {
 }
 
 FollowedMotion follow(std::shared_ptr<const models::Model> model, const FollowOptions& options,
-                      const Capture& capture) {
+                      const Capture& capture, double ahead) {
+  require_not_negative(ahead, "ahead", "follow");
   const models::ModelInfo& info = model->info();
-  FollowedMotion motion{.capture = capture.id, .times = capture.times};
+  FollowedMotion motion{.capture = capture.id, .times = capture.times, .ahead = ahead};
   for (const models::StateInfo& state : info.states) {
     motion.names.push_back(state.name);
     motion.units.push_back(state.unit);
   }
   for (const FollowedCoefficient& c : options.coefficients) {
     motion.names.push_back(c.name);
-    const auto parameter = std::ranges::find(info.parameters, c.name, &models::ParameterInfo::name);
-    motion.units.push_back(parameter == info.parameters.end() ? "" : parameter->unit);
+    motion.units.push_back(unit_of(info, c.name));
   }
   FollowOptions remembered = options;
   remembered.remember = true;
@@ -237,6 +253,14 @@ FollowedMotion follow(std::shared_ptr<const models::Model> model, const FollowOp
     to.row(row) << state.states.transpose(), state.coefficients.transpose();
     errors.row(row) = follower.deviations(state).transpose();
   };
+  if (ahead > 0.0) {
+    for (const auto& [name, noise] : options.noise) {
+      motion.outputs.push_back(name);
+      motion.output_units.push_back(unit_of(info, name));
+    }
+  }
+  for (Eigen::MatrixXd* table : {&motion.forecasts.mean, &motion.forecasts.lower, &motion.forecasts.upper})
+    table->setConstant(rows, std::ssize(motion.outputs), kNotFollowed);
   Eigen::RowVectorXd frame(values.cols());
   for (Eigen::Index row = 0; row < rows; ++row) {
     frame = values.row(row);
@@ -247,6 +271,11 @@ FollowedMotion follow(std::shared_ptr<const models::Model> model, const FollowOp
     const FollowedState state = follower.state();
     motion.state_times[row] = state.time;
     put(state, row, motion.values, motion.errors);
+    if (motion.outputs.empty()) continue;
+    const ForecastBand band = band_of(follower.forecast(std::array{capture.times[row] + ahead}));
+    motion.forecasts.mean.row(row) = band.mean.row(0);
+    motion.forecasts.lower.row(row) = band.lower.row(0);
+    motion.forecasts.upper.row(row) = band.upper.row(0);
   }
   // States lie a constant time before their frames.
   double lead = 0.0;

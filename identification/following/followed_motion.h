@@ -8,6 +8,7 @@
 
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/following/follower.h"
+#include "samara/identification/following/forecast_band.h"
 #include "samara/identification/problem/fit_result.h"
 #include "samara/models/interface/model.h"
 
@@ -38,14 +39,20 @@ struct FollowedMotion {
   /// The same in the light of all frames; NaN for frames that were not followed.
   Eigen::MatrixXd smoothed_values = {}, smoothed_errors = {};
   double log_likelihood = 0.0;  ///< of all frames after starts, each before it was seen
+  /// Of each frame, what would be measured `ahead` seconds later of outputs: as Follower::forecast(), with a band of
+  /// 90 %. No columns if it was not asked for.
+  double ahead = 0.0;
+  std::vector<std::string> outputs = {}, output_units = {};
+  ForecastBand forecasts = {};
 };
 
 /// Values of a frame in the order of Follower::measured(), NaN where the capture has no such channel.
 /// @throws ArgumentError if it measures none of them
 Eigen::MatrixXd frames_of(const Follower& follower, const Capture& capture);
 
-/// @throws ArgumentError as Follower and Follower::add()
+/// @param ahead s; 0: no forecasts
+/// @throws ArgumentError as Follower and Follower::add(), and for a time ahead that is negative
 FollowedMotion follow(std::shared_ptr<const models::Model> model, const FollowOptions& options,
-                      const Capture& capture);
+                      const Capture& capture, double ahead = 0.0);
 
 }  // namespace samara::identification

@@ -29,7 +29,7 @@ constexpr double kSame = 0.5;
 /// A frame that is missed so many times worse than the median frame is an outlier.
 constexpr double kFarOff = 25.0;
 
-struct Prior {
+struct StartPrior {
   Eigen::VectorXd point;       ///< its mean
   Eigen::VectorXd deviations;  ///< of the errors of states; 0: held
   Eigen::MatrixXd root;        ///< errors x unknowns: errors are root times numbers that are standard normal
@@ -59,10 +59,10 @@ Eigen::Vector4d first_attitude(std::span<const SeenFrame> frames) {
   return {1.0, 0.0, 0.0, 0.0};
 }
 
-Prior prior_of(const FollowedModel& model, std::span<const SeenFrame> frames, const MeasuredStates& seen) {
+StartPrior prior_of(const FollowedModel& model, std::span<const SeenFrame> frames, const MeasuredStates& seen) {
   const FollowOptions& options = model.options();
   const auto& states = model.equations().model().info().states;
-  Prior prior{.point = Eigen::VectorXd::Zero(model.size()),
+  StartPrior prior{.point = Eigen::VectorXd::Zero(model.size()),
               .deviations = Eigen::VectorXd::Zero(model.errors()),
               .root = {},
               .spread = Eigen::VectorXi::Zero(model.errors())};
@@ -149,7 +149,7 @@ std::vector<Eigen::Vector4d> attitudes_around(bool round_body) {
 }
 
 /// Points from which descents begin: attitudes and angles all around.
-std::vector<Eigen::VectorXd> beginnings(const FollowedModel& model, const Prior& prior) {
+std::vector<Eigen::VectorXd> beginnings(const FollowedModel& model, const StartPrior& prior) {
   std::vector<Eigen::VectorXd> points;
   if (model.attitude() && prior.spread[*model.attitude()] == 1) {
     for (const Eigen::Vector4d& attitude : attitudes_around(model.options().round_body)) {
@@ -175,7 +175,7 @@ std::vector<Eigen::VectorXd> beginnings(const FollowedModel& model, const Prior&
 }
 
 /// Moves states that are not measured such that the equations give the rates that were measured; attitude and angles stay.
-void meet_rates(const FollowedModel& model, double time, const MeasuredStates& seen, const Prior& prior,
+void meet_rates(const FollowedModel& model, double time, const MeasuredStates& seen, const StartPrior& prior,
                 Eigen::VectorXd& point) {
   Eigen::VectorXd deviations = prior.deviations;
   for (Eigen::Index e = 0; e < deviations.size(); ++e) {
@@ -221,7 +221,7 @@ void meet_rates(const FollowedModel& model, double time, const MeasuredStates& s
 /// One descent: the most likely point at the first frame.
 class Descent {
  public:
-  Descent(const FollowedModel& model, std::span<const SeenFrame> frames, const Prior& prior, HypothesisFilter& filter)
+  Descent(const FollowedModel& model, std::span<const SeenFrame> frames, const StartPrior& prior, HypothesisFilter& filter)
       : model_(model), frames_(frames), prior_(prior), filter_(filter),
         flow_(model.equations(), model.options().step, directions(model)),
         weights_(Eigen::VectorXd::Ones(std::ssize(frames))) {}
@@ -337,7 +337,7 @@ class Descent {
 
   const FollowedModel& model_;
   std::span<const SeenFrame> frames_;
-  const Prior& prior_;
+  const StartPrior& prior_;
   HypothesisFilter& filter_;
   models::Rk4Flow flow_;
   Eigen::VectorXd weights_, misses_;  ///< per frame
@@ -394,7 +394,7 @@ MeasuredStates measured_states(const FollowedModel& model, std::span<const SeenF
 std::vector<Hypothesis> find_starts(const FollowedModel& model, std::span<const SeenFrame> frames,
                                     HypothesisFilter& filter) {
   const MeasuredStates seen = measured_states(model, frames);
-  const Prior prior = prior_of(model, frames, seen);
+  const StartPrior prior = prior_of(model, frames, seen);
   Descent descent(model, frames, prior, filter);
   std::vector<Hypothesis> starts;
   for (const Eigen::VectorXd& mean : beginnings(model, prior)) {
