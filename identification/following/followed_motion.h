@@ -8,7 +8,7 @@
 
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/following/follower.h"
-#include "samara/identification/following/forecast_band.h"
+#include "samara/identification/statistics/forecast_band.h"
 #include "samara/identification/problem/fit_result.h"
 #include "samara/models/interface/model.h"
 

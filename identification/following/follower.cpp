@@ -341,7 +341,7 @@ Forecast Follower::forecast(std::span<const double> times, const std::vector<std
       const double there = times[static_cast<std::size_t>(row)] - run.filter.lead();
       if (there > here && !run.filter.predict(ahead, here, there - here)) break;
       here = std::max(here, there);
-      if (!run.filter.observe(ahead.point, here, seen, false, values, by_errors)) break;
+      if (!run.filter.observe(ahead.point, here, seen, false, values, &by_errors)) break;
       component.mean.row(row) = values.transpose();
       Eigen::MatrixXd& covariance = component.covariance[static_cast<std::size_t>(row)];
       covariance = by_errors * ahead.covariance * by_errors.transpose();

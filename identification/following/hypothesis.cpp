@@ -38,6 +38,7 @@ HypothesisFilter::HypothesisFilter(const FollowedModel& model)
     : model_(model),
       flow_(model.equations(), model.options().step, all_directions(model)),
       seen_flow_(model.equations(), model.options().step, all_directions(model)),
+      plain_flow_(model.equations(), model.options().step, {}),
       workspace_(model.equations().make_workspace()) {
   const Eigen::Index size = model.size(), states = model.states(), errors = model.errors();
   const models::ModelInfo& info = model.equations().model().info();
@@ -122,23 +123,24 @@ void HypothesisFilter::add_noise(double duration, Eigen::MatrixXd& covariance) {
 }
 
 bool HypothesisFilter::observe(const Eigen::VectorXd& point, double t, const std::vector<SeenOutput>& outputs,
-                               bool attitude, Eigen::VectorXd& values, Eigen::MatrixXd& by_errors) {
+                               bool attitude, Eigen::VectorXd& values, Eigen::MatrixXd* by_errors) {
   const models::ParametricModel& equations = model_.equations();
   const Eigen::Index states = model_.states(), own = std::ssize(outputs);
   const int samples = model_.options().averaged_frames;
   const double share = 1.0 / samples;
   const bool derived = std::ranges::any_of(outputs, [](const SeenOutput& o) { return !o.is_state; });
-  by_point_.setZero(own + (attitude ? 4 : 0), model_.size());
+  if (by_errors) by_point_.setZero(own + (attitude ? 4 : 0), model_.size());
   values.setZero();
   if (derived) equations.parameter_values(as_span(point), workspace_.p);
   point_ = point;
   by_flow_.setIdentity();
-  if (samples > 1) seen_flow_.start(as_span(point), t);
+  models::Rk4Flow& flow = by_errors ? seen_flow_ : plain_flow_;
+  if (samples > 1) flow.start(as_span(point), t);
   for (int n = 0; n < samples; ++n) {
     if (n > 0) {
-      if (!seen_flow_.advance(interval_)) return false;
-      seen_flow_.read(states_of(point_, states));
-      seen_flow_.read_derivatives(by_flow_);
+      if (!flow.advance(interval_)) return false;
+      flow.read(states_of(point_, states));
+      if (by_errors) flow.read_derivatives(by_flow_);
     }
     if (derived) {
       equations.model().outputs_with_derivatives(t + n * interval_, as_span(point_).first(static_cast<std::size_t>(states)),
@@ -149,10 +151,11 @@ bool HypothesisFilter::observe(const Eigen::VectorXd& point, double t, const std
       const SeenOutput& output = outputs[static_cast<std::size_t>(row)];
       if (output.is_state) {
         values[row] += share * point_[output.index];
-        by_point_.row(row) += share * by_flow_.row(output.index);
+        if (by_errors) by_point_.row(row) += share * by_flow_.row(output.index);
         continue;
       }
       values[row] += share * outputs_[output.index];
+      if (!by_errors) continue;
       by_point_.row(row).noalias() += share * outputs_by_states_.row(output.index).lazyProduct(by_flow_);
       for (Eigen::Index j = 0; j < model_.coefficients(); ++j) {
         const int parameter = equations.free()[static_cast<std::size_t>(states + j)].index;
@@ -161,33 +164,35 @@ bool HypothesisFilter::observe(const Eigen::VectorXd& point, double t, const std
     }
     if (!attitude) continue;
     values.segment<4>(own) += share * point_.segment<4>(*model_.attitude());
-    by_point_.middleRows<4>(own) += share * by_flow_.middleRows<4>(*model_.attitude());
+    if (by_errors) by_point_.middleRows<4>(own) += share * by_flow_.middleRows<4>(*model_.attitude());
   }
-  model_.times_plus(by_point_, point, by_errors);
-  return values.allFinite() && by_errors.allFinite();
+  if (!by_errors) return values.allFinite();
+  model_.times_plus(by_point_, point, *by_errors);
+  return values.allFinite() && by_errors->allFinite();
 }
 
 bool HypothesisFilter::compare(const Eigen::VectorXd& point, double t, const SeenFrame& frame,
-                               Eigen::VectorXd& residuals, Eigen::MatrixXd& by_errors, Eigen::VectorXd& variances) {
+                               Eigen::VectorXd& residuals, Eigen::MatrixXd* by_errors, Eigen::VectorXd& variances) {
   const std::vector<SeenOutput>& measured = model_.measured();
   const bool attitude = model_.attitude_is_measured();
-  if (!observe(point, t, measured, attitude, expected_, seen_by_errors_)) return false;
+  if (!observe(point, t, measured, attitude, expected_, by_errors ? &seen_by_errors_ : nullptr)) return false;
   const Eigen::Index own = std::ssize(measured);
   residuals.setZero();
-  by_errors.setZero();
+  if (by_errors) by_errors->setZero();
   variances.setOnes();
   for (Eigen::Index row = 0; row < own; ++row) {
     if (std::isnan(frame.values[row])) continue;
     const SeenOutput& output = measured[static_cast<std::size_t>(row)];
     const double difference = frame.values[row] - expected_[row];
     residuals[row] = output.period > 0.0 ? std::remainder(difference, output.period) : difference;
-    by_errors.row(row) = seen_by_errors_.row(row);
+    if (by_errors) by_errors->row(row) = seen_by_errors_.row(row);
     variances[row] = output.noise * output.noise;
   }
   if (attitude && !frame.attitude.hasNaN()) {
     const Turn turn = turn_between(expected_.data() + own, frame.attitude.data());
     residuals.segment<3>(own) = turn.vector;
-    by_errors.middleRows<3>(own).noalias() = (-turn.by_from).lazyProduct(seen_by_errors_.middleRows<4>(own));
+    if (by_errors)
+      by_errors->middleRows<3>(own).noalias() = (-turn.by_from).lazyProduct(seen_by_errors_.middleRows<4>(own));
     variances.segment<3>(own).setConstant(*model_.options().attitude_noise * *model_.options().attitude_noise);
   }
   return true;
@@ -200,7 +205,9 @@ HypothesisFilter::Update HypothesisFilter::update(Hypothesis& hypothesis, double
   error_.setZero();
   double raised = 1.0;
   for (int iteration = 0; iteration < model_.options().iterations; ++iteration) {
-    if (!compare(moved_, t, frame, residuals_, by_errors_, variances_)) return {.is_finite = false};
+    // What is seen is bent much less over one step than the motion to it: its first derivatives do for all iterations.
+    if (!compare(moved_, t, frame, residuals_, iteration == 0 ? &by_errors_ : nullptr, variances_))
+      return {.is_finite = false};
     variances_ *= raised;
     half_ = hypothesis.covariance;
     model_.carry(error_, half_, scratch_);

@@ -54,13 +54,15 @@ class HypothesisFilter {
   /// What would be seen of outputs if the point were the state at t, and its derivatives by errors of the point.
   /// @param attitude also the four states of an attitude, after the outputs
   /// @param values outputs (and 4), @param by_errors of as many rows, errors() columns
+  /// @param by_errors null: not wanted, which takes a tenth of the time where frames are means
   bool observe(const Eigen::VectorXd& point, double t, const std::vector<SeenOutput>& outputs, bool attitude,
-               Eigen::VectorXd& values, Eigen::MatrixXd& by_errors);
+               Eigen::VectorXd& values, Eigen::MatrixXd* by_errors);
 
   /// What is seen less what would be seen, and the derivatives of the latter by errors of the point: zero where
   /// nothing was seen, where `variances` is 1.
+  /// @param by_errors null: not wanted
   bool compare(const Eigen::VectorXd& point, double t, const SeenFrame& frame, Eigen::VectorXd& residuals,
-               Eigen::MatrixXd& by_errors, Eigen::VectorXd& variances);
+               Eigen::MatrixXd* by_errors, Eigen::VectorXd& variances);
 
   /// What taking a frame in did.
   struct Update {
@@ -79,7 +81,7 @@ class HypothesisFilter {
   void add_noise(double duration, Eigen::MatrixXd& covariance);
 
   const FollowedModel& model_;
-  models::Rk4Flow flow_, seen_flow_;
+  models::Rk4Flow flow_, seen_flow_, plain_flow_;  ///< the last without derivatives
   models::ParametricModel::Workspace workspace_;
   std::vector<double> gates_;
   double interval_ = 0.0;

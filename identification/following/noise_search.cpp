@@ -35,12 +35,17 @@ double log_density(const Forecast& forecast, const Eigen::RowVectorXd& seen) {
   }
   double density = 0.0;
   for (const ForecastComponent& component : forecast.components) {
-    const Eigen::RowVectorXd mean = component.mean.row(0);
-    const Eigen::MatrixXd covariance = component.covariance[0](there, there);
+    Eigen::MatrixXd covariance(std::ssize(there), std::ssize(there));
+    Eigen::VectorXd whitened(std::ssize(there));
+    for (Eigen::Index i = 0; i < whitened.size(); ++i) {
+      const Eigen::Index o = there[static_cast<std::size_t>(i)];
+      whitened[i] = seen[o] - component.mean(0, o);
+      for (Eigen::Index j = 0; j < whitened.size(); ++j)
+        covariance(i, j) = component.covariance[0](o, there[static_cast<std::size_t>(j)]);
+    }
     const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
-    if (!mean.allFinite() || llt.info() != Eigen::Success) continue;
-    const Eigen::VectorXd miss = (seen - mean)(there).transpose();
-    const Eigen::VectorXd whitened = llt.matrixL().solve(miss);
+    if (!whitened.allFinite() || llt.info() != Eigen::Success) continue;
+    llt.matrixL().solveInPlace(whitened);
     double log_root = 0.0;
     for (Eigen::Index k = 0; k < whitened.size(); ++k)
       log_root += std::log(llt.matrixLLT()(k, k)) + 0.5 * std::log(2.0 * std::numbers::pi);

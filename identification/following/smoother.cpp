@@ -1,27 +1,8 @@
 #include "samara/identification/following/smoother.h"
 
-#include <Eigen/Eigenvalues>
+#include "samara/identification/following/covariances.h"
 
 namespace samara::identification {
-
-namespace {
-
-/// Of the largest eigenvalue, once errors are scaled: what is less is a combination that does not move.
-constexpr double kHeld = 1e-12;
-
-/// The inverse of a covariance where it has any, zero elsewhere.
-Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& covariance) {
-  const Eigen::ArrayXd sizes = covariance.diagonal().array().max(0.0).sqrt();
-  const Eigen::VectorXd scales = (sizes > 0.0).select(sizes.max(1e-300).inverse(), 0.0);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scales.asDiagonal() * covariance * scales.asDiagonal());
-  const Eigen::ArrayXd values = solver.eigenvalues().array();
-  const double least = kHeld * std::max(values.maxCoeff(), 0.0);
-  const Eigen::VectorXd inverse = (values > least).select(values.max(1e-300).inverse(), 0.0);
-  const Eigen::MatrixXd vectors = scales.asDiagonal() * solver.eigenvectors();
-  return vectors * inverse.asDiagonal() * vectors.transpose();
-}
-
-}  // namespace
 
 std::vector<FollowedState> smooth(const FollowedModel& model, const std::vector<FrameRecord>& records) {
   std::vector<FollowedState> states(records.size());

@@ -6,9 +6,8 @@
 #include <numbers>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
-#include <Eigen/QR>
 
+#include "samara/identification/following/covariances.h"
 #include "samara/models/batch/rk4_flow.h"
 #include "samara/models/integrators/rotations.h"
 
@@ -35,22 +34,6 @@ struct StartPrior {
   Eigen::MatrixXd root;        ///< errors x unknowns: errors are root times numbers that are standard normal
   Eigen::VectorXi spread;      ///< per error: 1 where it is a part of an attitude or angle that is not known
 };
-
-/// Columns of the square root of a covariance that are not zero.
-Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
-  const Eigen::VectorXd sizes = covariance.diagonal().array().max(0.0).sqrt();
-  const Eigen::VectorXd inverse = (sizes.array() > 0.0).select(sizes.array().max(1e-300).inverse(), 0.0);
-  const Eigen::LDLT<Eigen::MatrixXd> ldlt(inverse.asDiagonal() * covariance * inverse.asDiagonal());
-  const Eigen::VectorXd pivots = ldlt.vectorD().array().max(0.0).sqrt();
-  Eigen::MatrixXd lower = ldlt.matrixL();
-  lower = lower * pivots.asDiagonal();
-  Eigen::MatrixXd whole = sizes.asDiagonal() * (ldlt.transpositionsP().transpose() * lower);
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index k = 0; k < whole.cols(); ++k) {
-    if (pivots[k] > 1e-9) kept.push_back(k);
-  }
-  return whole(Eigen::all, kept);
-}
 
 Eigen::Vector4d first_attitude(std::span<const SeenFrame> frames) {
   for (const SeenFrame& frame : frames) {
@@ -125,7 +108,10 @@ StartPrior prior_of(const FollowedModel& model, std::span<const SeenFrame> frame
 /// axes of a cube through its faces, edges and corners, along which z may lie.
 std::vector<Eigen::Vector4d> attitudes_around(bool round_body) {
   std::vector<Eigen::Vector4d> attitudes;
-  const auto add = [&](const Eigen::Quaterniond& q) { attitudes.emplace_back(q.w(), q.x(), q.y(), q.z()); };
+  const auto add = [&](double angle, const Eigen::Vector3d& axis) {
+    const models::Quaternion q = models::rotation_exponential(angle * axis.normalized());
+    attitudes.emplace_back(q[0], q[1], q[2], q[3]);
+  };
   for (int x = -1; x <= 1; ++x) {
     for (int y = -1; y <= 1; ++y) {
       for (int z = -1; z <= 1; ++z) {
@@ -134,17 +120,18 @@ std::vector<Eigen::Vector4d> attitudes_around(bool round_body) {
         const bool upper = z > 0 || (z == 0 && (y > 0 || (y == 0 && x > 0)));
         if (!upper) continue;
         if (round_body) {
-          add(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis.normalized()));
+          // About what is at right angles to z and the axis; of z itself the angle is 0.
+          add(std::acos(axis.z() / std::sqrt(parts)), Eigen::Vector3d(-axis.y(), axis.x(), x == 0 && y == 0 ? 1.0 : 0.0));
           continue;
         }
         constexpr double kTurn = 2.0 * std::numbers::pi;
         const int turns = parts == 1 ? 4 : parts == 2 ? 2 : 3;
         for (int turn = 1; turn < turns; ++turn)
-          add(Eigen::Quaterniond(Eigen::AngleAxisd(kTurn * turn / turns, axis.normalized())));
+          add(kTurn * turn / turns, axis);
       }
     }
   }
-  if (!round_body) attitudes.emplace_back(1.0, 0.0, 0.0, 0.0);
+  if (!round_body) add(0.0, Eigen::Vector3d::UnitZ());
   return attitudes;
 }
 
@@ -213,7 +200,7 @@ void meet_rates(const FollowedModel& model, double time, const MeasuredStates& s
       normal += row * row.transpose();
       right += row * ((seen.rates[i] - rates[i]) / seen.rate_errors[i] + by_errors.row(i).dot(error) / seen.rate_errors[i]);
     }
-    const Eigen::VectorXd whole = normal.ldlt().solve(right).cwiseProduct(deviations);
+    const Eigen::VectorXd whole = normal.llt().solve(right).cwiseProduct(deviations);
     model.plus(mean, whole, point);
   }
 }
@@ -233,7 +220,12 @@ class Descent {
     mean_ = mean;
     Eigen::VectorXd error(model_.errors());
     model_.minus(begin, mean, error);
-    Eigen::VectorXd unknowns = prior_.root.colPivHouseholderQr().solve(error);
+    // Scaled by the deviations, a root's columns are of about the same size.
+    const Eigen::VectorXd scales = prior_.root.rowwise().norm().unaryExpr([](double size) { return size > 0.0 ? 1.0 / size : 0.0; });
+    const Eigen::MatrixXd scaled = scales.asDiagonal() * prior_.root;
+    const Eigen::VectorXd right = scaled.transpose() * scales.cwiseProduct(error);
+    const Eigen::MatrixXd gram = scaled.transpose() * scaled;
+    Eigen::VectorXd unknowns = Eigen::LLT<Eigen::MatrixXd>(gram).solve(right);
     if (!descend(unknowns)) return false;
     if (weigh_outliers() && !descend(unknowns)) return false;
     const Eigen::LLT<Eigen::MatrixXd> llt(normal_);
@@ -284,7 +276,7 @@ class Descent {
       model_.minus_times(here, by_start, upper);
       transition.topRows(moving) = upper.topRows(moving);
       if (const auto at = model_.attitude()) here.segment<4>(*at).normalize();
-      if (!filter_.compare(here, time, frames_[k], residuals, by_errors, variances)) return false;
+      if (!filter_.compare(here, time, frames_[k], residuals, &by_errors, variances)) return false;
       const double weight = weights_[static_cast<Eigen::Index>(k)];
       const Eigen::VectorXd scales = variances.array().sqrt().inverse();
       const Eigen::VectorXd scaled = residuals.cwiseProduct(scales);
@@ -375,18 +367,22 @@ MeasuredStates measured_states(const FollowedModel& model, std::span<const SeenF
     if (values.empty()) continue;
     const Eigen::Index count = std::ssize(values);
     const Eigen::Index degree = count >= 5 ? 2 : std::min<Eigen::Index>(count - 1, 1);
-    Eigen::MatrixXd powers(count, degree + 1);
-    for (Eigen::Index k = 0; k < count; ++k) {
-      for (Eigen::Index power = 0; power <= degree; ++power)
-        powers(k, power) = std::pow(times[static_cast<std::size_t>(k)], static_cast<double>(power));
+    const double span = degree > 0 ? times.back() : 1.0;  // times are scaled by it
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(degree + 1, degree + 1);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(degree + 1);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      Eigen::VectorXd powers = Eigen::VectorXd::Ones(degree + 1);
+      for (Eigen::Index power = 1; power <= degree; ++power) powers[power] = powers[power - 1] * times[k] / span;
+      normal += powers * powers.transpose();
+      right += values[k] * powers;
     }
-    const Eigen::Map<const Eigen::VectorXd> seen(values.data(), count);
-    const Eigen::VectorXd fitted = powers.colPivHouseholderQr().solve(seen);
+    const Eigen::LLT<Eigen::MatrixXd> llt(normal);
+    const Eigen::VectorXd fitted = llt.solve(right);
     result.values[output.index] = fitted[0];
     if (degree == 0) continue;
-    const Eigen::MatrixXd spread = (powers.transpose() * powers).completeOrthogonalDecomposition().pseudoInverse();
-    result.rates[output.index] = fitted[1];
-    result.rate_errors[output.index] = output.noise * std::sqrt(std::max(spread(1, 1), 0.0)) + 1e-12;
+    const Eigen::VectorXd spread = llt.solve(Eigen::VectorXd::Unit(degree + 1, 1));
+    result.rates[output.index] = fitted[1] / span;
+    result.rate_errors[output.index] = output.noise * std::sqrt(spread[1]) / span;
   }
   return result;
 }

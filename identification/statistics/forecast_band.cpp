@@ -1,4 +1,4 @@
-#include "samara/identification/following/forecast_band.h"
+#include "samara/identification/statistics/forecast_band.h"
 
 #include <cmath>
 #include <limits>
