@@ -222,6 +222,21 @@ struct DesignArguments {
   bool json = false;
 };
 
+struct FollowArguments {
+  std::string source;  ///< model, or codebook file
+  std::string fit;     ///< JSON
+  std::string track;
+  std::string sidecar;
+  std::string config;
+  std::vector<std::string> training;
+  std::string ahead;  ///< empty: no forecasts
+  std::vector<std::string> noise;
+  std::string velocity_noise, rate_noise, spread, drift, step;
+  std::optional<int> start_frames;
+  std::string output;
+  bool json = false;
+};
+
 struct FlowArguments {
   std::string plan;
   std::string output;
@@ -316,6 +331,7 @@ struct Arguments {
   std::optional<FitArguments> fit;
   std::optional<BodyArguments> body;
   std::optional<DesignArguments> design;
+  std::optional<FollowArguments> follow;
   std::optional<WindArguments> wind;
   std::optional<FlowArguments> flow;
   std::optional<PictureArguments> picture;

@@ -30,7 +30,7 @@ SUB_ROOMS = {
     "flow": ["grid", "pressure", "momentum", "turbulence", "march", "files", "books"],
     "identification": [
         "smoothing", "captures/exports", "captures", "statistics", "problem", "pages", "report",
-        "solve/starts", "solve", "fit", "design", "series", "petab", "files", "explorer",
+        "solve/starts", "solve", "fit", "following", "design", "series", "petab", "files", "explorer",
     ],
     "motion": ["records", "search", "events", "chains", "patterns", "sweeps", "database", "bodies", "courses", "ghost", "planning", "pages", "capi"],
     "apps": ["terminal", "options", "inputs", "pictures", "air", "flow", "books", "fit", "models", "motion", ""],
