@@ -7,6 +7,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/require.h"
+#include "samara/base/smoothstep.h"
 #include "samara/models/batch/batch_tasks.h"
 #include "samara/models/batch/lanes.h"
 
@@ -29,12 +30,6 @@ std::vector<int> steered_indices(const ParametricModel& model, const std::vector
     indices.push_back(found->index);
   }
   return indices;
-}
-
-/// How far a parameter is on its way, of [0, 1].
-double smoothstep(double s) {
-  const double inside = std::clamp(s, 0.0, 1.0);
-  return inside * inside * (3.0 - 2.0 * inside);
 }
 
 }  // namespace
@@ -93,7 +88,7 @@ struct Stepper::Impl {
   /// Number n of a lane's ramp at time t.
   double moved(Eigen::Index lane, std::size_t n, double share) const {
     const std::size_t at = ramp_place(lane) + n;
-    return from[at] + share * (to[at] - from[at]);
+    return gone(from[at], to[at], share);
   }
   double share_at(const Move& move, double t) const {
     return move.moving ? smoothstep((t - move.start) / move.duration) : 1.0;
