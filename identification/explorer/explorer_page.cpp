@@ -203,7 +203,7 @@ ExplorerPage explorer_page(const ExplorerContent& content) {
                 {"numbers", base64(numbers.values()), false}},
        .styles = {page::kExplorerStyle},
        .scripts = {page::kExplorerEvaluate, page::kExplorerBody, page::kExplorerGlb, page::kExplorerState,
-                   page::kExplorerCurves, page::kExplorerControls, page::kExplorerPage}});
+                   page::kExplorerCurves, page::kExplorerControls, page::kExplorerView, page::kExplorerPage}});
   return page;
 }
 

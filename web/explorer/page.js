@@ -3,7 +3,7 @@ const explorer = (() => {
   const $ = (id) => document.getElementById(id);
   const data = readExplored(), state = new State(data), curves = new Curves($("curves"), state);
   state.fromHash(location.hash);
-  const view = new BodyView($("body"));
+  const view = new BodyView($("body"), state.seen), viewing = new Viewing($("view"), $("body"), state, () => touch("mark"));
   const controls = new Controls($("controls"), state, (what) => what === "all" ? buildAll() : touch());
   const calm = matchMedia("(prefers-reduced-motion: reduce)");
   let wants = null;     // what the next frame has to do: "mark" (the place on the curves moved) or "point"
@@ -99,8 +99,9 @@ const explorer = (() => {
     const changes = state.book.body ? state.book.body.changes : [];
     $("view-note").textContent = (Number.isNaN(larger) ? "Drawn as a plate: nothing says what the body looks like. "
         : larger > 1.05 ? `The body is drawn ${kit.shown(larger, 2)} times its size. ` : "") +
-        (changes.length ? `It is that of the middle of the box, whatever ${changes.join(", ")} may be.` : "");
-    $("body").setAttribute("aria-label", sentence());
+        (changes.length ? `It is that of the middle of the box, whatever ${changes.join(", ")} may be. ` : "") + viewing.words();
+    $("body").setAttribute("aria-label", `${sentence()}. ${viewing.words()}`.trim());
+    viewing.show();
   }
   function sentence() {
     const now = here();
@@ -112,6 +113,7 @@ const explorer = (() => {
   function buildAll() {
     const focused = document.activeElement && document.activeElement.id;
     document.querySelector(".panes").classList.toggle("without-body", !hasBody());
+    document.querySelector(".panes").classList.toggle("compared", state.other !== null);
     $("glb").hidden = !hasMotion();
     const c = coordinate(), place = {min: c.list ? 0 : c.lower, max: c.list ? c.list.length - 1 : c.upper, step: c.list ? 1 : "any"};
     Object.assign($("clock"), place);
@@ -203,24 +205,6 @@ const explorer = (() => {
     touch("mark");
   });
 
-  // View --------------------------------------------------------------------------------------------------
-  for (const id of ["turn", "tilt"]) {
-    $(id).addEventListener("input", () => { view[id] = Number($(id).value) * Math.PI / 180; body(); });
-  }
-  let held = null;
-  $("body").addEventListener("pointerdown", (event) => { held = [event.clientX, event.clientY]; $("body").setPointerCapture(event.pointerId); });
-  for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) $("body").addEventListener(end, () => { held = null; });
-  $("body").addEventListener("pointermove", (event) => {
-    if (!held) return;
-    view.turn -= (event.clientX - held[0]) * 0.01;
-    view.turn -= 2 * Math.PI * Math.round(view.turn / (2 * Math.PI));
-    view.tilt = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, view.tilt + (event.clientY - held[1]) * 0.01));
-    held = [event.clientX, event.clientY];
-    $("turn").value = view.turn * 180 / Math.PI;
-    $("tilt").value = view.tilt * 180 / Math.PI;
-    body();
-  });
-
   // Saving ------------------------------------------------------------------------------------------------
   const parameters = () => state.book.coordinates.map((c, k) => [c.name, state.point[k]]).filter((entry, k) => k !== state.along);
   const lineOf = (text) => text.replace(/\s+/g, " ");
@@ -243,7 +227,7 @@ const explorer = (() => {
       return high - low;
     })));
     const {times, poses} = denseKeys(posesAt, c.lower, c.upper, sizeOf(shape));
-    return glbOf({name: book.model, mesh: shape, times, poses, extras: {model: book.model, codebook: book.file, parameters: {...book.fixed, ...Object.fromEntries(parameters())}, start: c.lower}});
+    return glbOf({name: book.model, mesh: shape, times, poses, extras: {model: book.model, codebook: book.file, parameters: {...book.fixed, ...Object.fromEntries(parameters())}}});
   }
   // All that is drawn, one below the other.
   function picture() {
