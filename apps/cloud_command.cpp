@@ -124,7 +124,8 @@ void check_outputs(const SimulateArguments& arguments) {
   if (ending != ".h5" && !is_animation && !arguments.cloud.keep.empty())
     throw ArgumentError("--keep: trajectories go into a file that ends in .h5, .glb or .usda, with --output");
   if (is_animation && whole_from("--keep", arguments.cloud.keep, 0L, 1L) < 1)
-    throw ArgumentError("--keep is 0, and an animation is of the flights that are kept: 1 or more were expected");
+    throw ArgumentError(
+        "--keep is 0, and an animation is of the flights that are kept: 1 or more were expected");
 }
 
 /// Before anything is allocated: what a wave of 256 realisations, the sums and the kept trajectories take.

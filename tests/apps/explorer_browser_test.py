@@ -416,7 +416,7 @@ class ExplorerInBrowser(Case):
           const {data} = g.getImageData(0, 0, canvas.width, canvas.height), ends = (channel) => {
             let low = Infinity, high = -Infinity;
             for (let k = 0; k < data.length; k += 4)
-              if (data[k + channel] > 90 && data[k + 3] > 90 && [0, 1, 2].every((c) => c === channel || data[k + c] < 80))
+              if (data[k + channel] > 90 && data[k + 3] > 90 && [0, 1, 2].every((c) => c === channel || data[k + c] < 0.7 * data[k + channel]))
                 [low, high] = [Math.min(low, k / 4 % canvas.width), Math.max(high, k / 4 % canvas.width)];
             return high - low;
           };

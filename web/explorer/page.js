@@ -68,9 +68,10 @@ const explorer = (() => {
     const now = here(), then = state.other && curves.codebook.at(withPlace(state.other));
     $("values-heading").textContent = `Values at ${coordinate().name} = ${inUnit(state.point[state.along], coordinate().unit, 4)}`;
     cells.forEach((line, o) => {
-      const numbers = [[now[o], 6], [curves.band(o) || NaN, 2], ...(then ? [[then[o], 6], [now[o] - then[o], 4]] : [])];
-      numbers.forEach(([value, digits], k) => {
-        line[k].textContent = kit.shown(Number.isNaN(value) ? null : value, digits);
+      const digits = then ? 4 : 6;  // all that fit beside each other
+      const numbers = [[now[o], digits], [curves.band(o) || NaN, 2], ...(then ? [[then[o], digits], [now[o] - then[o], 3]] : [])];
+      numbers.forEach(([value, shown], k) => {
+        line[k].textContent = kit.shown(Number.isNaN(value) ? null : value, shown);
         if (Number.isNaN(value)) delete line[k].dataset.value; else line[k].dataset.value = String(value);
       });
     });
