@@ -47,8 +47,8 @@ io::AnimatedBody flight(const std::string& name, const Eigen::VectorXd& times, c
   return body;
 }
 
-/// The largest turn between a key and what its neighbours say of it, and likewise the distance: four times what lies
-/// between keys is from the straight line and the even turn, where motions are smooth.
+/// A quarter of how far keys are from what their neighbours say of them: where motions are smooth, so far are they from the
+/// straight line and the even turn between two keys.
 struct Coarseness {
   double angle = 0.0, distance = 0.0;  ///< rad, and the unit of lengths
 };
