@@ -63,11 +63,13 @@ class Viewing {
     if (apart(last) > 0 && apart(at) > 0) this.enlarge(apart(at) / apart(last));
   }
 
-  // Shows the state in the fields.
+  // Shows the state in the fields, if it is another one: each frame of a motion comes here.
   show() {
-    const {turn, tilt, zoom} = this.state.seen;
-    Object.assign(this.fields.turn, {value: turn});
-    Object.assign(this.fields.tilt, {value: tilt});
+    const {turn, tilt, zoom} = this.state.seen, shown = [turn, tilt, zoom].join();
+    if (shown === this.shown) return;
+    this.shown = shown;
+    this.fields.turn.value = turn;
+    this.fields.tilt.value = tilt;
     this.fields.zoom.value = Math.log2(zoom);
     this.fields.zoom.setAttribute("aria-valuetext", `${kit.shown(zoom, 3)} times`);
   }
