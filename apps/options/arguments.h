@@ -275,10 +275,14 @@ struct PatternsArguments {
   std::vector<std::string> classes;  ///< what these words mean
   std::string length;                ///< of the body; empty: not known
   std::string body;                  ///< model of the body of captures; empty: not known
-  std::vector<std::string> set;      ///< values of its parameters
+  std::vector<std::string> set;      ///< values of its parameters; of a sweep those of the point to clamp
   std::vector<std::string> thresholds;
   std::string report;  ///< page to write; empty: none
   int clusters = 4;
+  std::string draw,
+      clamp;  ///< of a sweep: the pattern that points are to lead to; empty: a report is asked for
+  std::optional<long> count, release;
+  std::optional<std::uint64_t> seed;
   std::string output;
   bool json = false;
 };
