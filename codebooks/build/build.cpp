@@ -107,14 +107,14 @@ Solution chosen(Solution solution, const std::string& reason) {
 /// The calls of a build by sampling, with those of its checkpoint if it is resumed. A disk that is full must
 /// not end a build that needs no disk: it is told once.
 CallMemory calls_of(const Plan& plan, SampledSource source, const BuildOptions& options) {
+  Checkpoint checkpoint(options.checkpoint, plan.whole_text());
   std::vector<CallSheet> known;
-  if (options.resume && is_checkpoint(options.checkpoint))
-    known = load_calls(options.checkpoint, plan.whole_text());
+  if (options.resume && is_checkpoint(options.checkpoint)) known = checkpoint.calls();
   CallMemory::Save save;
   if (!options.checkpoint.empty()) {
-    save = [&plan, &options, warned = false](const std::vector<CallSheet>& calls) mutable {
+    save = [checkpoint, &options, warned = false](const std::vector<CallSheet>& calls) mutable {
       try {
-        save_calls(options.checkpoint, plan.whole_text(), calls, plan.box.size());
+        checkpoint.save_calls(calls);
       } catch (const ArgumentError& error) {
         if (!warned && options.warning) options.warning(fmt::format("no checkpoint: {}", error.what()));
         warned = true;
