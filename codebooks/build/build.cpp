@@ -360,9 +360,13 @@ BuildResult build_of_field(const Plan& plan, const BuildOptions& options, const 
                [&](const Codebook& book, const CertifyOptions& certify_by, Extent extent) {
                  return measure(book, reference, certify_by, extent);
                }}};
+  double aim = first_aim(plan);
   for (int attempt = 1;; ++attempt) {
-    BuildResult result = build.certified(solve_field(plan, attempt, progress));
-    if (result.met || cancelled || attempt == kFieldAttempts) return result;
+    BuildResult result = build.certified(solve_field(plan, aim, attempt, progress));
+    // Where terms do not suffice, more of them would be needed for less.
+    const bool is_at_limit = result.book.build().status == Termination::rank_limit;
+    if (result.met || cancelled || is_at_limit || attempt == kFieldAttempts) return result;
+    aim = next_aim(aim, result.book.certificate()->max_error, plan);
   }
 }
 
