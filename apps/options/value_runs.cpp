@@ -25,7 +25,8 @@ constexpr std::array<RunOption, 7> kRunOptions = {{{"--at", ValueKind::number},
                                                    {"--outputs", ValueKind::name},
                                                    {"--model", ValueKind::name},
                                                    {"--turbulence", ValueKind::assignment},
-                                                   {"--left-out", ValueKind::file}}};
+                                                   {"--left-out", ValueKind::file},
+                                                   {"--train", ValueKind::file}}};
 
 const RunOption* find_run(std::string_view option) {
   const auto* const found = std::ranges::find(kRunOptions, option, &RunOption::name);

@@ -36,7 +36,8 @@ class Comparisons(Case):
         result = run("compare", *arguments, "--model", "vertical_fall", "--left-out", self.drops, "--by", "drop", "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
         answer = json.loads(result.stdout)
-        self.assertEqual(self.check_schema(answer), "samara-compare")
+        self.assertEqual(answer["schema"], "samara-compare/1")
+        self.check_schema(answer)
         return answer
 
     def test_the_drag_that_the_drops_have_is_preferred_to_another(self):
