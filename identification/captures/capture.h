@@ -51,7 +51,7 @@ struct BeforeCleaning {
 
 /// What was known of a capture at a moment: its frames at most `seconds` after the first, as frames_within()
 /// counts. Cleaning looks at frames on both sides of one, and is done again without those after the moment.
-/// @throws ArgumentError if too little is left to be cleaned, or cleaning leaves nothing.
+/// @throws Error if too little is left to be cleaned, or cleaning leaves nothing.
 Capture known_at(const Capture& capture, double seconds);
 
 /// How many frames are at most `seconds` after the first. A frame on the border belongs to them, also where
