@@ -9,7 +9,9 @@
 
 #include "cases.h"
 #include "identification/falling_paper.h"
+#include "samara/base/streams.h"
 #include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/fitted_motion.h"
 #include "scored_split.h"
 
 namespace samara::benchmarks::prediction {
@@ -49,12 +51,15 @@ class Drops {
   std::map<std::string, int> numbers_;
 };
 
-/// Windows predicted by a fit of others.
-std::vector<AskedMoment> asked(const std::vector<Window>& fitted, const std::vector<Window>& left_out,
+/// Windows predicted by a fit of every second one of others: more of them move the coefficients less than other
+/// drops do.
+std::vector<AskedMoment> asked(const std::vector<Window>& others, const std::vector<Window>& left_out,
                                Drops& drops) {
   const auto family = identification::paper_family();
   const FitOptions options = options_of_fit();
-  const FitResult result = samara::identification::fit(*family, identification::captures_of(fitted), options);
+  std::vector<Capture> fitted;
+  for (std::size_t k = 0; k < others.size(); k += 2) fitted.push_back(others[k].capture);
+  const FitResult result = samara::identification::fit(*family, fitted, options);
   const auto predicted =
       identification::predict_unseen(*family, options, identification::values_of(result), left_out);
   fmt::print(stderr, "  {} windows fitted in {:.1f} s, {} predicted in {:.1f} s\n", fitted.size(),
@@ -83,6 +88,43 @@ SplitScores one_split(const std::string& test_case, const std::vector<Capture>& 
                      asked(windows.fitted, windows.unseen, drops));
 }
 
+/// What a perfect model could reach: windows of motions that the body made itself, with the source's noise and its
+/// mean over five frames, predicted by the same body with the same coefficients. What is left is the start, which
+/// positions alone must show.
+void bound_case(const Options& options) {
+  constexpr const char* kCase = "paper_bound";
+  constexpr double kJitter = 0.2e-3;  // m, of the source's smoothed frames
+  const auto folder = identification::measured_set(options, kCase, "falling-paper-cambridge");
+  if (!folder) return;
+  const identification::Coefficients coefficients = {
+      {"C_D0", 0.06}, {"C_D90", 5.1}, {"C_R", 0.95}, {"C_T", 0.6}, {"C_w", 1.5}};  // about those of the discs
+  const auto family = identification::paper_family();
+  const FitOptions body = options_of_fit();
+  std::vector<Window> windows =
+      identification::split(identification::paper_drops(*folder), kDrops, kFrames, 1).unseen;
+  const auto states = identification::predict_unseen(*family, body, coefficients, windows);
+  const FitOptions held = identification::with_coefficients(body, coefficients);
+  std::vector<Window> made;
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    Window window = windows[k];
+    const Eigen::VectorXd& times = window.capture.times;
+    const auto motion = samara::identification::fitted_motion(*family, held, states.fit, k,
+                                                              {times.begin(), times.end()}, {"x", "y", "z"});
+    window.next = states.next.row(static_cast<Eigen::Index>(k));
+    if (!motion || !window.next.allFinite()) continue;
+    Stream stream(28, k);
+    for (samara::identification::Channel& channel : window.capture.channels) {
+      if (channel.unit != "m") continue;
+      channel.values = motion->col(channel.quantity[0] - 'x');
+      for (double& value : channel.values) value += kJitter * stream.normal();
+    }
+    made.push_back(std::move(window));
+  }
+  const std::vector<double> errors = identification::predict_unseen(*family, body, coefficients, made).errors;
+  print({kBench, kCase, "median", identification::median_of(errors), "m"});
+  print({kBench, kCase, "rms", identification::rms_of(errors), "m"});
+}
+
 }  // namespace
 
 void paper_cases(const Options& options) {
@@ -98,6 +140,7 @@ void paper_cases(const Options& options) {
       splits.push_back(one_split(test_case, drops, seed));
     report(test_case, splits);
   }
+  bound_case(options);
 }
 
 }  // namespace samara::benchmarks::prediction

@@ -53,11 +53,14 @@ int number_of(const Window& window) {
   return std::stoi(window.capture.labels.at("number"));
 }
 
-std::vector<AskedMoment> asked(const PlateKind& kind, const std::vector<Window>& fitted,
+/// Windows predicted by a fit of every third one of others.
+std::vector<AskedMoment> asked(const PlateKind& kind, const std::vector<Window>& others,
                                const std::vector<Window>& left_out) {
   const auto family = identification::plate_family(kind);
   const FitOptions options = options_of_fit();
-  const FitResult result = samara::identification::fit(*family, identification::captures_of(fitted), options);
+  std::vector<Capture> fitted;
+  for (std::size_t k = 0; k < others.size(); k += 3) fitted.push_back(others[k].capture);
+  const FitResult result = samara::identification::fit(*family, fitted, options);
   const auto predicted =
       identification::predict_unseen(*family, options, identification::values_of(result), left_out);
   fmt::print(stderr, "  {} windows fitted in {:.1f} s, {} predicted in {:.1f} s\n", fitted.size(),
