@@ -17,7 +17,7 @@ namespace {
 constexpr double kSilence = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFrameTime = 0.01;
 constexpr int kSeenFrames = 20;
-constexpr double kAhead = 0.1;
+constexpr double kWayAhead = 0.1;
 
 /// Bodies that swing as they fall, about an axis of their own with an amplitude and a phase of their own: a line
 /// errs, and the last places say all.
@@ -37,14 +37,14 @@ SeenMotion swinging(std::uint64_t number, double noise, Eigen::RowVector3d* next
     seen.positions.row(k) = place(seen.times[k]);
     for (int c = 0; c < 3; ++c) seen.positions(k, c) += noise * stream.normal();
   }
-  if (next) *next = place(seen.times[kSeenFrames - 1] + kAhead);
+  if (next) *next = place(seen.times[kSeenFrames - 1] + kWayAhead);
   return seen;
 }
 
 AskedMoment moment(std::uint64_t number, double noise = 1e-4) {
   Eigen::RowVector3d next;
   SeenMotion seen = swinging(number, noise, &next);
-  const double time = seen.times[kSeenFrames - 1] + kAhead;
+  const double time = seen.times[kSeenFrames - 1] + kWayAhead;
   return {.moment = {.cluster = static_cast<int>(number / 4), .seen = std::move(seen), .next = next},
           .time = time};
 }
