@@ -70,6 +70,19 @@ class Comparisons(Case):
         again = self.compared(self.right, self.wrong, "--folds", "2")
         self.assertEqual(again["quantities"], answer["quantities"])
 
+    def test_distributions_are_compared_by_their_score_and_mixtures_stand_beside_models(self):
+        mixed = write("mixed.toml", self.right.read_text() + "mixture = true\n")
+        position, = self.compared(mixed, self.wrong, "--folds", "2")["quantities"]
+        names = [p["name"] for p in position["predictors"]]
+        self.assertEqual(names[:3], ["mixed", "wrong", "mixed, mixed"])
+        self.assertTrue(next(p["is_plain"] for p in position["predictors"] if p["name"] == "mixture of baselines"))
+        model, other = position["predictors"][:2]
+        # A distribution scores better than its mean would, whose score is its distance, component by component.
+        self.assertLess(model["crps"]["value"], model["rms"]["value"])
+        self.assertGreater(model["crps"]["value"], 0)
+        self.assertIsNone(other["crps"]["value"])
+        self.assertIn(position["best_plain_by_crps"], names)
+
     def test_what_cannot_be_compared_is_refused_in_a_sentence(self):
         def refused(code, sentence, *arguments):
             self.check_error(run("compare", *arguments), code, sentence)
