@@ -8,10 +8,12 @@
 #include <fmt/format.h>
 
 #include "air/air_sources.h"
+#include "air/cloud_animation.h"
 #include "air/cloud_output.h"
 #include "air/cloud_picture.h"
 #include "air/winds.h"
 #include "inputs/assignments.h"
+#include "pictures/animation.h"
 #include "samara/base/errors.h"
 #include "samara/io/atomic_file.h"
 #include "samara/io/csv.h"
@@ -24,6 +26,9 @@
 namespace samara::apps {
 
 namespace {
+
+/// Unless --keep says otherwise.
+constexpr long kMostAnimatedFlights = 1000;
 
 /// `missing` where the option was not given.
 template <class Whole>
@@ -87,6 +92,9 @@ models::RealiseOptions options_of(const SimulateArguments& arguments, const mode
     if (!(options.relative_error > 0.0))
       throw ArgumentError(fmt::format("--relative-error is {}, expected more than 0", words.relative_error));
   }
+  // An animation is of all flights, as far as viewers bear them.
+  if (names_animation(arguments.output) && words.keep.empty())
+    options.keep = std::min(options.realisations, kMostAnimatedFlights);
   // A picture shows some paths.
   if (!words.picture.empty()) options.keep = std::max(options.keep, kPathsInPicture);
   return options;
@@ -109,11 +117,15 @@ void check_outputs(const SimulateArguments& arguments) {
   if (!picture.empty() && std::filesystem::path(picture).extension() != ".svg")
     throw ArgumentError(fmt::format("--picture is {}, expected a name that ends in .svg", picture));
   const std::string ending = std::filesystem::path(arguments.output).extension();
-  if (!arguments.output.empty() && ending != ".h5" && ending != ".csv")
+  const bool is_animation = names_animation(arguments.output);
+  if (!arguments.output.empty() && ending != ".h5" && ending != ".csv" && !is_animation)
+    throw ArgumentError(fmt::format("--output is {}, expected a name that ends in .csv, .h5, .glb or .usda",
+                                    arguments.output));
+  if (ending != ".h5" && !is_animation && !arguments.cloud.keep.empty())
+    throw ArgumentError("--keep: trajectories go into a file that ends in .h5, .glb or .usda, with --output");
+  if (is_animation && whole_from("--keep", arguments.cloud.keep, 0L, 1L) < 1)
     throw ArgumentError(
-        fmt::format("--output is {}, expected a name that ends in .csv or .h5", arguments.output));
-  if (ending != ".h5" && !arguments.cloud.keep.empty())
-    throw ArgumentError("--keep: trajectories go into a file that ends in .h5, with --output");
+        "--keep is 0, and an animation is of the flights that are kept: 1 or more were expected");
 }
 
 /// Before anything is allocated: what a wave of 256 realisations, the sums and the kept trajectories take.
@@ -188,6 +200,11 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
               const Eigen::VectorXd& times) {
   const models::RealiseOptions options = options_of(arguments, model);
   check_outputs(arguments);
+  std::optional<models::TriangleMesh> body;
+  if (names_animation(arguments.output)) {
+    animated_states(model.model().info());
+    body = animated_body({arguments.body.body, arguments.body.sizes, arguments.body.unit}, model, {});
+  }
   check_memory(options, times.size(), model.model().info());
   const std::uint64_t seed = seed_of(arguments.cloud);
   const models::GustLayout layout(model.model());
@@ -206,7 +223,7 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
   if (!arguments.cloud.picture.empty())
     io::write_text_atomically(arguments.cloud.picture, cloud_picture(cloud, layout, options.ground));
   // Those that only the picture wanted.
-  const long wanted = whole_from("--keep", arguments.cloud.keep, 0L);
+  const long wanted = whole_from("--keep", arguments.cloud.keep, 0L, body ? kMostAnimatedFlights : 0L);
   cloud.kept.resize(std::min(cloud.kept.size(), static_cast<std::size_t>(wanted)));
   const CloudFile file = {.cloud = cloud,
                           .model = model,
@@ -217,7 +234,11 @@ int fly_cloud(const SimulateArguments& arguments, const models::ParametricModel&
                           .C_0 = arguments.cloud.C_0,
                           .rotation = arguments.cloud.rotation,
                           .air = air.description};
-  if (std::filesystem::path(arguments.output).extension() == ".h5") {
+  if (body) {
+    if (arguments.cloud.keep.empty() && cloud.realisations() > kMostAnimatedFlights)
+      narrate(fmt::format("the first {} flights are animated, --keep says otherwise", kMostAnimatedFlights));
+    write_cloud_animation(arguments.output, file, *body);
+  } else if (std::filesystem::path(arguments.output).extension() == ".h5") {
     write_cloud(arguments.output, file);
   } else if (!arguments.output.empty() || !arguments.cloud.json) {
     const CloudTable table = cloud_table(cloud);

@@ -215,6 +215,11 @@ int animate(const SimulateArguments& arguments, const models::ParametricModel& p
       .from = 0.0,
       .to = end,
       .family = &family};
+  if (!arguments.coefficients.empty()) animation.notes.emplace_back("coefficients", arguments.coefficients);
+  if (!arguments.wind.empty()) {
+    animation.notes.emplace_back("wind", arguments.wind);
+    animation.notes.emplace_back("seed", std::to_string(seed_of(arguments.cloud)));
+  }
   return write_animation(arguments.output, animation);
 }
 

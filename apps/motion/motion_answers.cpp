@@ -79,7 +79,11 @@ Json sweep_json(const motion::Sweep& sweep) {
                  {"falls", sweep.fall_count()},
                  {"run", sweep.run_count()},
                  {"thresholds", thresholds_json(sweep.thresholds)},
+                 {"rounds", Json::array()},
                  {"releases", Json::array()}};
+  for (const motion::RefiningRound& round : sweep.rounds)
+    object["rounds"].push_back(
+        {{"points", round.points}, {"run", round.run}, {"agreement", round.agreement}});
   for (Eigen::Index r = 0; r < sweep.release_count(); ++r) {
     Json one = {{"release", release_text(sweep, r)}};
     const std::vector<int> counts = sweep.counts(r);

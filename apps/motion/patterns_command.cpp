@@ -8,6 +8,7 @@
 
 #include "inputs/assignments.h"
 #include "motion/motion_answers.h"
+#include "motion/pattern_points.h"
 #include "options/commands.h"
 #include "samara/base/errors.h"
 #include "samara/base/rounded.h"
@@ -192,13 +193,13 @@ std::string shares_text(const Sweep& sweep) {
 
 int patterns_of_sweep(const PatternsArguments& arguments) {
   if (!arguments.labels.empty() || !arguments.classes.empty() || !arguments.sidecar.empty() ||
-      !arguments.length.empty() || !arguments.body.empty() || !arguments.set.empty() ||
-      !arguments.thresholds.empty())
+      !arguments.length.empty() || !arguments.body.empty() ||
+      (!arguments.set.empty() && !asks_for_points(arguments)) || !arguments.thresholds.empty())
     throw ArgumentError(
         "--labels, --class, --sidecar, --length, --body, --set and --threshold are of captures, and the "
-        "input "
-        "is a sweep: its plan says what falls, and its thresholds");
+        "input is a sweep: its plan says what falls, and its thresholds");
   const Sweep sweep = motion::load_sweep(arguments.inputs.front());
+  if (asks_for_points(arguments)) return points_of_map(arguments, sweep);
   if (!arguments.report.empty()) io::write_text_atomically(arguments.report, motion::pattern_html(sweep));
   Json object = sweep_json(sweep);
   std::string text = sweep_counts(sweep) + shares_text(sweep);
@@ -389,7 +390,10 @@ int run(const PatternsArguments& arguments) {
     std::erase(inputs, "");
     check_output(arguments.report, inputs);
   }
+  check_point_words(arguments);
   if (sweep != arguments.inputs.end()) return patterns_of_sweep(arguments);
+  if (asks_for_points(arguments))
+    throw ArgumentError("--draw and --clamp ask the map of a sweep, and the inputs are captures");
   return patterns_of_captures(arguments);
 }
 

@@ -68,18 +68,12 @@ int run(const SweepArguments& arguments) {
   if (!result.complete) return end_interrupted_sweep(options, result.message);
   if (result.taken_up > 0) narrate(fmt::format("took up {} falls of an earlier sweep", result.taken_up));
   double seconds = result.seconds;
-  Json rounds = Json::array();
-  // What was swept is not lost if refining is interrupted.
   if (plan.refine > 0) {
-    save(result.sweep, options.checkpoint);
-    const motion::RefiningResult refined =
-        motion::refine_by_plan(plan, {.progress = options.progress}, result.sweep);
+    const motion::RefiningResult refined = motion::refine_by_plan(plan, options, result.sweep);
     clear_progress();
     if (!refined.complete) return end_interrupted_sweep(options, "interrupted while it was refined");
     narrate_rounds(refined);
     seconds += refined.seconds;
-    for (const motion::RefiningRound& round : refined.rounds)
-      rounds.push_back({{"points", round.points}, {"run", round.run}, {"agreement", round.agreement}});
   }
   save(result.sweep, arguments.output);
   std::error_code ignored;
@@ -87,9 +81,7 @@ int run(const SweepArguments& arguments) {
   narrate(fmt::format("swept {} falls, {} of them run, in {:.2f} s: {}", result.sweep.fall_count(),
                       result.sweep.run_count(), seconds, arguments.output));
   if (arguments.json) {
-    Json object = sweep_json(result.sweep);
-    object["rounds"] = rounds;
-    print(object);
+    print(sweep_json(result.sweep));
   } else {
     print(sweep_counts(result.sweep));
   }

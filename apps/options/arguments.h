@@ -222,6 +222,21 @@ struct DesignArguments {
   bool json = false;
 };
 
+struct FollowArguments {
+  std::string source;  ///< model, or codebook file
+  std::string fit;     ///< JSON
+  std::string track;
+  std::string sidecar;
+  std::string config;
+  std::vector<std::string> training;
+  std::string ahead;  ///< empty: no forecasts
+  std::vector<std::string> noise;
+  std::string velocity_noise, rate_noise, spread, drift, step;
+  std::optional<int> start_frames;
+  std::string output;
+  bool json = false;
+};
+
 struct FlowArguments {
   std::string plan;
   std::string output;
@@ -260,10 +275,14 @@ struct PatternsArguments {
   std::vector<std::string> classes;  ///< what these words mean
   std::string length;                ///< of the body; empty: not known
   std::string body;                  ///< model of the body of captures; empty: not known
-  std::vector<std::string> set;      ///< values of its parameters
+  std::vector<std::string> set;      ///< values of its parameters; of a sweep those of the point to clamp
   std::vector<std::string> thresholds;
   std::string report;  ///< page to write; empty: none
   int clusters = 4;
+  std::string draw,
+      clamp;  ///< of a sweep: the pattern that points are to lead to; empty: a report is asked for
+  std::optional<long> count, release;
+  std::optional<std::uint64_t> seed;
   std::string output;
   bool json = false;
 };
@@ -316,6 +335,7 @@ struct Arguments {
   std::optional<FitArguments> fit;
   std::optional<BodyArguments> body;
   std::optional<DesignArguments> design;
+  std::optional<FollowArguments> follow;
   std::optional<WindArguments> wind;
   std::optional<FlowArguments> flow;
   std::optional<PictureArguments> picture;

@@ -47,7 +47,9 @@ void add_patterns(CLI::App& app, Arguments& arguments) {
   command->add_option(
       "--body", values->body,
       "model of the body of captures: its length, and its place in the diagram of the report");
-  command->add_option("--set", values->set, "of the body: NAME=VALUE, SI or with a unit; may be repeated")
+  command
+      ->add_option("--set", values->set,
+                   "of the body, or of the point to clamp: NAME=VALUE, SI or with a unit; may be repeated")
       ->allow_extra_args(false);
   command
       ->add_option("--threshold", values->thresholds,
@@ -62,6 +64,13 @@ void add_patterns(CLI::App& app, Arguments& arguments) {
                    "what a word of the labels means, WORD=PATTERN+PATTERN; may be repeated. Default: names "
                    "of patterns")
       ->allow_extra_args(false);
+  command->add_option("--draw", values->draw,
+                      "of a sweep: points of the box that lead to this PATTERN, as a table");
+  command->add_option("--count", values->count, "of draws, 1");
+  command->add_option("--seed", values->seed, "of draws, 1");
+  command->add_option("--clamp", values->clamp,
+                      "of a sweep: the point of --set, moved to where it leads to this PATTERN");
+  command->add_option("--release", values->release, "of the sweep that --draw and --clamp are of, from 0");
   command->add_option("-o,--output", values->output, kAnswerFile);
   command->add_flag("--json", values->json, kJson);
   command->callback([&arguments, values] { arguments.patterns = *values; });

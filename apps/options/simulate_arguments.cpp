@@ -36,7 +36,9 @@ void add_cloud_words(CLI::App& command, CloudWords& words) {
   option("--ground", words.ground, "height at which a body has landed, m or with a unit");
   option("--states", words.states, "whose statistics are wanted, one a time; default: the place")
       ->allow_extra_args(false);
-  option("--keep", words.keep, "trajectories of that many first realisations go into the file");
+  option("--keep", words.keep,
+         "trajectories of that many first realisations go into the file; of .glb and .usda up to 1000 by "
+         "themselves");
   option("--first", words.first,
          "number of the first realisation: any can be seen again by itself; default: 0");
   command.add_flag("--antithetic", words.antithetic, "in pairs of opposite noise")->group(kGroup);

@@ -31,14 +31,11 @@ std::vector<double> natural_of(const MotionPlan& plan) {
   return natural;
 }
 
-/// Of the body, or of a body in a plane.
-std::vector<std::size_t> velocity_places(const models::ModelInfo& info) {
-  std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < info.states.size(); ++i) {
-    const std::string& name = info.states[i].name;
-    if (name == "vx" || name == "vy" || name == "ux" || name == "uy" || name == "uz") places.push_back(i);
-  }
-  return places;
+/// Events are those of a motion at the velocity scale.
+EventFinder finder_of(const MotionPlan& plan) {
+  const double speed = plan.scales().velocity;
+  return {MovingStates(plan.model->info(), BodySymmetry::none),
+          event_options(speed * speed, 2.0 * plan.semi_length())};
 }
 
 }  // namespace
@@ -69,11 +66,9 @@ PlannedFall::PlannedFall(const MotionPlan& plan)
       natural_(natural_of(plan)),
       model_(model_of(plan)),
       states_(plan.model->info()),
-      velocity_(velocity_places(plan.model->info())),
-      semi_length_(plan.semi_length()) {
-  const models::Scales scales = plan.scales();
-  prominence_ = 0.02 * scales.velocity * scales.velocity;
-  longest_piece_ = kLongestPiece * semi_length_ / scales.velocity;
+      semi_length_(plan.semi_length()),
+      longest_piece_(kLongestPiece * semi_length_ / plan.scales().velocity),
+      finder_(finder_of(plan)) {
   if (!plan.landing || plan.sketch) return;
   const Eigen::Vector3d start = states_.position(release().state);
   if (!(start.z() > plan.ground)) return;
@@ -109,38 +104,19 @@ Eigen::Vector3d PlannedFall::off_course(const FallPoint& point) const {
   return place - way_->target(point.t, place);
 }
 
-double PlannedFall::speed_square(std::span<const double> state) const {
-  double sum = 0.0;
-  for (const std::size_t i : velocity_) sum += state[i] * state[i];
-  return sum;
-}
-
-SpeedMinimum::Seen SpeedMinimum::look(double speed_square) {
-  if (!falling_) {
-    high_ = std::max(high_, speed_square);
-    if (speed_square > high_ - prominence_) return Seen::nothing;
-    falling_ = true;
-    low_ = speed_square;
-    return Seen::lowest;
-  }
-  if (speed_square < low_) {
-    low_ = speed_square;
-    return Seen::lowest;
-  }
-  return speed_square < low_ + prominence_ ? Seen::nothing : Seen::confirmed;
-}
-
 struct FallLanes::Rider {
+  explicit Rider(const EventFinder& empty) : finder(empty) {}
+
   std::size_t number = 0;
   bool rides = false;
   const Continuation* continuation = nullptr;
   double square_time = 0.0;
   Eigen::Vector3d deviation = Eigen::Vector3d::Zero();
-  SpeedMinimum minimum{0.0};
+  EventFinder finder;
   int steps = 0, looks = 0;
-  double roaming = 0.0;  ///< sum over the looks
-  FallPoint lowest;      ///< the last one; of a piece that has ended, its end
-  FallEnd end = FallEnd::decision;
+  double roaming = 0.0;     ///< sum over the looks
+  FallPoint here, slowest;  ///< the last step that was slower than the one before, and the slowest of them
+  FallPiece piece;          ///< once it has ended
 };
 
 FallLanes::FallLanes(const PlannedFall& fall)
@@ -167,8 +143,8 @@ void FallLanes::board(Rider& rider, Eigen::Index lane, const Continuation& conti
   rider.steps = rider.looks = 0;
   rider.roaming = 0.0;
   rider.deviation = from.deviation;
-  rider.minimum = SpeedMinimum(fall_.prominence());
-  rider.minimum.look(fall_.speed_square(from.state));
+  rider.finder.restart();
+  rider.finder.see(from.t, from.state);
 }
 
 /// Into what is there already: this happens at most steps.
@@ -196,21 +172,29 @@ bool FallLanes::look(Rider& rider, Eigen::Index lane) {
     rider.roaming += roaming(t, rider.continuation->target);
     ++rider.looks;
   }
-  const auto end_here = [&](FallEnd how) {
-    put_point(rider, lane, rider.lowest);
-    rider.end = how;
-    return true;
-  };
-  if (!stepper_.finite(lane)) return end_here(FallEnd::not_finite);
-  if (fall_.is_over(t, place.z())) return end_here(FallEnd::ground);
-  const SpeedMinimum::Seen seen = rider.minimum.look(fall_.speed_square(state_));
-  if (seen == SpeedMinimum::Seen::lowest) put_point(rider, lane, rider.lowest);
-  if (seen == SpeedMinimum::Seen::confirmed) {
-    rider.end = FallEnd::decision;
+  if (!stepper_.finite(lane)) return end_piece(rider, lane, FallEnd::not_finite);
+  const bool is_event = rider.finder.see(t, state_);
+  if (rider.finder.proposes()) std::swap(rider.slowest, rider.here);
+  if (rider.finder.is_slowing()) put_point(rider, lane, rider.here);
+  if (fall_.is_over(t, place.z())) return end_piece(rider, lane, FallEnd::ground);
+  if (is_event) {
+    end_piece(rider, lane, FallEnd::decision);
+    rider.piece.kind = rider.finder.event().kind;
+    if (!rider.finder.event().is_steady) rider.piece.to = rider.slowest;
     return true;
   }
   if (t - rider.continuation->from->t < fall_.longest_piece()) return false;
-  return end_here(FallEnd::decision);
+  return end_piece(rider, lane, FallEnd::decision);
+}
+
+/// Where it is now.
+bool FallLanes::end_piece(Rider& rider, Eigen::Index lane, FallEnd how) const {
+  put_point(rider, lane, rider.piece.to);
+  rider.piece.end = how;
+  rider.piece.kind.reset();
+  rider.piece.acceleration_square = 0.0;
+  if (rider.looks > 0) rider.piece.acceleration_square = rider.roaming / rider.looks;
+  return true;
 }
 
 /// Of what the coefficients do beyond the natural ones in the state that was read last.
@@ -219,12 +203,14 @@ double FallLanes::roaming(double t, const std::vector<double>& coefficients) {
   model.rhs(t, state_, coefficients, rate_, workspace_);
   model.rhs(t, state_, fall_.natural(), natural_rate_, workspace_);
   for (std::size_t i = 0; i < rate_.size(); ++i) rate_[i] -= natural_rate_[i];
-  return fall_.speed_square(rate_);
+  double sum = 0.0;
+  for (const std::size_t i : fall_.finder().layout().velocities()) sum += rate_[i] * rate_[i];
+  return sum;
 }
 
 void FallLanes::run(std::span<const Continuation> continuations, std::span<FallPiece> pieces,
                     SharedProgress& progress) {
-  std::vector<Rider> riders(static_cast<std::size_t>(kLanes));
+  std::vector<Rider> riders(static_cast<std::size_t>(kLanes), Rider(fall_.finder()));
   std::size_t next = 0, riding = 0;
   for (Eigen::Index lane = 0; lane < kLanes && next < continuations.size(); ++lane) {
     Rider& rider = riders[static_cast<std::size_t>(lane)];
@@ -237,9 +223,7 @@ void FallLanes::run(std::span<const Continuation> continuations, std::span<FallP
     for (Eigen::Index lane = 0; lane < kLanes; ++lane) {
       Rider& rider = riders[static_cast<std::size_t>(lane)];
       if (!rider.rides || !look(rider, lane)) continue;
-      FallPiece& piece = pieces[rider.number];
-      piece = {.to = rider.lowest, .end = rider.end};
-      if (rider.looks > 0) piece.acceleration_square = rider.roaming / rider.looks;
+      pieces[rider.number] = rider.piece;
       if (next < continuations.size()) {
         rider.number = next;
         board(rider, lane, continuations[next++]);

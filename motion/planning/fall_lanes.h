@@ -6,6 +6,7 @@
 
 #include "samara/base/shared_progress.h"
 #include "samara/models/batch/stepper.h"
+#include "samara/motion/events/event_finder.h"
 #include "samara/motion/planning/motion_plan.h"
 #include "samara/motion/records/motion_record.h"
 
@@ -24,15 +25,16 @@ struct FallPoint {
 };
 
 enum class FallEnd {
-  decision,  ///< a minimum of speed, or no event for long
+  decision,  ///< an event, or none for long
   ground,    ///< or the time that the plan gives
   not_finite,
 };
 
 struct FallPiece {
-  FallPoint to;
+  FallPoint to;  ///< at an event, the step beside it
   FallEnd end = FallEnd::not_finite;
-  double acceleration_square = 0.0;  ///< mean over the piece of |a(c) - a(natural)|^2 [m^2/s^4]
+  std::optional<EventKind> kind = {};  ///< of the segment, where an event ended it
+  double acceleration_square = 0.0;    ///< mean over the piece of |a(c) - a(natural)|^2 [m^2/s^4]
 };
 
 /// What the search needs of a plan, once.
@@ -47,8 +49,8 @@ class PlannedFall {
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<double>& natural() const { return natural_; }
   double semi_length() const { return semi_length_; }
-  /// A rise of the squared speed that makes the minimum before it an event.
-  double prominence() const { return prominence_; }
+  /// What looks for the events of its motions, as those of databases are found: new, to be copied.
+  const EventFinder& finder() const { return finder_; }
   /// A decision is due after so long without an event.
   double longest_piece() const { return longest_piece_; }
 
@@ -58,7 +60,6 @@ class PlannedFall {
   Eigen::Vector3d deviation(double t, const Eigen::Vector3d& position) const;
   /// From the straight way to the landing place; zero where none is asked for, or a sketch leads there.
   Eigen::Vector3d off_course(const FallPoint& point) const;
-  double speed_square(std::span<const double> state) const;
 
  private:
   const MotionPlan& plan_;
@@ -67,23 +68,8 @@ class PlannedFall {
   std::vector<double> natural_;
   models::ParametricModel model_;
   MotionStates states_;
-  std::vector<std::size_t> velocity_;
-  double semi_length_ = 1.0, prominence_ = 0.0, longest_piece_ = 0.0;
-};
-
-/// A minimum that a rise has confirmed.
-class SpeedMinimum {
- public:
-  explicit SpeedMinimum(double prominence) : prominence_(prominence) {}
-
-  enum class Seen { nothing, lowest, confirmed };
-  /// The squared speed of the next instant; `lowest`: this one may become the minimum; `confirmed`: the last lowest was.
-  Seen look(double speed_square);
-
- private:
-  double prominence_;
-  double high_ = -1.0, low_ = 0.0;
-  bool falling_ = false;
+  double semi_length_ = 1.0, longest_piece_ = 0.0;
+  EventFinder finder_;
 };
 
 /// How a fall goes on.
@@ -106,6 +92,7 @@ class FallLanes {
   void board(Rider& rider, Eigen::Index lane, const Continuation& continuation);
   /// @returns whether the piece of this lane has ended
   bool look(Rider& rider, Eigen::Index lane);
+  bool end_piece(Rider& rider, Eigen::Index lane, FallEnd how) const;
   void put_point(const Rider& rider, Eigen::Index lane, FallPoint& point) const;
   double roaming(double t, const std::vector<double>& coefficients);
 

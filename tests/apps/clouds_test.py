@@ -212,7 +212,7 @@ class BadClouds(Case):
         self.refused([*ten, "--set", "gust_x=1"], "gust_x was given a value; realisations set it step by step")
         self.refused([*ten, "--relative-error", 0], "--relative-error is 0, expected more than 0")
         self.refused(["--realisations", 3, "--antithetic"], "an even number")
-        self.refused([*ten, "-o", FOLDER / "cloud.txt"], "expected a name that ends in .csv or .h5")
+        self.refused([*ten, "-o", FOLDER / "cloud.txt"], "expected a name that ends in .csv, .h5, .glb or .usda")
         self.refused([*ten, "--keep", 3, "-o", FOLDER / "cloud.csv"], "trajectories go into a file that ends in .h5")
         self.refused([*ten, "--keep", 3], "trajectories go into a file that ends in .h5")
         self.refused([*ten, "--keep", -3, "-o", FOLDER / "cloud.h5"], "--keep is -3, expected a whole number from 0 on")

@@ -23,14 +23,14 @@ SUB_ROOMS = {
     "io": [""],
     "python": ["src"],
     "pgd": ["axes", "tensors", "fields", "cross", "linear", "sampling", "evolution", "nonlinear", "checks"],
-    "models": ["interface", "checks", "bodies", "added_mass", "integrators", "batch", "trajectories", "equations", "fields", "laws", "stochastic", "wind"],
+    "models": ["interface", "checks", "bodies", "added_mass", "integrators", "batch", "trajectories", "equations", "fields", "laws", "wakes", "stochastic", "wind"],
     "codebooks": [
         "model", "book", "file", "plan", "source", "query/kernels", "query", "statistics", "certify", "fields", "build", "composition", "figures", "capi",
     ],
     "flow": ["grid", "pressure", "momentum", "turbulence", "march", "files", "books"],
     "identification": [
         "smoothing", "captures/exports", "captures", "statistics", "problem", "pages", "report",
-        "solve/starts", "solve", "fit", "design", "series", "petab", "files", "explorer",
+        "solve/starts", "solve", "fit", "following", "design", "series", "petab", "files", "explorer",
     ],
     "motion": ["records", "search", "events", "chains", "patterns", "sweeps", "database", "bodies", "courses", "ghost", "planning", "pages", "capi"],
     "apps": ["terminal", "options", "inputs", "pictures", "air", "flow", "books", "fit", "models", "motion", ""],

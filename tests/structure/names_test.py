@@ -5,7 +5,7 @@ import pathlib
 import re
 import sys
 
-ALONE = {"models/laws"}  # compiled one by one, with flags of their own
+ALONE = {"models/laws", "models/wakes"}  # compiled one by one, with flags of their own
 ROOMS = ["base", "pgd", "models", "io", "codebooks", "flow", "identification", "motion", "python", "apps", "tests"]
 ACROSS_FOLDERS = {"apps"}
 
