@@ -35,6 +35,7 @@ int dispatch(const Arguments& arguments) {
   if (arguments.validate) return run(*arguments.validate);
   if (arguments.fit) return run(*arguments.fit);
   if (arguments.design) return run(*arguments.design);
+  if (arguments.compare) return run(*arguments.compare);
   if (arguments.follow) return run(*arguments.follow);
   if (arguments.wind) return run(*arguments.wind);
   if (arguments.flow) return run(*arguments.flow);

@@ -291,6 +291,7 @@ Arguments parse(int argc, const char* const* argv) {
   add_fit(app, arguments);
   add_body(app, arguments);
   add_design(app, arguments);
+  add_compare(app, arguments);
   add_follow(app, arguments);
   add_wind(app, arguments);
   add_flow(app, arguments);

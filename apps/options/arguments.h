@@ -222,6 +222,20 @@ struct DesignArguments {
   bool json = false;
 };
 
+struct CompareArguments {
+  std::vector<std::string> configs;
+  std::vector<std::string> sources;  ///< codebook files or model names: one for all, or one for each config
+  std::vector<std::string> captures;
+  std::string sidecar;  ///< of every table; empty: those beside them
+  std::string by;
+  std::optional<int> folds;
+  std::string span, ahead;  ///< empty: as the configs say
+  int replicates = 1000;
+  std::uint64_t seed = 1;
+  std::string output;
+  bool json = false;
+};
+
 struct FollowArguments {
   std::string source;  ///< model, or codebook file
   std::string fit;     ///< JSON
@@ -335,6 +349,7 @@ struct Arguments {
   std::optional<FitArguments> fit;
   std::optional<BodyArguments> body;
   std::optional<DesignArguments> design;
+  std::optional<CompareArguments> compare;
   std::optional<FollowArguments> follow;
   std::optional<WindArguments> wind;
   std::optional<FlowArguments> flow;

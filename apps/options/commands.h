@@ -20,6 +20,7 @@ int run(const ValidateArguments& arguments);
 int run(const FitArguments& arguments);
 int run(const BodyArguments& arguments);
 int run(const DesignArguments& arguments);
+int run(const CompareArguments& arguments);
 int run(const FollowArguments& arguments);
 int run(const WindArguments& arguments);
 int run(const FlowArguments& arguments);

@@ -103,6 +103,50 @@ void add_design(CLI::App& app, Arguments& arguments) {
   on_call(command, arguments.design, values);
 }
 
+void add_compare(CLI::App& app, Arguments& arguments) {
+  auto values = std::make_shared<CompareArguments>();
+  CLI::App* command =
+      app.add_subcommand("compare", "which model predicts captures best that its fit has not seen");
+  command
+      ->add_option("CONFIG", values->configs,
+                   "configs of fits, TOML: [prediction] says what is seen of a capture, and how far ahead")
+      ->required();
+  command
+      ->add_option("--model", values->sources,
+                   "models or codebooks, as of samara fit: one for all configs, or one for each")
+      ->required();
+  command
+      ->add_option("--left-out", values->captures,
+                   "captures, each left out in turn: tables, or sidecars (.toml) that map one")
+      ->required();
+  command->add_option("--sidecar", values->sidecar,
+                      "what the columns of all tables given are, TOML, in place of sidecars beside them");
+  command
+      ->add_option(
+          "--by", values->by,
+          "label of captures: all with one text are left out together, in turn; \"id\" for each alone")
+      ->required();
+  command
+      ->add_option("--folds", values->folds,
+                   "leave out that many parts of them, not each text alone: fewer fits")
+      ->check(whole_number());
+  command->add_option(
+      "--span", values->span,
+      "how much of each capture left out is seen, s or with a unit; default: as the config says");
+  command->add_option("--ahead", values->ahead,
+                      "how far beyond that to predict, s or with a unit; default: as the config says");
+  command
+      ->add_option("--replicates", values->replicates, "drawings of clusters, for the errors of differences")
+      ->capture_default_str()
+      ->check(whole_number());
+  command->add_option("--seed", values->seed, "of these drawings")
+      ->capture_default_str()
+      ->check(whole_number<std::uint64_t>());
+  command->add_option("-o,--output", values->output, "also write the comparison as JSON to this file");
+  command->add_flag("--json", values->json, "print one JSON object instead of the tables");
+  on_call(command, arguments.compare, values);
+}
+
 void add_follow(CLI::App& app, Arguments& arguments) {
   auto values = std::make_shared<FollowArguments>();
   CLI::App* command = app.add_subcommand(

@@ -60,6 +60,7 @@ void add_body_words(CLI::App& command, BodyWords& words, bool required);
 void add_simulate(CLI::App& app, Arguments& arguments);
 void add_fit(CLI::App& app, Arguments& arguments);
 void add_design(CLI::App& app, Arguments& arguments);
+void add_compare(CLI::App& app, Arguments& arguments);
 void add_follow(CLI::App& app, Arguments& arguments);
 void add_wind(CLI::App& app, Arguments& arguments);
 void add_explore(CLI::App& app, Arguments& arguments);

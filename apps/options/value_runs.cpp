@@ -23,6 +23,7 @@ constexpr std::array<RunOption, 7> kRunOptions = {{{"--at", ValueKind::number},
                                                    {"--size", ValueKind::number},
                                                    {"--quantiles", ValueKind::number},
                                                    {"--outputs", ValueKind::name},
+                                                   {"--model", ValueKind::name},
                                                    {"--turbulence", ValueKind::assignment},
                                                    {"--left-out", ValueKind::file},
                                                    {"--train", ValueKind::file}}};

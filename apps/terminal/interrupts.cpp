@@ -22,7 +22,7 @@ void remember(int signal) {
 void end_at_once(int /*signal*/) {
   constexpr char kSentence[] = "\nsamara: interrupted\n";
   // What stderr does not take is lost.
-  [[maybe_unused]] const auto written = write(STDERR_FILENO, kSentence, sizeof kSentence - 1);
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kSentence, sizeof kSentence - 1);
   _exit(kInterrupted);
 }
 

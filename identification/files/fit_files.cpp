@@ -26,21 +26,6 @@ namespace samara::identification {
 
 namespace {
 
-bool is_table(const std::filesystem::path& path) {
-  return path.extension() != ".toml";
-}
-
-/// @param sidecar of every table; empty: those beside them
-std::vector<Capture> read_all(const std::vector<std::filesystem::path>& files,
-                              const std::filesystem::path& sidecar) {
-  std::vector<Capture> captures;
-  for (const std::filesystem::path& path : files) {
-    auto read = !sidecar.empty() && is_table(path) ? read_captures(path, sidecar) : read_captures(path);
-    for (Capture& capture : read) captures.push_back(std::move(capture));
-  }
-  return captures;
-}
-
 /// How captures left out are predicted, if there are any.
 std::optional<PredictionOptions> prediction_of(const FitRequest& request, const FitSource& source) {
   const PredictionConfig& config = source.prediction;

@@ -178,7 +178,9 @@ void carry_on(const models::TrajectoryFamily& family, const Capture& capture,
 CapturePrediction predict_capture(const models::TrajectoryFamily& family, const Capture& capture,
                                   const PredictedOutputs& predicted, const FitOptions& all_options,
                                   const PredictionOptions& prediction) {
-  CapturePrediction result{.motion = capture.motion.empty() ? capture.id : capture.motion};
+  CapturePrediction result{.file = capture.file,
+                           .motion = capture.motion.empty() ? capture.id : capture.motion,
+                           .part = capture.id};
   if (capture.times.size() == 0) {
     result.lack = "it has no frames";
     return result;

@@ -25,7 +25,8 @@ class MotionForecasts;
 
 /// What was seen, what followed, and what the model made of it.
 struct CapturePrediction {
-  std::string motion = {};  ///< id of the capture, also of its spans
+  std::string file = {}, motion = {};  ///< of the capture, also of its spans: its file and id
+  std::string part = {};               ///< id of the capture, or of the span
   SeenMotion seen = {};
   SeenTurn turn = {};                      ///< empty where no attitudes are predicted
   Eigen::VectorXd times = {};              ///< since the first frame

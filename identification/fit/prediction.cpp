@@ -261,10 +261,14 @@ int count_of(const std::vector<int>& clusters) {
   return clusters.empty() ? 0 : 1 + *std::ranges::max_element(clusters);
 }
 
-void add_scores(PredictedCaptures outcome, const PredictionOptions& prediction, FitResult& fitted) {
+void add_sentences(PredictedCaptures& outcome, Warnings& warnings) {
   for (const auto& [reason, captures] : outcome.lacks)
-    fitted.warnings.add(WarningKind::predictions, lack_sentence(reason, captures));
-  fitted.warnings.add_all(WarningKind::predictions, std::move(outcome.sentences));
+    warnings.add(WarningKind::predictions, lack_sentence(reason, captures));
+  warnings.add_all(WarningKind::predictions, std::move(outcome.sentences));
+}
+
+void add_scores(PredictedCaptures outcome, const PredictionOptions& prediction, FitResult& fitted) {
+  add_sentences(outcome, fitted.warnings);
   Scores scores = scores_of(outcome.compared, std::move(outcome.predictions), prediction);
   fitted.predictions = std::move(scores.all);
   fitted.warnings.add_all(WarningKind::predictions, std::move(outcome.shares));
@@ -380,6 +384,17 @@ void cross_validate(const models::TrajectoryFamily& family, std::span<const Capt
   PredictedCaptures outcome =
       predict_by_folds(family, captures, options, prediction, folds, &fitted.warnings);
   add_scores(std::move(outcome), prediction, fitted);
+}
+
+std::vector<ForecastError> cross_validated_errors(const models::TrajectoryFamily& family,
+                                                  std::span<const Capture> captures,
+                                                  const FitOptions& options,
+                                                  const PredictionOptions& prediction, const Folds& folds,
+                                                  Warnings& warnings) {
+  check_folds(captures, options, prediction, folds);
+  PredictedCaptures outcome = predict_by_folds(family, captures, options, prediction, folds, &warnings);
+  add_sentences(outcome, warnings);
+  return forecast_errors(outcome.compared, std::move(outcome.predictions), prediction);
 }
 
 }  // namespace samara::identification

@@ -80,6 +80,26 @@ void cross_validate(const models::TrajectoryFamily& family, std::span<const Capt
                     const FitOptions& options, const PredictionOptions& prediction, const Folds& folds,
                     FitResult& fitted);
 
+/// How far a forecast of a capture left out, or of a span of it, was off in its last frame.
+struct ForecastError {
+  std::string file = {}, motion = {};  ///< of the capture
+  std::string part = {};               ///< id of what was predicted: the capture, or its span
+  std::string quantity = {};           ///< with the horizon: "position, 0.1 s ahead"
+  std::string unit = {};
+  std::string predictor = {};  ///< "model", or the name of a baseline
+  double distance = 0.0;       ///< in `unit`
+};
+
+/// The same forecast by forecast: those that reach the end of what is to be predicted, the model's where it did not
+/// fail.
+/// @param warnings sentences as cross_validate() adds them
+/// @throws as cross_validate()
+std::vector<ForecastError> cross_validated_errors(const models::TrajectoryFamily& family,
+                                                  std::span<const Capture> captures,
+                                                  const FitOptions& options,
+                                                  const PredictionOptions& prediction, const Folds& folds,
+                                                  Warnings& warnings);
+
 /// What cross_validate() would refuse after a fit of `captures`, refused before it.
 /// @throws ArgumentError
 void check_folds(std::span<const Capture> captures, const FitOptions& options,

@@ -58,6 +58,11 @@ std::vector<Predictor> all_predictors() {
   return all;
 }
 
+/// The name of a quantity in the last frame of all.
+std::string at_end(const Quantity& quantity, const PredictionOptions& prediction) {
+  return fmt::format("{}, {:.4g} s ahead", quantity.name, prediction.ahead);
+}
+
 /// What every predictor makes of every quantity.
 class Tallies {
  public:
@@ -67,7 +72,7 @@ class Tallies {
       : predictors_(predictors.size()) {
     for (const Quantity& q : compared) {
       for (const Predictor& p : predictors) {
-        last_.emplace_back(p.name, fmt::format("{}, {:.4g} s ahead", q.name, prediction.ahead), q.unit);
+        last_.emplace_back(p.name, at_end(q, prediction), q.unit);
         all_.emplace_back(p.name, fmt::format("{}, up to {:.4g} s ahead", q.name, reach), q.unit);
       }
     }
@@ -205,6 +210,22 @@ std::vector<double> distances_of(const CapturePrediction& one, const Quantity& q
   return prediction_distances(guess, nearest(truth, guess, quantity.period));
 }
 
+/// What a predictor that needs no training says of a capture: outputs and attitudes.
+std::pair<Eigen::MatrixXd, Eigen::MatrixX4d> said_by(const Predictor& predictor,
+                                                     const std::vector<Quantity>& compared,
+                                                     const CapturePrediction& one) {
+  if (!predictor.baseline) return {one.model, one.model_attitude};
+  Eigen::MatrixXd values = predict(*predictor.baseline, one.seen, one.times);
+  for (const Quantity& q : compared) {
+    // Components of a point with drag belong together.
+    if (predictor.baseline != Baseline::point_with_drag || q.is_attitude) continue;
+    const Eigen::MatrixXd point = predict(*predictor.baseline, seen_of(one, q), one.times);
+    for (std::size_t c = 0; c < q.columns.size(); ++c)
+      values.col(q.columns[c]) = point.col(static_cast<Eigen::Index>(c));
+  }
+  return {std::move(values), predict_turn(*predictor.baseline, one.turn, one.times)};
+}
+
 /// @param tallies to which the capture adds: of all, and its own
 void tally(const CapturePrediction& one, const std::vector<Predictor>& predictors,
            const std::vector<Quantity>& compared, const PredictionOptions& prediction,
@@ -212,17 +233,8 @@ void tally(const CapturePrediction& one, const std::vector<Predictor>& predictor
   const Eigen::Index frames = one.times.size();
   for (std::size_t p = 0; p < predictors.size(); ++p) {
     if (predictors[p].is_trained) continue;
-    const std::optional<Baseline>& baseline = predictors[p].baseline;
-    Eigen::MatrixXd values = baseline ? predict(*baseline, one.seen, one.times) : one.model;
-    const Eigen::MatrixX4d attitudes =
-        baseline ? predict_turn(*baseline, one.turn, one.times) : one.model_attitude;
+    const auto [values, attitudes] = said_by(predictors[p], compared, one);
     for (std::size_t k = 0; k < compared.size(); ++k) {
-      // Components of a point with drag belong together.
-      if (baseline == Baseline::point_with_drag && !compared[k].is_attitude) {
-        const Eigen::MatrixXd point = predict(*baseline, seen_of(one, compared[k]), one.times);
-        for (std::size_t c = 0; c < compared[k].columns.size(); ++c)
-          values.col(compared[k].columns[c]) = point.col(static_cast<Eigen::Index>(c));
-      }
       const auto all = distances_of(one, compared[k], values, attitudes, frames);
       const auto last =
           distances_of(one, compared[k], values, attitudes, reaches_end(one, prediction) ? 1 : 0);
@@ -279,6 +291,32 @@ Scores scores_of(const std::vector<Quantity>& compared, std::vector<CapturePredi
   all.add_scores("", scores.all);
   for (const auto& [motion, of_motion] : motions) of_motion.add_scores(motion, scores.by_capture);
   return scores;
+}
+
+std::vector<ForecastError> forecast_errors(const std::vector<Quantity>& compared,
+                                           std::vector<CapturePrediction> predictions,
+                                           const PredictionOptions& prediction) {
+  std::vector<ForecastError> errors;
+  for (CapturePrediction& one : predictions) {
+    unwrap(compared, one.seen);
+    if (!reaches_end(one, prediction)) continue;
+    for (const Predictor& predictor : all_predictors()) {
+      if (predictor.is_trained) continue;
+      const auto [values, attitudes] = said_by(predictor, compared, one);
+      for (const Quantity& q : compared) {
+        for (const double distance : distances_of(one, q, values, attitudes, 1)) {
+          errors.push_back({.file = one.file,
+                            .motion = one.motion,
+                            .part = one.part,
+                            .quantity = at_end(q, prediction),
+                            .unit = q.unit,
+                            .predictor = predictor.name,
+                            .distance = distance});
+        }
+      }
+    }
+  }
+  return errors;
 }
 
 }  // namespace samara::identification

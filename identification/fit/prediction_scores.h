@@ -23,4 +23,9 @@ struct Scores {
 Scores scores_of(const std::vector<Quantity>& compared, std::vector<CapturePrediction> predictions,
                  const PredictionOptions& prediction);
 
+/// What every predictor is off at the end, of each that reaches it.
+std::vector<ForecastError> forecast_errors(const std::vector<Quantity>& compared,
+                                           std::vector<CapturePrediction> predictions,
+                                           const PredictionOptions& prediction);
+
 }  // namespace samara::identification

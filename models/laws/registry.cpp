@@ -22,6 +22,7 @@
   LAW(immersed_body)             \
   LAW(immersed_body_in_gusts)    \
   LAW(immersed_body_in_wind)     \
+  LAW(immersed_body_with_wake)   \
   LAW(kirchhoff_body)            \
   LAW(quadratic_drag_fall)       \
   LAW(sphere_flight)             \

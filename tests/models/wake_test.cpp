@@ -186,3 +186,116 @@ TEST_CASE("half a turn of the plate leaves its wake as it is, its mirror image t
     }
   }
 }
+
+namespace {
+
+const std::map<std::string, double> kThinCard = {{"a", 0.035}, {"b", 0.02}, {"c", 2e-4}, {"density", 1200.0}};
+
+/// Position, attitude of norm one, velocities of a card that tumbles, and circulations.
+std::vector<double> random_card(std::mt19937& random) {
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  std::vector<double> x(17);
+  for (double& value : x) value = u(random);
+  const double norm = std::sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+  for (std::size_t i = 3; i < 7; ++i) x[i] /= norm;
+  for (std::size_t i = 10; i < 13; ++i) x[i] *= 20.0;
+  return x;
+}
+
+}  // namespace
+
+TEST_CASE("without memory the body with a wake is the body, whatever the wake holds") {
+  const ParametricModel body(find_model("immersed_body"), kThinCard, {});
+  const ParametricModel with_wake(find_model("immersed_body_with_wake"),
+                                  with(kThinCard, {{"memory_T", 0.0}, {"memory_R", 0.0}}), {});
+  std::mt19937 random(5);
+  for (int k = 0; k < 50; ++k) {
+    const std::vector<double> x = random_card(random);
+    const std::vector<double> expected = rates(body, {x.begin(), x.begin() + 13});
+    const std::vector<double> f = rates(with_wake, x);
+    // Angular accelerations reach 1e4: round-off.
+    for (std::size_t i = 0; i < 13; ++i) CHECK_THAT(f[i], WithinAbs(expected[i], 1e-9));
+  }
+}
+
+TEST_CASE("in its plane the body with a wake has the forces of the plate with a wake, and its memory") {
+  const double a = 0.035, b = 0.02;
+  const std::map<std::string, double> wake = {
+      {"C_TA", 1.65},        {"C_DA", 3.1},          {"cp_attached", 0.3},
+      {"cp_slope", 3.0},     {"cp_separated", 0.25}, {"memory_T", 0.4},
+      {"memory_R", 0.6},     {"lag_T", 2.0},         {"lag_R", 5.0},
+      {"speed_floor", 1e-9}, {"fluid_density", 1.2}, {"C_T", 1.3},
+      {"C_R", 2.0}};
+  const ParametricModel body(find_model("immersed_body_with_wake"),
+                             with(with(kThinCard, wake), {{"C_D0", 0.4}, {"C_D90", 2.4}}), {});
+  const ParametricModel plate(
+      find_model("falling_plate_with_wake"),
+      with(wake, {{"semi_chord", a}, {"semi_thickness", 2e-4}, {"density", 1200.0}, {"A", 1.4}, {"B", 1.0}}),
+      {});
+  const double span = kHalfCircle * a * b / (2.0 * a);  // of a section with the body's area
+  std::mt19937 random(7);
+  for (int k = 0; k < 50; ++k) {
+    const std::vector<double> section = random_plate(random);
+    std::vector<double> x(17, 0.0);
+    x[3] = 1.0;
+    x[7] = section[0];
+    x[9] = section[1];
+    x[11] = -section[2];
+    x[14] = section[6];
+    x[16] = section[7];
+    for (const char* name : {"drag", "translational lift", "rotational lift"}) {
+      INFO(name);
+      const Wrench in_space = term(body, x, name), in_plane = term(plate, section, name);
+      const double size = span * (in_plane.force.norm() + 1e-6);
+      CHECK_THAT(in_space.force.x(), WithinAbs(span * in_plane.force.x(), 1e-13 * size));
+      CHECK_THAT(in_space.force.y(), WithinAbs(0.0, 1e-15));
+      CHECK_THAT(in_space.force.z(), WithinAbs(span * in_plane.force.y(), 1e-13 * size));
+      CHECK_THAT(in_space.torque.y(), WithinAbs(-span * in_plane.torque.z(), 1e-13 * size * a));
+    }
+    const std::vector<double> f = rates(body, x), of_plate = rates(plate, section);
+    CHECK_THAT(f[14], WithinAbs(of_plate[6], 1e-11));
+    CHECK_THAT(f[16], WithinAbs(of_plate[7], 1e-11));
+    CHECK(f[13] == 0.0);
+    CHECK(f[15] == 0.0);
+  }
+}
+
+TEST_CASE("a round disc with a wake has no preferred axis, and its spin turns no wake") {
+  const ParametricModel disc(find_model("immersed_body_with_wake"),
+                             with(kThinCard, {{"b", 0.035},
+                                          {"C_TA", 1.65},
+                                          {"C_DA", 3.1},
+                                          {"cp_attached", 0.3},
+                                          {"cp_slope", 3.0},
+                                          {"cp_separated", 0.25}}),
+                             {});
+  const double c = std::cos(0.7), s = std::sin(0.7);
+  // The same motion in body axes turned by 0.7 about the normal.
+  const auto turn = [&](std::vector<double> x) {
+    for (const std::size_t first : {7, 10, 13, 15}) {
+      const double along = x[first];
+      x[first] = c * along + s * x[first + 1];
+      x[first + 1] = c * x[first + 1] - s * along;
+    }
+    return x;
+  };
+  std::mt19937 random(9);
+  for (int k = 0; k < 30; ++k) {
+    const std::vector<double> x = random_card(random);
+    std::vector<double> turned = turn(x);
+    const double half_c = std::cos(0.35), half_s = std::sin(0.35);
+    turned[3] = half_c * x[3] - half_s * x[6];
+    turned[4] = half_c * x[4] + half_s * x[5];
+    turned[5] = half_c * x[5] - half_s * x[4];
+    turned[6] = half_c * x[6] + half_s * x[3];
+    const std::vector<double> f = rates(disc, turned), expected = turn(rates(disc, x));
+    for (std::size_t i = 7; i < 17; ++i) CHECK_THAT(f[i], WithinAbs(expected[i], 1e-8));
+    std::vector<double> without_spin = x;
+    without_spin[12] = 0.0;
+    const std::vector<double> spinning = rates(disc, x), still = rates(disc, without_spin);
+    for (const std::size_t first : {13, 15}) {
+      CHECK_THAT(spinning[first] - x[12] * x[first + 1], WithinAbs(still[first], 1e-10));
+      CHECK_THAT(spinning[first + 1] + x[12] * x[first], WithinAbs(still[first + 1], 1e-10));
+    }
+  }
+}
