@@ -193,7 +193,12 @@ std::vector<Capture> read_all(Sidecar sidecar) {
     select_by_labels(captures, sidecar);
   }
   if (sidecar.clean.any()) {
-    for (Capture& capture : captures) capture = cleaned(capture, sidecar);
+    const auto clean = [sidecar](Capture capture) { return cleaned(std::move(capture), sidecar); };
+    for (Capture& capture : captures) {
+      auto before = std::make_shared<const BeforeCleaning>(BeforeCleaning{capture, clean});
+      capture = clean(std::move(capture));
+      capture.before_cleaning = std::move(before);
+    }
   }
   if (sidecar.clean.longest_gap) captures = pieces_of(captures, sidecar);
   std::erase_if(captures,

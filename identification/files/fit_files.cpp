@@ -55,7 +55,7 @@ std::optional<PredictionOptions> prediction_of(const FitRequest& request, const 
         "--left-out names captures to predict, and the config has folds, where every capture is left out "
         "once; one of the two was expected");
   }
-  PredictionOptions prediction{.stride = config.stride, .hidden = config.hidden};
+  PredictionOptions prediction{.stride = config.stride, .hidden = config.hidden, .mixture = config.mixture};
   const std::optional<double> ahead = request.ahead ? request.ahead : config.ahead;
   if (!ahead) {
     throw ArgumentError(
@@ -227,7 +227,7 @@ FitResult fit_and_predict(const FitSource& source, const CaptureSplit& captures,
     cross_validate(*source.family, captures.fitted, source.options, *prediction, *source.prediction.folds,
                    result);
   } else {
-    add_predictions(*source.family, captures.left_out, source.options, *prediction, result);
+    add_predictions(*source.family, captures.left_out, source.options, *prediction, result, captures.fitted);
   }
   return result;
 }

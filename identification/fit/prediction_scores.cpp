@@ -27,16 +27,34 @@ std::string name_together(const std::string& unit, const std::vector<models::Fam
   return unit == "m/s" ? "velocity" : unit == "rad/s" ? "angular velocity" : "";
 }
 
-/// The model, and every baseline.
-struct Predictor {
-  std::optional<Baseline> baseline = {};  ///< empty: the model
+/// A place in space, whose z is up.
+void add_components(const PredictedOutputs& predicted, Quantity& quantity) {
+  std::vector<int> found;
+  for (const char* name : {"x", "y", "z"}) {
+    const auto place = std::ranges::find_if(quantity.columns, [&](int column) {
+      return predicted.outputs[static_cast<std::size_t>(column)].name == name;
+    });
+    if (place != quantity.columns.end()) found.push_back(static_cast<int>(place - quantity.columns.begin()));
+  }
+  if (quantity.unit != "m" || found.size() != 3 || quantity.columns.size() != 3) return;
+  quantity.components.level = {found[0], found[1]};
+  quantity.up = found[2];
+}
 
-  std::string name() const { return baseline ? to_string(*baseline) : "model"; }
+/// The model, every baseline, and what training makes of them.
+struct Predictor {
+  std::string name = "model";
+  std::optional<Baseline> baseline = {};  ///< empty: the model, or a forecast that was trained
+  bool is_trained = false;
 };
 
 std::vector<Predictor> all_predictors() {
   std::vector<Predictor> all(1);
-  for (const Baseline baseline : all_baselines()) all.push_back({.baseline = baseline});
+  for (const Baseline baseline : all_baselines())
+    all.push_back({.name = to_string(baseline), .baseline = baseline});
+  // In the order of TrainedForecasts::say().
+  for (const char* name : {kMixtureOfBaselines, kAutoregression, kMixture})
+    all.push_back({.name = name, .is_trained = true});
   return all;
 }
 
@@ -49,8 +67,8 @@ class Tallies {
       : predictors_(predictors.size()) {
     for (const Quantity& q : compared) {
       for (const Predictor& p : predictors) {
-        last_.emplace_back(p.name(), fmt::format("{}, {:.4g} s ahead", q.name, prediction.ahead), q.unit);
-        all_.emplace_back(p.name(), fmt::format("{}, up to {:.4g} s ahead", q.name, reach), q.unit);
+        last_.emplace_back(p.name, fmt::format("{}, {:.4g} s ahead", q.name, prediction.ahead), q.unit);
+        all_.emplace_back(p.name, fmt::format("{}, up to {:.4g} s ahead", q.name, reach), q.unit);
       }
     }
   }
@@ -61,6 +79,13 @@ class Tallies {
            const std::vector<double>& last) {
     all_[quantity * predictors_ + predictor].add(distances);
     last_[quantity * predictors_ + predictor].add(last);
+  }
+
+  /// One number of a distribution that was forecast.
+  void add_forecast(std::size_t quantity, std::size_t predictor, bool is_last, const NormalMixture& part,
+                    double measured) {
+    all_[quantity * predictors_ + predictor].add_forecast(part, measured);
+    if (is_last) last_[quantity * predictors_ + predictor].add_forecast(part, measured);
   }
 
   /// @param capture whose they are; empty: of all
@@ -79,15 +104,39 @@ class Tallies {
     for (const PredictionTally& tally : tallies) {
       PredictionScore score = tally.score();
       score.capture = capture;
-      // Only where sensors measure it is there such a predictor.
-      const bool is_absent = score.predictor == to_string(Baseline::measured_velocity) && score.count == 0;
-      if (!is_absent) group.push_back(score);
+      // Only where sensors measure it, or something is up, or captures have trained it is there such a predictor.
+      if (score.count > 0 || is_always_there(score.predictor)) group.push_back(score);
       if (score.count > 0) least = std::min(least, score.median);
     }
     if (std::isinf(least)) return;
     for (PredictionScore& score : group) {
       score.best = score.count > 0 && score.median == least;
-      scores.push_back(std::move(score));
+    }
+    if (capture.empty()) add_differences(tallies, group);
+    for (PredictionScore& score : group) scores.push_back(std::move(score));
+  }
+
+  static bool is_always_there(const std::string& predictor) {
+    return predictor != to_string(Baseline::measured_velocity) &&
+           predictor != to_string(Baseline::point_with_drag) && predictor != kMixtureOfBaselines &&
+           predictor != kAutoregression && predictor != kMixture;
+  }
+
+  /// How far each lies behind the plain baseline with the least median.
+  static void add_differences(std::span<const PredictionTally> tallies, std::vector<PredictionScore>& group) {
+    const PredictionTally* best = nullptr;
+    for (const PredictionTally& tally : tallies) {
+      const PredictionScore score = tally.score();
+      if (!is_plain(score.predictor) || score.count == 0) continue;
+      if (best == nullptr || score.median < best->score().median) best = &tally;
+    }
+    if (best == nullptr) return;
+    for (PredictionScore& score : group) {
+      const auto tally = std::ranges::find_if(
+          tallies, [&](const PredictionTally& one) { return one.score().predictor == score.predictor; });
+      const PredictionTally::Difference difference = tally->behind(*best);
+      score.behind_best = difference.value;
+      score.behind_best_error = difference.error;
     }
   }
 
@@ -107,6 +156,35 @@ void unwrap(const std::vector<Quantity>& compared, SeenMotion& seen) {
     if (q.period == 0.0) continue;
     for (const int column : q.columns)
       seen.positions.col(column) = unwrapped(seen.times, seen.positions.col(column), q.period);
+  }
+}
+
+/// What trained forecasts say of one capture: distances of those that are nothing else, and distributions.
+void tally_trained(const CapturePrediction& one, const std::vector<Predictor>& predictors,
+                   std::size_t quantity, const Quantity& compared, const PredictionOptions& prediction,
+                   std::span<Tallies* const> tallies) {
+  const Eigen::Index frames = one.times.size();
+  std::vector<std::vector<double>> all(predictors.size()), last(predictors.size());
+  for (Eigen::Index frame = 0; frame < frames; ++frame) {
+    const bool is_last = frame + 1 == frames && reaches_end(one, prediction);
+    const Eigen::RowVectorXd truth = one.truth(frame, compared.columns);
+    const std::vector<SaidForecast> said = one.trained->say(quantity, one, frame);
+    for (std::size_t p = 0; p < said.size(); ++p) {
+      if (predictors[p].is_trained) {
+        const std::vector<double> distance = prediction_distances(said[p].mean, truth);
+        all[p].insert(all[p].end(), distance.begin(), distance.end());
+        if (is_last) last[p] = distance;
+      }
+      for (std::size_t c = 0; c < said[p].parts.size(); ++c) {
+        for (Tallies* const each : tallies)
+          each->add_forecast(quantity, p, is_last, said[p].parts[c], truth[static_cast<Eigen::Index>(c)]);
+      }
+    }
+  }
+  for (std::size_t p = 0; p < predictors.size(); ++p) {
+    for (Tallies* const each : tallies) {
+      if (predictors[p].is_trained) each->add(quantity, p, all[p], last[p]);
+    }
   }
 }
 
@@ -133,17 +211,26 @@ void tally(const CapturePrediction& one, const std::vector<Predictor>& predictor
            std::span<Tallies* const> tallies) {
   const Eigen::Index frames = one.times.size();
   for (std::size_t p = 0; p < predictors.size(); ++p) {
+    if (predictors[p].is_trained) continue;
     const std::optional<Baseline>& baseline = predictors[p].baseline;
-    const Eigen::MatrixXd values = baseline ? predict(*baseline, one.seen, one.times) : one.model;
+    Eigen::MatrixXd values = baseline ? predict(*baseline, one.seen, one.times) : one.model;
     const Eigen::MatrixX4d attitudes =
         baseline ? predict_turn(*baseline, one.turn, one.times) : one.model_attitude;
     for (std::size_t k = 0; k < compared.size(); ++k) {
+      // Components of a point with drag belong together.
+      if (baseline == Baseline::point_with_drag && !compared[k].is_attitude) {
+        const Eigen::MatrixXd point = predict(*baseline, seen_of(one, compared[k]), one.times);
+        for (std::size_t c = 0; c < compared[k].columns.size(); ++c)
+          values.col(compared[k].columns[c]) = point.col(static_cast<Eigen::Index>(c));
+      }
       const auto all = distances_of(one, compared[k], values, attitudes, frames);
       const auto last =
           distances_of(one, compared[k], values, attitudes, reaches_end(one, prediction) ? 1 : 0);
       for (Tallies* const each : tallies) each->add(k, p, all, last);
     }
   }
+  for (std::size_t k = 0; one.trained && k < compared.size(); ++k)
+    tally_trained(one, predictors, k, compared[k], prediction, tallies);
 }
 
 }  // namespace
@@ -163,6 +250,7 @@ std::vector<Quantity> quantities(const PredictedOutputs& predicted, const FitOpt
                         {static_cast<int>(o)}});
     }
   }
+  for (Quantity& quantity : result) add_components(predicted, quantity);
   if (!predicted.attitude.empty()) result.push_back({.name = "attitude", .unit = "rad", .is_attitude = true});
   return result;
 }
