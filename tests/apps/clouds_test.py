@@ -64,7 +64,7 @@ class Clouds(Case):
         rows = list(csv.DictReader(io.StringIO(answer.stdout)))
         np.testing.assert_allclose([float(row["x.deviation[m]"]) for row in rows], deviation[:, 0], rtol=1e-10, atol=1e-15)
         as_json = json.loads(cloud("--realisations", 200, "--until", 1, "--frames", 5, "--json").stdout)
-        self.check_schema(as_json)
+        self.assertEqual(as_json["schema"], "samara-cloud/1")
         np.testing.assert_allclose(as_json["times"][4]["mean_error"], deviation[4] / np.sqrt(200), rtol=1e-10)
         self.assertEqual(as_json["status"], {"flying": 200, "landed": 0, "left_flow": 0, "not_finite": 0})
 

@@ -66,6 +66,7 @@ class Databases(Case):
         result = run("database", swept("chaos", CHAOS), "-o", path, "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
         said = json.loads(result.stdout)
+        self.assertEqual(said["schema"], "samara-motions/1")
         with h5py.File(path) as file:
             self.assertEqual(file.attrs["format"], b"samara-motions")
             start, end, runs = (file[f"segments/{name}"][:] for name in ("start", "end", "run"))
@@ -119,7 +120,7 @@ class Sweeps(Case):
         self.assertEqual(len(re.findall(r"^release ", text, re.M)), 3)
         self.assertIn("adjusted Rand index", text)
         answer = json.loads(run("patterns", swept(), "--json").stdout)
-        self.check_schema(answer)
+        self.assertEqual(answer["schema"], "samara-sweep/1")
         for release in answer["releases"]:
             self.assertEqual(sum(release["counts"].values()), 45)
             self.assertEqual(sum(region["points"] for region in release["regions"]), 45)
@@ -306,7 +307,7 @@ class Patterns(Case):
         self.assertEqual(text.returncode, 0, text.stderr)
         self.assertIn("agreement 0.667", text.stdout)
         answer = json.loads(run("patterns", swing, helix, "--length", "5 cm", "--json").stdout)
-        self.check_schema(answer)
+        self.assertEqual(answer["schema"], "samara-patterns/1")
         self.assertEqual([c["windows"][-1]["pattern"] for c in answer["captures"]], ["zigzag", "spiral"])
         self.check_error(run("patterns", swing, "--labels", labels), 2, "labels name the capture \"round\"")
         self.check_error(run("patterns", swing, "--class", "a=zigzag"), 2, "--labels was expected")
