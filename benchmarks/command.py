@@ -22,29 +22,11 @@ import numpy as np  # noqa: E402
 
 import mutations  # noqa: E402
 import samara  # noqa: E402
+from plans import plate_plan  # noqa: E402
 
 COMMAND = ROOT / "build" / "release" / "apps" / "samara"
 INPUT_FUZZ = ROOT / "build" / "release" / "tests" / "identification" / "input_fuzz"
-PLATE = """model = "falling_plate_nd"
-[fixed]
-"theta(0)" = 0.4
-[box]
-C_T = [0.8, 1.4]
-C_R = [2.0, 4.0]
-A = [1.0, 1.8]
-B = [0.9, 1.1]
-mu1 = [0.15, 0.25]
-inertia_ratio = [1.0, 1.2]
-beta = [0.06, 0.08]
-[time]
-end = 4
-[tolerance]
-relative = 1e-3
-[builder]
-kind = "pgd"
-strategy = "slabs"
-"""
-PLANS = {"coin": (ROOT / "examples" / "coin" / "plan.toml").read_text(), "plate7": PLATE}
+PLANS = {"coin": (ROOT / "examples" / "coin" / "plan.toml").read_text(), "plate7": plate_plan(7, 4)}
 ROWS, QUICK_ROWS = 100_000, 10_000
 
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -132,10 +133,18 @@ void write(const QueryArguments& arguments, const Codebook& book, const Coordina
   }
 }
 
+std::optional<Codebook> second_of(const QueryArguments& arguments) {
+  if (arguments.second.empty()) return std::nullopt;
+  Codebook second = codebooks::load(arguments.second);
+  warn_of_missed_tolerance(second, arguments.second);
+  return second;
+}
+
 /// The states at times of any length, by the flow map of the codebook.
 int run_composed(const QueryArguments& arguments, const Codebook& book) {
   const QueryPoints points = points_of(book, book.coordinates(), arguments);
-  const auto family = codebooks::flow_map_trajectories(book);
+  const std::optional<Codebook> second = second_of(arguments);
+  const auto family = codebooks::flow_map_trajectories(book, second ? &*second : nullptr);
   const Eigen::VectorXd q = points.x.row(0).tail(points.x.cols() - 1).transpose();
   const Eigen::VectorXd times = points.x.col(0);
   const models::FamilyTrajectory result =
@@ -175,8 +184,10 @@ int run_animated(const QueryArguments& arguments, const Codebook& book) {
   if (!(animation.from < animation.to))
     throw ArgumentError(
         "--at has one time, but a motion has a begin and an end: two times, or none, were expected");
-  const auto family = arguments.until.empty() ? codebooks::codebook_trajectories(book)
-                                              : codebooks::flow_map_trajectories(book);
+  const std::optional<Codebook> second = second_of(arguments);
+  const auto family = arguments.until.empty()
+                          ? codebooks::codebook_trajectories(book)
+                          : codebooks::flow_map_trajectories(book, second ? &*second : nullptr);
   animation.family = family.get();
   return write_animation(arguments.output, animation);
 }
@@ -190,7 +201,10 @@ int run(const QueryArguments& arguments) {
         "--until composes windows of the codebook: none of --at, --gradient and --clamp was expected, nor "
         "--points");
   }
-  if (!arguments.output.empty()) check_output(arguments.output, {arguments.book, arguments.points});
+  if (arguments.until.empty() && !arguments.second.empty())
+    throw ArgumentError("--second is of composed windows: --until was expected beside it");
+  if (!arguments.output.empty())
+    check_output(arguments.output, {arguments.book, arguments.points, arguments.second});
   const Codebook book = codebooks::load(arguments.book);
   warn_of_missed_tolerance(book, arguments.book);
   if (names_animation(arguments.output)) return run_animated(arguments, book);

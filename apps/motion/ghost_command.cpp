@@ -47,13 +47,20 @@ std::string line_of(const char* what, const motion::GhostSizes& sizes) {
                      sizes.quantile90, sizes.max);
 }
 
-std::string text_of(const motion::GhostForce& ghost, const models::ForceUnits& units) {
+std::string text_of(const motion::GhostForce& ghost, const models::ForceUnits& units,
+                    const std::string& length) {
   std::string text = fmt::format(
       "{} frames, {} minima of speed; forces in net weights of {:.4g} {}, torques in these times {:.4g}\n"
       "{:<18}{:>10} {:>10} {:>10} {:>10}\n",
       ghost.times.size(), ghost.events, ghost.net_weight, units.force, ghost.semi_length, "", "rms", "median",
       "90 %", "max");
   text += line_of("force", ghost.declared.force_sizes) + line_of("torque", ghost.declared.torque_sizes);
+  if (ghost.noise) {
+    text += fmt::format(
+        "noise of a frame {:.2g} {}, {:.2g} rad: by itself a force of {:.3g} rms, a torque of {:.3g}\n",
+        ghost.noise->frames.position, length, ghost.noise->frames.angle, ghost.noise->force,
+        ghost.noise->torque);
+  }
   if (!ghost.box) return text;
   text += line_of("force in the box", ghost.box->ghost.force_sizes) +
           line_of("torque in the box", ghost.box->ghost.torque_sizes);
@@ -74,6 +81,13 @@ Json json_of(const motion::GhostForce& ghost) {
                  {"semi_length", ghost.semi_length},
                  {"force", json_of(ghost.declared.force_sizes)},
                  {"torque", json_of(ghost.declared.torque_sizes)}};
+  if (ghost.noise) {
+    object["noise"] = {{"position", ghost.noise->frames.position},
+                       {"angle", ghost.noise->frames.angle},
+                       {"force", ghost.noise->force},
+                       {"torque", ghost.noise->torque},
+                       {"decides", ghost.noise->decides}};
+  }
   if (ghost.box) {
     object["box"] = {{"coefficients", ghost.box->names},
                      {"force", json_of(ghost.box->ghost.force_sizes)},
@@ -117,10 +131,16 @@ int run(const GhostArguments& arguments) {
   const motion::GhostForce ghost =
       ghost_force(parametric, path_of_file(arguments.path), box_of(arguments, parameter_units));
   if (!arguments.output.empty()) write_answer(arguments.output, table_of(ghost));
+  if (ghost.noise && ghost.noise->decides) {
+    warn(fmt::format(
+        "the force is hardly more than what the noise of the frames gives by itself, {:.3g} against {:.3g} "
+        "net weights rms: it says nothing of forces that are not there",
+        ghost.declared.force_sizes.rms, ghost.noise->force));
+  }
   if (arguments.json) {
     print(json_of(ghost));
   } else {
-    print(text_of(ghost, models::force_units(model->info())));
+    print(text_of(ghost, models::force_units(model->info()), units.at("x(0)")));
   }
   return kDone;
 }

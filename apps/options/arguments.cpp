@@ -151,6 +151,8 @@ void add_query(CLI::App& app, Arguments& arguments) {
   command->add_option("--until", values->until,
                       "11 times from 0 to this one, s or with a unit, also after the codebook's own: by its "
                       "windows, composed, where the initial state is free");
+  command->add_option("--second", values->second,
+                      "of --until: codebook of the same model and time for attitudes near upside down");
   command->add_flag("--gradient", values->gradient, "add the derivative of every output by every axis");
   command->add_flag("--clamp", values->clamp,
                     "take the nearest point of the box instead of refusing (exit code 5)");

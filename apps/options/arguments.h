@@ -125,6 +125,7 @@ struct QueryArguments {
   std::optional<int> frames;  ///< rows over the whole time; none: 11
   std::string points;         ///< table of points; "-": stdin
   std::string until;          ///< empty: the codebook's own time
+  std::string second;         ///< codebook of attitudes upside down, of composed windows; empty: none
   bool gradient = false;
   bool clamp = false;
   ShownWords body;  ///< of an animation

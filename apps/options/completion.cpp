@@ -81,7 +81,10 @@ _samara_models="@models@"
 _samara_words() { COMPREPLY=($(compgen -W "$1" -- "$current")); }
 _samara_files() { mapfile -t COMPREPLY < <(compgen -f -- "$current"); compopt -o filenames 2>/dev/null; }
 _samara_names() {
-  local names=$("${COMP_WORDS[0]}" completion --names "${COMP_WORDS[2]}" 2>/dev/null)
+  local names="" word
+  for word in "${COMP_WORDS[@]:2:COMP_CWORD-2}"; do  # the first that is a model, a plan or a codebook
+    if [[ $word != -* && -z $names ]]; then names=$("${COMP_WORDS[0]}" completion --names "$word" 2>/dev/null); fi
+  done
   COMPREPLY=($(compgen -S = -W "$names" -- "$current"))
   compopt -o nospace 2>/dev/null
 }
@@ -107,7 +110,13 @@ constexpr const char* kZsh = R"SH(#compdef samara
 _samara_models="@models@"
 _samara_words() { compadd -- ${=1} }
 _samara_files() { _files }
-_samara_names() { compadd -S = -- ${(f)"$(${words[1]} completion --names ${words[3]} 2>/dev/null)"} }
+_samara_names() {
+  local names="" word
+  for word in ${words[3,CURRENT-1]}; do
+    if [[ $word != -* && -z $names ]]; then names=$(${words[1]} completion --names $word 2>/dev/null); fi
+  done
+  compadd -S = -- ${(f)names}
+}
 _samara() {
   local current=${words[CURRENT]} previous=${words[CURRENT-1]} command=${words[2]} options="" models=""
   if ((CURRENT == 2)); then _samara_words "@commands@ --help --version"; return; fi
@@ -134,7 +143,10 @@ std::string fish_script(const std::vector<CommandWords>& tree, const std::vector
   std::string text =
       "# Completion of samara for fish: samara completion fish > ~/.config/fish/completions/samara.fish\n";
   text += "function __samara_names\n  set -l words (commandline -opc)\n";
-  text += "  samara completion --names $words[3] 2>/dev/null | string replace -r '$' '='\nend\n";
+  text += "  for word in $words[3..]\n    set -l names (samara completion --names $word 2>/dev/null)\n";
+  text +=
+      "    if test -n \"$names\"\n      string replace -r '$' '=' $names\n      return\n    end\n  "
+      "end\nend\n";
   for (const CommandWords& command : tree) {
     text += fmt::format("complete -c samara -n __fish_use_subcommand -f -a {} -d {}\n", command.name,
                         single_quoted(command.summary));

@@ -11,5 +11,6 @@ void paper_cases(const Options& options);
 void plates_cases(const Options& options);
 void blimp_cases(const Options& options);
 void table_tennis_case(const Options& options);
+void follow_case(const Options& options);
 
 }  // namespace samara::benchmarks::prediction

@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
     prediction::plates_cases(chosen);
     prediction::blimp_cases(chosen);
     prediction::table_tennis_case(chosen);
+    prediction::follow_case(chosen);
     return 0;
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';

@@ -40,6 +40,12 @@ struct ModelNoise {
   std::map<std::string, double> states = {};
 };
 
+/// How errors of a state become errors of what comes later.
+enum class ForecastOrder {
+  first,   ///< by the derivatives of the motion
+  second,  ///< by motions from either side, which follow its bends, too
+};
+
 struct FollowOptions {
   // What is seen.
 
@@ -82,6 +88,7 @@ struct FollowOptions {
   int iterations = 3;  ///< of an update, at most
   /// After so many outliers in a row the motion is lost, and a start is looked for again.
   int lost_after = 6;
+  ForecastOrder forecasts = ForecastOrder::second;
   /// Frames are kept for Follower::smoothed(); memory grows with them.
   bool remember = false;
 };

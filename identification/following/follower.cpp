@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/identification/following/forecast_component.h"
 #include "samara/identification/following/smoother.h"
 #include "samara/identification/following/start_search.h"
 
@@ -327,31 +328,8 @@ Forecast Follower::forecast(std::span<const double> times, const std::vector<std
     }
     last = time;
   }
-  const auto rows = static_cast<Eigen::Index>(times.size()), width = std::ssize(seen);
-  Eigen::VectorXd values(width);
-  Eigen::MatrixXd by_errors(width, run.model.errors());
-  for (const Hypothesis& now : run.hypotheses) {
-    ForecastComponent component{.weight = std::exp(now.log_weight),
-                                .mean = Eigen::MatrixXd::Constant(rows, width, kNothing),
-                                .covariance = std::vector<Eigen::MatrixXd>(
-                                    times.size(), Eigen::MatrixXd::Constant(width, width, kNothing))};
-    Hypothesis ahead{.point = now.point, .covariance = now.covariance};
-    double here = run.state_time();
-    for (Eigen::Index row = 0; row < rows; ++row) {
-      const double there = times[static_cast<std::size_t>(row)] - run.filter.lead();
-      if (there > here && !run.filter.predict(ahead, here, there - here)) break;
-      here = std::max(here, there);
-      if (!run.filter.observe(ahead.point, here, seen, false, values, &by_errors)) break;
-      component.mean.row(row) = values.transpose();
-      Eigen::MatrixXd& covariance = component.covariance[static_cast<std::size_t>(row)];
-      covariance = by_errors * ahead.covariance * by_errors.transpose();
-      for (Eigen::Index o = 0; o < width; ++o) {
-        const double noise = seen[static_cast<std::size_t>(o)].noise;
-        covariance(o, o) += noise * noise;
-      }
-    }
-    result.components.push_back(std::move(component));
-  }
+  for (const Hypothesis& now : run.hypotheses)
+    result.components.push_back(forecast_component(run.model, run.filter, now, run.state_time(), times, seen));
   return result;
 }
 

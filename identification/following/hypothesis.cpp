@@ -108,6 +108,14 @@ bool HypothesisFilter::predict(Hypothesis& hypothesis, double t, double duration
   return true;
 }
 
+bool HypothesisFilter::move(Eigen::VectorXd& point, double t, double duration) {
+  plain_flow_.start(as_span(point), t);
+  if (!plain_flow_.advance(duration)) return false;
+  plain_flow_.read(states_of(point, model_.states()));
+  if (const auto at = model_.attitude()) point.segment<4>(*at).normalize();
+  return true;
+}
+
 /// Integral of Phi W Phi^T over the part by Simpson's rule, Phi half-way being the mean of both ends: exact where
 /// rates are added up, one integral after another.
 void HypothesisFilter::add_noise(double duration, Eigen::MatrixXd& covariance) {

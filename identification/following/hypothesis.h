@@ -51,6 +51,9 @@ class HypothesisFilter {
   /// @returns false if there is no finite motion; the hypothesis is then as it was or moved a part of the way
   bool predict(Hypothesis& hypothesis, double t, double duration, Eigen::MatrixXd* transition = nullptr);
 
+  /// A point alone, without derivatives. @returns as predict()
+  bool move(Eigen::VectorXd& point, double t, double duration);
+
   /// What would be seen of outputs if the point were the state at t, and its derivatives by errors of the point.
   /// @param attitude also the four states of an attitude, after the outputs
   /// @param values outputs (and 4), @param by_errors of as many rows, errors() columns

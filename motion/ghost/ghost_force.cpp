@@ -89,6 +89,20 @@ class BodyOnPath {
     constant = wrench_of(rates_.accelerations.row(k).transpose() - velocity_part(rest));
   }
 
+  /// By the inertia from accelerations, whose noise is alike along all axes.
+  GhostForce::Noise noise() const {
+    GhostForce::Noise noise{.frames = noise_of(path_)};
+    const Eigen::Index torques = path_.is_planar() ? 1 : 3, forces = velocities() - torques;
+    Eigen::VectorXd deviations(velocities());
+    deviations << Eigen::VectorXd::Constant(forces, noise.frames.position),
+        Eigen::VectorXd::Constant(torques, noise.frames.angle);
+    deviations *= std::sqrt(mean_square_gain(path_));
+    const Eigen::MatrixXd wrench = inertia_ * deviations.asDiagonal() / net_weight_;
+    noise.force = wrench.topRows(forces).norm();
+    noise.torque = wrench.bottomRows(torques).norm() / semi_length_;
+    return noise;
+  }
+
   /// As databases have them, at the mean square speed of this path.
   int events() {
     const double square =
@@ -311,6 +325,12 @@ GhostForce ghost_force(const models::ParametricModel& model, const PosePath& pat
   result.declared = empty_series(body.frames());
   for (Eigen::Index k = 0; k < body.frames(); ++k) put(body.ghost(k), k, result.declared);
   finish(result.declared);
+  if (path.times.size() >= kFewestFrames) {
+    result.noise = body.noise();
+    constexpr double kMatters = 0.01;
+    result.noise->decides =
+        result.noise->force > kMatters && result.declared.force_sizes.rms < 1.5 * result.noise->force;
+  }
   if (!options.box.empty()) result.box = best_in_box(body, options, result.events);
   return result;
 }

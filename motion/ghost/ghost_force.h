@@ -64,6 +64,15 @@ struct GhostForce {
   };
   std::optional<Box> box;
 
+  /// What noise does to these figures.
+  struct Noise {
+    PathNoise frames;                  ///< of a frame [m, rad]
+    double force = 0.0, torque = 0.0;  ///< rms of the ghost that it gives alone, by accelerations
+    /// Whether the declared force is no more than one and a half of it, and it is more than a hundredth of the weight.
+    bool decides = false;
+  };
+  std::optional<Noise> noise;  ///< none of fewer than kFewestFrames frames
+
   double net_weight = 0.0;   ///< the unit of force [N; N/m of a planar model]
   double semi_length = 0.0;  ///< the unit of lengths in torques [m]
   int events = 0;            ///< as EventFinder has them

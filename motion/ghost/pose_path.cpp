@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/motion/records/motion_record.h"
 #include "samara/motion/records/state_layout.h"
 
 namespace samara::motion {
@@ -165,6 +166,38 @@ PosePath path_of(const identification::Capture& capture) {
     path.poses.col(k) = channel.values;
   }
   return path;
+}
+
+PathNoise noise_of(const PosePath& path) {
+  constexpr int kOrder = 8;
+  const auto rms = [](const auto& noises) {
+    double sum = 0.0;
+    for (const double noise : noises) sum += noise * noise;
+    return std::sqrt(sum / static_cast<double>(noises.size()));
+  };
+  if (path.is_planar()) {
+    return {
+        .position = rms(std::array{noise_of(path.poses.col(0), kOrder), noise_of(path.poses.col(1), kOrder)}),
+        .angle = noise_of(path.poses.col(2), kOrder)};
+  }
+  Eigen::MatrixX3d turns(path.times.size() - 1, 3);
+  for (Eigen::Index k = 0; k < turns.rows(); ++k)
+    turns.row(k) = rotation_vector(attitude(path, k).conjugate() * attitude(path, k + 1));
+  std::array<double, 3> places, angles;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    places[static_cast<std::size_t>(i)] = noise_of(path.poses.col(i), kOrder);
+    angles[static_cast<std::size_t>(i)] = noise_of(turns.col(i), kOrder, 1);
+  }
+  return {.position = rms(places), .angle = rms(angles)};
+}
+
+double mean_square_gain(const PosePath& path) {
+  const Eigen::Index count = path.times.size() - 2 * kEndFrames;
+  double sum = 0.0;
+  for (Eigen::Index k = 0; k < count; ++k)
+    sum += weights_at_zero(path.times.segment<kStencil>(k).array() - path.times[k + kEndFrames])
+               .second.squaredNorm();
+  return sum / static_cast<double>(count);
 }
 
 PathRates path_rates(const PosePath& path) {

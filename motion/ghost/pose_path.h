@@ -39,6 +39,16 @@ struct PathRates {
   Eigen::MatrixXd velocities, accelerations;
 };
 
+/// Standard deviations of the noise of a frame: of a coordinate of its place, and of a component of its rotation [rad].
+/// From eighth differences: of frames without noise they are what polynomials through seven of them do not see.
+struct PathNoise {
+  double position = 0.0, angle = 0.0;
+};
+PathNoise noise_of(const PosePath& path);
+
+/// Of a second derivative in the middle of seven frames, over the noise of one: the mean square along the path.
+double mean_square_gain(const PosePath& path);
+
 /// From the polynomial of degree six through seven frames: errors of the order dt^6. Positions, and the rotation vectors
 /// from the middle frame to the others, are interpolated.
 /// @throws ArgumentError naming the frame: fewer than 7 frames, times that do not increase, numbers that are not finite,

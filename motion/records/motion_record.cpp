@@ -81,16 +81,19 @@ MotionRecord part(const MotionRecord& record, Eigen::Index first, Eigen::Index c
   return piece;
 }
 
-double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values) {
-  if (values.size() < 5) return 0.0;
-  std::vector<double> differences;
-  for (Eigen::Index k = 2; k + 2 < values.size(); ++k) {
-    differences.push_back(std::abs(values[k - 2] - 4.0 * values[k - 1] + 6.0 * values[k] -
-                                   4.0 * values[k + 1] + values[k + 2]));
-  }
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::ranges::nth_element(differences, middle);
-  return 1.4826 * *middle / std::sqrt(70.0);
+double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values, int order, int taken) {
+  Eigen::VectorXd differences = values;
+  for (int n = taken; n < order && differences.size() > 0; ++n)
+    differences =
+        (differences.tail(differences.size() - 1) - differences.head(differences.size() - 1)).eval();
+  if (differences.size() == 0) return 0.0;
+  // Of the weights of D^n, (2 n)!/n!^2.
+  double squares = 1.0;
+  for (int n = 1; n <= order; ++n) squares *= 2.0 * (2.0 * n - 1.0) / n;
+  differences = differences.cwiseAbs();
+  const auto middle = differences.begin() + differences.size() / 2;
+  std::nth_element(differences.begin(), middle, differences.end());
+  return 1.4826 * *middle / std::sqrt(squares);
 }
 
 MotionRecord record_of(const Capture& capture, double length) {

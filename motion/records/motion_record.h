@@ -49,9 +49,11 @@ void check(const MotionRecord& record);
 /// Frames first, .., first + count - 1.
 MotionRecord part(const MotionRecord& record, Eigen::Index first, Eigen::Index count);
 
-/// Standard deviation of a frame's noise from fourth differences, which a smooth motion does not have: 1.4826 times
-/// the median of |D^4| over sqrt(70). Frames must be about equally spaced. 0 for fewer than 5.
-double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values);
+/// Standard deviation of a frame's noise from differences of high order, which a smooth motion does not have: 1.4826
+/// times the median of |D^n| over the root of the sum of its squared weights, sqrt(70) of fourth ones. Frames must be
+/// about equally spaced. 0 for fewer than n + 1.
+/// @param taken differences that the values are already, of what has the noise: 1 for increments
+double noise_of(const Eigen::Ref<const Eigen::VectorXd>& values, int order = 4, int taken = 0);
 
 /// The record of a capture. Its channels: x, y, z (z up), with qw, qx, qy, qz where the attitude was seen; or, of a
 /// motion in a plane, x and y (up), with theta. Frames not seen are left out and counted.

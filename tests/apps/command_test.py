@@ -189,6 +189,7 @@ class Completion(Case):
         self.assertEqual(self.complete("simulate", "vertical_fall", "--set", "de"), ["density="])
         self.assertEqual(self.complete("query", book("coin", COIN_PLAN), "--set", ""), ["C_D=", "v0="])
         self.assertEqual(self.complete("build", write("named.toml", COIN_PLAN), "--set", "thi"), ["thickness="])
+        self.assertEqual(self.complete("build", "-o", "none.h5", FOLDER / "named.toml", "--set", "thi"), ["thickness="])
         write("beside.csv", "")
         self.assertIn("beside.csv", self.complete("fit", "besi"))
         write("with a blank.h5", "")

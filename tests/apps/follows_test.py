@@ -47,7 +47,7 @@ class Follows(Case):
         result = run("follow", "vertical_fall", self.fitted(), track, *arguments, "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
         answer = json.loads(result.stdout)
-        self.assertEqual(self.check_schema(answer), "samara-follow")
+        self.assertEqual(answer["schema"], "samara-follow/1")
         return answer
 
     def test_state_and_drag_are_found_with_errors_and_the_next_tenth_of_a_second_is_in_its_band(self):

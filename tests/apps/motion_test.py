@@ -264,7 +264,8 @@ step = "1 ms"
         table = run("patterns", path, "--draw", "zigzag", "--count", "40", "--seed", "3").stdout.splitlines()
         self.assertEqual((table[0], len(table)), ("inertia_ratio[1],C_R[1]", 41))
         answer = json.loads(run("patterns", path, "--draw", "zigzag", "--count", "40", "--seed", "3", "--json").stdout)
-        self.check_schema(answer)
+        self.assertEqual(self.check_schema(answer), "samara-pattern-points")
+        self.assertEqual((answer["wanted"], answer["seed"]), ("zigzag", 3))
         points = numpy.array([point["values"] for point in answer["points"]])
         numpy.testing.assert_allclose(points, [[float(v) for v in line.split(",")] for line in table[1:]], rtol=1e-12)
         with h5py.File(path) as file:

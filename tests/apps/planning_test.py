@@ -7,6 +7,8 @@ import csv
 import json
 import math
 import pathlib
+import random
+import re
 import shutil
 
 from glb_file import Glb, issues
@@ -66,9 +68,11 @@ class Planning(Case):
         _, files = planned()
         result = run("ghost", "falling_plate", files["csv"], "--coefficients", files["h5"], "--json")
         self.assertEqual(result.returncode, 0, result.stderr)
-        ghost = json.loads(result.stdout)
-        self.assertEqual(ghost["schema"], "samara-ghost/1")
-        self.assertLess(ghost["force"]["rms"], 1e-3)
+        clean = json.loads(result.stdout)
+        self.assertEqual(self.check_schema(clean), "samara-ghost")
+        self.assertLess(clean["force"]["rms"], 1e-3)
+        self.assertFalse(clean["noise"]["decides"])
+        self.assertEqual(result.stderr, "")
         own = json.loads(run("ghost", "falling_plate", files["csv"], *PLATE, *BOX, "--json").stdout)
         lines = files["csv"].read_text().splitlines()
         x = [name.split("[")[0] for name in lines[0].split(",")].index("x")
@@ -80,8 +84,26 @@ class Planning(Case):
         path = write("shifted.csv", "\n".join(shifted) + "\n")
         frames = FOLDER / "ghost.csv"
         moved = json.loads(run("ghost", "falling_plate", path, *PLATE, *BOX, "--json", "-o", frames).stdout)
+        self.assertEqual(self.check_schema(moved), "samara-ghost")
         self.assertGreater(moved["box"]["force"]["rms"], 20 * own["box"]["force"]["rms"])
         self.assertIn("force_in_box", frames.read_text().splitlines()[0])
+
+    def test_a_path_whose_ghost_is_its_noise_is_warned_of(self):
+        _, files = planned()
+        lines = files["csv"].read_text().splitlines()
+        names = [name.split("[")[0] for name in lines[0].split(",")]
+        shaken, noise = [lines[0]], random.Random(5)
+        for line in lines[1:]:
+            cells = line.split(",")
+            for at in (names.index("x"), names.index("y")):
+                cells[at] = repr(float(cells[at]) + noise.gauss(0, 1e-4))
+            shaken.append(",".join(cells))
+        path = write("shaken.csv", "\n".join(shaken) + "\n")
+        result = run("ghost", "falling_plate", path, "--coefficients", files["h5"])
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("hardly more than what the noise", result.stderr)
+        found = float(re.search(r"noise of a frame (\S+) m,", result.stdout).group(1))
+        self.assertAlmostEqual(found, 1e-4, delta=2e-5)
 
     def test_a_deviation_that_is_missed_has_an_exit_code_of_its_own(self):
         planned()

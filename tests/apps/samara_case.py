@@ -100,6 +100,11 @@ def book(name, plan):
 
 
 class Case(unittest.TestCase):
+    def check_schema(self, answer):
+        """An answer that did not come by run(), too. @returns the name of its schema"""
+        check_schema(answer)
+        return answer["schema"].split("/")[0]
+
     def check_error(self, result, code, *parts):
         """One sentence on stderr that holds the parts, nothing on stdout, the documented exit code."""
         self.assertEqual(result.returncode, code, result.stderr)

@@ -1,9 +1,11 @@
 /// Courses of coefficients, the invisible force of motions, and falls that follow a sketch.
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 
 #include "samara/base/errors.h"
+#include "samara/base/streams.h"
 #include "samara/identification/series/series_codebook.h"
 #include "samara/models/batch/stepper.h"
 #include "samara/models/integrators/integrate.h"
@@ -186,6 +188,54 @@ TEST_CASE("a body in space needs no ghost either, and a push is found in its own
   for (Eigen::Index k = 0; k < times.size(); ++k) path.poses(k, 0) += 0.5 * 0.981 * times[k] * times[k];
   const GhostForce pushed = ghost_force(model, path);
   CHECK(pushed.declared.force_sizes.max > 0.09);
+}
+
+TEST_CASE(
+    "of a noisy path the ghost is that of its noise, which is found and said, and a clean one has none") {
+  const ParametricModel plate = smooth_plate();
+  const Eigen::VectorXd times = Eigen::VectorXd::LinSpaced(1201, 0.0, 24.0);
+  const Trajectory fall = integrate(plate, {}, {times.data(), 1201}, {.relative_tolerance = 1e-13});
+  PosePath path = path_of(plate.model().info(), times.tail(1000), fall.states.bottomRows(1000));
+  const GhostForce clean = ghost_force(plate, path);
+  REQUIRE(clean.noise.has_value());
+  CHECK(clean.noise->force < 1e-5);
+  CHECK_FALSE(clean.noise->decides);
+  const auto push = [&](double size) {
+    PosePath pushed = path;
+    for (Eigen::Index k = 0; k < 1000; ++k) pushed.poses(k, 0) += 0.5 * size * times[k] * times[k];
+    return ghost_force(plate, pushed);
+  };
+  samara::Stream stream(5, 0);
+  constexpr double kPlace = 1e-4, kAngle = 2e-4;
+  for (Eigen::Index k = 0; k < 1000; ++k) {
+    path.poses.row(k) +=
+        Eigen::RowVector3d(kPlace * stream.normal(), kPlace * stream.normal(), kAngle * stream.normal());
+  }
+  const GhostForce noisy = ghost_force(plate, path);
+  // Medians of 990 differences that are not independent.
+  CHECK(noisy.noise->frames.position == Approx(kPlace).epsilon(0.15));
+  CHECK(noisy.noise->frames.angle == Approx(kAngle).epsilon(0.15));
+  CHECK(noisy.declared.force_sizes.rms == Approx(noisy.noise->force).epsilon(0.2));
+  CHECK(noisy.declared.torque_sizes.rms == Approx(noisy.noise->torque).epsilon(0.2));
+  CHECK(noisy.noise->decides);
+  CHECK_FALSE(push(10.0).noise->decides);
+  CHECK(path.times.size() > kFewestFrames);
+  PosePath few = path;
+  few.times = path.times.head(9);
+  few.poses = path.poses.topRows(9);
+  CHECK_FALSE(ghost_force(plate, few).noise.has_value());
+
+  // In space likewise, by rotations.
+  PosePath turning{.times = times.head(800), .poses = Eigen::MatrixXd::Zero(800, 7)};
+  for (Eigen::Index k = 0; k < 800; ++k) {
+    const Eigen::Vector3d e = kAngle * Eigen::Vector3d(stream.normal(), stream.normal(), stream.normal());
+    const Eigen::Quaterniond q = Eigen::AngleAxisd(0.7 * times[k], Eigen::Vector3d::UnitZ()) *
+                                 Eigen::AngleAxisd(0.4 * times[k], Eigen::Vector3d::UnitX()) *
+                                 Eigen::Quaterniond(1.0, 0.5 * e.x(), 0.5 * e.y(), 0.5 * e.z()).normalized();
+    turning.poses.row(k) << 0.0, 0.0, kPlace * stream.normal(), q.w(), q.x(), q.y(), q.z();
+  }
+  CHECK(noise_of(turning).angle == Approx(kAngle).epsilon(0.15));
+  CHECK(noise_of(turning).position == Approx(kPlace / std::sqrt(3.0)).epsilon(0.15));
 }
 
 TEST_CASE("smooth is not feasible: what was shifted or blended needs a ghost that no coefficient hides") {
