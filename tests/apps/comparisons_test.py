@@ -71,10 +71,12 @@ class Comparisons(Case):
         self.assertEqual(again["quantities"], answer["quantities"])
 
     def test_distributions_are_compared_by_their_score_and_mixtures_stand_beside_models(self):
-        mixed = write("mixed.toml", self.right.read_text() + "mixture = true\n")
-        position, = self.compared(mixed, self.wrong, "--folds", "2")["quantities"]
+        def spans_of(config):
+            return config.read_text().replace('span = "0.2 s"\nahead = "0.12 s"', 'span = "0.15 s"\nahead = "0.05 s"\nstride = "30 ms"')
+        mixed, wrong = write("mixed.toml", spans_of(self.right) + "mixture = true\n"), write("wrong_spans.toml", spans_of(self.wrong))
+        position, = self.compared(mixed, wrong)["quantities"]
         names = [p["name"] for p in position["predictors"]]
-        self.assertEqual(names[:3], ["mixed", "wrong", "mixed, mixed"])
+        self.assertEqual(names[:3], ["mixed", "wrong_spans", "mixed, mixed"])
         self.assertTrue(next(p["is_plain"] for p in position["predictors"] if p["name"] == "mixture of baselines"))
         model, other = position["predictors"][:2]
         # A distribution scores better than its mean would, whose score is its distance, component by component.
