@@ -21,53 +21,15 @@ sys.path.insert(0, str(ROOT / "tests" / "apps"))
 
 from browser import PROGRAM, Browser  # noqa: E402
 from glb_file import Glb, issues  # noqa: E402
+from plans import card_plan, plate_plan  # noqa: E402
 
 SAMARA = ROOT / "build" / "release" / "apps" / "samara"
-PLATE = """model = "falling_plate_nd"
-[fixed]
-"theta(0)" = 0.4
-[box]
-C_T = [0.8, 1.4]
-C_R = [2.0, 4.0]
-A = [1.0, 1.8]
-{more}
-[time]
-end = {end}
-[tolerance]
-relative = 1e-3
-[builder]
-kind = "pgd"
-strategy = "slabs"
-"""
-CARD = """model = 'immersed_body'
-[fixed]
-'a' = 0.035
-'b' = 0.02
-'c' = 1e-4
-'density' = 1200.0
-'C_D0' = 0.05
-'C_w' = 2.0
-'speed_floor' = 1e-3
-'qw(0)' = 0.9961946980917455
-'qx(0)' = 0.0
-'qy(0)' = 0.08715574274765817
-[box]
-'C_D90' = [0.248, 0.372]
-'C_T' = [0.728, 1.092]
-'C_R' = [0.488, 0.732]
-[time]
-end = 0.3
-[tolerance]
-relative = 1e-3
-absolute = { x = 0.1, y = 0.1, z = 0.1, qw = 1.0, qx = 1.0, qy = 1.0, qz = 1.0, ux = 0.1, uy = 0.1, uz = 0.1, wx = 5.0, wy = 5.0, wz = 5.0 }
-[builder]
-kind = 'pgd'
-strategy = 'slabs'
-"""
+CARD = card_plan({"qw(0)": 0.9961946980917455, "qx(0)": 0.0, "qy(0)": 0.08715574274765817},
+                 {"C_D90": (0.248, 0.372), "C_T": (0.728, 1.092), "C_R": (0.488, 0.732)}, 0.3)
 PLANS = {
     "coin": (ROOT / "examples" / "coin" / "plan.toml").read_text(),
-    "plate3": PLATE.format(more="", end=5),
-    "plate7": PLATE.format(more="B = [0.9, 1.1]\nmu1 = [0.15, 0.25]\ninertia_ratio = [1.0, 1.2]\nbeta = [0.06, 0.08]", end=4),
+    "plate3": plate_plan(3, 5),
+    "plate7": plate_plan(7, 4),
     "body3d": CARD,
 }
 MEASURE = """(async () => {

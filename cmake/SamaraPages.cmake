@@ -17,7 +17,7 @@ function(samara_page_parts target)
     patterns_page ${web}/patterns/patterns_page.js
     explorer_markup ${web}/explorer/explorer.html
     explorer_style ${web}/explorer/explorer.css)
-  foreach(name evaluate body glb state curves controls page)
+  foreach(name evaluate body glb state curves controls view page)
     list(APPEND parts explorer_${name} ${web}/explorer/${name}.js)
   endforeach()
   while(parts)

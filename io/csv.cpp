@@ -33,6 +33,8 @@ void append_number(std::string& text, double value) {
 std::string rows_text(const std::vector<std::string>& header, const Eigen::Ref<const Eigen::MatrixXd>& values,
                       Eigen::Index begin, Eigen::Index end) {
   std::string text;
+  constexpr Eigen::Index kBytes = 20;  // of a number with all its digits, and a comma; few are longer
+  text.reserve(static_cast<std::size_t>((end - begin) * (kBytes * values.cols() + 1)));
   for (Eigen::Index i = begin; i < end; ++i) {
     for (Eigen::Index j = 0; j < values.cols(); ++j) {
       if (j > 0) text += ',';

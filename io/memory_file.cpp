@@ -13,8 +13,8 @@ namespace samara::io {
 
 namespace {
 
-ArgumentError no_room(std::size_t bytes) {
-  return ArgumentError("a file of " + std::to_string(bytes) +
+NoResultError no_room(std::size_t bytes) {
+  return NoResultError("a file of " + std::to_string(bytes) +
                        " bytes cannot be kept in memory: " + std::generic_category().message(errno));
 }
 
@@ -26,7 +26,7 @@ MemoryFile::MemoryFile(std::string_view bytes) : descriptor_(::memfd_create("sam
     const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) {
-      const ArgumentError error = no_room(bytes.size());
+      const NoResultError error = no_room(bytes.size());
       ::close(descriptor_);
       throw error;
     }

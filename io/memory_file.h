@@ -9,7 +9,7 @@ namespace samara::io {
 /// are gone.
 class MemoryFile {
  public:
-  /// @throws ArgumentError with the system's reason if there is no room for them
+  /// @throws NoResultError with the system's reason if there is no room for them
   explicit MemoryFile(std::string_view bytes);
   ~MemoryFile();
   MemoryFile(const MemoryFile&) = delete;

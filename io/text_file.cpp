@@ -53,6 +53,9 @@ std::string read_text_file(const std::filesystem::path& path, const TextLimits& 
     throw InputError(name, std::string("cannot be read: ") + std::strerror(errno));
   if (S_ISDIR(status.st_mode)) throw InputError(name, "is a directory, expected a file");
   std::string text;
+  // Of a large file, so that it is not copied while it grows. What the system says of its size is a guess.
+  if (S_ISREG(status.st_mode) && status.st_size > 0)
+    text.reserve(std::min(static_cast<std::size_t>(status.st_size), limits.bytes) + 1);
   std::array<char, 65536> block;
   while (true) {
     if (!S_ISREG(status.st_mode)) await_data(name, file.get(), limits.silence);

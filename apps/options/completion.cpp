@@ -12,7 +12,7 @@ namespace samara::apps {
 
 namespace {
 
-std::string joined(const std::vector<std::string>& words) {
+std::string spaced(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, " "));
 }
 
@@ -50,7 +50,7 @@ std::string value_branches(const std::vector<CommandWords>& tree) {
     for (const OptionWords& option : command.options) {
       if (option.choices.empty()) continue;
       text += fmt::format("    {}/{}) _samara_words \"{}\"; return ;;\n", command.name, option.names.back(),
-                          joined(option.choices));
+                          spaced(option.choices));
     }
     if (std::ranges::any_of(command.options, takes_names))
       text += fmt::format("    {}/--set) _samara_names; return ;;\n", command.name);
@@ -69,7 +69,7 @@ std::string option_branches(const std::vector<CommandWords>& tree) {
     std::vector<std::string> names;
     for (const OptionWords& option : command.options)
       names.insert(names.end(), option.names.begin(), option.names.end());
-    text += fmt::format("    {}) options=\"{}\"{} ;;\n", command.name, joined(names),
+    text += fmt::format("    {}) options=\"{}\"{} ;;\n", command.name, spaced(names),
                         takes_model(command) ? "; models=\"$_samara_models\"" : "");
   }
   return text;
@@ -81,7 +81,10 @@ _samara_models="@models@"
 _samara_words() { COMPREPLY=($(compgen -W "$1" -- "$current")); }
 _samara_files() { mapfile -t COMPREPLY < <(compgen -f -- "$current"); compopt -o filenames 2>/dev/null; }
 _samara_names() {
-  local names=$("${COMP_WORDS[0]}" completion --names "${COMP_WORDS[2]}" 2>/dev/null)
+  local names="" word
+  for word in "${COMP_WORDS[@]:2:COMP_CWORD-2}"; do  # the first that is a model, a plan or a codebook
+    if [[ $word != -* && -z $names ]]; then names=$("${COMP_WORDS[0]}" completion --names "$word" 2>/dev/null); fi
+  done
   COMPREPLY=($(compgen -S = -W "$names" -- "$current"))
   compopt -o nospace 2>/dev/null
 }
@@ -107,7 +110,13 @@ constexpr const char* kZsh = R"SH(#compdef samara
 _samara_models="@models@"
 _samara_words() { compadd -- ${=1} }
 _samara_files() { _files }
-_samara_names() { compadd -S = -- ${(f)"$(${words[1]} completion --names ${words[3]} 2>/dev/null)"} }
+_samara_names() {
+  local names="" word
+  for word in ${words[3,CURRENT-1]}; do
+    if [[ $word != -* && -z $names ]]; then names=$(${words[1]} completion --names $word 2>/dev/null); fi
+  done
+  compadd -S = -- ${(f)names}
+}
 _samara() {
   local current=${words[CURRENT]} previous=${words[CURRENT-1]} command=${words[2]} options="" models=""
   if ((CURRENT == 2)); then _samara_words "@commands@ --help --version"; return; fi
@@ -134,19 +143,22 @@ std::string fish_script(const std::vector<CommandWords>& tree, const std::vector
   std::string text =
       "# Completion of samara for fish: samara completion fish > ~/.config/fish/completions/samara.fish\n";
   text += "function __samara_names\n  set -l words (commandline -opc)\n";
-  text += "  samara completion --names $words[3] 2>/dev/null | string replace -r '$' '='\nend\n";
+  text += "  for word in $words[3..]\n    set -l names (samara completion --names $word 2>/dev/null)\n";
+  text +=
+      "    if test -n \"$names\"\n      string replace -r '$' '=' $names\n      return\n    end\n  "
+      "end\nend\n";
   for (const CommandWords& command : tree) {
     text += fmt::format("complete -c samara -n __fish_use_subcommand -f -a {} -d {}\n", command.name,
                         single_quoted(command.summary));
     const std::string seen =
         fmt::format("complete -c samara -n '__fish_seen_subcommand_from {}'", command.name);
-    if (takes_model(command)) text += fmt::format("{} -a '{}'\n", seen, joined(models));
+    if (takes_model(command)) text += fmt::format("{} -a '{}'\n", seen, spaced(models));
     for (const OptionWords& option : command.options) {
       text += seen;
       for (const std::string& name : option.names)
         text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
       if (!option.value.empty()) text += " -r";
-      if (!option.choices.empty()) text += fmt::format(" -f -a '{}'", joined(option.choices));
+      if (!option.choices.empty()) text += fmt::format(" -f -a '{}'", spaced(option.choices));
       if (takes_names(option)) text += " -f -a '(__samara_names)'";
       text += fmt::format(" -d {}\n", single_quoted(option.text));
     }
@@ -165,8 +177,8 @@ std::string completion_script(const std::string& shell, const std::vector<Comman
   std::vector<std::string> commands;
   for (const CommandWords& command : tree) commands.push_back(command.name);
   std::string script = shell == "bash" ? kBash : kZsh;
-  script = with(std::move(script), "@models@", joined(models));
-  script = with(std::move(script), "@commands@", joined(commands));
+  script = with(std::move(script), "@models@", spaced(models));
+  script = with(std::move(script), "@commands@", spaced(commands));
   script = with(std::move(script), "@values@", value_branches(tree));
   return with(std::move(script), "@options@", option_branches(tree));
 }

@@ -250,10 +250,17 @@ Coefficients jackknife_errors(const std::vector<BlimpFlight>& flights) {
   return errors;
 }
 
-std::map<std::string, BlimpErrors> predict_blimp(const std::vector<BlimpFlight>& flights,
-                                                 const Coefficients& coefficients, double ahead) {
-  const auto frames_ahead = static_cast<Eigen::Index>(std::lround(ahead * static_cast<double>(kRate)));
+namespace {
+
+/// What was seen, and the frame to predict, in the same times.
+struct Questions {
   std::vector<Capture> seen, truth;
+};
+
+Questions questions_of(const std::vector<BlimpFlight>& flights, double ahead) {
+  const auto frames_ahead = static_cast<Eigen::Index>(std::lround(ahead * static_cast<double>(kRate)));
+  Questions questions;
+  auto& [seen, truth] = questions;
   for (const BlimpFlight& flight : flights) {
     const Eigen::Index frames = flight.capture.frame_count();
     for (Eigen::Index now = kSeen; now + frames_ahead < frames; now += kBetweenMoments) {
@@ -261,6 +268,41 @@ std::map<std::string, BlimpErrors> predict_blimp(const std::vector<BlimpFlight>&
       truth.push_back(frames_of(flight.capture, now + frames_ahead, 1, flight.capture.times[now - kSeen]));
     }
   }
+  return questions;
+}
+
+}  // namespace
+
+std::vector<BlimpMoment> blimp_moments(const std::vector<BlimpFlight>& flights,
+                                       const Coefficients& coefficients, double ahead) {
+  const auto [seen, truth] = questions_of(flights, ahead);
+  const auto blimp = family(coefficients, start_box());
+  const FitOptions options = start_options();
+  const FitResult starts = fit(*blimp, seen, options);
+  std::vector<BlimpMoment> moments;
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    BlimpMoment moment{.flight = std::stoi(seen[k].labels.at("flight")), .time = truth[k].times[0]};
+    moment.seen = {.times = seen[k].times, .positions = positions_of(seen[k])};
+    moment.seen.rates.resize(seen[k].frame_count(), 3);
+    for (Eigen::Index frame = 0; frame < moment.seen.rates.rows(); ++frame) {
+      const auto at = [&](const char* name) { return seen[k].channel(name).values[frame]; };
+      const Eigen::Quaterniond q(at("qw"), at("qx"), at("qy"), at("qz"));
+      moment.seen.rates.row(frame) =
+          (q.normalized() * Eigen::Vector3d(at("ux"), at("uy"), at("uz"))).transpose();
+    }
+    moment.next = positions_of(truth[k]).row(0);
+    moment.model.setConstant(INFINITY);
+    const auto model =
+        samara::identification::fitted_motion(*blimp, options, starts, k, {moment.time}, {"x", "y", "z"});
+    if (model) moment.model = model->row(0);
+    moments.push_back(std::move(moment));
+  }
+  return moments;
+}
+
+std::map<std::string, BlimpErrors> predict_blimp(const std::vector<BlimpFlight>& flights,
+                                                 const Coefficients& coefficients, double ahead) {
+  const auto [seen, truth] = questions_of(flights, ahead);
   std::map<std::string, BlimpErrors> errors;
   const auto blimp = family(coefficients, start_box());
   const FitOptions options = start_options();
@@ -282,6 +324,7 @@ std::map<std::string, BlimpErrors> predict_blimp(const std::vector<BlimpFlight>&
     add_error(carried_on_by_velocity(seen[k], time), turned(0, 0), truth[k], errors["measured velocity"]);
     for (const Baseline baseline : samara::identification::all_baselines()) {
       if (baseline == Baseline::measured_velocity) continue;  // of the body in its own axes: above
+      if (baseline == Baseline::point_with_drag) continue;    // what floats does not fall
       const Eigen::MatrixXd place = predict(baseline, {seen[k].times, places}, at);
       const Eigen::MatrixXd pitch = predict(baseline, {seen[k].times, pitches_of(seen[k])}, at);
       add_error(place.row(0).transpose(), pitch(0, 0), truth[k], errors[to_string(baseline)]);

@@ -8,6 +8,7 @@
 #include "real_data.h"
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/problem/fit_result.h"
+#include "samara/identification/statistics/baseline_scores.h"
 
 /// Flights of a miniature blimp with two propellers (Zhu, Cheng, Zhang, IEEE Robot. Autom. Lett. 9 (2024)
 /// 10986-10993), by the model `coefficient_body`. The place of the gondola and the thrusts are known, and
@@ -49,6 +50,17 @@ FitResult fit_blimp(const std::vector<BlimpFlight>& flights, AddedMass added_mas
 
 /// Standard errors by leaving out one flight at a time (jackknife).
 Coefficients jackknife_errors(const std::vector<BlimpFlight>& flights);
+
+/// A moment of a flight: what was seen for a tenth of a second, where it was later, and where the model says.
+struct BlimpMoment {
+  int flight = 0;
+  samara::identification::SeenMotion seen = {};  ///< with velocities in the world
+  double time = 0.0;                             ///< s, in the times of what was seen
+  Eigen::RowVector3d next = {}, model = {};      ///< m; the model's infinite where it has no motion
+};
+/// From moments half a second apart. @param ahead s, after the last frame seen
+std::vector<BlimpMoment> blimp_moments(const std::vector<BlimpFlight>& flights,
+                                       const Coefficients& coefficients, double ahead);
 
 /// Errors at a time after the last frame that predictors saw, from many moments of all flights.
 struct BlimpErrors {

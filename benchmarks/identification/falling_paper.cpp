@@ -1,5 +1,6 @@
 #include "falling_paper.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -25,21 +26,54 @@ constexpr double kAir = 1.2754;               ///< kg/m^3
 constexpr double kMisfit = 6e-3;              ///< m: twice what the model misses, not the noise
 constexpr double kStep = 5.2e-3;              ///< s: two a frame
 
+/// Of a sheet with a mass of 1 kg a square metre.
+struct Sheet {
+  double area, inertia, inertia_z;
+};
+
+/// @param size m: a radius, half a side, a hexagon's apothem, or half a cross from arm to arm
+/// @param width m, of the arms of a cross
+Sheet sheet_of(const std::string& shape, double size, double width) {
+  double area = std::numbers::pi * size * size, spin = area * size * size / 2.0;
+  if (shape == "square") {
+    area = 4.0 * size * size;
+    spin = area * 2.0 / 3.0 * size * size;
+  } else if (shape == "hexagon") {
+    area = 2.0 * std::numbers::sqrt3 * size * size;
+    spin = area * 5.0 / 9.0 * size * size;
+  } else if (shape == "cross") {
+    const double arm = 2.0 * size * width, middle = width * width;
+    area = 2.0 * arm - middle;
+    spin = (2.0 * arm * (4.0 * size * size + width * width) - middle * 2.0 * width * width) / 12.0;
+  }
+  return {area, 0.5 * spin, spin};  // all look the same after a quarter or a sixth of a turn
+}
+
 }  // namespace
 
-std::vector<Capture> paper_drops(const std::filesystem::path& folder) {
+std::vector<Capture> paper_drops(const std::filesystem::path& folder, const std::string& shape) {
   const auto sidecar = std::filesystem::path(SAMARA_EXAMPLES_DIR) / "captures" / "falling_paper.toml";
-  std::vector<Capture> drops = samara::identification::read_captures(folder / "circle.csv", sidecar);
+  std::vector<Capture> drops = samara::identification::read_captures(folder / (shape + ".csv"), sidecar);
+  const auto number = [](const Capture& drop, const char* label) {
+    const auto found = drop.labels.find(label);
+    return found == drop.labels.end() || found->second.empty() ? 0.0 : std::stod(found->second);
+  };
+  constexpr double kLongestStep = 0.1;  // m
+  std::erase_if(drops, [&](const Capture& drop) {
+    return number(drop, "max_step_m") > kLongestStep ||
+           number(drop, "cross_width_m") > 2.0 * number(drop, "radius_m");
+  });
   for (Capture& drop : drops) {
-    const double radius = std::stod(drop.labels.at("radius_m"));
-    const double mass = kPaper * std::numbers::pi * radius * radius;
-    drop.labels["inertia"] = fmt::format("{}", mass * radius * radius / 4.0);
-    drop.labels["inertia_z"] = fmt::format("{}", mass * radius * radius / 2.0);
+    const Sheet sheet = sheet_of(shape, number(drop, "radius_m"), number(drop, "cross_width_m"));
+    drop.labels["disc_radius"] = fmt::format("{}", std::sqrt(sheet.area / std::numbers::pi));
+    drop.labels["inertia"] = fmt::format("{}", kPaper * sheet.inertia);
+    drop.labels["inertia_z"] = fmt::format("{}", kPaper * sheet.inertia_z);
   }
   return drops;
 }
 
-PaperSplit split(const std::vector<Capture>& all, std::size_t drops, int frames, std::uint64_t seed) {
+PaperSplit split(const std::vector<Capture>& all, std::size_t drops, int frames, std::uint64_t seed,
+                 int stride) {
   pgd::Random random(seed);
   std::vector<std::size_t> order(all.size());
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
@@ -47,9 +81,10 @@ PaperSplit split(const std::vector<Capture>& all, std::size_t drops, int frames,
     std::swap(order[k], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(k + 1))]);
   }
   PaperSplit result;
-  for (std::size_t k = 0; k < 2 * drops; ++k) {
+  for (std::size_t k = 0; k < std::min(2 * drops, all.size()); ++k) {
     std::vector<Window>& windows = k < drops ? result.fitted : result.unseen;
-    for (Window& window : cut(all[order[k]], frames, kPaperAhead)) windows.push_back(std::move(window));
+    for (Window& window : cut(all[order[k]], frames, kPaperAhead, stride))
+      windows.push_back(std::move(window));
   }
   return result;
 }
@@ -72,8 +107,11 @@ std::unique_ptr<models::TrajectoryFamily> paper_family() {
 FitOptions paper_options() {
   FitOptions options = disc_options({{"C_D0", 0.2}, {"C_D90", 4.0}, {"C_T", 1.5}, {"C_R", 1.0}, {"C_w", 2.0}},
                                     kMisfit, "traj");
-  options.unknowns.known = {
-      {"a", "radius_m"}, {"b", "radius_m"}, {"I_x", "inertia"}, {"I_y", "inertia"}, {"I_z", "inertia_z"}};
+  options.unknowns.known = {{"a", "disc_radius"},
+                            {"b", "disc_radius"},
+                            {"I_x", "inertia"},
+                            {"I_y", "inertia"},
+                            {"I_z", "inertia_z"}};
   options.compared.averaged_frames = 5;
   return options;
 }

@@ -28,6 +28,7 @@ std::optional<std::filesystem::path> measured_set(const Options& options, const 
 Capture frames_of(const Capture& capture, Eigen::Index first, Eigen::Index count, double origin) {
   Capture part = capture;
   part.times = capture.times.segment(first, count).array() - origin;
+  part.shift = capture.shift + origin;
   for (Channel& channel : part.channels)
     channel.values = Eigen::VectorXd(channel.values.segment(first, count));
   return part;

@@ -133,8 +133,9 @@ std::optional<Question> question_of(const Capture& flight, const Horizon& horizo
   Eigen::Index frame = 0;
   (since.array() - horizon.end).abs().minCoeff(&frame);
   if (std::abs(since[frame] - horizon.end) > 1.01 * half_frame) return {};
-  const auto count = static_cast<Eigen::Index>((since.array() <= horizon.window + 1e-9).count());
-  return Question{frames_of(flight, 0, count, flight.times[0]), since[frame],
+  // Grid and impact without what came later.
+  const Capture known = samara::identification::known_at(flight, horizon.window);
+  return Question{frames_of(known, 0, known.frame_count(), known.times[0]), since[frame],
                   positions_of(flight).row(frame).transpose()};
 }
 
@@ -237,6 +238,48 @@ std::vector<SpinComparison> compare_spins(const std::vector<Capture>& flights, c
   return comparisons;
 }
 
+namespace {
+
+/// Spins as they are before anything is seen.
+FitOptions own_spin_options() {
+  FitOptions options = window_options();
+  for (const char* name : {"wx(0)", "wy(0)", "wz(0)"})
+    options.priors.coordinates[name] = {.deviation = kSpinPrior};
+  return options;
+}
+
+Box box_with_spin() {
+  Box box = start_box();
+  add_spins(box);
+  return box;
+}
+
+}  // namespace
+
+std::vector<FlightMoment> flight_moments(const std::vector<Capture>& flights, const FitResult& fitted,
+                                         const Horizon& horizon) {
+  std::vector<FlightMoment> moments;
+  std::vector<Capture> seen;
+  std::vector<double> times;
+  for (const Capture& flight : flights) {
+    const auto question = question_of(flight, horizon);
+    if (!question) continue;
+    seen.push_back(question->seen);
+    times.push_back(question->time);
+    moments.push_back({.number = flight.labels.at("number"),
+                       .seen = question->seen,
+                       .time = question->time,
+                       .next = question->place.transpose()});
+  }
+  if (seen.empty()) return moments;
+  const auto places = carried_on(*family("sphere_flight", forces_of(fitted), box_with_spin()),
+                                 own_spin_options(), seen, times);
+  for (std::size_t k = 0; k < moments.size(); ++k)
+    moments[k].model =
+        places[k] ? Eigen::RowVector3d(places[k]->transpose()) : Eigen::RowVector3d::Constant(INFINITY);
+  return moments;
+}
+
 Distances predict_flights(const std::vector<Capture>& flights, const FitResult& fitted,
                           const FitResult& drag_only, const Horizon& horizon) {
   using namespace samara::identification;
@@ -259,12 +302,8 @@ Distances predict_flights(const std::vector<Capture>& flights, const FitResult& 
       distances[name].push_back(places[k] ? (*places[k] - truth[k]).norm() : INFINITY);
     }
   };
-  Box with_spin = start_box();
-  add_spins(with_spin);
-  FitOptions own_spin = window_options();
-  for (const char* name : {"wx(0)", "wy(0)", "wz(0)"})
-    own_spin.priors.coordinates[name] = {.deviation = kSpinPrior};
-  add("model", *family("sphere_flight", forces_of(fitted), with_spin), own_spin);
+  const Box with_spin = box_with_spin();
+  add("model", *family("sphere_flight", forces_of(fitted), with_spin), own_spin_options());
   FitOptions known_spin = window_options();
   known_spin.unknowns.known = labels();
   add("labels", *family("sphere_flight_turned_spin", values_of(fitted), with_spin), known_spin);

@@ -71,6 +71,17 @@ struct Horizon {
   double window = 0.15;  ///< s of each flight that are seen
   double end = 0.30;     ///< s after its first frame, where the distance is taken
 };
+/// A flight that lasts as long: what was seen of it, where it was later, and where the model says, with start and
+/// spin from what was seen.
+struct FlightMoment {
+  std::string number = {};
+  Capture seen = {};
+  double time = 0.0;                         ///< s, in the times of what was seen
+  Eigen::RowVector3d next = {}, model = {};  ///< m; the model's infinite where it has no motion
+};
+std::vector<FlightMoment> flight_moments(const std::vector<Capture>& flights, const FitResult& fitted,
+                                         const Horizon& horizon);
+
 /// @param fitted from other flights, as is `drag_only`
 Distances predict_flights(const std::vector<Capture>& flights, const FitResult& fitted,
                           const FitResult& drag_only, const Horizon& horizon);

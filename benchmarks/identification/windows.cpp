@@ -16,17 +16,33 @@ using samara::identification::Capture;
 using samara::identification::FitOptions;
 using samara::identification::FitResult;
 
-std::vector<Window> cut(const Capture& motion, int frames, int ahead) {
+std::vector<Window> cut(const Capture& motion, int frames, int ahead, int stride) {
   const Eigen::MatrixX3d positions = positions_of(motion);
   std::vector<Window> windows;
-  for (int first = 0; first + frames + ahead <= motion.frame_count(); first += frames) {
+  for (int first = 0; first + frames + ahead <= motion.frame_count(); first += stride > 0 ? stride : frames) {
     const int next = first + frames - 1 + ahead;
     Window window;
     window.next_time = motion.times[next] - motion.times[first];
     window.next = positions.row(next);
+    window.first = first;
     window.capture = frames_of(motion, first, frames, motion.times[first]);
     window.capture.id = fmt::format("{} from {}", motion.id, first);
     if (positions.middleRows(first, frames + ahead).allFinite()) windows.push_back(std::move(window));
+  }
+  return windows;
+}
+
+std::vector<Window> cut_as_known(const Capture& motion, int frames, int ahead) {
+  std::vector<Window> windows;
+  for (Window& window : cut(motion, frames, ahead)) {
+    const double end = motion.times[window.first + frames - 1] - motion.times[0];
+    const Capture known = samara::identification::known_at(motion, end);
+    if (known.frame_count() < frames) continue;
+    const Eigen::Index first = known.frame_count() - frames;
+    const std::string id = window.capture.id;
+    window.capture = frames_of(known, first, frames, known.times[first]);
+    window.capture.id = id;
+    if (positions_of(window.capture).allFinite()) windows.push_back(std::move(window));
   }
   return windows;
 }
@@ -98,7 +114,7 @@ std::vector<double> baseline_errors(Baseline baseline, std::span<const Window> w
 BestBaseline best_baseline(std::span<const Window> windows) {
   BestBaseline best{.median = std::numeric_limits<double>::infinity()};
   for (const Baseline baseline : samara::identification::all_baselines()) {
-    if (baseline == Baseline::measured_velocity) continue;
+    if (baseline == Baseline::measured_velocity || baseline == Baseline::point_with_drag) continue;
     const double median = median_of(baseline_errors(baseline, windows));
     if (median < best.median) best = {to_string(baseline), median};
   }

@@ -19,12 +19,17 @@ struct Window {
   samara::identification::Capture capture;  ///< what is measured and the labels of the motion; times from 0
   double next_time = 0.0;                   ///< s, in the window's times
   Eigen::RowVector3d next;                  ///< m, measured there
+  int first = 0;                            ///< frame of the motion with which it begins
 };
 
 /// One after the other, from the first frame on.
 /// @param frames of a window
 /// @param ahead frames from its last one to the one that is predicted
-std::vector<Window> cut(const samara::identification::Capture& motion, int frames, int ahead);
+/// @param stride frames from the start of one to the next; 0: as many as a window has
+std::vector<Window> cut(const samara::identification::Capture& motion, int frames, int ahead, int stride = 0);
+
+/// The same, each cleaned without what came after it; left out are those of which that leaves a frame unseen.
+std::vector<Window> cut_as_known(const samara::identification::Capture& motion, int frames, int ahead);
 
 std::vector<samara::identification::Capture> captures_of(std::span<const Window> windows);
 

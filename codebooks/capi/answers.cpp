@@ -71,20 +71,24 @@ void PointAnswers::batch(Eigen::Index count, const double* points, double* value
   if (stored_ && gradients == nullptr)
     return stored_->batch(Eigen::Map<const Eigen::MatrixXd>(points, d, count),
                           Eigen::Map<Eigen::MatrixXd>(values, outputs, count), threads);
-  if (threads < 0)
-    throw ArgumentError("a batch on " + std::to_string(threads) + " threads, expected 0 or more");
-  if (stored_ && threads != 1) {
-    in_ranges(count, threads, [&](Eigen::Index begin, Eigen::Index end) {
-      Query own(*stored_);
-      Eigen::MatrixXd gradient(outputs, d);
-      for (Eigen::Index j = begin; j < end; ++j) {
-        own.values(numbers(points + d * j, static_cast<std::size_t>(d)),
-                   Eigen::Map<Eigen::VectorXd>(values + outputs * j, outputs), gradient);
-        put_rows(gradient, gradients + outputs * d * j);
+  if (stored_) {
+    // In blocks: what the library answers stands in another order, and need not be there for all points at once.
+    constexpr Eigen::Index kBlock = 8192;
+    Eigen::MatrixXd slopes(outputs * d, std::min(count, kBlock));
+    for (Eigen::Index begin = 0; begin < count; begin += kBlock) {
+      const Eigen::Index size = std::min(count - begin, kBlock);
+      stored_->batch(Eigen::Map<const Eigen::MatrixXd>(points + d * begin, d, size),
+                     Eigen::Map<Eigen::MatrixXd>(values + outputs * begin, outputs, size),
+                     slopes.leftCols(size), threads);
+      for (Eigen::Index j = 0; j < size; ++j) {
+        Eigen::Map<Eigen::MatrixXd>(gradients + outputs * d * (begin + j), d, outputs) =
+            slopes.col(j).reshaped(outputs, d).transpose();
       }
-    });
+    }
     return;
   }
+  if (threads < 0)
+    throw ArgumentError("a batch on " + std::to_string(threads) + " threads, expected 0 or more");
   for (Eigen::Index j = 0; j < count; ++j) {
     if (gradients == nullptr) {
       this->values(points + d * j, values + outputs * j);

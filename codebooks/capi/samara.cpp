@@ -14,104 +14,15 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/version.h"
-#include "samara/codebooks/capi/answers.h"
+#include "samara/codebooks/capi/handles.h"
 #include "samara/codebooks/capi/options.h"
 #include "samara/codebooks/file/format_version.h"
 #include "samara/codebooks/file/load.h"
 
-struct samara_codebook {
-  samara::codebooks::Codebook book;
-  std::vector<samara::pgd::OutputLabel> derived = derived_outputs(book);
-  std::vector<std::string> roles = {};  ///< of the coordinates
-};
-
-struct samara_query {
-  samara::codebooks::PointAnswers answers;
-};
-
-struct samara_trajectory {
-  samara::codebooks::FrameAnswers answers;
-};
-
 namespace {
 
+using namespace samara::capi;
 using samara::codebooks::Coordinate;
-
-thread_local std::string last_error;
-
-/// Remembers what went wrong. Keeping the sentence may itself run out of memory.
-samara_status failed(samara_status status, const char* sentence) noexcept {
-  try {
-    last_error = sentence;
-  } catch (...) {
-    last_error.clear();
-  }
-  return status;
-}
-
-/// Runs something that may throw.
-template <class Run>
-samara_status guarded(const Run& run) noexcept {
-  try {
-    run();
-    return SAMARA_DONE;
-  } catch (const samara::OutsideBoxError& error) {
-    return failed(SAMARA_OUTSIDE, error.what());
-  } catch (const samara::ArgumentError& error) {
-    return failed(SAMARA_WRONG_CALL, error.what());
-  } catch (const samara::InputError& error) {
-    return failed(SAMARA_BAD_FILE, error.what());
-  } catch (const std::exception& error) {
-    return failed(SAMARA_INTERNAL, error.what());
-  } catch (...) {
-    return failed(SAMARA_INTERNAL, "an unknown failure");
-  }
-}
-
-samara_status missing(const char* what) noexcept {
-  return failed(SAMARA_WRONG_CALL, what);
-}
-
-const Coordinate* coordinate_of(const samara_codebook* book, int k) noexcept {
-  if (book == nullptr || k < 0 || k >= book->book.coordinate_count()) {
-    missing("no book was given, or a coordinate that it does not have");
-    return nullptr;
-  }
-  return &book->book.coordinates()[static_cast<std::size_t>(k)];
-}
-
-const samara::pgd::OutputLabel* output_of(const samara_codebook* book, int o) noexcept {
-  if (book == nullptr || o < 0 || o >= book->book.output_count()) {
-    missing("no book was given, or an output that it does not have");
-    return nullptr;
-  }
-  return &book->book.outputs()[static_cast<std::size_t>(o)];
-}
-
-const samara::pgd::OutputLabel* derived_of(const samara_codebook* book, int o) noexcept {
-  if (book == nullptr || o < 0 || o >= std::ssize(book->derived)) {
-    missing("no book was given, or a derived output that it does not have");
-    return nullptr;
-  }
-  return &book->derived[static_cast<std::size_t>(o)];
-}
-
-const samara::pgd::OutputLabel* asked_output(const samara_query* query, int o) noexcept {
-  if (query == nullptr || o < 0 || o >= std::ssize(query->answers.outputs())) {
-    missing("no query was given, or an output that it does not have");
-    return nullptr;
-  }
-  return &query->answers.outputs()[static_cast<std::size_t>(o)];
-}
-
-/// An entry of the values held, in the order of their names; null if there is none.
-const std::pair<const std::string, double>* fixed_of(const samara_codebook* book, int f) noexcept {
-  if (book == nullptr || f < 0 || f >= std::ssize(book->book.model().fixed)) {
-    missing("no book was given, or a value held that it does not have");
-    return nullptr;
-  }
-  return &*std::next(book->book.model().fixed.begin(), f);
-}
 
 samara_codebook* opened(samara::codebooks::Codebook book) {
   auto result = std::make_unique<samara_codebook>(samara_codebook{std::move(book)});
@@ -138,7 +49,7 @@ samara_status batch_of(const char* call, samara_query* query, size_t count, cons
 }  // namespace
 
 const char* samara_error(void) {
-  return last_error.c_str();
+  return last_error();
 }
 
 const char* samara_version(void) {

@@ -102,9 +102,10 @@ struct StartValue {
 class FlowMapSource final : public models::TrajectorySource {
  public:
   /// @param starts of all states  @param parameters,outputs places among the family's coordinates, the states
-  FlowMapSource(const Codebook& book, const std::vector<double>& times, std::vector<StartValue> starts,
-                std::vector<std::size_t> parameters, std::vector<Eigen::Index> outputs)
-      : flow_map_(book),
+  FlowMapSource(const Codebook& book, const Codebook* second, const std::vector<double>& times,
+                std::vector<StartValue> starts, std::vector<std::size_t> parameters,
+                std::vector<Eigen::Index> outputs)
+      : flow_map_(second != nullptr ? FlowMap(book, *second) : FlowMap(book)),
         times_(times),
         starts_(std::move(starts)),
         parameters_(std::move(parameters)),
@@ -161,9 +162,9 @@ class FlowMapSource final : public models::TrajectorySource {
 
 class FlowMapTrajectories final : public models::TrajectoryFamily {
  public:
-  explicit FlowMapTrajectories(const Codebook& book)
-      : book_(book), equations_(model_of(book)), info_(describe(book, equations_)) {
-    const FlowMap refuses_what_it_must(book);
+  FlowMapTrajectories(const Codebook& book, const Codebook* second)
+      : book_(book), second_(second), equations_(model_of(book)), info_(describe(book, equations_)) {
+    const FlowMap refuses_what_it_must = second != nullptr ? FlowMap(book, *second) : FlowMap(book);
     info_.source = "flow map of a codebook";
     info_.end_time = std::numeric_limits<double>::infinity();
     info_.outputs.clear();
@@ -194,11 +195,12 @@ class FlowMapTrajectories final : public models::TrajectoryFamily {
       }
       places.push_back(found - info_.outputs.begin());
     }
-    return std::make_unique<FlowMapSource>(book_, times, starts_, parameters_, std::move(places));
+    return std::make_unique<FlowMapSource>(book_, second_, times, starts_, parameters_, std::move(places));
   }
 
  private:
   const Codebook& book_;
+  const Codebook* second_;
   std::optional<models::ParametricModel> equations_;
   models::FamilyInfo info_;
   std::vector<StartValue> starts_;
@@ -211,8 +213,9 @@ std::unique_ptr<models::TrajectoryFamily> codebook_trajectories(const Codebook& 
   return models::with_derived_outputs(std::make_unique<CodebookTrajectories>(book));
 }
 
-std::unique_ptr<models::TrajectoryFamily> flow_map_trajectories(const Codebook& book) {
-  return models::with_derived_outputs(std::make_unique<FlowMapTrajectories>(book));
+std::unique_ptr<models::TrajectoryFamily> flow_map_trajectories(const Codebook& book,
+                                                                const Codebook* second) {
+  return models::with_derived_outputs(std::make_unique<FlowMapTrajectories>(book, second));
 }
 
 std::unique_ptr<models::TrajectoryFamily> reference_trajectories(const Codebook& book,

@@ -20,9 +20,10 @@ std::unique_ptr<models::TrajectoryFamily> codebook_trajectories(const Codebook& 
 /// The same coordinates, at any time: windows of the codebook composed by its flow map (flow_map.h). Outputs
 /// are the states of the model; states without an axis start where the codebook holds them. A trajectory that
 /// leaves the box on the way has the status outside_box, and says when and by which state.
-/// @param book must outlive the family and its sources
+/// @param book, second must outlive the family and its sources  @param second chart of the flow map; null: none
 /// @throws ArgumentError as FlowMap.
-std::unique_ptr<models::TrajectoryFamily> flow_map_trajectories(const Codebook& book);
+std::unique_ptr<models::TrajectoryFamily> flow_map_trajectories(const Codebook& book,
+                                                                const Codebook* second = nullptr);
 
 /// What the codebook is a solution of, over the same box: its model by CVODES.
 /// @throws ArgumentError if Samara has no model of that name.

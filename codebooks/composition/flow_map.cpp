@@ -3,19 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <map>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
-#include "samara/base/unit_labels.h"
 #include "samara/codebooks/book/box.h"
-#include "samara/codebooks/certify/certify.h"
-#include "samara/codebooks/composition/reduced_attitude.h"
-#include "samara/codebooks/query/query.h"
-#include "samara/models/interface/parametric_model.h"
+#include "samara/codebooks/composition/window_chart.h"
 
 namespace samara::codebooks {
 
@@ -23,194 +19,55 @@ namespace {
 
 /// A motion of more windows is a mistake in the time.
 constexpr double kMostWindows = 1e7;
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
-/// How a state goes from window to window.
-struct Carried {
-  int output = 0;                 ///< place in the codebook's outputs
-  std::optional<int> coordinate;  ///< of "s(0)"; none: the state is only displaced, or held
-  bool held = false;              ///< the same at the start of every window: of a reduced attitude
-  double origin = 0.0;            ///< initial value in the codebook, of a state that is only displaced
-  double lower = 0.0, upper = 0.0;
-  bool wraps = false;  ///< an angle whose axis is a full turn wide
-};
-
-std::optional<int> find_name(const auto& list, const std::string& name) {
-  const auto found = std::ranges::find_if(list, [&](const auto& item) { return item.name == name; });
-  if (found == list.end()) return std::nullopt;
-  return static_cast<int>(found - list.begin());
-}
-
-/// Fixed or default.
-double initial_value(const Codebook& book, const models::StateInfo& state) {
-  const auto fixed = book.model().fixed.find(state.name + "(0)");
-  return fixed == book.model().fixed.end() ? state.default_initial : fixed->second;
-}
-
-/// How the attitude of a model with a quaternion is to be reduced. None: every number of it is an axis, or
-/// the model has none.
-std::optional<ReducedAttitude> reduced_attitude(const Codebook& book, const models::ModelInfo& info) {
-  const auto group =
-      std::ranges::find(info.groups, models::StateGroupKind::quaternion, &models::StateGroup::kind);
-  if (group == info.groups.end()) return std::nullopt;
-  const auto state = [&](int k) { return info.states[static_cast<std::size_t>(group->first + k)]; };
-  const auto is_axis = [&](int k) {
-    return find_name(book.coordinates(), state(k).name + "(0)").has_value();
+/// What two codebooks must have alike to be charts of one flow map.
+void check_second_chart(const WindowChart& first, const WindowChart& second) {
+  const auto differ = [](const std::string& what) {
+    throw ArgumentError(fmt::format("the second codebook of a flow map has another {} than the first", what));
   };
-  if (is_axis(0)) return std::nullopt;
-  const double length = initial_value(book, state(0));
-  const bool turns = std::ranges::count(info.symmetries, "rotation about z") > 0;
-  const bool without_yaw = turns && !is_axis(3);
-  const bool is_upright = !without_yaw || initial_value(book, state(3)) == 0.0;
-  if (length != 0.0 && is_upright && is_axis(1) && is_axis(2) && (without_yaw || is_axis(3)))
-    return ReducedAttitude(info, group->first, length, without_yaw);
-  throw ArgumentError(fmt::format(
-      "a flow map of \"{0}\" needs the axes \"{2}(0)\" and \"{3}(0)\", with \"{1}(0)\" fixed at 1 "
-      "and \"{4}(0)\" {5}, "
-      "or all four axes of the attitude",
-      info.name, state(0).name, state(1).name, state(2).name, state(3).name,
-      turns ? "at 0" : "an axis too, since the model notices the yaw"));
-}
-
-/// f at the middle of the box, with one state moved and at some time.
-std::vector<double> rate(const models::ParametricModel& model, std::span<const double> middle, double t,
-                         std::size_t moved, double by) {
-  models::ParametricModel::Workspace workspace = model.make_workspace();
-  std::vector<double> x(static_cast<std::size_t>(model.state_count()));
-  std::vector<double> f(x.size());
-  model.initial(middle, x);
-  x[moved] += by;
-  model.rhs(t, x, middle, f, workspace);
-  return f;
-}
-
-/// To round-off of the larger rates.
-bool nearly_equal(const std::vector<double>& a, const std::vector<double>& b) {
-  double size = 0.0, difference = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    size = std::max({size, std::abs(a[i]), std::abs(b[i])});
-    difference = std::max(difference, std::abs(a[i] - b[i]));
-  }
-  return difference <= 1e-10 * size;
+  if (first.book().model().name != second.book().model().name) differ("model");
+  if (first.window() != second.window()) differ("length of time");
+  const auto same_parameter = [](const Coordinate& a, const Coordinate& b) {
+    return a.name == b.name && a.lower == b.lower && a.upper == b.upper;
+  };
+  if (!std::ranges::equal(first.parameters(), second.parameters(), same_parameter))
+    differ("box of parameters");
+  const auto fixed_parameters = [](const Codebook& book) {
+    std::map<std::string, double> fixed = book.model().fixed;
+    std::erase_if(fixed, [](const auto& entry) { return entry.first.ends_with("(0)"); });
+    return fixed;
+  };
+  if (fixed_parameters(first.book()) != fixed_parameters(second.book())) differ("set of fixed parameters");
 }
 
 }  // namespace
 
 struct FlowMap::Impl {
-  /// Where a window begins.
-  struct Window {
-    Eigen::VectorXd start;             ///< all states as they are
-    Eigen::VectorXd reduced;           ///< without heading, where an attitude is reduced
-    Eigen::MatrixXd reduced_by_start;  ///< where derivatives are wanted
-    std::vector<double> shift;         ///< what the codebook's states are displaced by
-  };
+  std::vector<WindowChart> charts;
+  WindowChart* chart = nullptr;  ///< that holds the window which was opened
 
-  const Codebook& book;
-  Query query;
-  std::vector<std::string> states;
-  std::vector<std::string> units;
-  std::vector<Carried> carried;
-  std::optional<ReducedAttitude> attitude;
-  std::vector<Coordinate> parameters;
-  std::vector<int> parameter_places;  ///< coordinates of the codebook
-  double window = 0.0;
+  const std::vector<std::string>& states() const { return charts.front().states(); }
+  const std::vector<Coordinate>& parameters() const { return charts.front().parameters(); }
+  double window() const { return charts.front().window(); }
 
-  std::vector<double> point;
-  Eigen::VectorXd values;
-  Eigen::MatrixXd gradient;
-  Eigen::MatrixXd by_reduced, by_heading;
-
-  explicit Impl(const Codebook& codebook);
-  Carried carry(const models::ModelInfo& info, std::size_t state, bool is_angle) const;
   void check(std::span<const double> start, std::span<const double> q, std::span<const double> times) const;
-  /// Loads the reduced start of a window. @returns the state that is outside the box, if one is
-  std::optional<std::size_t> load(Window& at);
-  /// States at a time of the window that was loaded, reduced as its start, and their derivatives by the
-  /// states at its start and the parameters.
-  void answer(double t, const Window& at, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
-              Eigen::MatrixXd* by_parameters);
-  /// The same as they are, from the start as it is.
-  void answer_from(const Window& at, double t, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
-                   Eigen::MatrixXd* by_parameters);
-  std::string left_box(double t, std::size_t state, double value) const;
+  bool open(WindowStart& at, bool with_derivatives, double t, FlowMapResult& result);
   void run(const Eigen::VectorXd& start, std::span<const double> times, bool with_derivatives,
            FlowMapResult& result);
 };
 
-Carried FlowMap::Impl::carry(const models::ModelInfo& info, std::size_t state, bool is_angle) const {
-  const std::string& name = info.states[state].name;
-  Carried result;
-  const std::optional<int> output = find_name(book.outputs(), name);
-  if (!output) throw ArgumentError(fmt::format("a flow map needs the state \"{}\" among the outputs", name));
-  result.output = *output;
-  result.coordinate = find_name(book.coordinates(), name + "(0)");
-  if (result.coordinate) {
-    const Coordinate& axis = book.coordinates()[static_cast<std::size_t>(*result.coordinate)];
-    result.lower = axis.lower;
-    result.upper = axis.upper;
-    result.wraps = is_angle && axis.upper - axis.lower >= kTurn * (1.0 - 1e-9);
-    return result;
-  }
-  if (attitude && attitude->holds(static_cast<int>(state))) {
-    result.held = true;
-    return result;
-  }
-  if (std::ranges::count(info.symmetries, "translation of " + name) == 0) {
-    throw ArgumentError(
-        fmt::format("a flow map needs an axis \"{}(0)\": the model \"{}\" notices where {} starts", name,
-                    info.name, name));
-  }
-  result.origin = initial_value(book, info.states[state]);
-  return result;
-}
-
-FlowMap::Impl::Impl(const Codebook& codebook) : book(codebook), query(codebook) {
-  const models::ParametricModel model = model_of(book);
-  const models::ModelInfo& info = model.model().info();
-  std::vector<double> middle;
-  for (std::size_t k = 1; k < book.coordinates().size(); ++k) {
-    const Coordinate& c = book.coordinates()[k];
-    middle.push_back(0.5 * (c.lower + c.upper));
-    if (c.role == pgd::AxisRole::initial) continue;
-    parameters.push_back(c);
-    parameter_places.push_back(static_cast<int>(k));
-  }
-  const Coordinate& time = book.time("a flow map");
-  window = time.upper;
-  if (time.lower != 0.0) {
-    throw ArgumentError(
-        fmt::format("a flow map needs a codebook from t = 0 on; this one begins at {}", time.lower));
-  }
-  const std::vector<double> f = rate(model, middle, 0.0, 0, 0.0);
-  if (!nearly_equal(f, rate(model, middle, 0.37 * window, 0, 0.0))) {
-    throw ArgumentError(
-        fmt::format("a flow map needs an autonomous model; \"{}\" depends on time", info.name));
-  }
-  attitude = reduced_attitude(book, info);
-  for (std::size_t i = 0; i < info.states.size(); ++i) {
-    states.push_back(info.states[i].name);
-    units.push_back(info.states[i].unit);
-    // The unit does not tell: of dimensionless models it is 1.
-    const auto notices = [&](double turn) { return !nearly_equal(f, rate(model, middle, 0.0, i, turn)); };
-    carried.push_back(carry(info, i, notices(1.0) && !notices(kTurn)));
-  }
-  point.resize(book.coordinates().size());
-  values.resize(book.output_count());
-  gradient.resize(book.output_count(), book.coordinate_count());
-}
-
 void FlowMap::Impl::check(std::span<const double> start, std::span<const double> q,
                           std::span<const double> times) const {
-  if (start.size() != states.size() || q.size() != parameters.size()) {
+  if (start.size() != states().size() || q.size() != parameters().size()) {
     throw ArgumentError(fmt::format("a flow map of {} states and {} parameters was given {} and {}",
-                                    states.size(), parameters.size(), start.size(), q.size()));
+                                    states().size(), parameters().size(), start.size(), q.size()));
   }
   for (std::size_t i = 0; i < start.size(); ++i) {
     if (!std::isfinite(start[i])) {
-      throw ArgumentError(fmt::format("{}(0) is {}, expected a finite number", states[i], start[i]));
+      throw ArgumentError(fmt::format("{}(0) is {}, expected a finite number", states()[i], start[i]));
     }
   }
-  require_inside(parameters, q);
+  require_inside(parameters(), q);
   double before = 0.0;
   for (const double t : times) {
     if (!(std::isfinite(t) && t >= before)) {
@@ -221,84 +78,39 @@ void FlowMap::Impl::check(std::span<const double> start, std::span<const double>
     }
     before = t;
   }
-  if (before > kMostWindows * window) {
+  if (before > kMostWindows * window()) {
     throw ArgumentError(
         fmt::format("the times of a flow map go to {:.6g} s, expected at most {:.0e} windows of {:.6g} s",
-                    before, kMostWindows, window));
+                    before, kMostWindows, window()));
   }
 }
 
-std::optional<std::size_t> FlowMap::Impl::load(Window& at) {
-  for (std::size_t i = 0; i < carried.size(); ++i) {
-    const Carried& state = carried[i];
-    double value = at.reduced[static_cast<Eigen::Index>(i)];
-    if (!state.coordinate) {
-      at.shift[i] = state.held ? 0.0 : value - state.origin;
-      continue;
-    }
-    at.shift[i] = state.wraps ? kTurn * std::floor((value - state.lower) / kTurn) : 0.0;
-    value -= at.shift[i];
-    // Rounding of the wrap may step over the border by its last digits.
-    if (state.wraps) value = std::clamp(value, state.lower, state.upper);
-    if (!(value >= state.lower && value <= state.upper)) return i;
-    point[static_cast<std::size_t>(*state.coordinate)] = value;
+/// In the first chart that holds the start. @returns whether one does; else the result says what leaves the box
+bool FlowMap::Impl::open(WindowStart& at, bool with_derivatives, double t, FlowMapResult& result) {
+  std::optional<LeavingState> leaving;
+  const WindowChart* left = nullptr;
+  for (WindowChart& candidate : charts) {
+    const std::optional<LeavingState> out = candidate.open(at, with_derivatives);
+    chart = &candidate;
+    if (!out) return true;
+    // Where the attitude is inside, it is the other state that matters.
+    if (leaving && !(left->is_of_attitude(leaving->state) && !candidate.is_of_attitude(out->state))) continue;
+    leaving = out;
+    left = &candidate;
   }
-  return std::nullopt;
-}
-
-void FlowMap::Impl::answer(double t, const Window& at, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
-                           Eigen::MatrixXd* by_parameters) {
-  point[0] = std::min(t, window);
-  if (by_start == nullptr) {
-    query.values(point, values);
-  } else {
-    query.values(point, values, gradient);
-    by_start->setZero();
-  }
-  for (std::size_t i = 0; i < carried.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    x[row] = values[carried[i].output] + at.shift[i];
-    if (by_start == nullptr) continue;
-    for (std::size_t j = 0; j < carried.size(); ++j) {
-      const auto column = static_cast<Eigen::Index>(j);
-      if (carried[j].coordinate)
-        (*by_start)(row, column) = gradient(carried[i].output, *carried[j].coordinate);
-    }
-    if (!carried[i].coordinate && !carried[i].held) (*by_start)(row, row) = 1.0;
-    for (std::size_t k = 0; k < parameter_places.size(); ++k) {
-      (*by_parameters)(row, static_cast<Eigen::Index>(k)) = gradient(carried[i].output, parameter_places[k]);
-    }
-  }
-}
-
-void FlowMap::Impl::answer_from(const Window& at, double t, Eigen::VectorXd& x, Eigen::MatrixXd* by_start,
-                                Eigen::MatrixXd* by_parameters) {
-  answer(t, at, x, by_start, by_parameters);
-  if (!attitude) return;
-  if (by_start == nullptr) {
-    x = attitude->restored(x, at.start, nullptr, nullptr);
-    return;
-  }
-  x = attitude->restored(x, at.start, &by_reduced, &by_heading);
-  *by_start = by_reduced * *by_start * at.reduced_by_start + by_heading;
-  *by_parameters = by_reduced * *by_parameters;
-}
-
-std::string FlowMap::Impl::left_box(double t, std::size_t state, double value) const {
-  const bool is_reduced = attitude && attitude->turns(static_cast<int>(state));
-  return fmt::format("the flow map left the box at t = {:.6g}: {} = {:.6g}{}{} is outside [{}, {}]", t,
-                     states[state], value, unit_suffix(units[state]),
-                     !is_reduced                  ? ""
-                     : attitude->is_without_yaw() ? ", without yaw,"
-                                                  : ", with qw made one,",
-                     carried[state].lower, carried[state].upper);
+  result.status = FlowMapStatus::left_box;
+  result.left = states()[leaving->state];
+  result.message = fmt::format("the flow map left the box at t = {:.6g}: {}", t, left->words(*leaving));
+  return false;
 }
 
 void FlowMap::Impl::run(const Eigen::VectorXd& start, std::span<const double> times, bool with_derivatives,
                         FlowMapResult& result) {
   const Eigen::Index n = start.size();
-  const auto m = static_cast<Eigen::Index>(parameters.size());
-  Window at{start, start, {}, std::vector<double>(states.size())};
+  const auto m = static_cast<Eigen::Index>(parameters().size());
+  WindowStart at;
+  at.start = start;
+  at.shift.resize(states().size());
   Eigen::VectorXd end(n);
   Eigen::MatrixXd by_start(n, n), by_parameters(n, m);
   // d(x at the start of the window)/d(start, parameters)
@@ -313,43 +125,42 @@ void FlowMap::Impl::run(const Eigen::VectorXd& start, std::span<const double> ti
   };
   std::size_t next = 0;
   for (long k = 0; next < times.size(); ++k) {
-    const double begin = static_cast<double>(k) * window;
-    at.reduced =
-        attitude ? attitude->reduced(at.start, with_derivatives ? &at.reduced_by_start : nullptr) : at.start;
-    if (const std::optional<std::size_t> out = load(at)) {
-      result.status = FlowMapStatus::left_box;
-      result.left = states[*out];
-      result.message = left_box(begin, *out, at.reduced[static_cast<Eigen::Index>(*out)]);
-      return;
-    }
+    const double begin = static_cast<double>(k) * window();
+    if (!open(at, with_derivatives, begin, result)) return;
     // The end of the last window serves the times at its border: rounding must not open another one.
-    for (; next < times.size() && times[next] - begin <= window * (1.0 + 1e-12); ++next) {
-      answer_from(at, times[next] - begin, end, A, B);
+    for (; next < times.size() && times[next] - begin <= window() * (1.0 + 1e-12); ++next) {
+      chart->answer(at, times[next] - begin, end, A, B);
       result.states.row(static_cast<Eigen::Index>(next)) = end.transpose();
       if (with_derivatives) result.derivatives[next] = composed();
       result.reached = times[next];
     }
     if (next == times.size()) break;
-    answer_from(at, window, end, A, B);
+    chart->answer(at, window(), end, A, B);
     if (with_derivatives) so_far = composed();
     at.start = end;
   }
   result.message = fmt::format("{} times up to {:.6g}", times.size(), result.reached);
 }
 
-FlowMap::FlowMap(const Codebook& book) : impl_(std::make_unique<Impl>(book)) {}
+FlowMap::FlowMap(const Codebook& book) : impl_(std::make_unique<Impl>()) {
+  impl_->charts.emplace_back(book);
+}
+FlowMap::FlowMap(const Codebook& book, const Codebook& second) : FlowMap(book) {
+  impl_->charts.emplace_back(second);
+  check_second_chart(impl_->charts[0], impl_->charts[1]);
+}
 FlowMap::~FlowMap() = default;
 FlowMap::FlowMap(FlowMap&&) noexcept = default;
 FlowMap& FlowMap::operator=(FlowMap&&) noexcept = default;
 
 const std::vector<std::string>& FlowMap::states() const {
-  return impl_->states;
+  return impl_->states();
 }
 const std::vector<Coordinate>& FlowMap::parameters() const {
-  return impl_->parameters;
+  return impl_->parameters();
 }
 double FlowMap::window() const {
-  return impl_->window;
+  return impl_->window();
 }
 
 FlowMapResult FlowMap::run(std::span<const double> start, std::span<const double> parameters,
@@ -364,9 +175,7 @@ FlowMapResult FlowMap::run(std::span<const double> start, std::span<const double
     const auto columns = states + static_cast<Eigen::Index>(parameters.size());
     result.derivatives.assign(times.size(), Eigen::MatrixXd::Constant(states, columns, kUnknown));
   }
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    impl_->point[static_cast<std::size_t>(impl_->parameter_places[k])] = parameters[k];
-  }
+  for (WindowChart& chart : impl_->charts) chart.set_parameters(parameters);
   impl_->run(Eigen::Map<const Eigen::VectorXd>(start.data(), states), times, with_derivatives, result);
   return result;
 }

@@ -3,8 +3,8 @@
 namespace samara::codebooks {
 
 ReducedAttitude::ReducedAttitude(const models::ModelInfo& info, int quaternion, double scale,
-                                 bool without_yaw)
-    : quaternion_(quaternion), scale_(scale), without_yaw_(without_yaw) {
+                                 bool without_yaw, bool is_upside_down)
+    : quaternion_(quaternion), scale_(scale), without_yaw_(without_yaw), is_upside_down_(is_upside_down) {
   if (!without_yaw) return;
   for (const models::StateGroup& group : info.groups) {
     if (group.kind != models::StateGroupKind::quaternion) vectors_.push_back(group.first);
@@ -24,7 +24,7 @@ ReducedAttitude::Turn ReducedAttitude::turn(const Eigen::VectorXd& x) const {
   return turn;
 }
 
-Eigen::VectorXd ReducedAttitude::reduced(const Eigen::VectorXd& x, Eigen::MatrixXd* by_x) const {
+Eigen::VectorXd ReducedAttitude::reduced_upright(const Eigen::VectorXd& x, Eigen::MatrixXd* by_x) const {
   const int q = quaternion_;
   const double w = x[q], a = x[q + 1], b = x[q + 2], z = without_yaw_ ? x[q + 3] : 0.0;
   const double share = scale_ / (w * w + z * z);
@@ -65,8 +65,8 @@ Eigen::VectorXd ReducedAttitude::reduced(const Eigen::VectorXd& x, Eigen::Matrix
   return r;
 }
 
-Eigen::VectorXd ReducedAttitude::restored(const Eigen::VectorXd& y, const Eigen::VectorXd& x,
-                                          Eigen::MatrixXd* by_y, Eigen::MatrixXd* by_x) const {
+Eigen::VectorXd ReducedAttitude::restored_upright(const Eigen::VectorXd& y, const Eigen::VectorXd& x,
+                                                  Eigen::MatrixXd* by_y, Eigen::MatrixXd* by_x) const {
   const int q = quaternion_;
   const double w = x[q] / scale_, z = without_yaw_ ? x[q + 3] / scale_ : 0.0;
   const Eigen::Vector4d p = y.segment<4>(q);
@@ -96,6 +96,41 @@ Eigen::VectorXd ReducedAttitude::restored(const Eigen::VectorXd& y, const Eigen:
     }
   }
   return result;
+}
+
+Eigen::VectorXd ReducedAttitude::turned_over(Eigen::VectorXd x) const {
+  const Eigen::Vector4d q = x.segment<4>(quaternion_);
+  x.segment<4>(quaternion_) << q[1], -q[0], -q[3], q[2];
+  return x;
+}
+
+Eigen::VectorXd ReducedAttitude::turned_back(Eigen::VectorXd x) const {
+  const Eigen::Vector4d q = x.segment<4>(quaternion_);
+  x.segment<4>(quaternion_) << -q[1], q[0], q[3], -q[2];
+  return x;
+}
+
+void ReducedAttitude::turn_back(Eigen::MatrixXd* slopes) const {
+  if (slopes == nullptr) return;
+  // Columns by what goes in, rows by what comes out: both are turned by an orthogonal matrix.
+  for (auto column : slopes->colwise()) column = turned_back(column);
+  for (auto row : slopes->rowwise()) row = turned_back(row.transpose()).transpose();
+}
+
+Eigen::VectorXd ReducedAttitude::reduced(const Eigen::VectorXd& x, Eigen::MatrixXd* by_x) const {
+  if (!is_upside_down_) return reduced_upright(x, by_x);
+  const Eigen::VectorXd r = reduced_upright(turned_over(x), by_x);
+  turn_back(by_x);
+  return turned_back(r);
+}
+
+Eigen::VectorXd ReducedAttitude::restored(const Eigen::VectorXd& y, const Eigen::VectorXd& x,
+                                          Eigen::MatrixXd* by_y, Eigen::MatrixXd* by_x) const {
+  if (!is_upside_down_) return restored_upright(y, x, by_y, by_x);
+  const Eigen::VectorXd result = restored_upright(turned_over(y), turned_over(x), by_y, by_x);
+  turn_back(by_y);
+  turn_back(by_x);
+  return turned_back(result);
 }
 
 }  // namespace samara::codebooks

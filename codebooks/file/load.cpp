@@ -321,16 +321,12 @@ ModelDescription read_checked_model(const Hdf5Reader& file) {
   throw file.error("/", fmt::format("model is \"{}\", but /model has the name \"{}\"", name, model.name));
 }
 
-}  // namespace
-
-Codebook load(const std::filesystem::path& path) {
+Codebook read_book(const std::filesystem::path& path, bool at_once) {
   const auto shared = std::make_shared<const Hdf5Reader>(path);
   const Hdf5Reader& file = *shared;
   check_version(file);
   try {
     const ModelDescription model = read_checked_model(file);
-    std::error_code unknown;
-    const bool at_once = std::filesystem::file_size(path, unknown) <= kReadAtOnce;
     Codebook book(model, read_pieces(shared, model, at_once), read_build(file), read_provenance(file), {},
                   file.text_attribute("/", "title"));
     check_units(file, book);
@@ -344,10 +340,17 @@ Codebook load(const std::filesystem::path& path) {
   }
 }
 
+}  // namespace
+
+Codebook load(const std::filesystem::path& path) {
+  std::error_code unknown;
+  return read_book(path, std::filesystem::file_size(path, unknown) <= kReadAtOnce);
+}
+
 Codebook load_bytes(std::string_view bytes) {
   const io::MemoryFile file(bytes);
   try {
-    return load(file.path());
+    return read_book(file.path(), true);
   } catch (const InputError& error) {
     const std::string sentence = error.what(), prefix = file.path().string() + ": ";
     throw InputError("bytes in memory",

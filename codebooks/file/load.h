@@ -13,8 +13,8 @@ namespace samara::codebooks {
 ///   version, or holds impossible values.
 Codebook load(const std::filesystem::path& path);
 
-/// The same of the bytes of such a file, which need not stay. Errors name "bytes in memory".
-/// @throws ArgumentError also if memory is short
+/// The same of the bytes of such a file, which need not stay: all pieces are read at once. Errors name "bytes in memory".
+/// @throws InputError as load(), NoResultError if memory is short
 Codebook load_bytes(std::string_view bytes);
 
 /// Whether the file says that it is a codebook, sound or not.

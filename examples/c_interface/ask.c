@@ -5,27 +5,39 @@
  */
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "samara/codebooks/capi/samara.h"
+
+/* A plain number has no unit to show. */
+static void print_unit(const char* unit) {
+  if (strcmp(unit, "1") != 0) printf(" [%s]", unit);
+}
 
 static void describe(const samara_codebook* book) {
   for (int k = 0; k < samara_coordinate_count(book); ++k) {
     double lower, upper;
     samara_bounds(book, k, &lower, &upper);
-    printf("coordinate %s [%s] from %g to %g\n", samara_coordinate_name(book, k), samara_coordinate_unit(book, k),
-           lower, upper);
+    printf("coordinate %s from %g to %g", samara_coordinate_name(book, k), lower, upper);
+    print_unit(samara_coordinate_unit(book, k));
+    printf("\n");
   }
-  for (int o = 0; o < samara_output_count(book); ++o)
-    printf("output %s [%s]\n", samara_output_name(book, o), samara_output_unit(book, o));
+  for (int o = 0; o < samara_output_count(book); ++o) {
+    printf("output %s", samara_output_name(book, o));
+    print_unit(samara_output_unit(book, o));
+    printf("\n");
+  }
   for (int f = 0; f < samara_fixed_count(book); ++f) {
     double value = 0.0;
     samara_fixed_value(book, f, &value);
-    printf("held %s = %g %s\n", samara_fixed_name(book, f), value, samara_fixed_unit(book, f));
+    printf("held %s = %g", samara_fixed_name(book, f), value);
+    print_unit(samara_fixed_unit(book, f));
+    printf("\n");
   }
   samara_certificate certificate;
   if (samara_certificate_of(book, &certificate) == SAMARA_DONE)
-    printf("largest error %.2g of the range at %d points, tolerance %g %s\n", certificate.max_error, certificate.points,
-           certificate.tolerance, certificate.met ? "met" : "NOT met");
+    printf("largest error %.2g of the range at %d points, tolerance %g %s\n", certificate.max_error,
+           certificate.points, certificate.tolerance, certificate.met ? "met" : "NOT met");
 }
 
 static int ask(const samara_codebook* book, char** numbers) {
@@ -35,8 +47,7 @@ static int ask(const samara_codebook* book, char** numbers) {
   double* gradient = values + outputs;
   for (int k = 0; k < coordinates; ++k) x[k] = strtod(numbers[k], NULL);
   samara_query* query = samara_query_open(book);
-  const samara_status status =
-      query == NULL ? SAMARA_INTERNAL : samara_gradient(query, x, values, gradient);
+  const samara_status status = query == NULL ? SAMARA_INTERNAL : samara_gradient(query, x, values, gradient);
   if (status != SAMARA_DONE) {
     fprintf(stderr, "%s\n", samara_error());
   } else {

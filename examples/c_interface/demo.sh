@@ -3,16 +3,7 @@
 # Builds a small codebook, and asks it from C: u = (10/k - 1) t.
 set -euo pipefail
 mkdir -p "$3"
-cat >"$3/rate.toml" <<'PLAN'
-model = "constant_rate"
-[box]
-k = [1.0, 10.0]
-[time]
-end = 10.0
-[tolerance]
-relative = 1e-9
-PLAN
-"$1" build "$3/rate.toml" -o "$3/rate.h5" 2>/dev/null
+"$1" build "$(dirname "$0")/rate.toml" -o "$3/rate.h5" 2>/dev/null
 "$2" "$3/rate.h5" | tee "$3/holds.txt"
 grep -q "tolerance 1e-09 met" "$3/holds.txt"
 "$2" "$3/rate.h5" 7 4 | tee "$3/answer.txt"
@@ -22,5 +13,5 @@ status=0
 cat "$3/error.txt"
 [ "$status" -eq 5 ] && grep -q "k = 40 is outside" "$3/error.txt"
 status=0
-"$2" "$3/rate.toml" 2>"$3/error.txt" || status=$?
+"$2" "$(dirname "$0")/rate.toml" 2>"$3/error.txt" || status=$?
 [ "$status" -eq 3 ] && grep -q "is not an HDF5 file" "$3/error.txt"

@@ -3,16 +3,7 @@
 # Builds a small codebook, u = (10/k - 1) t, makes a flat file of it, and asks that from a program in C that knows no library of ours.
 set -euo pipefail
 mkdir -p "$4"
-cat >"$4/rate.toml" <<'PLAN'
-model = "constant_rate"
-[box]
-k = [1.0, 10.0]
-[time]
-end = 10.0
-[tolerance]
-relative = 1e-9
-PLAN
-"$1" build "$4/rate.toml" -o "$4/rate.h5" 2>/dev/null
+"$1" build "$(dirname "$0")/../c_interface/rate.toml" -o "$4/rate.h5" 2>/dev/null
 "$1" export "$4/rate.h5" --to flat -o "$4/rate.flat"
 "$2" -std=c99 -Wall -Wextra -Wpedantic -Werror -O3 -I "$3" "$(dirname "$0")/fall.c" -lm -o "$4/fall"
 "$4/fall" "$4/rate.flat"

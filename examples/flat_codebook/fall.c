@@ -6,9 +6,15 @@
  */
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define SAMARA_EVAL_IMPLEMENTATION
 #include "samara/codebooks/capi/samara_eval.h"
+
+/* A plain number has no unit to show. */
+static void print_unit(const char* unit) {
+  if (strcmp(unit, "1") != 0) printf(" [%s]", unit);
+}
 
 static void describe(const samara_eval* book) {
   const samara_eval_certificate certificate = samara_eval_certificate_of(book);
@@ -16,14 +22,16 @@ static void describe(const samara_eval* book) {
   for (k = 0; k < samara_eval_coordinate_count(book); ++k) {
     double lower = 0.0, upper = 0.0;
     samara_eval_bounds(book, k, &lower, &upper);
-    printf("coordinate %s [%s] from %g to %g\n", samara_eval_coordinate_name(book, k),
-           samara_eval_coordinate_unit(book, k), lower, upper);
+    printf("coordinate %s from %g to %g", samara_eval_coordinate_name(book, k), lower, upper);
+    print_unit(samara_eval_coordinate_unit(book, k));
+    printf("\n");
   }
   for (o = 0; o < samara_eval_output_count(book); ++o) {
     double relative = 0.0, si = 0.0;
     samara_eval_output_error(book, o, &relative, &si);
-    printf("output %s [%s], error at most %.2g\n", samara_eval_output_name(book, o),
-           samara_eval_output_unit(book, o), si);
+    printf("output %s, error at most %.2g", samara_eval_output_name(book, o), si);
+    print_unit(samara_eval_output_unit(book, o));
+    printf("\n");
   }
   printf("tolerance %g %s at %g points\n", certificate.tolerance, certificate.met ? "met" : "NOT met",
          certificate.points);

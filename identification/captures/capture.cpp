@@ -88,10 +88,49 @@ std::vector<Capture> spans(const Capture& capture, double length, double stride,
     part.motion = capture.motion.empty() ? capture.id : capture.motion;
     part.id = fmt::format("{} from {:.4g} s", part.motion, times[begin]);
     part.times = times.segment(begin, count).array() - times[begin];
+    part.shift = capture.shift + times[begin];
     for (Channel& channel : part.channels) channel.values = channel.values.segment(begin, count).eval();
     parts.push_back(std::move(part));
   }
   return parts;
+}
+
+namespace {
+
+/// Frames [begin, begin + count) of a capture.
+Capture frames_of_part(const Capture& capture, Eigen::Index begin, Eigen::Index count) {
+  Capture part = capture;
+  part.times = capture.times.segment(begin, count).eval();
+  for (Channel& channel : part.channels) channel.values = channel.values.segment(begin, count).eval();
+  return part;
+}
+
+}  // namespace
+
+Capture known_at(const Capture& capture, double seconds) {
+  const Eigen::Index count = frames_within(capture, seconds);
+  if (count == 0 || !capture.before_cleaning) return frames_of_part(capture, 0, count);
+  // In the clock of what cleaning began with; a frame grid moves times by less than half an interval.
+  const Capture& before = capture.before_cleaning->capture;
+  const double half = 0.5 * median_interval(before.times);
+  const double begin = capture.times[0] + capture.shift, end = capture.times[count - 1] + capture.shift;
+  const auto until = [](const Eigen::VectorXd& times, double border) {
+    return std::upper_bound(times.begin(), times.end(), border) - times.begin();
+  };
+  const Capture cleaned =
+      capture.before_cleaning->clean(frames_of_part(before, 0, until(before.times, end + half)));
+  const Eigen::Index first = until(cleaned.times, begin - half);
+  if (first == cleaned.times.size()) {
+    throw ArgumentError(
+        fmt::format("cleaning without later frames leaves nothing of the first {} s of capture \"{}\"",
+                    seconds, capture.id));
+  }
+  Capture known = frames_of_part(cleaned, first, cleaned.times.size() - first);
+  known.times.array() += capture.times[0] - known.times[0];
+  known.id = capture.id;
+  known.motion = capture.motion;
+  known.shift = capture.shift;
+  return known;
 }
 
 Capture first(const Capture& capture, double seconds) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +24,8 @@ struct Channel {
 /// Angles are known by their names, since their unit is 1: theta, phi, psi, roll, pitch, yaw.
 bool is_angle(const Channel& channel);
 
+struct BeforeCleaning;
+
 struct Capture {
   std::string id;                             ///< group labels joined by "/", or the stem of the file
   std::string file;                           ///< the table it was read from; empty if made in memory
@@ -30,12 +34,25 @@ struct Capture {
   std::vector<Channel> channels;
   std::vector<std::string> notes = {};  ///< what reading and cleaning did to it, in sentences
   std::string motion = {};              ///< of a span: the id of the capture that it was cut from
+  double shift = 0.0;                   ///< s, of a span: what its times lack of those of that capture
+  std::shared_ptr<const BeforeCleaning> before_cleaning = {};  ///< null: nothing was cleaned
 
   int frame_count() const { return static_cast<int>(times.size()); }
   bool has(const std::string& quantity) const;
   /// @throws ArgumentError naming the capture and the nearest quantity.
   const Channel& channel(const std::string& quantity) const;
 };
+
+/// What cleaning began with.
+struct BeforeCleaning {
+  Capture capture;
+  std::function<Capture(Capture)> clean;
+};
+
+/// What was known of a capture at a moment: its frames at most `seconds` after the first, as frames_within()
+/// counts. Cleaning looks at frames on both sides of one, and is done again without those after the moment.
+/// @throws Error if too little is left to be cleaned, or cleaning leaves nothing.
+Capture known_at(const Capture& capture, double seconds);
 
 /// How many frames are at most `seconds` after the first. A frame on the border belongs to them, also where
 /// rounding of the times (a thousandth of a frame interval) puts it just after.

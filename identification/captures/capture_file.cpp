@@ -13,6 +13,7 @@
 #include "samara/identification/captures/exports/export_formats.h"
 #include "samara/identification/captures/frame_grid.h"
 #include "samara/identification/captures/impact.h"
+#include "samara/identification/captures/number_cells.h"
 #include "samara/identification/captures/sidecar.h"
 #include "samara/io/text_file.h"
 
@@ -81,11 +82,8 @@ std::vector<Capture> read_table(const Sidecar& sidecar) {
 
 /// Whether a cell names the same as a label: as a text, or as a number ("7" and "007").
 bool is_same_name(const std::string& cell, const std::string& label) {
-  const NumberPrefix a = read_number(cell);
-  const NumberPrefix b = read_number(label);
-  const bool numbers = a.problem == NumberProblem::none && b.problem == NumberProblem::none &&
-                       a.length == cell.size() && b.length == label.size();
-  return numbers ? a.value == b.value : cell == label;
+  const std::optional<double> a = number_in(cell), b = number_in(label);
+  return a && b ? *a == *b : cell == label;
 }
 
 void add_labels(std::vector<Capture>& captures, const Sidecar& sidecar) {
@@ -193,7 +191,12 @@ std::vector<Capture> read_all(Sidecar sidecar) {
     select_by_labels(captures, sidecar);
   }
   if (sidecar.clean.any()) {
-    for (Capture& capture : captures) capture = cleaned(capture, sidecar);
+    const auto clean = [sidecar](Capture capture) { return cleaned(std::move(capture), sidecar); };
+    for (Capture& capture : captures) {
+      auto before = std::make_shared<const BeforeCleaning>(BeforeCleaning{capture, clean});
+      capture = clean(std::move(capture));
+      capture.before_cleaning = std::move(before);
+    }
   }
   if (sidecar.clean.longest_gap) captures = pieces_of(captures, sidecar);
   std::erase_if(captures,

@@ -11,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/names.h"
 #include "samara/base/text.h"
+#include "samara/identification/captures/number_cells.h"
 #include "samara/io/delimited_table.h"
 
 namespace samara::identification {
@@ -54,15 +55,9 @@ bool is_comparison(const std::string& text) {
   return text.starts_with('<') || text.starts_with('>');
 }
 
-std::optional<double> number_of(std::string_view text) {
-  const NumberPrefix number = read_number(text);
-  if (number.problem != NumberProblem::none || number.length != text.size()) return {};
-  return number.value;
-}
-
 /// Of "< 2".
 std::optional<double> bound_of(const std::string& text) {
-  return number_of(trimmed(std::string_view(text).substr(1)));
+  return number_in(trimmed(std::string_view(text).substr(1)));
 }
 
 std::map<std::string, std::vector<std::string>> read_where(const TomlTable& where) {
@@ -280,13 +275,13 @@ std::string with_decimal_point(const std::string& cell, char decimal) {
   if (decimal != ',' || std::ranges::count(cell, ',') != 1) return cell;
   std::string pointed = cell;
   std::ranges::replace(pointed, ',', '.');
-  return number_of(pointed) ? pointed : cell;
+  return number_in(pointed) ? pointed : cell;
 }
 
 bool is_allowed(const std::string& cell, const std::vector<std::string>& allowed) {
   return std::ranges::any_of(allowed, [&](const std::string& text) {
     if (!is_comparison(text)) return cell == text;
-    const std::optional<double> value = number_of(cell);
+    const std::optional<double> value = number_in(cell);
     const double bound = *bound_of(text);
     return value && (text[0] == '<' ? *value < bound : *value > bound);
   });

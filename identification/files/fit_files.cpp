@@ -26,21 +26,6 @@ namespace samara::identification {
 
 namespace {
 
-bool is_table(const std::filesystem::path& path) {
-  return path.extension() != ".toml";
-}
-
-/// @param sidecar of every table; empty: those beside them
-std::vector<Capture> read_all(const std::vector<std::filesystem::path>& files,
-                              const std::filesystem::path& sidecar) {
-  std::vector<Capture> captures;
-  for (const std::filesystem::path& path : files) {
-    auto read = !sidecar.empty() && is_table(path) ? read_captures(path, sidecar) : read_captures(path);
-    for (Capture& capture : read) captures.push_back(std::move(capture));
-  }
-  return captures;
-}
-
 /// How captures left out are predicted, if there are any.
 std::optional<PredictionOptions> prediction_of(const FitRequest& request, const FitSource& source) {
   const PredictionConfig& config = source.prediction;
@@ -55,7 +40,7 @@ std::optional<PredictionOptions> prediction_of(const FitRequest& request, const 
         "--left-out names captures to predict, and the config has folds, where every capture is left out "
         "once; one of the two was expected");
   }
-  PredictionOptions prediction{.stride = config.stride, .hidden = config.hidden};
+  PredictionOptions prediction{.stride = config.stride, .hidden = config.hidden, .mixture = config.mixture};
   const std::optional<double> ahead = request.ahead ? request.ahead : config.ahead;
   if (!ahead) {
     throw ArgumentError(
@@ -227,7 +212,7 @@ FitResult fit_and_predict(const FitSource& source, const CaptureSplit& captures,
     cross_validate(*source.family, captures.fitted, source.options, *prediction, *source.prediction.folds,
                    result);
   } else {
-    add_predictions(*source.family, captures.left_out, source.options, *prediction, result);
+    add_predictions(*source.family, captures.left_out, source.options, *prediction, result, captures.fitted);
   }
   return result;
 }

@@ -17,6 +17,7 @@
 #include "samara/codebooks/composition/mixed_trajectories.h"
 #include "samara/codebooks/file/load.h"
 #include "samara/codebooks/model/model_file.h"
+#include "samara/identification/captures/capture_file.h"
 #include "samara/identification/problem/fit_config.h"
 #include "samara/identification/problem/measurement.h"
 #include "samara/identification/report/fit_report.h"
@@ -228,6 +229,20 @@ void doubt_held_values(const FitResult& fitted, const models::FamilyInfo& info, 
         fmt::format("the coefficients of {} were found with \"{}\" held at {:.6g}; here it is {:.6g}", file,
                     name, value, here->second));
   }
+}
+
+bool is_table(const std::filesystem::path& path) {
+  return path.extension() != ".toml";
+}
+
+std::vector<Capture> read_all(const std::vector<std::filesystem::path>& files,
+                              const std::filesystem::path& sidecar) {
+  std::vector<Capture> captures;
+  for (const std::filesystem::path& path : files) {
+    auto read = !sidecar.empty() && is_table(path) ? read_captures(path, sidecar) : read_captures(path);
+    for (Capture& capture : read) captures.push_back(std::move(capture));
+  }
+  return captures;
 }
 
 bool is_model_source(const std::string& text) {

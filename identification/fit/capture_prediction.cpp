@@ -178,30 +178,40 @@ void carry_on(const models::TrajectoryFamily& family, const Capture& capture,
 CapturePrediction predict_capture(const models::TrajectoryFamily& family, const Capture& capture,
                                   const PredictedOutputs& predicted, const FitOptions& all_options,
                                   const PredictionOptions& prediction) {
-  CapturePrediction result{.motion = capture.motion.empty() ? capture.id : capture.motion};
+  CapturePrediction result{.file = capture.file,
+                           .motion = capture.motion.empty() ? capture.id : capture.motion,
+                           .part = capture.id};
   if (capture.times.size() == 0) {
     result.lack = "it has no frames";
     return result;
   }
-  FitOptions options = options_for(family.info(), capture, all_options);
-  const FitProblem problem = describe_problem(family.info(), std::span(&capture, 1), options);
+  // All that a forecast rests on; what follows is looked at to compare.
+  Capture known;
+  try {
+    known = known_at(capture, prediction.span);
+  } catch (const std::exception& error) {
+    result.lack = fmt::format("its first {} s could not be cleaned alone: {}", prediction.span, error.what());
+    return result;
+  }
+  FitOptions options = options_for(family.info(), known, all_options);
+  const FitProblem problem = describe_problem(family.info(), std::span(&known, 1), options);
   const int unknowns = problem.own_count();
   if (unknowns == 0) options.segments.length.reset();  // it starts where its values say, at 0
   const std::vector<std::string> names = names_of(predicted.outputs);
-  const std::vector<Eigen::Index> before = frames_between(capture, -1.0, prediction.span);
+  const std::vector<Eigen::Index> before = frames_between(known, -1.0, prediction.span);
   const Eigen::VectorXd since = capture.times.array() - capture.times[0];
-  result.seen = {since(before), measured(capture, names, before)};
-  if (!predicted.attitude.empty())
-    result.turn = {since(before), measured(capture, predicted.attitude, before)};
+  const Eigen::VectorXd seen_times = known.times(before).array() - known.times[0];
+  result.seen = {seen_times, measured(known, names, before)};
+  if (!predicted.attitude.empty()) result.turn = {seen_times, measured(known, predicted.attitude, before)};
 
   // What the fit of the span compares.
   const Eigen::MatrixXd values = result.seen.positions.leftCols(std::ssize(problem.outputs));
   const Eigen::MatrixXd attitudes =
       problem.attitude_scale ? Eigen::MatrixXd(result.turn.attitudes) : Eigen::MatrixXd();
   Motion motion;
-  if (problem.delay) motion.known = known_values(with_measurement(family.info(), options), capture, options);
+  if (problem.delay) motion.known = known_values(with_measurement(family.info(), options), known, options);
   const models::Interval delay = delay_range(problem, motion);
-  const double last = last_time(family.info(), options, capture, delay, before, values, attitudes);
+  const double last = last_time(family.info(), options, known, delay, before, values, attitudes);
   const double wanted = prediction.span + prediction.ahead;
   const double end = std::min(wanted, last - capture.times[0]);
   const std::vector<Eigen::Index> after = frames_between(capture, prediction.span, end);
@@ -221,8 +231,8 @@ CapturePrediction predict_capture(const models::TrajectoryFamily& family, const 
     result.lack = fmt::format("it has no frame between {} s and {} s", prediction.span, end);
   }
   if (!result.lack.empty()) return result;
-  add_rates(family, capture, predicted, before, result);
-  carry_on(family, capture, predicted, options, unknowns, capture.times(after).cwiseMin(last), result);
+  add_rates(family, known, predicted, before, result);
+  carry_on(family, known, predicted, options, unknowns, capture.times(after).cwiseMin(last), result);
   return result;
 }
 

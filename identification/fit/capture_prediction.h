@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,9 +21,12 @@ struct PredictedOutputs {
   std::vector<std::string> attitude = {};          ///< the outputs of a quaternion; empty: none
 };
 
+class MotionForecasts;
+
 /// What was seen, what followed, and what the model made of it.
 struct CapturePrediction {
-  std::string motion = {};  ///< id of the capture, also of its spans
+  std::string file = {}, motion = {};  ///< of the capture, also of its spans: its file and id
+  std::string part = {};               ///< id of the capture, or of the span
   SeenMotion seen = {};
   SeenTurn turn = {};                      ///< empty where no attitudes are predicted
   Eigen::VectorXd times = {};              ///< since the first frame
@@ -31,6 +35,8 @@ struct CapturePrediction {
   bool is_cut = false;       ///< frames ahead lie beyond the end of trajectories
   std::string lack = {};     ///< why nothing can be compared; empty: it can
   std::string failure = {};  ///< why the model says nothing; empty: it does
+  /// What other captures showed of every predictor; null: nothing is known of errors.
+  std::shared_ptr<const MotionForecasts> trained = {};
 };
 
 /// Fits what is the capture's own to its span, and carries the model on.

@@ -15,6 +15,7 @@
 #include "samara/base/units.h"
 #include "samara/identification/fit/capture_prediction.h"
 #include "samara/identification/fit/fit.h"
+#include "samara/identification/fit/motion_forecasts.h"
 #include "samara/identification/fit/prediction_scores.h"
 #include "samara/identification/problem/fit_problem.h"
 #include "samara/identification/problem/segments.h"
@@ -160,6 +161,7 @@ struct PredictedCaptures {
   /// Why some could not be predicted, and which.
   std::vector<std::pair<std::string, std::vector<std::string>>> lacks = {};
   std::vector<std::string> sentences = {};  ///< what else the reader of the scores must know
+  std::vector<std::string> shares = {};     ///< of mixtures, in sentences
 
   void add_lack(const std::string& reason, const std::vector<std::string>& captures) {
     const auto place = std::ranges::find(lacks, reason, [](const auto& lack) { return lack.first; });
@@ -173,6 +175,7 @@ struct PredictedCaptures {
     for (CapturePrediction& one : other.predictions) predictions.push_back(std::move(one));
     for (const auto& [reason, captures] : other.lacks) add_lack(reason, captures);
     for (std::string& sentence : other.sentences) sentences.push_back(std::move(sentence));
+    for (std::string& sentence : other.shares) shares.push_back(std::move(sentence));
   }
 };
 
@@ -258,13 +261,74 @@ int count_of(const std::vector<int>& clusters) {
   return clusters.empty() ? 0 : 1 + *std::ranges::max_element(clusters);
 }
 
-void add_scores(PredictedCaptures outcome, const PredictionOptions& prediction, FitResult& fitted) {
+void add_sentences(PredictedCaptures& outcome, Warnings& warnings) {
   for (const auto& [reason, captures] : outcome.lacks)
-    fitted.warnings.add(WarningKind::predictions, lack_sentence(reason, captures));
-  fitted.warnings.add_all(WarningKind::predictions, std::move(outcome.sentences));
+    warnings.add(WarningKind::predictions, lack_sentence(reason, captures));
+  warnings.add_all(WarningKind::predictions, std::move(outcome.sentences));
+}
+
+void add_scores(PredictedCaptures outcome, const PredictionOptions& prediction, FitResult& fitted) {
+  add_sentences(outcome, fitted.warnings);
   Scores scores = scores_of(outcome.compared, std::move(outcome.predictions), prediction);
   fitted.predictions = std::move(scores.all);
+  fitted.warnings.add_all(WarningKind::predictions, std::move(outcome.shares));
   fitted.capture_predictions = std::move(scores.by_capture);
+}
+
+void check_training(int clusters) {
+  if (clusters >= 2) return;
+  throw ArgumentError(fmt::format(
+      "mixture: shares and errors come from captures of the fit that predict each other, and there {} {} "
+      "cluster{} of them; two or more were expected",
+      clusters == 1 ? "is" : "are", clusters, clusters == 1 ? "" : "s"));
+}
+
+void train(const models::TrajectoryFamily& family, std::span<const Capture> training,
+           const FitOptions& options, const PredictionOptions& prediction, PredictedCaptures& outcome);
+
+/// Each fold by a fit of the others, which train a mixture where one is asked for.
+/// @param warnings null: not said
+PredictedCaptures predict_by_folds(const models::TrajectoryFamily& family, std::span<const Capture> captures,
+                                   const FitOptions& options, const PredictionOptions& prediction,
+                                   const Folds& folds, Warnings* warnings) {
+  const std::vector<int> clusters = clusters_of(captures, options.uncertainty.cluster_by);
+  const std::vector<int> fold_of = deal(count_of(clusters), folds);
+  FitOptions plain = options;
+  plain.uncertainty.profiles = false;
+  plain.uncertainty.bootstrap = {};
+  PredictedCaptures outcome;
+  for (int fold = 0; fold < folds.count; ++fold) {
+    std::vector<Capture> others, left_out;
+    for (std::size_t k = 0; k < captures.size(); ++k)
+      (fold_of[static_cast<std::size_t>(clusters[k])] == fold ? left_out : others).push_back(captures[k]);
+    const FitResult of_others = fit(family, others, plain);
+    const std::string which = fmt::format("fold {} of {}", fold + 1, folds.count);
+    if (warnings && of_others.status != FitStatus::converged)
+      warnings->add(WarningKind::predictions,
+                    fmt::format("the fit without {}: {}", which, of_others.message));
+    PredictedCaptures of_fold = look_ahead(family, of_others, left_out, options, prediction);
+    if (prediction.mixture) train(family, others, options, prediction, of_fold);
+    outcome.add(std::move(of_fold));
+  }
+  return outcome;
+}
+
+/// Gives predictions the errors that the captures of their fit show, each part of them by a fit of the others.
+void train(const models::TrajectoryFamily& family, std::span<const Capture> training,
+           const FitOptions& options, const PredictionOptions& prediction, PredictedCaptures& outcome) {
+  const int clusters = count_of(clusters_of(training, options.uncertainty.cluster_by));
+  check_training(clusters);
+  constexpr int kParts = 3;
+  PredictionOptions plain = prediction;
+  plain.mixture = false;
+  const PredictedCaptures shown =
+      predict_by_folds(family, training, options, plain, {.count = std::min(kParts, clusters)}, nullptr);
+  const auto trained =
+      std::make_shared<const MotionForecasts>(outcome.compared, shown.predictions, prediction);
+  for (CapturePrediction& one : outcome.predictions) one.trained = trained;
+  for (std::size_t q = 0; q < outcome.compared.size(); ++q) {
+    if (std::string shares = trained->shares(q); !shares.empty()) outcome.shares.push_back(std::move(shares));
+  }
 }
 
 }  // namespace
@@ -275,6 +339,8 @@ void check_left_out(const models::TrajectoryFamily& family, std::span<const Capt
   check(options, prediction);
   const FitProblem problem = make_problem(family.info(), captures, options);
   refuse_twice(left_out);
+  if (prediction.mixture && !left_out.empty())
+    check_training(count_of(clusters_of(captures, options.uncertainty.cluster_by)));
   for (const Capture& capture : left_out) check_capture(capture, problem);
   for (const Capture& capture : captures) refuse_fitted(capture.id, capture.file, left_out);
 }
@@ -287,15 +353,21 @@ std::vector<PredictionScore> predict_left_out(const models::TrajectoryFamily& fa
 }
 
 void add_predictions(const models::TrajectoryFamily& family, std::span<const Capture> left_out,
-                     const FitOptions& options, const PredictionOptions& prediction, FitResult& fitted) {
-  add_scores(look_ahead(family, fitted, left_out, options, prediction), prediction, fitted);
+                     const FitOptions& options, const PredictionOptions& prediction, FitResult& fitted,
+                     std::span<const Capture> training) {
+  PredictedCaptures outcome = look_ahead(family, fitted, left_out, options, prediction);
+  if (prediction.mixture && !left_out.empty()) train(family, training, options, prediction, outcome);
+  add_scores(std::move(outcome), prediction, fitted);
 }
 
 void check_folds(std::span<const Capture> captures, const FitOptions& options,
                  const PredictionOptions& prediction, const Folds& folds) {
   check(options, prediction);
   const int clusters = count_of(clusters_of(captures, options.uncertainty.cluster_by));
-  if (folds.count >= 2 && folds.count <= clusters) return;
+  if (folds.count >= 2 && folds.count <= clusters) {
+    if (prediction.mixture) check_training(clusters - (clusters + folds.count - 1) / folds.count);
+    return;
+  }
   if (clusters < 2) {
     throw ArgumentError(
         fmt::format("folds is {}, and the captures are {} cluster; two clusters or more were expected",
@@ -309,24 +381,20 @@ void cross_validate(const models::TrajectoryFamily& family, std::span<const Capt
                     const FitOptions& options, const PredictionOptions& prediction, const Folds& folds,
                     FitResult& fitted) {
   check_folds(captures, options, prediction, folds);
-  const std::vector<int> clusters = clusters_of(captures, options.uncertainty.cluster_by);
-  const std::vector<int> fold_of = deal(count_of(clusters), folds);
-  FitOptions plain = options;
-  plain.uncertainty.profiles = false;
-  plain.uncertainty.bootstrap = {};
-  PredictedCaptures outcome;
-  for (int fold = 0; fold < folds.count; ++fold) {
-    std::vector<Capture> training, left_out;
-    for (std::size_t k = 0; k < captures.size(); ++k)
-      (fold_of[static_cast<std::size_t>(clusters[k])] == fold ? left_out : training).push_back(captures[k]);
-    const FitResult of_others = fit(family, training, plain);
-    const std::string which = fmt::format("fold {} of {}", fold + 1, folds.count);
-    if (of_others.status != FitStatus::converged)
-      fitted.warnings.add(WarningKind::predictions,
-                          fmt::format("the fit without {}: {}", which, of_others.message));
-    outcome.add(look_ahead(family, of_others, left_out, options, prediction));
-  }
+  PredictedCaptures outcome =
+      predict_by_folds(family, captures, options, prediction, folds, &fitted.warnings);
   add_scores(std::move(outcome), prediction, fitted);
+}
+
+std::vector<ForecastError> cross_validated_errors(const models::TrajectoryFamily& family,
+                                                  std::span<const Capture> captures,
+                                                  const FitOptions& options,
+                                                  const PredictionOptions& prediction, const Folds& folds,
+                                                  Warnings& warnings) {
+  check_folds(captures, options, prediction, folds);
+  PredictedCaptures outcome = predict_by_folds(family, captures, options, prediction, folds, &warnings);
+  add_sentences(outcome, warnings);
+  return forecast_errors(outcome.compared, std::move(outcome.predictions), prediction);
 }
 
 }  // namespace samara::identification

@@ -33,6 +33,10 @@ struct PredictionOptions {
   /// Of UnknownOptions::known, what captures left out do not show, though they may have it: unknowns of their
   /// own there, in their boxes and with their priors.
   std::vector<std::string> hidden = {};
+  /// Whether forecasts are distributions, and predictors are mixed: with the errors, shares and weights that the
+  /// captures of the fit show when each third of their clusters (or half of two) is predicted by a fit of the
+  /// others. Adds predictors "mixture of baselines", "autoregression" and "mixture" (trained_forecasts.h).
+  bool mixture = false;
 };
 
 /// Parts of about equal size, of clusters of captures.
@@ -62,15 +66,39 @@ std::vector<PredictionScore> predict_left_out(const models::TrajectoryFamily& fa
 
 /// The same into the result: scores into `predictions`, and sentences into `warnings` about captures that
 /// could not be predicted (one for each reason), or not by the model, or not so far ahead.
+/// @param training the captures of the fit; needed for a mixture
+/// @throws ArgumentError for a mixture with fewer than two clusters of training captures
 void add_predictions(const models::TrajectoryFamily& family, std::span<const Capture> left_out,
-                     const FitOptions& options, const PredictionOptions& prediction, FitResult& fitted);
+                     const FitOptions& options, const PredictionOptions& prediction, FitResult& fitted,
+                     std::span<const Capture> training = {});
 
 /// The same by cross validation: clusters of captures are dealt into folds, and those of each fold predicted
-/// by a fit of all others (without profiles and bootstrap). Scores are those of all captures together.
+/// by a fit of all others (without profiles and bootstrap). Scores are those of all captures together. With a
+/// mixture, the others of each fold train it.
 /// @throws ArgumentError as fit() and predict_left_out(), and for folds without a cluster
 void cross_validate(const models::TrajectoryFamily& family, std::span<const Capture> captures,
                     const FitOptions& options, const PredictionOptions& prediction, const Folds& folds,
                     FitResult& fitted);
+
+/// How far a forecast of a capture left out, or of a span of it, was off in its last frame.
+struct ForecastError {
+  std::string file = {}, motion = {};  ///< of the capture
+  std::string part = {};               ///< id of what was predicted: the capture, or its span
+  std::string quantity = {};           ///< with the horizon: "position, 0.1 s ahead"
+  std::string unit = {};
+  std::string predictor = {};  ///< "model", or the name of a baseline
+  double distance = 0.0;       ///< in `unit`
+};
+
+/// The same forecast by forecast: those that reach the end of what is to be predicted, the model's where it did not
+/// fail.
+/// @param warnings sentences as cross_validate() adds them
+/// @throws as cross_validate()
+std::vector<ForecastError> cross_validated_errors(const models::TrajectoryFamily& family,
+                                                  std::span<const Capture> captures,
+                                                  const FitOptions& options,
+                                                  const PredictionOptions& prediction, const Folds& folds,
+                                                  Warnings& warnings);
 
 /// What cross_validate() would refuse after a fit of `captures`, refused before it.
 /// @throws ArgumentError

@@ -58,12 +58,14 @@ PredictionConfig read(const TomlTable& root) {
   PredictionConfig config;
   if (!root.has("prediction")) return config;
   const TomlTable table = root.table("prediction");
-  table.expect_keys({"span", "window", "ahead", "stride", "left_out", "fitted", "folds", "hidden"});
+  table.expect_keys(
+      {"span", "window", "ahead", "stride", "left_out", "fitted", "folds", "hidden", "mixture"});
   config.span = positive_time(table, table.renamed("span", "window"));
   config.ahead = positive_time(table, "ahead");
   config.stride = positive_time(table, "stride");
   config.left_out = read_choice(table, "left_out");
   config.fitted = read_choice(table, "fitted");
+  if (table.has("mixture")) config.mixture = table.boolean("mixture");
   config.hidden = table.optional_strings("hidden").value_or(std::vector<std::string>{});
   if (!table.has("folds")) return config;
   if (!config.left_out.empty())

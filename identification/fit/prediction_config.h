@@ -22,6 +22,7 @@
 ///     folds = 5                           # or: each fifth of the clusters by a fit of the others
 ///     folds = { count = 5, seed = 1 }     #     dealt in a random order
 ///     hidden = ["wx(0)"]                  # of [known], what captures left out do not show
+///     mixture = true                      # forecasts as distributions, and predictors mixed
 namespace samara::identification {
 
 /// Labels, and the texts that they may have. "id" and "file" (its name without folder and ending) are labels
@@ -33,6 +34,7 @@ struct PredictionConfig {
   LabelChoice fitted = {}, left_out = {};                    ///< empty: not said
   std::optional<Folds> folds = {};
   std::vector<std::string> hidden = {};
+  bool mixture = false;
 };
 
 /// Nothing is said where the file has no table [prediction].

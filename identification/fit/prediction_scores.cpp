@@ -27,17 +27,40 @@ std::string name_together(const std::string& unit, const std::vector<models::Fam
   return unit == "m/s" ? "velocity" : unit == "rad/s" ? "angular velocity" : "";
 }
 
-/// The model, and every baseline.
-struct Predictor {
-  std::optional<Baseline> baseline = {};  ///< empty: the model
+/// A place in space, whose z is up.
+void add_components(const PredictedOutputs& predicted, Quantity& quantity) {
+  std::vector<int> found;
+  for (const char* name : {"x", "y", "z"}) {
+    const auto place = std::ranges::find_if(quantity.columns, [&](int column) {
+      return predicted.outputs[static_cast<std::size_t>(column)].name == name;
+    });
+    if (place != quantity.columns.end()) found.push_back(static_cast<int>(place - quantity.columns.begin()));
+  }
+  if (quantity.unit != "m" || found.size() != 3 || quantity.columns.size() != 3) return;
+  quantity.components.level = {found[0], found[1]};
+  quantity.up = found[2];
+}
 
-  std::string name() const { return baseline ? to_string(*baseline) : "model"; }
+/// The model, every baseline, and what training makes of them.
+struct Predictor {
+  std::string name = "model";
+  std::optional<Baseline> baseline = {};  ///< empty: the model, or a forecast that was trained
+  bool is_trained = false;
 };
 
 std::vector<Predictor> all_predictors() {
   std::vector<Predictor> all(1);
-  for (const Baseline baseline : all_baselines()) all.push_back({.baseline = baseline});
+  for (const Baseline baseline : all_baselines())
+    all.push_back({.name = to_string(baseline), .baseline = baseline});
+  // In the order of TrainedForecasts::say().
+  for (const char* name : {kMixtureOfBaselines, kAutoregression, kMixture})
+    all.push_back({.name = name, .is_trained = true});
   return all;
+}
+
+/// The name of a quantity in the last frame of all.
+std::string at_end(const Quantity& quantity, const PredictionOptions& prediction) {
+  return fmt::format("{}, {:.4g} s ahead", quantity.name, prediction.ahead);
 }
 
 /// What every predictor makes of every quantity.
@@ -49,8 +72,8 @@ class Tallies {
       : predictors_(predictors.size()) {
     for (const Quantity& q : compared) {
       for (const Predictor& p : predictors) {
-        last_.emplace_back(p.name(), fmt::format("{}, {:.4g} s ahead", q.name, prediction.ahead), q.unit);
-        all_.emplace_back(p.name(), fmt::format("{}, up to {:.4g} s ahead", q.name, reach), q.unit);
+        last_.emplace_back(p.name, at_end(q, prediction), q.unit);
+        all_.emplace_back(p.name, fmt::format("{}, up to {:.4g} s ahead", q.name, reach), q.unit);
       }
     }
   }
@@ -61,6 +84,13 @@ class Tallies {
            const std::vector<double>& last) {
     all_[quantity * predictors_ + predictor].add(distances);
     last_[quantity * predictors_ + predictor].add(last);
+  }
+
+  /// One number of a distribution that was forecast.
+  void add_forecast(std::size_t quantity, std::size_t predictor, bool is_last, const NormalMixture& part,
+                    double measured) {
+    all_[quantity * predictors_ + predictor].add_forecast(part, measured);
+    if (is_last) last_[quantity * predictors_ + predictor].add_forecast(part, measured);
   }
 
   /// @param capture whose they are; empty: of all
@@ -79,15 +109,39 @@ class Tallies {
     for (const PredictionTally& tally : tallies) {
       PredictionScore score = tally.score();
       score.capture = capture;
-      // Only where sensors measure it is there such a predictor.
-      const bool is_absent = score.predictor == to_string(Baseline::measured_velocity) && score.count == 0;
-      if (!is_absent) group.push_back(score);
+      // Only where sensors measure it, or something is up, or captures have trained it is there such a predictor.
+      if (score.count > 0 || is_always_there(score.predictor)) group.push_back(score);
       if (score.count > 0) least = std::min(least, score.median);
     }
     if (std::isinf(least)) return;
     for (PredictionScore& score : group) {
       score.best = score.count > 0 && score.median == least;
-      scores.push_back(std::move(score));
+    }
+    if (capture.empty()) add_differences(tallies, group);
+    for (PredictionScore& score : group) scores.push_back(std::move(score));
+  }
+
+  static bool is_always_there(const std::string& predictor) {
+    return predictor != to_string(Baseline::measured_velocity) &&
+           predictor != to_string(Baseline::point_with_drag) && predictor != kMixtureOfBaselines &&
+           predictor != kAutoregression && predictor != kMixture;
+  }
+
+  /// How far each lies behind the plain baseline with the least median.
+  static void add_differences(std::span<const PredictionTally> tallies, std::vector<PredictionScore>& group) {
+    const PredictionTally* best = nullptr;
+    for (const PredictionTally& tally : tallies) {
+      const PredictionScore score = tally.score();
+      if (!is_plain(score.predictor) || score.count == 0) continue;
+      if (best == nullptr || score.median < best->score().median) best = &tally;
+    }
+    if (best == nullptr) return;
+    for (PredictionScore& score : group) {
+      const auto tally = std::ranges::find_if(
+          tallies, [&](const PredictionTally& one) { return one.score().predictor == score.predictor; });
+      const PredictionTally::Difference difference = tally->behind(*best);
+      score.behind_best = difference.value;
+      score.behind_best_error = difference.error;
     }
   }
 
@@ -110,6 +164,35 @@ void unwrap(const std::vector<Quantity>& compared, SeenMotion& seen) {
   }
 }
 
+/// What trained forecasts say of one capture: distances of those that are nothing else, and distributions.
+void tally_trained(const CapturePrediction& one, const std::vector<Predictor>& predictors,
+                   std::size_t quantity, const Quantity& compared, const PredictionOptions& prediction,
+                   std::span<Tallies* const> tallies) {
+  const Eigen::Index frames = one.times.size();
+  std::vector<std::vector<double>> all(predictors.size()), last(predictors.size());
+  for (Eigen::Index frame = 0; frame < frames; ++frame) {
+    const bool is_last = frame + 1 == frames && reaches_end(one, prediction);
+    const Eigen::RowVectorXd truth = one.truth(frame, compared.columns);
+    const std::vector<SaidForecast> said = one.trained->say(quantity, one, frame);
+    for (std::size_t p = 0; p < said.size(); ++p) {
+      if (predictors[p].is_trained) {
+        const std::vector<double> distance = prediction_distances(said[p].mean, truth);
+        all[p].insert(all[p].end(), distance.begin(), distance.end());
+        if (is_last) last[p] = distance;
+      }
+      for (std::size_t c = 0; c < said[p].parts.size(); ++c) {
+        for (Tallies* const each : tallies)
+          each->add_forecast(quantity, p, is_last, said[p].parts[c], truth[static_cast<Eigen::Index>(c)]);
+      }
+    }
+  }
+  for (std::size_t p = 0; p < predictors.size(); ++p) {
+    for (Tallies* const each : tallies) {
+      if (predictors[p].is_trained) each->add(quantity, p, all[p], last[p]);
+    }
+  }
+}
+
 /// The same points of a circle of length `period`, where they are nearest to others.
 Eigen::MatrixXd nearest(const Eigen::MatrixXd& points, const Eigen::MatrixXd& others, double period) {
   if (period == 0.0) return points;
@@ -127,16 +210,30 @@ std::vector<double> distances_of(const CapturePrediction& one, const Quantity& q
   return prediction_distances(guess, nearest(truth, guess, quantity.period));
 }
 
+/// What a predictor that needs no training says of a capture: outputs and attitudes.
+std::pair<Eigen::MatrixXd, Eigen::MatrixX4d> said_by(const Predictor& predictor,
+                                                     const std::vector<Quantity>& compared,
+                                                     const CapturePrediction& one) {
+  if (!predictor.baseline) return {one.model, one.model_attitude};
+  Eigen::MatrixXd values = predict(*predictor.baseline, one.seen, one.times);
+  for (const Quantity& q : compared) {
+    // Components of a point with drag belong together.
+    if (predictor.baseline != Baseline::point_with_drag || q.is_attitude) continue;
+    const Eigen::MatrixXd point = predict(*predictor.baseline, seen_of(one, q), one.times);
+    for (std::size_t c = 0; c < q.columns.size(); ++c)
+      values.col(q.columns[c]) = point.col(static_cast<Eigen::Index>(c));
+  }
+  return {std::move(values), predict_turn(*predictor.baseline, one.turn, one.times)};
+}
+
 /// @param tallies to which the capture adds: of all, and its own
 void tally(const CapturePrediction& one, const std::vector<Predictor>& predictors,
            const std::vector<Quantity>& compared, const PredictionOptions& prediction,
            std::span<Tallies* const> tallies) {
   const Eigen::Index frames = one.times.size();
   for (std::size_t p = 0; p < predictors.size(); ++p) {
-    const std::optional<Baseline>& baseline = predictors[p].baseline;
-    const Eigen::MatrixXd values = baseline ? predict(*baseline, one.seen, one.times) : one.model;
-    const Eigen::MatrixX4d attitudes =
-        baseline ? predict_turn(*baseline, one.turn, one.times) : one.model_attitude;
+    if (predictors[p].is_trained) continue;
+    const auto [values, attitudes] = said_by(predictors[p], compared, one);
     for (std::size_t k = 0; k < compared.size(); ++k) {
       const auto all = distances_of(one, compared[k], values, attitudes, frames);
       const auto last =
@@ -144,6 +241,8 @@ void tally(const CapturePrediction& one, const std::vector<Predictor>& predictor
       for (Tallies* const each : tallies) each->add(k, p, all, last);
     }
   }
+  for (std::size_t k = 0; one.trained && k < compared.size(); ++k)
+    tally_trained(one, predictors, k, compared[k], prediction, tallies);
 }
 
 }  // namespace
@@ -163,6 +262,7 @@ std::vector<Quantity> quantities(const PredictedOutputs& predicted, const FitOpt
                         {static_cast<int>(o)}});
     }
   }
+  for (Quantity& quantity : result) add_components(predicted, quantity);
   if (!predicted.attitude.empty()) result.push_back({.name = "attitude", .unit = "rad", .is_attitude = true});
   return result;
 }
@@ -191,6 +291,32 @@ Scores scores_of(const std::vector<Quantity>& compared, std::vector<CapturePredi
   all.add_scores("", scores.all);
   for (const auto& [motion, of_motion] : motions) of_motion.add_scores(motion, scores.by_capture);
   return scores;
+}
+
+std::vector<ForecastError> forecast_errors(const std::vector<Quantity>& compared,
+                                           std::vector<CapturePrediction> predictions,
+                                           const PredictionOptions& prediction) {
+  std::vector<ForecastError> errors;
+  for (CapturePrediction& one : predictions) {
+    unwrap(compared, one.seen);
+    if (!reaches_end(one, prediction)) continue;
+    for (const Predictor& predictor : all_predictors()) {
+      if (predictor.is_trained) continue;
+      const auto [values, attitudes] = said_by(predictor, compared, one);
+      for (const Quantity& q : compared) {
+        for (const double distance : distances_of(one, q, values, attitudes, 1)) {
+          errors.push_back({.file = one.file,
+                            .motion = one.motion,
+                            .part = one.part,
+                            .quantity = at_end(q, prediction),
+                            .unit = q.unit,
+                            .predictor = predictor.name,
+                            .distance = distance});
+        }
+      }
+    }
+  }
+  return errors;
 }
 
 }  // namespace samara::identification

@@ -4,20 +4,12 @@
 #include <vector>
 
 #include "samara/identification/fit/capture_prediction.h"
+#include "samara/identification/fit/motion_forecasts.h"
 #include "samara/identification/fit/prediction.h"
 #include "samara/identification/problem/fit_options.h"
 
 /// Scores of predictions; internal to identification/.
 namespace samara::identification {
-
-/// Outputs that are compared as one: all lengths, all velocities, all rates, or a single other one; or the
-/// attitude.
-struct Quantity {
-  std::string name, unit;
-  double period = 0.0;  ///< 0: on the line
-  std::vector<int> columns = {};
-  bool is_attitude = false;
-};
 
 std::vector<Quantity> quantities(const PredictedOutputs& predicted, const FitOptions& options);
 
@@ -30,5 +22,10 @@ struct Scores {
 };
 Scores scores_of(const std::vector<Quantity>& compared, std::vector<CapturePrediction> predictions,
                  const PredictionOptions& prediction);
+
+/// What every predictor is off at the end, of each that reaches it.
+std::vector<ForecastError> forecast_errors(const std::vector<Quantity>& compared,
+                                           std::vector<CapturePrediction> predictions,
+                                           const PredictionOptions& prediction);
 
 }  // namespace samara::identification

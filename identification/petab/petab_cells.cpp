@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "samara/base/text.h"
+#include "samara/identification/captures/number_cells.h"
 
 namespace samara::identification {
 
@@ -19,13 +20,6 @@ DelimitedTable read_tsv(const std::filesystem::path& path, const std::vector<std
 
 std::vector<std::string> cells_or_empty(const DelimitedTable& table, const std::string& column) {
   return table.has(column) ? table.texts(column) : std::vector<std::string>(table.rows());
-}
-
-std::optional<double> number_in(std::string_view cell) {
-  const NumberPrefix number = read_number(cell);
-  const bool is_number =
-      number.problem == NumberProblem::none && number.length == cell.size() && !cell.empty();
-  return is_number ? std::optional(number.value) : std::nullopt;
 }
 
 void require_word(const DelimitedTable& table, std::size_t row, const std::string& column,

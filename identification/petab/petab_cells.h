@@ -2,9 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "samara/io/delimited_table.h"
@@ -17,9 +15,6 @@ io::DelimitedTable read_tsv(const std::filesystem::path& path, const std::vector
 
 /// The cells of a column that may be missing: then they are empty.
 std::vector<std::string> cells_or_empty(const io::DelimitedTable& table, const std::string& column);
-
-/// The finite number that a cell is, if it is one.
-std::optional<double> number_in(std::string_view cell);
 
 /// Refuses a cell that is neither empty nor one of some words.
 void require_word(const io::DelimitedTable& table, std::size_t row, const std::string& column,

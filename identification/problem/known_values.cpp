@@ -7,6 +7,7 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/text.h"
+#include "samara/identification/captures/number_cells.h"
 
 namespace samara::identification {
 
@@ -21,10 +22,9 @@ double stated_number(const Capture& capture, const std::string& coordinate, cons
                        capture.id, what, label, text, coordinate));
   };
   if (const auto found = capture.labels.find(label); found != capture.labels.end()) {
-    const NumberPrefix value = read_number(found->second);
-    if (value.problem != NumberProblem::none || value.length != found->second.size())
-      refuse_text("label", found->second);
-    return value.value;
+    const std::optional<double> value = number_in(found->second);
+    if (!value) refuse_text("label", found->second);
+    return *value;
   }
   if (capture.has(label) && capture.times.size() > 0) {
     const double value = capture.channel(label).values[0];

@@ -9,6 +9,7 @@
 
 #include "samara/base/rounded.h"
 #include "samara/base/unit_labels.h"
+#include "samara/identification/statistics/trained_forecasts.h"
 
 namespace samara::identification {
 
@@ -80,7 +81,12 @@ Json json_of(const PredictionScore& p) {
                  {"median", number(p.median)},
                  {"rms", number(p.rms)},
                  {"largest", number(p.largest)},
-                 {"best", p.best}};
+                 {"best", p.best},
+                 {"crps", number(p.crps)},
+                 {"coverage50", number(p.coverage50)},
+                 {"coverage90", number(p.coverage90)},
+                 {"behind_best", number(p.behind_best)},
+                 {"behind_best_error", number(p.behind_best_error)}};
   if (!p.capture.empty()) object["capture"] = p.capture;
   return object;
 }
@@ -192,11 +198,14 @@ std::string shown(const PredictionScore& score, double value) {
   return score.count > 0 ? fmt::format("{:.4g}", value) : "-";
 }
 
-/// Where the model is not the best of a group, which one is.
+/// Where a plain baseline is better than the model of a group, which one is.
 std::string better_baseline(std::span<const PredictionScore> group) {
   const PredictionScore& model = group.front();
-  const auto best = std::ranges::find_if(group, &PredictionScore::best);
-  if (best == group.end() || model.best || model.count == 0) return {};
+  const PredictionScore* best = nullptr;
+  for (const PredictionScore& p : group) {
+    if (p.count > 0 && is_plain(p.predictor) && (best == nullptr || p.median < best->median)) best = &p;
+  }
+  if (best == nullptr || model.count == 0 || model.median <= best->median) return {};
   const std::string unit = unit_suffix(model.unit);
   return fmt::format("the {} predicts {} better than the model: median {:.4g}{}, not {:.4g}{}\n",
                      best->predictor, model.quantity, best->median, unit, model.median, unit);
@@ -221,6 +230,22 @@ void add_capture_predictions(const FitResult& result, std::back_insert_iterator<
   }
 }
 
+/// Scores as distributions, where training captures showed the errors of predictors.
+void add_forecast_table(const FitResult& result, std::back_insert_iterator<std::string> out) {
+  const auto is_known = [](const PredictionScore& p) { return std::isfinite(p.crps); };
+  if (std::ranges::none_of(result.predictions, is_known)) return;
+  fmt::format_to(out, "\n{:<42} {:<22} {:>12} {:>8} {:>8}  {}\n", "forecast of", "by", "crps", "in 50 %",
+                 "in 90 %", "median less the best baseline's");
+  for (const PredictionScore& p : result.predictions) {
+    if (!is_known(p)) continue;
+    fmt::format_to(out, "{:<42} {:<22} {:>12.4g} {:>6.0f} % {:>6.0f} %  {}\n", with_unit(p.quantity, p.unit),
+                   p.predictor, p.crps, 100.0 * p.coverage50, 100.0 * p.coverage90,
+                   std::isfinite(p.behind_best_error)
+                       ? fmt::format("{:.3g} +- {:.2g}", p.behind_best, p.behind_best_error)
+                       : fmt::format("{:.3g}", p.behind_best));
+  }
+}
+
 void add_prediction_table(const FitResult& result, std::back_insert_iterator<std::string> out) {
   if (result.predictions.empty()) return;
   fmt::format_to(out, "\n{:<42} {:<22} {:>12} {:>13} {:>9} {:>9}\n", "prediction of", "by", "median", "rms",
@@ -235,6 +260,7 @@ void add_prediction_table(const FitResult& result, std::back_insert_iterator<std
     losses += better_baseline(group);
   }
   fmt::format_to(out, "{} the best by its median\n{}", kBestMark, losses);
+  add_forecast_table(result, out);
   add_capture_predictions(result, out);
 }
 

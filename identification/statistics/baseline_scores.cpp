@@ -8,10 +8,12 @@
 #include <fmt/format.h>
 
 #include "samara/base/errors.h"
+#include "samara/base/streams.h"
 #include "samara/identification/smoothing/continuous_angles.h"
 #include "samara/identification/smoothing/medians.h"
 #include "samara/identification/smoothing/rotation_vectors.h"
 #include "samara/identification/smoothing/smoothing.h"
+#include "samara/identification/statistics/point_with_drag.h"
 
 namespace samara::identification {
 
@@ -31,6 +33,8 @@ int degree_of(Baseline baseline) {
       return 2;
     case Baseline::cubic:
       return 3;
+    case Baseline::point_with_drag:
+      break;  // no polynomial
   }
   throw ArgumentError("a baseline of no known kind");
 }
@@ -137,6 +141,8 @@ std::string to_string(Baseline baseline) {
       return "constant acceleration";
     case Baseline::measured_velocity:
       return "measured velocity";
+    case Baseline::point_with_drag:
+      return "point with drag";
   }
   throw ArgumentError("a baseline of no known kind");
 }
@@ -147,7 +153,8 @@ const std::vector<Baseline>& all_baselines() {
                                             Baseline::cubic,
                                             Baseline::constant_velocity,
                                             Baseline::constant_acceleration,
-                                            Baseline::measured_velocity};
+                                            Baseline::measured_velocity,
+                                            Baseline::point_with_drag};
   return all;
 }
 
@@ -155,6 +162,7 @@ Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& span, const Eigen::
   check_count("positions", span.positions.rows(), span.times);
   if (span.rates.size() > 0) check_count("rates", span.rates.rows(), span.times);
   check_times(span.times, times);
+  if (baseline == Baseline::point_with_drag) return predict_point_with_drag(span, times);
   Eigen::MatrixXd result(times.size(), span.positions.cols());
   for (Eigen::Index c = 0; c < result.cols(); ++c) {
     result.col(c) = baseline == Baseline::measured_velocity
@@ -251,9 +259,13 @@ std::vector<double> prediction_distances(const Eigen::MatrixXd& predicted, const
 PredictionTally::PredictionTally(std::string predictor, std::string quantity, std::string unit)
     : score_{.predictor = std::move(predictor), .quantity = std::move(quantity), .unit = std::move(unit)} {}
 
-void PredictionTally::add(const std::vector<double>& distances) {
-  if (!distances.empty()) ++score_.captures;
+void PredictionTally::add(const std::vector<double>& distances, int cluster) {
+  if (distances.empty()) return;
+  // Its own: below all that were given.
+  const int own = -1 - score_.captures;
+  ++score_.captures;
   distances_.insert(distances_.end(), distances.begin(), distances.end());
+  clusters_.insert(clusters_.end(), distances.size(), cluster < 0 ? own : cluster);
 }
 
 PredictionScore PredictionTally::score() const {
@@ -266,7 +278,49 @@ PredictionScore PredictionTally::score() const {
   score.median = median(distances_);
   score.rms = std::sqrt(squares / score.count);
   score.largest = *std::ranges::max_element(distances_);
+  if (proper_.count() == 0) return score;
+  score.crps = proper_.mean_crps();
+  score.coverage50 = proper_.coverage(0.5);
+  score.coverage90 = proper_.coverage(0.9);
   return score;
+}
+
+std::vector<double> PredictionTally::drawn(const std::vector<int>& clusters) const {
+  std::vector<double> distances;
+  for (const int cluster : clusters) {
+    for (std::size_t k = 0; k < distances_.size(); ++k) {
+      if (clusters_[k] == cluster) distances.push_back(distances_[k]);
+    }
+  }
+  return distances;
+}
+
+PredictionTally::Difference PredictionTally::behind(const PredictionTally& other) const {
+  if (distances_.empty() || other.distances_.empty()) return {kNaN, kNaN};
+  Difference difference{median(distances_) - median(other.distances_), kNaN};
+  std::vector<int> clusters = clusters_;
+  std::ranges::sort(clusters);
+  clusters.erase(std::unique(clusters.begin(), clusters.end()), clusters.end());
+  if (clusters.size() < 2) return difference;
+  constexpr int kDraws = 200;  // they tell an error to 5 %
+  constexpr std::uint64_t kSeed = 28;
+  double sum = 0.0, squares = 0.0;
+  int counted = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Stream stream(kSeed, static_cast<std::uint64_t>(draw));
+    std::vector<int> chosen(clusters.size());
+    for (int& one : chosen)
+      one = clusters[static_cast<std::size_t>(stream.uniform() * static_cast<double>(clusters.size()))];
+    const double here = median(drawn(chosen)) - median(other.drawn(chosen));
+    if (std::isnan(here)) continue;  // captures on which the other says nothing alone
+    sum += here;
+    squares += here * here;
+    ++counted;
+  }
+  if (counted < 2) return difference;
+  const double scatter = (squares - sum * sum / counted) / (counted - 1);
+  difference.error = std::sqrt(std::max(0.0, scatter));
+  return difference;
 }
 
 }  // namespace samara::identification

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "samara/identification/statistics/proper_scores.h"
 
 /// How well a motion is predicted beyond a span that was seen, beside predictions that know no physics.
 ///
@@ -16,6 +19,9 @@
 /// at the end of the span. "Measured velocity" is for sensors that say how fast a component changes: a
 /// straight line through that over the span, carried on from the place on which all frames agree best.
 /// Attitudes are predicted as rotation vectors from the last one seen.
+///
+/// "Point with drag" is the least physics: a point that weighs and is braked by k |v| v, its start and k of each
+/// span's own (point_with_drag.h). It needs a component that is up.
 namespace samara::identification {
 
 enum class Baseline {
@@ -24,10 +30,12 @@ enum class Baseline {
   cubic,
   constant_velocity,
   constant_acceleration,
-  measured_velocity
+  measured_velocity,
+  point_with_drag
 };
 
-/// "straight line", "quadratic", "cubic", "constant velocity", "constant acceleration", "measured velocity".
+/// "straight line", "quadratic", "cubic", "constant velocity", "constant acceleration", "measured velocity",
+/// "point with drag".
 std::string to_string(Baseline baseline);
 /// All of them, in that order.
 const std::vector<Baseline>& all_baselines();
@@ -38,6 +46,7 @@ struct SeenMotion {
   Eigen::MatrixXd positions = {};
   /// How fast they change as a sensor says it, frames x components; NaN where it does not. May be empty.
   Eigen::MatrixXd rates = {};
+  Eigen::Index up = -1;  ///< the component against gravity; below 0: none is
 };
 
 /// Attitudes that were seen: quaternions (w, x, y, z), body to world, of any length but 0; NaN where missing.
@@ -48,7 +57,8 @@ struct SeenTurn {
 };
 
 /// The baseline's positions at other times, times x components. A component with too few frames for its
-/// degree (degree + 1; for the measured velocity 2 with a rate) is NaN.
+/// degree (degree + 1; for the measured velocity 2 with a rate) is NaN; so are all of the point with drag where
+/// no component is up or fewer than 4 frames show all of them.
 /// @throws ArgumentError for sizes that differ or times that are not finite.
 Eigen::MatrixXd predict(Baseline baseline, const SeenMotion& span, const Eigen::VectorXd& times);
 
@@ -75,6 +85,15 @@ struct PredictionScore {
   double median = 0.0;  ///< NaN if there are none
   double rms = 0.0;
   double largest = 0.0;
+  /// The mean CRPS and the shares of values in the central 50 and 90 % of what was forecast (proper_scores.h);
+  /// NaN where no errors of training motions are known.
+  double crps = std::numeric_limits<double>::quiet_NaN();
+  double coverage50 = std::numeric_limits<double>::quiet_NaN();
+  double coverage90 = std::numeric_limits<double>::quiet_NaN();
+  /// The median less that of the best baseline, and the scatter of this difference when captures are drawn anew
+  /// (bootstrap); NaN for a single capture.
+  double behind_best = std::numeric_limits<double>::quiet_NaN();
+  double behind_best_error = std::numeric_limits<double>::quiet_NaN();
   /// No other predictor of the quantity has a smaller median. If it is not the model, the model loses.
   bool best = false;
 };
@@ -84,13 +103,27 @@ class PredictionTally {
  public:
   PredictionTally(std::string predictor, std::string quantity, std::string unit = "m");
 
-  /// One capture's; nothing is counted if it is empty.
-  void add(const std::vector<double>& distances);
+  /// One capture's, or those of one of its spans; nothing is counted if it is empty.
+  /// @param cluster captures that are drawn together for errors; below 0: one of its own
+  void add(const std::vector<double>& distances, int cluster = -1);
+  /// What proper scores need of one number that was forecast. NaN: missing, not counted.
+  void add_forecast(const NormalMixture& mixture, double measured) { proper_.add(mixture, measured); }
   PredictionScore score() const;
 
+  /// The difference of medians, this one's less another's, and its bootstrap error over clusters.
+  /// @param other of the same captures
+  struct Difference {
+    double value, error;
+  };
+  Difference behind(const PredictionTally& other) const;
+
  private:
+  std::vector<double> drawn(const std::vector<int>& clusters) const;
+
   PredictionScore score_;
   std::vector<double> distances_;
+  std::vector<int> clusters_;  ///< of each distance
+  ProperScores proper_;
 };
 
 }  // namespace samara::identification

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from ._building import Path, Progress, Reported
 from ._errors import ArgumentError
-from ._motion import Sweep
+from ._sweeps import Sweep
 from ._units import Quantity, one_si, real_array, whole
 
 _STATES = ("falling", "landed", "not_finite", "waiting")

@@ -11,24 +11,11 @@ import subprocess
 import time
 import unittest
 
+from plans import plate_plan
 from samara_case import COIN_PLAN, FOLDER, LINE_PLAN, LONGEST, PATIENCE, SAMARA, Case, main, run, write
 
 
-PLATE_PLAN = """model = "falling_plate_nd"
-[fixed]
-"theta(0)" = 0.4
-[box]
-C_T = [0.8, 1.4]
-C_R = [2.0, 4.0]
-A = [1.0, 1.8]
-[time]
-end = 3.0
-[tolerance]
-relative = 1e-3
-[builder]
-kind = "pgd"
-strategy = "slabs"
-"""
+PLATE_PLAN = plate_plan(3, 3.0)
 
 
 class Builds(Case):

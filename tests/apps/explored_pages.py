@@ -3,37 +3,14 @@
 import csv
 import sys
 
+from plans import card_plan
 from samara_case import COIN_PLAN, FOLDER, book, run, write
 
 SAMPLES = sys.argv.pop(3)
 """The program codebook_samples, third argument of these tests."""
 HOSTILE = "<img src=x onerror=alert(1)>&</script>\"'"
 
-CARD_PLAN = """model = 'immersed_body'
-[fixed]
-'a' = 0.035
-'b' = 0.02
-'c' = 1e-4
-'density' = 1200.0
-'C_D0' = 0.05
-'C_w' = 2.0
-'speed_floor' = 1e-3
-'C_T' = 0.91
-'qw(0)' = 0.99619469809
-'qx(0)' = 0.05
-'qy(0)' = 0.071
-[box]
-'C_D90' = [0.25, 0.37]
-'C_R' = [0.5, 0.7]
-[time]
-end = 0.25
-[tolerance]
-relative = 1e-3
-absolute = { x = 0.1, y = 0.1, z = 0.1, qw = 1.0, qx = 1.0, qy = 1.0, qz = 1.0, ux = 0.1, uy = 0.1, uz = 0.1, wx = 5.0, wy = 5.0, wz = 5.0 }
-[builder]
-kind = 'pgd'
-strategy = 'slabs'
-"""
+CARD_PLAN = card_plan({"C_T": 0.91, "qw(0)": 0.99619469809, "qx(0)": 0.05, "qy(0)": 0.071}, {"C_D90": (0.25, 0.37), "C_R": (0.5, 0.7)}, 0.25)
 
 
 def explored(*arguments, name="page", code=0):

@@ -43,6 +43,7 @@ class Planning(Case):
         answer, files = planned()
         self.assertEqual(answer["status"], "found")
         self.assertLess(answer["deviation"], 0.02)
+        self.assertEqual(answer["schema"], "samara-motion/1")
         self.assertLess(answer["ghost"]["force_max"], 1e-2)
         fall = rows(files["csv"])
         again = FOLDER / "again.csv"

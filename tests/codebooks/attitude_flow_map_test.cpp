@@ -86,6 +86,19 @@ TEST_CASE("a reduced attitude knows neither yaw nor the length of the quaternion
   }
 }
 
+TEST_CASE("upside down the tilt is that from there, and is put back exactly") {
+  std::mt19937_64 random(6);
+  const ReducedAttitude attitude(moving_thing(), kQuaternion, 1.0, true, true);
+  for (int k = 0; k < 20; ++k) {
+    const VectorXd x = random_state(random);
+    const VectorXd r = attitude.reduced(x, nullptr);
+    CHECK(r[kQuaternion + 1] == 1.0);
+    CHECK(r[kQuaternion + 2] == 0.0);
+    CHECK((attitude.reduced(turned(x, 2.0 * k, -0.3), nullptr) - r).norm() < 1e-11 * (1.0 + r.norm()));
+    CHECK((attitude.restored(r, x, nullptr, nullptr) - x).norm() < 1e-13 * x.norm());
+  }
+}
+
 TEST_CASE("without the symmetry only the length of the quaternion goes") {
   std::mt19937_64 random(4);
   const ReducedAttitude attitude(moving_thing(), kQuaternion, 1.0, false);
@@ -98,11 +111,12 @@ TEST_CASE("without the symmetry only the length of the quaternion goes") {
 
 TEST_CASE("the derivatives of reducing and of putting back are those of central differences") {
   std::mt19937_64 random(5);
-  for (const bool without_yaw : {true, false}) {
-    const ReducedAttitude attitude(moving_thing(), kQuaternion, 0.7, without_yaw);
+  for (const int kind : {0, 1, 2, 3}) {
+    const bool is_upside_down = kind > 1;
+    const ReducedAttitude attitude(moving_thing(), kQuaternion, 0.7, kind % 2 == 0, is_upside_down);
     for (int k = 0; k < 10; ++k) {
       VectorXd x = random_state(random);
-      x[kQuaternion] += 2.0;  // far from upside down, where slopes are steep
+      x[kQuaternion + (is_upside_down ? 1 : 0)] += 2.0;  // far from where slopes are steep
       const VectorXd y = random_state(random);
       MatrixXd by_x, by_y, by_heading;
       attitude.reduced(x, &by_x);
@@ -257,4 +271,97 @@ TEST_CASE("a body that tilts out of the box, and a codebook without a tilt, are 
   const Codebook flat = window("\"qx(0)\" = [-0.3, 0.3]\n", "0.5");
   CHECK_THROWS_WITH(FlowMap(flat), Contains("the axes \"qx(0)\" and \"qy(0)\", with \"qw(0)\" fixed at 1 and "
                                             "\"qz(0)\" at 0"));
+}
+
+namespace {
+
+/// Its axes are those of its inertia and of its added mass: without more, upright and upside down alike.
+std::string rolling_body(const std::string& more, const std::string& attitude, const std::string& tolerance) {
+  return "model = \"kirchhoff_body\"\n[fixed]\nmass = 1.0\nI_xx = 0.4\nI_yy = 0.6\nI_zz = 0.9\n"
+         "K_11 = 0.1\nK_22 = 0.2\nK_33 = 0.6\nK_44 = 0.05\nK_55 = 0.1\ndisplaced_mass = 0.98\n" +
+         more + attitude + R"toml("ux(0)" = [-0.38, 0.38]
+"uy(0)" = [-0.38, 0.38]
+"uz(0)" = [-0.38, 0.38]
+"wx(0)" = [2.5, 3.5]
+"wy(0)" = [-0.4, 0.4]
+"wz(0)" = [-0.4, 0.4]
+[time]
+end = 0.1
+[tolerance]
+relative = )toml" +
+         tolerance + "\n[builder]\nkind = \"sampling\"\n";
+}
+const std::string kUpright = "[box]\n\"qx(0)\" = [-1.02, 1.02]\n\"qy(0)\" = [-0.5, 0.5]\n";
+const std::string kUpsideDown = "\"qx(0)\" = 1\n[box]\n\"qw(0)\" = [-1.02, 1.02]\n\"qz(0)\" = [-0.5, 0.5]\n";
+const std::string kBottomHeavy = "r_cz = -0.002\n";
+
+Codebook rolling_window(const std::string& more, const std::string& attitude) {
+  const BuildResult window =
+      build(parse_plan(rolling_body(more, attitude, "2e-3"), "rolling.toml"), {.certificate_points = 30});
+  INFO(window.message);
+  REQUIRE(window.met);
+  return window.book;
+}
+
+const std::vector<double> kRolling = {5.0, -7.0, 2.0, 0.9, 0.2, 0.1, 0.4, 0.1, -0.05, -0.1, 3.0, 0.1, -0.1};
+
+/// By CVODES.
+samara::models::Trajectory rolled(const std::string& more, const std::vector<double>& times) {
+  const Plan plan = parse_plan(rolling_body(more, kUpright, "2e-3"), "rolling.toml");
+  std::vector<std::string> free;
+  const auto model = samara::models::find_model("kirchhoff_body");
+  for (const auto& state : model->info().states) free.push_back(state.name + "(0)");
+  return samara::models::integrate({model, plan.fixed, free}, kRolling, times, {}, true);
+}
+
+/// Over fifteen windows, each good to 2e-3 of ranges up to 1; even places and attitudes, whose ranges are a tenth of
+/// that.
+void check_rolls(const FlowMapResult& result, const samara::models::Trajectory& exact) {
+  const Eigen::Vector4d q = exact.states.row(2).segment<4>(3).transpose().normalized();
+  CHECK(1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]) < -0.8);  // upside down on the way
+  const MatrixXd errors = (result.states - exact.states).topRows(4).cwiseAbs();
+  CHECK(errors.maxCoeff() < 15 * 2e-3);
+  CHECK(errors.leftCols(7).maxCoeff() < 15 * 4e-4);
+  for (std::size_t j = 0; j < 13; ++j) {
+    INFO("by " << j);
+    const VectorXd found = result.derivatives[3].col(static_cast<Eigen::Index>(j));
+    const VectorXd wanted = exact.sensitivities[j].row(3).transpose();
+    CHECK((found - wanted).cwiseAbs().maxCoeff() < 0.1 * (1.0 + wanted.cwiseAbs().maxCoeff()));
+  }
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a body that is alike upright and upside down rolls on through windows that start at tilts up to a right "
+    "angle") {
+  const Codebook window = rolling_window("", kUpright);
+  FlowMap flow_map(window);
+  const std::vector<double> times = {0.3, 0.65, 1.0, 1.5, 3.0};
+  const FlowMapResult result = flow_map.run(kRolling, {}, times, true);
+  INFO(result.message);
+  // It falls on, faster than the box holds in the end.
+  CHECK(result.status == FlowMapStatus::left_box);
+  CHECK_THAT(result.message, Contains("uy = ") || Contains("uz = "));
+  REQUIRE(result.reached == 1.5);
+  check_rolls(result, rolled("", times));
+}
+
+TEST_CASE("a bottom-heavy body leaves the box where it turns over, and goes on in a second codebook") {
+  const std::vector<double> times = {0.3, 0.65, 1.0, 1.5};
+  const Codebook upright = rolling_window(kBottomHeavy, kUpright);
+  FlowMap one(upright);
+  const FlowMapResult alone = one.run(kRolling, {}, times);
+  CHECK(alone.status == FlowMapStatus::left_box);
+  CHECK(alone.left == "qx");
+  CHECK(alone.reached == 0.3);
+  CHECK_THAT(alone.message, Contains("qx = ") && Contains(", without yaw, is outside [-1.02, 1.02]"));
+
+  const Codebook over = rolling_window(kBottomHeavy, kUpsideDown);
+  FlowMap both(upright, over);
+  const FlowMapResult result = both.run(kRolling, {}, times, true);
+  INFO(result.message);
+  REQUIRE(result.status == FlowMapStatus::done);
+  check_rolls(result, rolled(kBottomHeavy, times));
+  CHECK_THROWS_WITH(FlowMap(upright, tilted_window()), Contains("another box of parameters than the first"));
 }

@@ -138,6 +138,6 @@ TEST_CASE("distances are those of the plane") {
 TEST_CASE("predictions refuse shapes that do not fit") {
   CHECK_THROWS_AS(predict(Baseline::cubic, {kSeen, Eigen::MatrixXd(3, 2)}, kNext), samara::ArgumentError);
   CHECK_THROWS_AS(prediction_distances(Eigen::MatrixXd(3, 2), Eigen::MatrixXd(3, 1)), samara::ArgumentError);
-  CHECK(all_baselines().size() == 6);
+  CHECK(all_baselines().size() == 7);
   CHECK(to_string(Baseline::constant_velocity) == "constant velocity");
 }

@@ -252,6 +252,10 @@ TEST_CASE("Kinovea's text for gnuplot is a capture for each track, by its name o
   REQUIRE(coded.size() == 1);
   CHECK(coded[0].labels.at("body") == "track 1");
   CHECK(coded[0].times.isApprox(Vector3d(0.0, 1.5, 3660.03)));
+  files.put("tracks.toml", "file = \"tracks.txt\"\nlength_unit = \"m\"\ntime_unit = \"ms\"\n");
+  CHECK(reading_error(path) ==
+        "tracks.txt:3: the times are timecodes, which need no time_unit; none was expected");
+  files.put("tracks.toml", "file = \"tracks.txt\"\nlength_unit = \"m\"\n");
 
   // Films of 100 frames a second and more: thousandths.
   files.put("tracks.txt",

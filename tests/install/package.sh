@@ -38,6 +38,14 @@ fi
 examples=/usr/share/doc/samara/examples
 [ -n "$root" ] || examples=$work/tree$examples
 use samara --version
+# A page for man of every command, and completion for three shells.
+brought=${root:-$work/tree}/usr/share
+for name in samara $(use samara help --json | grep -o '"name":"[a-z]*","summary"' | cut -d'"' -f4 | sed 's/^/samara-/'); do
+  gzip -dc "$brought/man/man1/$name.1.gz" | grep '^\.SH SYNOPSIS' >/dev/null || { echo "no page for man of $name" >&2; exit 1; }
+done
+for file in bash-completion/completions/samara zsh/vendor-completions/_samara fish/vendor_completions.d/samara.fish; do
+  grep -q gradient "$brought/$file" || { echo "$file completes nothing" >&2; exit 1; }
+done
 use samara build "$examples/coin/plan.toml" -o "$place/coin.h5" | head -1
 use samara query "$place/coin.h5" --set C_D=1.15 --set "v(0)=10 cm/s" --at 0.3
 use samara fit "$place/coin.h5" "$examples/coin/coin.toml" --config "$examples/coin/fit.toml" --span "0.4 s" | grep "^C_D *1\.17 "
@@ -49,5 +57,13 @@ else
   # shellcheck disable=SC2046
   cc "$examples/c_interface/ask.c" $(pkg-config --cflags --libs samara) -o "$work/ask" -Wl,-rpath-link,"$libraries"
   LD_LIBRARY_PATH=$libraries "$work/ask" "$work/coin.h5" 0.3 1.15 0.1
+fi
+# A flat file is read by one header, which needs none of the libraries.
+use samara export "$place/coin.h5" --to flat -o "$place/coin.flat"
+if [ -n "$root" ]; then
+  chroot "$root" sh -c "cd / && gcc $examples/flat_codebook/fall.c -lm -o trial/fall && trial/fall trial/coin.flat 0.3 1.15 0.1"
+else
+  cc -I"$work/tree/usr/include" "$examples/flat_codebook/fall.c" -lm -o "$work/fall"
+  "$work/fall" "$work/coin.flat" 0.3 1.15 0.1
 fi
 echo "the packages work${root:+ in $root}"

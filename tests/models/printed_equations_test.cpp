@@ -173,6 +173,7 @@ Words words_of(const std::string& model) {
   }
   if (model == "falling_plate_in_gusts" || model == "sphere_flight_in_gusts")
     return {{}, {{"t", time_itself}}};
+  if (model == "immersed_body_with_wake") return {{}, kEllipsoid};
   if (model == "kirchhoff_body") return {{}, {{"R", turn}, {"K", symmetric_K}, {"M_body", kirchhoff_mass}}};
   if (model == "coefficient_body") {
     return {{"E: the axes of flow, body x, y, z turned by beta about z, then by -alpha about y"},

@@ -170,6 +170,24 @@ key = "{LONG}"
         self.assertGreater(len([line for line in after if line.startswith("     word")]), 0)
 
 
+class Schemas(unittest.TestCase):
+    """Answers as JSON, docs/schemas; samara_case.py compares each that a test asks for with its schema."""
+
+    OF_PAGES = {"samara-patterns-page/1"}  # what pages carry is nobody else's
+
+    def test_every_answer_has_a_schema_and_every_schema_a_call(self):
+        written = set()
+        for folder in ("apps", "codebooks", "flow", "identification", "motion"):
+            for file in (ROOT / folder).rglob("*.cpp"):
+                written |= set(re.findall(r'"(samara-[a-z-]+/[0-9]+)"', file.read_text()))
+        published = {f"{stem}/{version}" for stem, version in (file.stem.rsplit("-", 1) for file in (ROOT / "docs" / "schemas").glob("*.json"))}
+        self.assertEqual(written - self.OF_PAGES, published)
+        tests = "".join(file.read_text() for file in (ROOT / "tests" / "apps").glob("*_test.py"))
+        for name in published:
+            # By its whole name, or without the version, as check_schema() gives it.
+            self.assertRegex(tests, f'"{name.split("/")[0]}(/[0-9]+)?"', f"no test asks for {name}")
+
+
 class Texts(unittest.TestCase):
     """A formatter that takes a file for another kind breaks what is shown of it."""
 
@@ -208,6 +226,36 @@ class Reference(unittest.TestCase):
                     known |= set(re.findall(r'"(\w+)"', call))
             self.assertGreater(len(known), 10)
             self.assertEqual(known - told, set(), f"{page} does not tell of these keys")
+
+    # Where the defaults stand in the code; keys that have another name there; those whose default depends on other keys.
+    DEFAULTS = {
+        "docs/reference/plan.md": ["codebooks/plan/plan.h"],
+        "docs/reference/fit_config.md": ["identification/problem/fit_options.h"],
+    }
+    OTHER_NAMES = {"starts": "count", "bootstrap": "replicates", "posterior": "samples", "scale": "length_scale"}
+    DEPEND = {"max_nodes", "max_rank", "guards", "absolute", "initial"}
+
+    def test_numbers_that_are_told_as_defaults_are_those_of_the_code(self):
+        # Keys of a table may stand within what is told of it.
+        entry = re.compile(r"(?=\*\*`\[?(\w+)\]?`\*\*,? \(((?:[^()]|\([^()]*\))*)\))")
+        number = r"[-+\d][-+\d.,e]*"
+        for page, headers in self.DEFAULTS.items():
+            told, known = {}, {}
+            for key, what in entry.findall(text(page)):
+                found = re.search(rf"\bdefault ((?:{number}\s*)+|`true`|`false`)(mm)?", re.sub(r"\([^()]*\)", "", what))
+                if found and key not in self.DEPEND:
+                    scale = 1e-3 if found[2] else 1.0
+                    value = found[1].strip("`") if found[1].startswith("`") else tuple(scale * float(v) for v in re.sub(r",(?=\s|$)", " ", found[1]).replace(",", "").split())
+                    told.setdefault(self.OTHER_NAMES.get(key, key), set()).add(value)
+            for header in headers:
+                for key, value in re.findall(r"^\s+[\w:<>, ]+ (\w+) =\s+(\{[^;]*\}|[^;]+);", text(header), re.M):
+                    if re.fullmatch(rf"\{{?\s*{number}(, *{number})*\s*\}}?", value):
+                        known.setdefault(key, set()).add(tuple(float(v.replace("'", "")) for v in value.strip("{} ").split(",")))
+                    elif value in ("true", "false"):
+                        known.setdefault(key, set()).add(value)
+            self.assertGreater(len(told), 7, page)
+            for key, values in told.items():
+                self.assertEqual(values, known.get(key), f"{page}: {key}")
 
 
 if __name__ == "__main__":

@@ -69,6 +69,8 @@ std::optional<double> seconds_of(const std::string& timecode) {
 /// The units that Kinovea does not name. @param line of the first time, for the error
 std::pair<Unit, Unit> named_units(const ExportHints& hints, int line, bool has_timecodes) {
   const bool lacks_time = !hints.time_unit && !has_timecodes;
+  if (hints.time_unit && has_timecodes)
+    throw InputError(hints.file, line, "the times are timecodes, which need no time_unit; none was expected");
   if (!hints.has_columns && (!hints.length_unit || lacks_time)) {
     throw InputError(
         hints.file, line,

@@ -1,0 +1,118 @@
+/// Square plates that settle in water, from positions alone: 0.4 swings beyond a window of one swing, on eight drops
+/// that had no part in the fit of eight others, in three splits drawn with the seeds 1 to 3.
+///
+/// Cleaning takes out frames far from their neighbours on both sides: windows that are predicted are cleaned without
+/// what came after them.
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "cases.h"
+#include "identification/settling_plates.h"
+#include "samara/identification/fit/fit.h"
+#include "samara/pgd/tensors/random.h"
+#include "scored_split.h"
+
+namespace samara::benchmarks::prediction {
+
+namespace {
+
+using identification::PlateKind;
+using identification::Window;
+using samara::identification::Capture;
+using samara::identification::FitOptions;
+using samara::identification::FitResult;
+
+constexpr std::size_t kDrops = 8;
+constexpr int kSplits = 3;
+constexpr int kDense = 4;  ///< frames between moments of which the body is not asked
+
+FitOptions options_of_fit() {
+  FitOptions options = identification::settling_options();
+  options.starts.rounds = 1;
+  return options;
+}
+
+/// @param cut_drop windows of a drop
+template <typename CutDrop>
+std::vector<Window> windows_of(const std::vector<Capture>& drops, std::span<const std::size_t> order,
+                               const CutDrop& cut_drop) {
+  std::vector<Window> windows;
+  for (std::size_t k = 0; k < std::min(kDrops, order.size()); ++k) {
+    for (Window& window : cut_drop(drops[order[k]])) {
+      window.capture.labels["number"] = fmt::format("{}", order[k]);
+      windows.push_back(std::move(window));
+    }
+  }
+  return windows;
+}
+
+int number_of(const Window& window) {
+  return std::stoi(window.capture.labels.at("number"));
+}
+
+/// Windows predicted by a fit of every third one of others.
+std::vector<AskedMoment> asked(const PlateKind& kind, const std::vector<Window>& others,
+                               const std::vector<Window>& left_out) {
+  const auto family = identification::plate_family(kind);
+  const FitOptions options = options_of_fit();
+  std::vector<Capture> fitted;
+  for (std::size_t k = 0; k < others.size(); k += 3) fitted.push_back(others[k].capture);
+  const FitResult result = samara::identification::fit(*family, fitted, options);
+  const auto predicted =
+      identification::predict_unseen(*family, options, identification::values_of(result), left_out);
+  fmt::print(stderr, "  {} windows fitted in {:.1f} s, {} predicted in {:.1f} s\n", fitted.size(),
+             result.seconds, left_out.size(), predicted.fit.seconds);
+  std::vector<AskedMoment> moments;
+  for (std::size_t k = 0; k < left_out.size(); ++k)
+    moments.push_back(
+        moment_of(left_out[k], number_of(left_out[k]), {}, predicted.next.row(static_cast<Eigen::Index>(k))));
+  return moments;
+}
+
+SplitScores one_split(const std::string& test_case, const std::vector<Capture>& drops, const PlateKind& kind,
+                      int seed) {
+  pgd::Random random(static_cast<std::uint64_t>(seed));
+  std::vector<std::size_t> order(drops.size());
+  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+  for (std::size_t k = order.size() - 1; k > 0; --k)
+    std::swap(order[k], order[static_cast<std::size_t>(random.below(static_cast<int>(k) + 1))]);
+  const auto apart = [&](const Capture& drop) { return identification::cut(drop, kind.frames, kind.ahead); };
+  const auto dense = [&](const Capture& drop) {
+    return identification::cut(drop, kind.frames, kind.ahead, kDense);
+  };
+  const auto as_known = [&](const Capture& drop) {
+    return identification::cut_as_known(drop, kind.frames, kind.ahead);
+  };
+  const std::vector<Window> windows = windows_of(drops, order, apart);
+  std::array<std::vector<Window>, 2> halves;
+  for (const Window& window : windows) {
+    const auto place = std::ranges::find(order, static_cast<std::size_t>(number_of(window))) - order.begin();
+    halves[static_cast<std::size_t>(place % 2)].push_back(window);
+  }
+  std::vector<AskedMoment> training = asked(kind, halves[0], halves[1]);
+  for (AskedMoment& moment : asked(kind, halves[1], halves[0])) training.push_back(std::move(moment));
+  for (const Window& window : windows_of(drops, order, dense))
+    training.push_back(moment_of(window, number_of(window)));
+  return score_split(fmt::format("{} split {}", test_case, seed), training,
+                     asked(kind, windows, windows_of(drops, std::span(order).subspan(kDrops), as_known)));
+}
+
+}  // namespace
+
+void plates_cases(const Options& options) {
+  for (const auto& [material, test_case] : {std::pair{"POM", "plates_pom"}, {"PTFE", "plates_ptfe"}}) {
+    const auto folder = identification::measured_set(options, test_case, "settling-plates-water-cardiff");
+    if (!folder) continue;
+    const PlateKind& kind = identification::plate_kind(material);
+    const std::vector<Capture> drops = identification::plate_drops(*folder, kind);
+    std::vector<SplitScores> splits;
+    for (int seed = 1; seed <= (options.quick ? 1 : kSplits); ++seed)
+      splits.push_back(one_split(test_case, drops, kind, seed));
+    report(test_case, splits);
+  }
+}
+
+}  // namespace samara::benchmarks::prediction

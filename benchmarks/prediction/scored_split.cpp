@@ -1,0 +1,107 @@
+#include "scored_split.h"
+
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "cases.h"
+#include "identification/real_data.h"
+
+namespace samara::benchmarks::prediction {
+
+using samara::identification::PredictionTally;
+using samara::identification::SaidForecast;
+using samara::identification::TrainedForecasts;
+
+AskedMoment moment_of(const identification::Window& window, int cluster, const Eigen::VectorXd& known,
+                      const Eigen::RowVectorXd& model) {
+  return {.moment = {.cluster = cluster,
+                     .seen = {.times = window.capture.times,
+                              .positions = identification::positions_of(window.capture),
+                              .up = 2},
+                     .known = known,
+                     .next = window.next},
+          .time = window.next_time,
+          .model = model.allFinite() ? model : Eigen::RowVectorXd()};
+}
+
+namespace {
+
+constexpr const char* kOurs = samara::identification::kMixture;
+
+/// The plain baseline that is best by a score.
+const PredictionScore& best_plain(const SplitScores& split, double PredictionScore::*score) {
+  const PredictionScore* best = nullptr;
+  for (const auto& [name, one] : split.of) {
+    if (!samara::identification::is_plain(name) || one.count < split.of.at(kOurs).count) continue;
+    if (best == nullptr || one.*score < best->*score) best = &one;
+  }
+  return *best;
+}
+
+void add_scores(const std::string& name, const TrainedForecasts& trained,
+                const std::vector<AskedMoment>& unseen, std::map<std::string, PredictionTally>& tallies) {
+  for (const AskedMoment& asked : unseen) {
+    const Eigen::RowVectorXd& next = asked.moment.next;
+    for (const SaidForecast& said : trained.say(asked)) {
+      PredictionTally& tally = tallies.try_emplace(said.predictor, said.predictor, name).first->second;
+      tally.add(samara::identification::prediction_distances(said.mean, next), asked.moment.cluster);
+      for (std::size_t c = 0; c < said.parts.size(); ++c)
+        tally.add_forecast(said.parts[c], next[static_cast<Eigen::Index>(c)]);
+    }
+  }
+}
+
+}  // namespace
+
+SplitScores score_split(const std::string& name, const std::vector<Questioned>& parts) {
+  std::map<std::string, PredictionTally> tallies;
+  for (const Questioned& part : parts) {
+    const TrainedForecasts trained = TrainedForecasts::train(part.training, kInSpace);
+    fmt::print(stderr, "{}: {} moments, {} in training;", name, part.unseen.size(), part.training.size());
+    for (const auto& share : trained.shares()) fmt::print(stderr, " {:.2f} {}", share.share, share.predictor);
+    fmt::print(stderr, "\n");
+    add_scores(name, trained, part.unseen, tallies);
+  }
+  SplitScores result;
+  for (const auto& [predictor, tally] : tallies) {
+    const PredictionScore score = tally.score();
+    result.of[predictor] = score;
+    if (score.count == 0) continue;
+    fmt::print(stderr,
+               "  {:22} median {:6.2f} mm, rms {:6.2f} mm, crps {:6.2f} mm, {:.2f} in 50 %, {:.2f} in 90 %\n",
+               predictor, 1e3 * score.median, 1e3 * score.rms, 1e3 * score.crps, score.coverage50,
+               score.coverage90);
+  }
+  const PredictionScore& best = best_plain(result, &PredictionScore::median);
+  const auto behind = tallies.at(kOurs).behind(tallies.at(best.predictor));
+  fmt::print(stderr, "  median less that of {}: {:.2f} +- {:.2f} mm\n", best.predictor, 1e3 * behind.value,
+             1e3 * behind.error);
+  return result;
+}
+
+void report(const std::string& test_case, const std::vector<SplitScores>& splits) {
+  const auto worst_by = [&](const std::string& metric, double PredictionScore::*score) {
+    Measurement worst{kBench, test_case, metric, 0.0, "m", "best_plain"};
+    for (const SplitScores& split : splits) {
+      const double ours = split.of.at(kOurs).*score;
+      const double ratio = best_plain(split, score).*score / ours;
+      if (worst.ratio && ratio >= *worst.ratio) continue;
+      worst.value = ours;
+      worst.ratio = ratio;
+    }
+    print(worst);
+  };
+  worst_by("median", &PredictionScore::median);
+  worst_by("rms", &PredictionScore::rms);
+  worst_by("crps", &PredictionScore::crps);
+  double coverage = 0.9;
+  for (const SplitScores& split : splits) {
+    const double here = split.of.at(kOurs).coverage90;
+    if (std::abs(here - 0.9) > std::abs(coverage - 0.9)) coverage = here;
+  }
+  print({kBench, test_case, "coverage90", coverage});
+}
+
+}  // namespace samara::benchmarks::prediction

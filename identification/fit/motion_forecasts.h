@@ -1,0 +1,53 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/identification/fit/capture_prediction.h"
+#include "samara/identification/fit/prediction.h"
+#include "samara/identification/statistics/trained_forecasts.h"
+
+/// Forecasts of captures by what training captures showed; internal to identification/.
+namespace samara::identification {
+
+/// Outputs that are compared as one: all lengths, all velocities, all rates, or a single other one; or the
+/// attitude.
+struct Quantity {
+  std::string name, unit;
+  double period = 0.0;  ///< 0: on the line
+  std::vector<int> columns = {};
+  bool is_attitude = false;
+  /// Of the columns: those that are level, and the one that is up. A position in space, x, y and z, has them.
+  Components components = {};
+  Eigen::Index up = -1;
+};
+
+/// What was seen of a quantity.
+SeenMotion seen_of(const CapturePrediction& one, const Quantity& quantity);
+
+/// Of each quantity but the attitude and those with a period, for each tenth of the way ahead.
+class MotionForecasts {
+ public:
+  /// @param predictions of training captures, each by a fit that has not seen it; motions are clusters
+  MotionForecasts(std::span<const Quantity> compared, std::span<const CapturePrediction> predictions,
+                  const PredictionOptions& prediction);
+
+  /// What every predictor says of a frame ahead, in the order of TrainedForecasts::say(); nothing for
+  /// quantities without forecasts.
+  std::vector<SaidForecast> say(std::size_t quantity, const CapturePrediction& one, Eigen::Index frame) const;
+
+  /// A sentence with the shares at the end of the way; empty if there are none.
+  std::string shares(std::size_t quantity) const;
+
+ private:
+  std::size_t slot_of(double time) const;
+
+  std::vector<Quantity> compared_;
+  PredictionOptions prediction_;
+  std::vector<std::vector<TrainedForecasts>> trained_;  ///< by quantity and tenth; empty: no forecasts
+};
+
+}  // namespace samara::identification

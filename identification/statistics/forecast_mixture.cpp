@@ -1,0 +1,225 @@
+#include "samara/identification/statistics/forecast_mixture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "samara/base/errors.h"
+#include "samara/identification/smoothing/medians.h"
+#include "samara/identification/statistics/local_shares.h"
+
+namespace samara::identification {
+
+namespace {
+
+void check_shapes(std::span<const Eigen::MatrixXd> said, Eigen::Index rows, Eigen::Index columns) {
+  if (said.empty()) throw ArgumentError("no predictor is to be mixed; one or more were expected");
+  for (const Eigen::MatrixXd& one : said) {
+    if (one.rows() == rows && one.cols() == columns) continue;
+    throw ArgumentError(fmt::format("a predictor says {} x {} numbers, where {} x {} were expected",
+                                    one.rows(), one.cols(), rows, columns));
+  }
+}
+
+bool all_speak(std::span<const Eigen::MatrixXd> said, Eigen::Index row) {
+  return std::ranges::all_of(said, [&](const Eigen::MatrixXd& one) { return one.row(row).allFinite(); });
+}
+
+}  // namespace
+
+Eigen::VectorXd convex_shares(std::span<const Eigen::MatrixXd> said, const Eigen::MatrixXd& measured) {
+  check_shapes(said, measured.rows(), measured.cols());
+  const auto count = std::ssize(said);
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index row = 0; row < measured.rows(); ++row) {
+    if (measured.row(row).allFinite() && all_speak(said, row)) rows.push_back(row);
+  }
+  Eigen::VectorXd shares = Eigen::VectorXd::Unit(count, 0);
+  if (rows.empty()) return shares;
+  shares.setConstant(1.0 / static_cast<double>(count));
+  constexpr int kReweightings = 8;
+  constexpr double kHuber = 1.0;  // median distances
+  std::vector<double> weights(rows.size(), 1.0);
+  for (int turn = 0; turn < kReweightings; ++turn) {
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      // Errors, not places: shares are 1 together.
+      Eigen::MatrixXd errors(count, measured.cols());
+      for (Eigen::Index m = 0; m < count; ++m)
+        errors.row(m) = said[static_cast<std::size_t>(m)].row(rows[k]) - measured.row(rows[k]);
+      normal += weights[k] * errors * errors.transpose();
+    }
+    shares = least_error_shares(normal, shares);
+    std::vector<double> distances;
+    for (const Eigen::Index row : rows) {
+      Eigen::RowVectorXd error = -measured.row(row);
+      for (Eigen::Index m = 0; m < count; ++m)
+        error += shares[m] * said[static_cast<std::size_t>(m)].row(row);
+      distances.push_back(error.norm());
+    }
+    const double bend = kHuber * median(distances);
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      weights[k] = distances[k] <= bend ? 1.0 : bend / distances[k];
+  }
+  return shares;
+}
+
+Eigen::MatrixXd weighted(std::span<const Eigen::MatrixXd> said, const Eigen::VectorXd& shares) {
+  if (said.empty() || std::ssize(said) != shares.size()) {
+    throw ArgumentError(fmt::format("{} shares of {} predictors; as many were expected, and one or more",
+                                    shares.size(), said.size()));
+  }
+  check_shapes(said, said.front().rows(), said.front().cols());
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(said.front().rows(), said.front().cols());
+  for (Eigen::Index row = 0; row < sum.rows(); ++row) {
+    double together = 0.0;
+    for (std::size_t m = 0; m < said.size(); ++m) {
+      const double share = shares[static_cast<Eigen::Index>(m)];
+      if (!(share > 0.0) || !said[m].row(row).allFinite()) continue;
+      sum.row(row) += share * said[m].row(row);
+      together += share;
+    }
+    sum.row(row) /= together;  // 0/0 where none speaks
+  }
+  return sum;
+}
+
+Eigen::VectorXd disagreement(std::span<const Eigen::MatrixXd> said) {
+  if (said.empty()) throw ArgumentError("no predictor is to be compared; one or more were expected");
+  check_shapes(said, said.front().rows(), said.front().cols());
+  Eigen::VectorXd apart = Eigen::VectorXd::Zero(said.front().rows());
+  for (Eigen::Index row = 0; row < apart.size(); ++row) {
+    Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(said.front().cols());
+    double count = 0.0, squares = 0.0;
+    for (const Eigen::MatrixXd& one : said) {
+      if (!one.row(row).allFinite()) continue;
+      mean += one.row(row);
+      ++count;
+    }
+    if (count < 2.0) continue;
+    for (const Eigen::MatrixXd& one : said) {
+      if (one.row(row).allFinite()) squares += (one.row(row) - mean / count).squaredNorm();
+    }
+    apart[row] = std::sqrt(squares / count);
+  }
+  return apart;
+}
+
+namespace {
+
+constexpr double kLeastDisagreement = 1e-12;
+
+/// Of log |error| against log disagreement.
+double slope_of(const std::vector<double>& x, const std::vector<double>& y) {
+  const auto count = static_cast<double>(x.size());
+  const double middle_x = std::accumulate(x.begin(), x.end(), 0.0) / count;
+  const double middle_y = std::accumulate(y.begin(), y.end(), 0.0) / count;
+  double both = 0.0, squares = 0.0;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    both += (x[k] - middle_x) * (y[k] - middle_y);
+    squares += (x[k] - middle_x) * (x[k] - middle_x);
+  }
+  return squares > 0.0 ? both / squares : 0.0;
+}
+
+/// Two normals about 0 with the greatest likelihood, by expectation and maximisation.
+void fit_two_normals(const std::vector<double>& errors, Eigen::Vector2d& weights,
+                     Eigen::Vector2d& deviations) {
+  double squares = 0.0;
+  for (const double e : errors) squares += e * e;
+  const double deviation = std::sqrt(squares / static_cast<double>(errors.size()));
+  weights = {0.7, 0.3};
+  deviations = {0.5 * deviation, 1.6 * deviation};
+  if (!(deviation > 0.0)) return;
+  constexpr int kTurns = 200;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    Eigen::Vector2d counts = Eigen::Vector2d::Zero(), sums = Eigen::Vector2d::Zero();
+    for (const double e : errors) {
+      const Eigen::Array2d z = e / deviations.array();
+      // The smaller exponent is taken out: far errors have no density otherwise.
+      const Eigen::Array2d exponents = -0.5 * z.square();
+      Eigen::Vector2d of_each =
+          (weights.array() / deviations.array() * (exponents - exponents.maxCoeff()).exp()).matrix();
+      of_each /= of_each.sum();
+      counts += of_each;
+      sums += e * e * of_each;
+    }
+    weights = counts / counts.sum();
+    // Neither shrinks onto a few errors that happen to be small.
+    constexpr double kNarrowest = 0.1;
+    for (int k = 0; k < 2; ++k)
+      deviations[k] =
+          std::max(counts[k] > 0.0 ? std::sqrt(sums[k] / counts[k]) : deviation, kNarrowest * deviation);
+  }
+}
+
+}  // namespace
+
+ErrorDistribution ErrorDistribution::fit(const Eigen::MatrixXd& errors, const Components& components,
+                                         const Eigen::VectorXd& disagreements) {
+  if (disagreements.size() > 0 && disagreements.size() != errors.rows()) {
+    throw ArgumentError(fmt::format("{} errors have {} disagreements; as many were expected", errors.rows(),
+                                    disagreements.size()));
+  }
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index row = 0; row < errors.rows(); ++row) {
+    const bool has_disagreement = disagreements.size() == 0 || std::isfinite(disagreements[row]);
+    if (errors.row(row).allFinite() && has_disagreement) rows.push_back(row);
+  }
+  ErrorDistribution result;
+  constexpr std::size_t kFewest = 3;
+  if (rows.size() < kFewest) return result;
+  std::vector<std::vector<int>> groups;
+  if (!components.level.empty()) groups.push_back(components.level);
+  result.kind_of_.resize(static_cast<std::size_t>(errors.cols()), 0);
+  for (int c = 0; c < errors.cols(); ++c) {
+    if (std::ranges::count(components.level, c) > 0) continue;
+    result.kind_of_[static_cast<std::size_t>(c)] = groups.size();
+    groups.push_back({c});
+  }
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const std::vector<int>& columns = groups[g];
+    Kind kind;
+    const Eigen::MatrixXd own = errors(rows, columns);
+    const bool is_level = !components.level.empty() && g == 0;
+    if (!is_level) kind.mean = own.mean();
+    std::vector<double> scales(rows.size(), 1.0);
+    if (disagreements.size() > 0) {
+      std::vector<double> x, y;
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        const auto row = static_cast<Eigen::Index>(k);
+        const double size = std::sqrt((own.row(row).array() - kind.mean).square().mean());
+        x.push_back(std::log(std::max(disagreements[rows[k]], kLeastDisagreement)));
+        y.push_back(std::log(std::max(size, kLeastDisagreement)));
+      }
+      kind.power = std::clamp(slope_of(x, y), 0.0, 1.0);
+      kind.middle = std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
+      for (std::size_t k = 0; k < x.size(); ++k) scales[k] = std::exp(kind.power * (x[k] - kind.middle));
+    }
+    std::vector<double> all;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      for (Eigen::Index c = 0; c < own.cols(); ++c)
+        all.push_back((own(static_cast<Eigen::Index>(k), c) - kind.mean) / scales[k]);
+    }
+    fit_two_normals(all, kind.weights, kind.deviations);
+    result.kinds_.push_back(kind);
+  }
+  return result;
+}
+
+NormalMixture ErrorDistribution::around(Eigen::Index component, double predicted, double disagreement) const {
+  if (component < 0 || component >= std::ssize(kind_of_)) {
+    throw ArgumentError(
+        fmt::format("component {} of an error distribution of {} components", component, kind_of_.size()));
+  }
+  const Kind& kind = kinds_[kind_of_[static_cast<std::size_t>(component)]];
+  const double scale =
+      std::exp(kind.power * (std::log(std::max(disagreement, kLeastDisagreement)) - kind.middle));
+  return {kind.weights, Eigen::VectorXd::Constant(2, predicted + kind.mean),
+          (kind.power > 0.0 ? scale : 1.0) * kind.deviations};
+}
+
+}  // namespace samara::identification

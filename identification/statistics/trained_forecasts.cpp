@@ -1,0 +1,186 @@
+#include "samara/identification/statistics/trained_forecasts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace samara::identification {
+
+namespace {
+
+constexpr double kSilence = std::numeric_limits<double>::quiet_NaN();
+
+std::span<const Eigen::MatrixXd> baselines_of(const std::vector<Eigen::MatrixXd>& said) {
+  return std::span(said).subspan(1, all_baselines().size());
+}
+
+/// Those that take part: who is silent in most moments does not.
+std::vector<std::size_t> speakers(std::span<const Eigen::MatrixXd> said,
+                                  const std::vector<Eigen::Index>& rows) {
+  std::vector<std::size_t> result;
+  for (std::size_t m = 0; m < said.size(); ++m) {
+    const auto spoken =
+        std::ranges::count_if(rows, [&](Eigen::Index row) { return said[m].row(row).allFinite(); });
+    if (2 * spoken > std::ssize(rows)) result.push_back(m);
+  }
+  return result;
+}
+
+/// Shares of all, from those rows.
+Eigen::VectorXd shares_of(std::span<const Eigen::MatrixXd> said, const Eigen::MatrixXd& measured,
+                          const std::vector<Eigen::Index>& rows) {
+  Eigen::VectorXd shares = Eigen::VectorXd::Zero(std::ssize(said));
+  const std::vector<std::size_t> taking_part = speakers(said, rows);
+  if (taking_part.empty()) return shares;
+  std::vector<Eigen::MatrixXd> parts;
+  for (const std::size_t m : taking_part) parts.emplace_back(said[m](rows, Eigen::all));
+  const Eigen::VectorXd found = convex_shares(parts, measured(rows, Eigen::all));
+  for (std::size_t k = 0; k < taking_part.size(); ++k)
+    shares[static_cast<Eigen::Index>(taking_part[k])] = found[static_cast<Eigen::Index>(k)];
+  return shares;
+}
+
+/// Predictors whose disagreement says how well the motion is foreseen: polynomials of the whole span but the
+/// line, and the point, stray far where nothing is wrong.
+Eigen::VectorXd disagreement_of(const std::vector<Eigen::MatrixXd>& said) {
+  std::vector<Eigen::MatrixXd> compared = {said.front(), said.back()};
+  for (const Baseline baseline :
+       {Baseline::straight_line, Baseline::constant_velocity, Baseline::constant_acceleration}) {
+    const auto place = std::ranges::find(all_baselines(), baseline) - all_baselines().begin();
+    compared.push_back(said[static_cast<std::size_t>(place) + 1]);
+  }
+  return disagreement(compared);
+}
+
+/// Speed and acceleration in one frame, as logarithms.
+Eigen::RowVectorXd features_of(const SeenMotion& seen) {
+  constexpr double kLeast = 1e-9;
+  const Eigen::MatrixXd rates = recent_rates(seen);
+  Eigen::RowVectorXd features(2);
+  features << std::log(rates.row(0).norm() + kLeast), std::log(rates.row(1).norm() + kLeast);
+  return features.array().isNaN().select(0.0, features);
+}
+
+/// One row of what some predictors say, by shares; those that are silent leave theirs to the others.
+Eigen::RowVectorXd mixed(const std::vector<Eigen::MatrixXd>& said, const std::vector<std::size_t>& which,
+                         const Eigen::VectorXd& shares, Eigen::Index row) {
+  std::vector<Eigen::MatrixXd> rows;
+  for (const std::size_t m : which) rows.emplace_back(said[m].row(row));
+  return weighted(rows, shares).row(0);
+}
+
+Eigen::RowVectorXd silent(Eigen::Index count) {
+  return Eigen::RowVectorXd::Constant(count, kSilence);
+}
+
+}  // namespace
+
+bool is_plain(const std::string& predictor) {
+  return predictor == kMixtureOfBaselines ||
+         std::ranges::any_of(all_baselines(), [&](Baseline one) { return to_string(one) == predictor; });
+}
+
+std::vector<Eigen::MatrixXd> TrainedForecasts::said_by_all(std::span<const AskedMoment> moments,
+                                                           bool in_training) const {
+  const std::size_t count = all_baselines().size() + 2;
+  const Eigen::Index columns = moments.empty() ? 0 : moments.front().moment.seen.positions.cols();
+  std::vector<Eigen::MatrixXd> said(count, Eigen::MatrixXd(std::ssize(moments), columns));
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const auto& [moment, time, model] = moments[k];
+    said.front().row(row) = model.size() == columns ? model : silent(columns);
+    for (std::size_t b = 0; b < all_baselines().size(); ++b)
+      said[b + 1].row(row) =
+          predict(all_baselines()[b], moment.seen, Eigen::VectorXd::Constant(1, time)).row(0);
+    said.back().row(row) = in_training
+                               ? autoregression_.predict_without(moment.cluster, moment.seen, moment.known)
+                               : autoregression_.predict(moment.seen, moment.known);
+  }
+  return said;
+}
+
+TrainedForecasts TrainedForecasts::train(std::span<const AskedMoment> moments, const Components& components) {
+  TrainedForecasts result;
+  result.components_ = components;
+  std::vector<TrainingMoment> seen;
+  std::vector<Eigen::Index> all, asked;
+  for (const AskedMoment& one : moments) {
+    if (one.model.size() > 0) asked.push_back(std::ssize(all));
+    all.push_back(std::ssize(all));
+    seen.push_back(one.moment);
+  }
+  result.autoregression_ = Autoregression::fit(seen, components);
+  const std::vector<Eigen::MatrixXd> said = result.said_by_all(moments, true);
+  Eigen::MatrixXd measured(std::ssize(moments), said.front().cols());
+  for (const Eigen::Index row : all) measured.row(row) = seen[static_cast<std::size_t>(row)].next;
+  result.of_baselines_ = shares_of(baselines_of(said), measured, all);
+  result.mixed_ = speakers(said, asked);
+  // Shares from moments in which all of these speak.
+  std::vector<Eigen::MatrixXd> errors;
+  std::vector<Eigen::RowVectorXd> features;
+  std::vector<int> clusters;
+  for (const Eigen::Index row : asked) {
+    Eigen::MatrixXd error(std::ssize(result.mixed_), measured.cols());
+    for (std::size_t m = 0; m < result.mixed_.size(); ++m)
+      error.row(static_cast<Eigen::Index>(m)) = said[result.mixed_[m]].row(row) - measured.row(row);
+    if (!error.allFinite()) continue;
+    errors.push_back(error);
+    features.push_back(features_of(seen[static_cast<std::size_t>(row)].seen));
+    clusters.push_back(seen[static_cast<std::size_t>(row)].cluster);
+  }
+  Eigen::MatrixXd rows(std::ssize(features), 2);
+  for (std::size_t k = 0; k < features.size(); ++k) rows.row(static_cast<Eigen::Index>(k)) = features[k];
+  result.shares_ = LocalShares::fit(errors, rows, clusters);
+  for (std::size_t m = 0; m + 1 < said.size(); ++m)
+    result.errors_.push_back(ErrorDistribution::fit(measured - said[m], components));
+  result.errors_.push_back(
+      ErrorDistribution::fit(measured - weighted(baselines_of(said), result.of_baselines_), components));
+  result.errors_.push_back(ErrorDistribution::fit(measured - said.back(), components));
+  Eigen::MatrixXd of_mixture = Eigen::MatrixXd::Constant(std::ssize(asked), measured.cols(), kSilence);
+  for (std::size_t k = 0; k < asked.size() && result.shares_.of_all().size() > 0; ++k) {
+    const TrainingMoment& moment = seen[static_cast<std::size_t>(asked[k])];
+    const Eigen::VectorXd shares = result.shares_.without(moment.cluster, features_of(moment.seen));
+    of_mixture.row(static_cast<Eigen::Index>(k)) =
+        measured.row(asked[k]) - mixed(said, result.mixed_, shares, asked[k]);
+  }
+  result.errors_.push_back(ErrorDistribution::fit(of_mixture, components, disagreement_of(said)(asked)));
+  return result;
+}
+
+std::vector<SaidForecast> TrainedForecasts::say(const AskedMoment& asked) const {
+  const std::vector<Eigen::MatrixXd> said = said_by_all(std::span(&asked, 1), false);
+  std::vector<SaidForecast> forecasts;
+  const auto add = [&](std::string predictor, const Eigen::RowVectorXd& mean, double disagreement) {
+    const ErrorDistribution& errors = errors_[forecasts.size()];
+    SaidForecast forecast{.predictor = std::move(predictor), .mean = mean};
+    if (mean.allFinite() && errors.is_fitted()) {
+      for (Eigen::Index c = 0; c < mean.size(); ++c)
+        forecast.parts.push_back(errors.around(c, mean[c], disagreement));
+    }
+    forecasts.push_back(std::move(forecast));
+  };
+  add("model", said.front().row(0), 1.0);
+  for (std::size_t b = 0; b < all_baselines().size(); ++b)
+    add(to_string(all_baselines()[b]), said[b + 1].row(0), 1.0);
+  add(kMixtureOfBaselines, weighted(baselines_of(said), of_baselines_).row(0), 1.0);
+  add(kAutoregression, said.back().row(0), 1.0);
+  const Eigen::VectorXd shares = shares_.at(features_of(asked.moment.seen));
+  add(kMixture, shares.size() > 0 ? mixed(said, mixed_, shares, 0) : silent(said.front().cols()),
+      disagreement_of(said)[0]);
+  return forecasts;
+}
+
+std::vector<TrainedForecasts::Share> TrainedForecasts::shares() const {
+  std::vector<Share> shares;
+  for (Eigen::Index k = 0; k < shares_.of_all().size(); ++k) {
+    if (!(shares_.of_all()[k] > 0.0)) continue;
+    const std::size_t m = mixed_[static_cast<std::size_t>(k)], count = all_baselines().size();
+    shares.push_back({m == 0       ? "model"
+                      : m <= count ? to_string(all_baselines()[m - 1])
+                                   : kAutoregression,
+                      shares_.of_all()[k]});
+  }
+  return shares;
+}
+
+}  // namespace samara::identification

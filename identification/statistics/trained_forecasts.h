@@ -1,0 +1,72 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "samara/identification/statistics/autoregression.h"
+#include "samara/identification/statistics/forecast_mixture.h"
+#include "samara/identification/statistics/local_shares.h"
+
+/// Every predictor of a motion at one horizon as a distribution: what it says, and the errors that it showed on
+/// training motions.
+///
+/// Predictors are the model, the plain baselines (baseline_scores.h), the "mixture of baselines" (shares of
+/// convex_shares()), the "autoregression" of training motions, and the "mixture" of model, autoregression and
+/// baselines, with shares that vary with speed and acceleration where that helps (local_shares.h). All shares and
+/// weights come from training moments. The mixture's errors grow with the disagreement of predictors, those of
+/// the others do not.
+namespace samara::identification {
+
+inline constexpr const char* kMixtureOfBaselines = "mixture of baselines";
+inline constexpr const char* kAutoregression = "autoregression";
+inline constexpr const char* kMixture = "mixture";
+
+/// Whether it is a plain baseline, or their mixture.
+bool is_plain(const std::string& predictor);
+
+/// A moment, and what was asked there.
+struct AskedMoment {
+  TrainingMoment moment = {};
+  double time = 0.0;  ///< s, of the next place, in the times of what was seen
+  Eigen::RowVectorXd model =
+      {};  ///< what the model says, fitted without the moment's motion; empty: not asked
+};
+
+struct SaidForecast {
+  std::string predictor;
+  Eigen::RowVectorXd mean = {};           ///< NaN: silent
+  std::vector<NormalMixture> parts = {};  ///< of each component; empty: silent, or no errors are known
+};
+
+class TrainedForecasts {
+ public:
+  /// @param moments of one horizon. Those without a model train the autoregression and what is said of
+  ///   baselines; those with one everything else
+  static TrainedForecasts train(std::span<const AskedMoment> moments, const Components& components);
+
+  /// In the order: model, baselines, mixture of baselines, autoregression, mixture.
+  std::vector<SaidForecast> say(const AskedMoment& asked) const;
+
+  /// Of the mixture over all training moments, by predictor: those that are more than 0.
+  struct Share {
+    std::string predictor;
+    double share;
+  };
+  std::vector<Share> shares() const;
+
+ private:
+  /// What the predictors that are not mixtures say: model, baselines, autoregression; a row a moment.
+  std::vector<Eigen::MatrixXd> said_by_all(std::span<const AskedMoment> moments, bool in_training) const;
+
+  Components components_ = {};
+  Autoregression autoregression_ = {};
+  Eigen::VectorXd of_baselines_ = {};           ///< shares in their mixture
+  std::vector<std::size_t> mixed_ = {};         ///< of model, baselines, autoregression: those in the mixture
+  LocalShares shares_ = {};                     ///< of these
+  std::vector<ErrorDistribution> errors_ = {};  ///< in the order of say()
+};
+
+}  // namespace samara::identification

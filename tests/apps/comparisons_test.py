@@ -1,0 +1,88 @@
+"""Usage: comparisons_test.py SAMARA [CLASS]
+
+Which model predicts captures that its fit has not seen, from the command.
+"""
+
+import csv
+import json
+import re
+
+from samara_case import FOLDER, Case, main, run, write
+
+HELD = '[fixed]\narea = "4.7144e-4 m^2"\nthickness = "2.55 mm"\ndensity = 6338.5\n{}'
+FREE = '[box]\n{}"v(0)" = [-0.2, 0.5]\n[prediction]\nspan = "0.2 s"\nahead = "0.12 s"\n'
+HEAD = 'cluster_by = ["drop"]\noutputs = ["x"]\n'
+
+
+class Comparisons(Case):
+    @classmethod
+    def setUpClass(cls):
+        """Four drops of a coin, each seen twice."""
+        lines = ["t[s],x[m],drop,cam"]
+        for drop in range(4):
+            result = run("simulate", "vertical_fall", "--set", "C_D=1.2", "--set", "area=4.7144e-4", "--set", "thickness=2.55e-3",
+                         "--set", "density=6338.5", "--set", f"v(0)={0.05 + 0.05 * drop}", "--until", "0.35", "--frames", "22")
+            rows = list(csv.reader(result.stdout.splitlines()))
+            column = rows[0].index("x[m]")
+            for cam in "ab":
+                lines += [f"{row[0]},{float(row[column]) + 2e-4 * ((7 * k + 3 * drop + ord(cam)) % 5 - 2)},{drop},{cam}" for k, row in enumerate(rows[1:])]
+        write("drops.csv", "\n".join(lines) + "\n")
+        cls.drops = write("drops.toml", 'file = "drops.csv"\ngroup_by = ["drop", "cam"]\n[columns]\n"t[s]" = { quantity = "t", unit = "s" }\n'
+                          '"x[m]" = { quantity = "x", unit = "m" }\n')
+        cls.right = write("right.toml", HEAD + HELD.format("") + FREE.format("C_D = [0.5, 2.0]\n"))
+        cls.wrong = write("wrong.toml", HEAD + HELD.format("C_D = 0.7\n") + FREE.format(""))
+
+    def compared(self, *arguments):
+        result = run("compare", *arguments, "--model", "vertical_fall", "--left-out", self.drops, "--by", "drop", "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        answer = json.loads(result.stdout)
+        self.assertEqual(answer["schema"], "samara-compare/1")
+        self.check_schema(answer)
+        return answer
+
+    def test_the_drag_that_the_drops_have_is_preferred_to_another(self):
+        answer = self.compared(self.right, self.wrong)
+        self.assertEqual([answer["folds"], answer["clusters"]], [4, 4])
+        self.assertEqual([(m["name"], m["coefficients"]) for m in answer["models"]], [("right", 1), ("wrong", 0)])
+        position, = answer["quantities"]
+        self.assertEqual([position["quantity"], position["forecasts"]], ["position, 0.12 s ahead", 8])
+        right, wrong = position["predictors"][:2]
+        for statistic in ("median", "rms"):
+            self.assertIsNone(right[statistic]["to_first"]["value"])
+            difference = wrong[statistic]["to_first"]
+            self.assertAlmostEqual(difference["value"], wrong[statistic]["value"] - right[statistic]["value"], places=12)
+            self.assertGreater(difference["value"], 3 * difference["error"])
+            self.assertGreater(difference["error"], 0)
+            best = min((p for p in position["predictors"] if p["is_plain"]), key=lambda p: p[statistic]["value"])
+            self.assertEqual(best["name"], position[f"best_plain_by_{statistic}"])
+            self.assertAlmostEqual(right[statistic]["to_plain"]["value"], right[statistic]["value"] - best[statistic]["value"], places=12)
+
+    def test_the_table_says_the_same_and_goes_to_a_file_as_json(self):
+        target = FOLDER / "compared.json"
+        result = run("compare", self.right, self.wrong, "--model", "vertical_fall", "--left-out", self.drops, "--by", "drop", "--folds", "2", "-o", target)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        answer = json.loads(target.read_text())
+        self.assertEqual([answer["folds"], answer["clusters"]], [2, 4])
+        self.assertIn("position, 0.12 s ahead [m]: 8 forecasts of 4 clusters", result.stdout)
+        wrong = answer["quantities"][0]["predictors"][1]
+        row = next(line for line in result.stdout.splitlines() if line.startswith("  wrong ") and "+-" in line)
+        self.assertEqual(float(re.split(r"\s+", row.strip())[1]), float(f"{wrong['median']['value']:.4g}"))
+        again = self.compared(self.right, self.wrong, "--folds", "2")
+        self.assertEqual(again["quantities"], answer["quantities"])
+
+    def test_what_cannot_be_compared_is_refused_in_a_sentence(self):
+        def refused(code, sentence, *arguments):
+            self.check_error(run("compare", *arguments), code, sentence)
+        rest = ["--left-out", self.drops, "--by", "drop"]
+        refused(2, "2 models or codebooks for 3 configs", self.right, self.wrong, self.right, "--model", "vertical_fall", "quadratic_drag_fall", *rest)
+        refused(2, 'no label "day"', self.right, "--model", "vertical_fall", "--left-out", self.drops, "--by", "day")
+        refused(3, "folds is 5; 2 to 4", self.right, "--model", "vertical_fall", *rest, "--folds", "5")
+        silent = write("silent.toml", self.right.read_text().split("[prediction]")[0])
+        refused(3, "`ahead` in [prediction]", silent, "--model", "vertical_fall", *rest)
+        refused(2, "ahead is -1 s", self.right, "--model", "vertical_fall", *rest, "--ahead", "-1")
+        refused(2, "replicates is 1", self.right, "--model", "vertical_fall", *rest, "--replicates", "1")
+        refused(2, "which it would overwrite", self.right, "--model", "vertical_fall", *rest, "-o", self.right)
+
+
+if __name__ == "__main__":
+    main()

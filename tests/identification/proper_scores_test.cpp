@@ -1,0 +1,138 @@
+#include "samara/identification/statistics/proper_scores.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <catch2/catch.hpp>
+
+#include "samara/base/errors.h"
+#include "samara/base/streams.h"
+
+using namespace samara::identification;
+
+namespace {
+
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
+
+const NormalMixture kMixture{Eigen::Vector3d(0.5, 0.3, 0.2), Eigen::Vector3d(0.0, 2.0, -1.0),
+                             Eigen::Vector3d(1.0, 0.5, 3.0)};
+
+NormalMixture normal(double mean, double deviation) {
+  return {Eigen::VectorXd::Ones(1), Eigen::VectorXd::Constant(1, mean),
+          Eigen::VectorXd::Constant(1, deviation)};
+}
+
+double drawn_from(const NormalMixture& mixture, samara::Stream& stream) {
+  double left = stream.uniform();
+  Eigen::Index k = 0;
+  while (k + 1 < mixture.weights.size() && left >= mixture.weights[k]) left -= mixture.weights[k++];
+  return mixture.means[k] + mixture.deviations[k] * stream.normal();
+}
+
+}  // namespace
+
+TEST_CASE("the score of a normal at its mean is its deviation times (sqrt 2 - 1)/sqrt pi") {
+  // Gneiting and Raftery, J. Am. Stat. Assoc. 102 (2007) 359, eq. 21, at z = 0.
+  const double expected = 2.0 * (std::numbers::sqrt2 - 1.0) / std::sqrt(std::numbers::pi);
+  CHECK(crps(normal(3.0, 2.0), 3.0) == Approx(expected).epsilon(1e-13));
+  // Split into two alike it is the same forecast.
+  const NormalMixture halves{Eigen::Vector2d(0.5, 0.5), Eigen::Vector2d(3.0, 3.0), Eigen::Vector2d(2.0, 2.0)};
+  CHECK(crps(halves, 4.0) == Approx(crps(normal(3.0, 2.0), 4.0)).epsilon(1e-13));
+  // Without spread it is the distance, and far away nearly so: less half the mean distance of two draws.
+  CHECK(crps(normal(1.0, 0.0), -2.5) == Approx(3.5).epsilon(1e-15));
+  CHECK(crps(normal(0.0, 1.0), 50.0) == Approx(50.0 - 1.0 / std::sqrt(std::numbers::pi)).epsilon(1e-13));
+}
+
+TEST_CASE("the score of a mixture is the integral that defines it, and the mean of its draws") {
+  for (const double y : {-4.0, 0.3, 2.0, 7.0}) {
+    // Simpson's rule to the left and right of the jump.
+    const auto half = [&](double from, double to, bool above) {
+      constexpr int kSteps = 4000;
+      const double h = (to - from) / kSteps;
+      double sum = 0.0;
+      for (int k = 0; k <= kSteps; ++k) {
+        const double F = probability_below(kMixture, from + k * h) - (above ? 1.0 : 0.0);
+        sum += (k == 0 || k == kSteps ? 1.0 : k % 2 == 1 ? 4.0 : 2.0) * F * F;
+      }
+      return sum * h / 3.0;
+    };
+    CHECK(crps(kMixture, y) == Approx(half(-40.0, y, false) + half(y, 40.0, true)).epsilon(1e-8));
+  }
+  samara::Stream stream(5, 0);
+  constexpr int kDraws = 20000;
+  double to_truth = 0.0, among = 0.0;
+  for (int k = 0; k < kDraws; ++k) {
+    const double x = drawn_from(kMixture, stream);
+    to_truth += std::abs(x - 1.2) / kDraws;
+    among += std::abs(x - drawn_from(kMixture, stream)) / kDraws;
+  }
+  // The distances scatter by about 2: three errors of the mean of 20000.
+  CHECK(crps(kMixture, 1.2) == Approx(to_truth - 0.5 * among).margin(3.0 * 2.0 / std::sqrt(kDraws)));
+}
+
+TEST_CASE("quantiles undo probabilities, and those of a normal are known") {
+  CHECK(quantile(normal(1.0, 2.0), 0.95) == Approx(1.0 + 2.0 * 1.6448536269514722).epsilon(1e-12));
+  for (const double part : {1e-6, 0.05, 0.25, 0.5, 0.95, 1.0 - 1e-9})
+    CHECK(probability_below(kMixture, quantile(kMixture, part)) == Approx(part).epsilon(1e-9));
+  CHECK(quantile(normal(4.0, 0.0), 0.3) == Approx(4.0).epsilon(1e-14));
+}
+
+TEST_CASE("truths drawn from the forecast lie in its central intervals as often as they should") {
+  samara::Stream stream(6, 0);
+  ProperScores honest, narrow;
+  NormalMixture half = kMixture;
+  half.deviations *= 0.3;
+  for (int k = 0; k < 4000; ++k) {
+    const double y = drawn_from(kMixture, stream);
+    honest.add(kMixture, y);
+    narrow.add(half, y);
+  }
+  // Three standard errors of a share of 4000.
+  CHECK(honest.coverage(0.5) == Approx(0.5).margin(0.024));
+  CHECK(honest.coverage(0.9) == Approx(0.9).margin(0.015));
+  CHECK(narrow.coverage(0.9) < 0.75);
+  // Proper: who says what is so has the better score.
+  CHECK(honest.mean_crps() < narrow.mean_crps());
+  honest.add(kMixture, kNoValue);
+  CHECK(honest.count() == 4000);
+}
+
+TEST_CASE("a forecast of several outputs is scored by the mean over what was measured") {
+  Forecast forecast{.times = Eigen::Vector2d(0.1, 0.2), .outputs = {"x", "y"}};
+  const Eigen::Matrix2d spread = (Eigen::Matrix2d() << 4.0, 1.0, 1.0, 9.0).finished();
+  for (const double weight : {0.25, 0.75})
+    forecast.components.push_back({weight, Eigen::MatrixXd::Constant(2, 2, weight), {spread, 4.0 * spread}});
+  Eigen::MatrixXd measured(2, 2);
+  measured << 1.0, 2.0, kNoValue, -3.0;
+  ProperScores scores;
+  scores.add(forecast, measured);
+  CHECK(scores.count() == 3);
+  const NormalMixture last = marginal(forecast, 1, 1);
+  CHECK(last.weights.isApprox(Eigen::Vector2d(0.25, 0.75)));
+  CHECK(last.deviations.isApprox(Eigen::Vector2d(6.0, 6.0)));
+  CHECK(scores.each_crps().back() == Approx(crps(last, -3.0)).epsilon(1e-15));
+  // One that is silent leaves its weight to the other.
+  forecast.components[0].mean(1, 1) = kNoValue;
+  CHECK(marginal(forecast, 1, 1).weights.isApprox(Eigen::VectorXd::Ones(1)));
+}
+
+TEST_CASE("forecasts that are none are refused with what is wrong") {
+  CHECK_THROWS_WITH(crps(kMixture, kNoValue), Catch::Contains("is nan; a finite one was expected"));
+  CHECK_THROWS_WITH(crps(normal(0.0, -1.0), 0.0), Catch::Contains("the deviation -1"));
+  CHECK_THROWS_WITH(crps(normal(kNoValue, 1.0), 0.0), Catch::Contains("the mean nan"));
+  CHECK_THROWS_WITH(crps({}, 0.0), Catch::Contains("0 weights"));
+  NormalMixture heavy = kMixture;
+  heavy.weights *= 2.0;
+  CHECK_THROWS_WITH(quantile(heavy, 0.5), Catch::Contains("1 was expected"));
+  CHECK_THROWS_AS(quantile(kMixture, 1.0), samara::ArgumentError);
+  CHECK_THROWS_AS(probability_below(kMixture, kNoValue), samara::ArgumentError);
+  Forecast forecast{.times = Eigen::VectorXd::Ones(1), .outputs = {"x"}};
+  forecast.components.push_back({1.0, Eigen::MatrixXd::Ones(1, 1), {Eigen::MatrixXd::Constant(1, 1, -1.0)}});
+  CHECK_THROWS_WITH(marginal(forecast, 0, 0), Catch::Contains("variance of a forecast is -1"));
+  CHECK_THROWS_WITH(marginal(forecast, 1, 0), Catch::Contains("at time 1"));
+  ProperScores scores;
+  CHECK_THROWS_AS(scores.add(forecast, Eigen::MatrixXd::Ones(2, 1)), samara::ArgumentError);
+  CHECK(std::isnan(scores.mean_crps()));
+}

@@ -1,0 +1,208 @@
+#include "samara/identification/statistics/trained_forecasts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <catch2/catch.hpp>
+
+#include "samara/base/errors.h"
+#include "samara/base/streams.h"
+#include "samara/identification/statistics/point_with_drag.h"
+
+using namespace samara::identification;
+
+namespace {
+
+constexpr double kSilence = std::numeric_limits<double>::quiet_NaN();
+constexpr double kFrameTime = 0.01;
+constexpr int kSeenFrames = 20;
+constexpr double kWayAhead = 0.1;
+
+/// Bodies that swing as they fall, about an axis of their own with an amplitude and a phase of their own: a line
+/// errs, and the last places say all.
+SeenMotion swinging(std::uint64_t number, double noise, Eigen::RowVector3d* next = nullptr) {
+  samara::Stream stream(3, number);
+  const double heading = 6.28 * stream.uniform(), phase = 6.28 * stream.uniform();
+  const double amplitude = 0.05 + 0.1 * stream.uniform(), speed = 0.8 + 0.4 * stream.uniform();
+  const auto place = [&](double t) -> Eigen::RowVector3d {
+    const double swing = amplitude * std::sin(12.0 * t + phase);
+    return {std::cos(heading) * swing, std::sin(heading) * swing,
+            -speed * t + 0.2 * amplitude * std::cos(24.0 * t + 2.0 * phase)};
+  };
+  SeenMotion seen{.times = Eigen::VectorXd::LinSpaced(kSeenFrames, 0.0, (kSeenFrames - 1) * kFrameTime),
+                  .positions = Eigen::MatrixXd(kSeenFrames, 3),
+                  .up = 2};
+  for (int k = 0; k < kSeenFrames; ++k) {
+    seen.positions.row(k) = place(seen.times[k]);
+    for (int c = 0; c < 3; ++c) seen.positions(k, c) += noise * stream.normal();
+  }
+  if (next) *next = place(seen.times[kSeenFrames - 1] + kWayAhead);
+  return seen;
+}
+
+AskedMoment moment(std::uint64_t number, double noise = 1e-4) {
+  Eigen::RowVector3d next;
+  SeenMotion seen = swinging(number, noise, &next);
+  const double time = seen.times[kSeenFrames - 1] + kWayAhead;
+  return {.moment = {.cluster = static_cast<int>(number / 4), .seen = std::move(seen), .next = next},
+          .time = time};
+}
+
+/// A model that is right but for an error of its own.
+AskedMoment asked(std::uint64_t number, double error) {
+  AskedMoment one = moment(number);
+  samara::Stream stream(4, number);
+  one.model = one.moment.next;
+  for (int c = 0; c < 3; ++c) one.model[c] += error * stream.normal();
+  return one;
+}
+
+std::vector<AskedMoment> all_asked(std::uint64_t first, std::uint64_t count, double error) {
+  std::vector<AskedMoment> moments;
+  for (std::uint64_t k = first; k < first + count; ++k) moments.push_back(asked(k, error));
+  return moments;
+}
+
+const Components kLevel = {.level = {0, 1}};
+
+/// Root of the mean squared distance of a predictor.
+double rms_of(const TrainedForecasts& trained, const std::vector<AskedMoment>& moments,
+              const std::string& predictor) {
+  double sum = 0.0;
+  for (const AskedMoment& one : moments) {
+    const auto said = trained.say(one);
+    const auto found = std::ranges::find(said, predictor, &SaidForecast::predictor);
+    REQUIRE(found != said.end());
+    sum += (found->mean - one.moment.next).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(moments.size()));
+}
+
+}  // namespace
+
+TEST_CASE("shares of predictors are those with which the truth was mixed") {
+  samara::Stream stream(1, 0);
+  std::vector<Eigen::MatrixXd> said(3, Eigen::MatrixXd(200, 2));
+  for (Eigen::MatrixXd& one : said) one = one.unaryExpr([&](double) { return stream.normal(); });
+  Eigen::MatrixXd truth = 0.3 * said[0] + 0.7 * said[2];
+  truth(7, 0) = 1e3;  // one wild frame
+  said[1].row(9).setConstant(kSilence);
+  const Eigen::VectorXd shares = convex_shares(said, truth);
+  CHECK(shares.isApprox(Eigen::Vector3d(0.3, 0.0, 0.7), 1e-2));
+  CHECK(shares.sum() == Approx(1.0).epsilon(1e-12));
+  CHECK(shares.minCoeff() >= 0.0);
+  // Who is silent leaves its share to the others.
+  said[0].row(3).setConstant(kSilence);
+  CHECK(weighted(said, shares).row(3).isApprox(said[2].row(3), 1e-2));
+  CHECK_THROWS_AS(convex_shares({}, truth), samara::ArgumentError);
+  CHECK_THROWS_AS(convex_shares(std::span(said).first(2), truth.topRows(5)), samara::ArgumentError);
+}
+
+TEST_CASE("errors of two sizes come back as two normals, and grow with disagreement where they did") {
+  samara::Stream stream(2, 0);
+  Eigen::MatrixXd errors(4000, 3);
+  Eigen::VectorXd disagreements(errors.rows());
+  for (Eigen::Index k = 0; k < errors.rows(); ++k) {
+    disagreements[k] = std::exp(stream.normal());
+    for (Eigen::Index c = 0; c < 3; ++c)
+      errors(k, c) = stream.normal() * (stream.uniform() < 0.8 ? 1.0 : 4.0) + (c == 2 ? 0.5 : 0.0);
+  }
+  const auto plain = ErrorDistribution::fit(errors, kLevel);
+  const NormalMixture level = plain.around(1, 10.0), up = plain.around(2, 10.0);
+  CHECK(level.weights.isApprox(Eigen::Vector2d(0.8, 0.2), 0.05));
+  CHECK(level.deviations.isApprox(Eigen::Vector2d(1.0, 4.0), 0.05));
+  CHECK(level.means.isApprox(Eigen::Vector2d(10.0, 10.0)));
+  CHECK(up.means[0] == Approx(10.5).margin(0.1));
+  const Eigen::MatrixXd growing = disagreements.cwiseSqrt().asDiagonal() * errors;
+  const auto with = ErrorDistribution::fit(growing, kLevel, disagreements);
+  CHECK(with.around(0, 0.0, 9.0).deviations[0] / with.around(0, 0.0, 1.0).deviations[0] ==
+        Approx(3.0).epsilon(0.1));
+  CHECK_FALSE(ErrorDistribution::fit(errors.topRows(2), kLevel).is_fitted());
+  CHECK_THROWS_AS(ErrorDistribution::fit(errors, kLevel, disagreements.head(3)), samara::ArgumentError);
+}
+
+TEST_CASE("an autoregression of swinging bodies foresees others, whichever way they swing") {
+  std::vector<TrainingMoment> moments;
+  for (std::uint64_t k = 0; k < 200; ++k) moments.push_back(moment(k).moment);
+  const Autoregression trained = Autoregression::fit(moments, kLevel);
+  double ours = 0.0, line = 0.0;
+  for (std::uint64_t k = 1000; k < 1050; ++k) {
+    AskedMoment one = moment(k);
+    ours += (trained.predict(one.moment.seen, {}) - one.moment.next).squaredNorm();
+    line +=
+        (predict(Baseline::straight_line, one.moment.seen, Eigen::VectorXd::Constant(1, one.time)).row(0) -
+         one.moment.next)
+            .squaredNorm();
+    // Turned about the vertical and moved, the forecast turns and moves with it.
+    SeenMotion turned = one.moment.seen;
+    const Eigen::Matrix2d turn = (Eigen::Matrix2d() << 0.6, -0.8, 0.8, 0.6).finished();
+    turned.positions.leftCols<2>() = one.moment.seen.positions.leftCols<2>() * turn.transpose();
+    turned.positions.col(2).array() += 5.0;
+    Eigen::RowVectorXd expected = trained.predict(one.moment.seen, {});
+    expected.head<2>() = expected.head<2>() * turn.transpose();
+    expected[2] += 5.0;
+    CHECK((trained.predict(turned, {}) - expected).norm() < 1e-9);
+  }
+  CHECK(std::sqrt(ours) < 0.3 * std::sqrt(line));
+  // Four frames are enough to say something, three are not; a motion never seen has all the training.
+  SeenMotion few{.times = Eigen::Vector3d(0.0, 0.01, 0.02), .positions = Eigen::MatrixXd::Zero(3, 3)};
+  CHECK(trained.predict(few, {}).array().isNaN().all());
+  const AskedMoment strange = moment(2000);
+  CHECK(trained.predict_without(2000, strange.moment.seen, {}) == trained.predict(strange.moment.seen, {}));
+  CHECK_FALSE(trained.predict_without(1, moments[4].seen, {}) == trained.predict(moments[4].seen, {}));
+  CHECK_FALSE(Autoregression::fit(std::span(moments).first(3), kLevel).is_fitted());
+  moments[5].known = Eigen::VectorXd::Ones(1);
+  CHECK_THROWS_WITH(Autoregression::fit(moments, kLevel), Catch::Contains("1 known numbers"));
+}
+
+TEST_CASE("a mixture leans on a good model, leaves a bad one, and says how far it errs") {
+  const auto unseen = all_asked(5000, 300, 1e-3);
+  const auto good = TrainedForecasts::train(all_asked(0, 120, 1e-3), kLevel);
+  const auto bad = TrainedForecasts::train(all_asked(0, 120, 0.5), kLevel);
+  const auto share_of_model = [](const TrainedForecasts& trained) {
+    const auto shares = trained.shares();
+    const auto found = std::ranges::find(shares, "model", &TrainedForecasts::Share::predictor);
+    return found == shares.end() ? 0.0 : found->share;
+  };
+  CHECK(share_of_model(good) > 0.8);
+  CHECK(share_of_model(bad) < 0.05);
+  CHECK(rms_of(good, unseen, "mixture") <= 1.02 * rms_of(good, unseen, "model"));
+  CHECK(rms_of(bad, unseen, "mixture of baselines") < rms_of(bad, unseen, "straight line"));
+  ProperScores scores;
+  for (const AskedMoment& one : unseen) {
+    for (const SaidForecast& said : good.say(one)) {
+      if (said.predictor != "mixture") continue;
+      REQUIRE(said.parts.size() == 3);
+      for (Eigen::Index c = 0; c < 3; ++c)
+        scores.add(said.parts[static_cast<std::size_t>(c)], one.moment.next[c]);
+    }
+  }
+  CHECK(scores.coverage(0.9) == Approx(0.9).margin(0.05));
+  CHECK(scores.coverage(0.5) == Approx(0.5).margin(0.08));
+  // A model that fails once leaves the word to the others.
+  AskedMoment silent = unseen[0];
+  silent.model = {};
+  const auto said = good.say(silent);
+  CHECK(said.front().parts.empty());
+  CHECK(said.back().mean.allFinite());
+}
+
+TEST_CASE("a point that falls with drag is carried on by its own drag, in space and in the plane") {
+  // From rest, x'' = -g + k v^2: z = -log cosh(sqrt(g k) t)/k.
+  const double k = 2.0, g = 9.80665;
+  const auto height = [&](double t) { return -std::log(std::cosh(std::sqrt(g * k) * t)) / k; };
+  for (const Eigen::Index count : {2, 3}) {
+    SeenMotion seen{.times = Eigen::VectorXd::LinSpaced(31, 0.0, 0.3),
+                    .positions = Eigen::MatrixXd::Zero(31, count),
+                    .up = count - 1};
+    for (Eigen::Index row = 0; row < 31; ++row) seen.positions(row, count - 1) = height(seen.times[row]);
+    const Eigen::Vector2d times(0.6, 0.4);
+    const Eigen::MatrixXd ahead = predict(Baseline::point_with_drag, seen, times);
+    CHECK(ahead(0, count - 1) == Approx(height(0.6)).margin(1e-6));
+    CHECK(ahead(1, count - 1) == Approx(height(0.4)).margin(1e-6));
+    CHECK(ahead.leftCols(count - 1).cwiseAbs().maxCoeff() < 1e-9);
+    seen.up = -1;
+    CHECK(predict(Baseline::point_with_drag, seen, times).array().isNaN().all());
+  }
+}
