@@ -38,5 +38,7 @@ void run_measured(const Options& options);
 void run_sweeps(const Options& options);
 void run_sketches(const Options& options);
 void run_databases(const Options& options);
+void run_walks(const Options& options);
+void run_films(const Options& options);
 
 }  // namespace samara::benchmarks::motion_cases

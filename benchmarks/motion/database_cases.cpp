@@ -1,4 +1,4 @@
-// Motions as segments: the graph of planar motions, walks in a closed loop, chains, and a thousand bodies a frame.
+// Motions as segments: the graph of planar motions, chains, and a thousand bodies a frame.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "motion/cases.h"
+#include "motion/motion_databases.h"
 #include "samara/base/streams.h"
 #include "samara/models/integrators/step_kernel.h"
 #include "samara/motion/bodies/bodies.h"
@@ -15,18 +16,6 @@
 namespace samara::benchmarks::motion_cases {
 
 namespace {
-
-/// The plate at I* 1.3 over three coefficients, from 0.6 rad.
-motion::MotionDatabase planar_motions(int runs) {
-  const motion::SweepPlan plan = motion::parse_sweep_plan(
-      fmt::format(
-          "model = \"falling_plate_nd\"\n[fixed]\nbeta = 0\ninertia_ratio = 1.3\n[axes]\n"
-          "C_T = {{ from = 0.8, to = 1.4 }}\nC_R = {{ from = 2, to = 4 }}\nA = {{ from = 1, to = 1.8 }}\n"
-          "[sample]\ncount = {}\n[releases]\ntilt = [0.6]\n[run]\nuntil = 60\nstep = 0.05\nsettle = 10\n",
-          runs),
-      "benchmark");
-  return motion::build_database(motion::run_sweep(plan).sweep);
-}
 
 void run_graph(const Options& options) {
   constexpr const char* kName = "graph_planar";
@@ -40,33 +29,6 @@ void run_graph(const Options& options) {
                            graph.threshold);
   print({kMotion, kName, "share",
          static_cast<double>(graph.kept) / static_cast<double>(database.segment_count()), "1"});
-}
-
-/// Walks of 40 segments: the kind of each is planned at the event before it, from where the walk really is.
-void run_walks(const Options& options) {
-  constexpr const char* kName = "walk_planar";
-  if (!options.wants(kName)) return;
-  constexpr int kSegments = 40;
-  const motion::NextPieces pieces(planar_motions(600));
-  double worst = 1.0;
-  // Drawn when all else was frozen: choices were made on seeds 5, 6 and 9.
-  for (const std::uint64_t seed : {2201u, 2202u, 2203u, 2204u}) {
-    motion::Bodies body(pieces, 1,
-                        {.choice = motion::BodiesOptions::Choice::graph, .ramp = 1.0, .seed = seed});
-    body.release(0, {0.0, 0.0, 0.0}, 0.0);
-    int planned = 0, kept = 0;
-    while (planned < kSegments) {
-      body.advance(0.05);
-      for (const motion::BodyEvent& event : body.events()) {
-        if (!event.planned) continue;
-        ++planned;
-        kept += event.kind == *event.planned;
-      }
-    }
-    std::cerr << fmt::format("{}: seed {}, {} of {} kinds kept\n", kName, seed, kept, planned);
-    worst = std::min(worst, static_cast<double>(kept) / planned);
-  }
-  print({kMotion, kName, "kinds_kept", worst, "1"});
 }
 
 /// p(next | before, last) of four symbols, evenly drawn among all such.
@@ -157,51 +119,59 @@ double scalar_frame(const motion::NextPieces& pieces, Eigen::Index count, int st
   });
 }
 
+/// Median time of a frame, with what else there is to say on stderr.
+double frame_time(const motion::NextPieces& pieces, Eigen::Index count, int frames,
+                  const motion::BodiesOptions& options, double frame) {
+  motion::Bodies bodies(pieces, count, options);
+  for (Eigen::Index n = 0; n < count; ++n) bodies.release(n, {0.0, 0.0, 0.0}, 0.1 * static_cast<double>(n));
+  std::vector<double> positions(static_cast<std::size_t>(3 * count)),
+      rotations(static_cast<std::size_t>(4 * count)), times;
+  for (int k = 0; k < frames; ++k) {
+    const auto begin = std::chrono::steady_clock::now();
+    bodies.advance(frame);
+    bodies.read_poses(positions, rotations);
+    times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  std::ranges::sort(times);
+  const motion::BodyCounts& counts = bodies.counts();
+  std::cerr << fmt::format(
+      "many_1000: {} tries, {} segments, {:.0f} events a frame, 99 % of frames within {:.3g} ms; {:.1f} % of "
+      "kinds kept, "
+      "{:.1f} % of drawn ones taken; {} bodies not finite\n",
+      options.tries, pieces.database().segment_count(), static_cast<double>(counts.events) / frames,
+      1e3 * times[times.size() * 99 / 100],
+      100.0 * static_cast<double>(counts.kept) / static_cast<double>(std::max(1L, counts.planned)),
+      100.0 * static_cast<double>(counts.taken) / static_cast<double>(std::max(1L, counts.drawn)),
+      count - bodies.falling());
+  return times[times.size() / 2];
+}
+
+/// With a database of 5^3 points, and of as many as the source's sweep has, 9^3, from two releases each.
 void run_many(const Options& options) {
   constexpr const char* kName = "many_1000";
   if (!options.wants(kName)) return;
   constexpr Eigen::Index kCount = 1000;
   constexpr double kFrame = 1.0 / 60.0;
   constexpr int kSteps = 4;
-  std::string axes;
-  for (const char* name : {"C_D90", "C_T", "C_R"})
-    axes += fmt::format("{} = {{ from = 0.31, to = 2.71, count = {} }}\n", name, options.quick ? 4 : 5);
-  const motion::SweepPlan plan = motion::parse_sweep_plan(
-      "model = \"immersed_body\"\n[fixed]\na = \"3.5 cm\"\nb = \"2 cm\"\nc = \"0.01 cm\"\ndensity = 1200\n"
-      "C_D0 = 0.05\nC_w = 2\n[axes]\n" +
-          axes +
-          "[releases]\ntilt = [\"10 deg\"]\naxis = [\"0 deg\", \"35 deg\"]\n[run]\nuntil = \"2 s\"\nstep = "
-          "\"1 ms\"\n"
-          "settle = \"0.5 s\"\n",
-      "benchmark");
-  const motion::NextPieces pieces(motion::build_database(motion::run_sweep(plan).sweep));
-  motion::Bodies bodies(pieces, kCount, {.step = kFrame / kSteps, .seed = 101});
-  for (Eigen::Index n = 0; n < kCount; ++n) bodies.release(n, {0.0, 0.0, 0.0}, 0.1 * static_cast<double>(n));
-  std::vector<double> positions(3 * kCount), rotations(4 * kCount), times;
-  std::size_t events = 0;
-  for (int frame = 0; frame < (options.quick ? 60 : 600); ++frame) {
-    const auto begin = std::chrono::steady_clock::now();
-    bodies.advance(kFrame);
-    bodies.read_poses(positions, rotations);
-    times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-    events += bodies.events().size();
-  }
-  std::ranges::sort(times);
-  const double median = times[times.size() / 2];
-  std::cerr << fmt::format(
-      "{}: {} segments, {:.0f} events a frame, 99 % of frames within {:.3g} ms; {} bodies not finite\n",
-      kName, pieces.database().segment_count(),
-      static_cast<double>(events) / static_cast<double>(times.size()), 1e3 * times[times.size() * 99 / 100],
-      kCount - bodies.falling());
-  print({kMotion, kName, "time", median, "s", "scalar_loop",
-         scalar_frame(pieces, kCount, kSteps, kFrame / kSteps) / median});
+  const int frames = options.quick ? 60 : 600;
+  motion::BodiesOptions chosen = {.step = kFrame / kSteps, .seed = 101};
+  const motion::NextPieces pieces(card_motions(options.quick ? 4 : 5, 2.0));
+  const double time = frame_time(pieces, kCount, frames, chosen, kFrame);
+  print({kMotion, kName, "time", time, "s", "scalar_loop",
+         scalar_frame(pieces, kCount, kSteps, kFrame / kSteps) / time});
+  print({kMotion, kName, "segments", static_cast<double>(pieces.database().segment_count()), "1"});
+  if (options.quick) return;
+  const motion::NextPieces more(card_motions(9, 2.0));
+  print({kMotion, kName, "time_source", frame_time(more, kCount, frames, chosen, kFrame), "s"});
+  print({kMotion, kName, "segments_source", static_cast<double>(more.database().segment_count()), "1"});
+  chosen.tries = 4;
+  print({kMotion, kName, "time_tried", frame_time(pieces, kCount, frames, chosen, kFrame), "s"});
 }
 
 }  // namespace
 
 void run_databases(const Options& options) {
   run_graph(options);
-  run_walks(options);
   run_chains(options);
   run_many(options);
 }

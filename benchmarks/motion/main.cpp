@@ -15,6 +15,8 @@ int main(int argc, char** argv) {
     motion_cases::run_sweeps(chosen);
     motion_cases::run_sketches(chosen);
     motion_cases::run_databases(chosen);
+    motion_cases::run_walks(chosen);
+    motion_cases::run_films(chosen);
   } catch (const std::exception& error) {
     std::cerr << "motion: " << error.what() << '\n';
     return 1;

@@ -1,4 +1,4 @@
-// Falls along sketches, planned, beside the best of 512 falls at constant coefficients; and that nothing of them jumps.
+// Falls along sketches, planned, beside the best of 512 falls at constant coefficients.
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -9,7 +9,6 @@
 #include "motion/cases.h"
 #include "samara/base/streams.h"
 #include "samara/models/batch/watch_batch.h"
-#include "samara/models/integrators/integrate.h"
 #include "samara/models/laws/registry.h"
 #include "samara/motion/planning/planner.h"
 #include "samara/motion/records/motion_record.h"
@@ -182,35 +181,6 @@ void run_fresh() {
   print({.bench = kMotion, .test_case = "sketch_fresh", .metric = "largest_ratio", .value = ratios.back()});
 }
 
-/// States beside the knots of a planned fall, less what their rate makes in between, over the largest of each state.
-void run_continuity() {
-  const MotionPlan plan = plate_plan([](double d) { return d * std::tan(std::numbers::pi / 6.0); });
-  const MotionResult motion = plan_motion(plan);
-  std::map<std::string, double> fixed = plan.fixed;
-  for (const motion::SteeredCoefficient& coefficient : plan.box) fixed.erase(coefficient.name);
-  const auto course = std::make_shared<motion::CoefficientCourse>(*motion.course);
-  const models::ParametricModel model(models::following(plan.model, course), fixed, {});
-  constexpr double kBeside = 1e-7;
-  std::vector<double> times;
-  for (const motion::CourseKnot& knot : course->knots()) {
-    if (knot.t > kBeside) times.insert(times.end(), {knot.t - kBeside, knot.t, knot.t + kBeside});
-  }
-  const models::Trajectory fall = models::integrate(model, {}, times, {.relative_tolerance = 1e-12});
-  const Eigen::RowVectorXd largest = fall.states.cwiseAbs().colwise().maxCoeff();
-  auto workspace = model.make_workspace();
-  double jump = 0.0;
-  Eigen::VectorXd rate(fall.states.cols());
-  for (Eigen::Index k = 1; k < fall.states.rows(); k += 3) {
-    const Eigen::VectorXd state = fall.states.row(k);
-    model.rhs(times[static_cast<std::size_t>(k)], {state.data(), static_cast<std::size_t>(state.size())}, {},
-              {rate.data(), static_cast<std::size_t>(rate.size())}, workspace);
-    const Eigen::RowVectorXd apart =
-        fall.states.row(k + 1) - fall.states.row(k - 1) - 2.0 * kBeside * rate.transpose();
-    jump = std::max(jump, apart.cwiseAbs().cwiseQuotient(largest).maxCoeff());
-  }
-  print({.bench = kMotion, .test_case = "continuity", .metric = "jump", .value = jump});
-}
-
 double zigzag(double d) {
   const double u = d / 20.0, rest = u - std::floor(u);
   return 20.0 * (static_cast<int>(std::floor(u)) % 2 == 0 ? rest : 1.0 - rest);
@@ -219,7 +189,6 @@ double zigzag(double d) {
 }  // namespace
 
 void run_sketches(const Options& options) {
-  if (options.wants("continuity")) run_continuity();
   if (options.wants("sketch_s"))
     report_sketch("sketch_s",
                   plate_plan([](double d) { return 6.0 * std::sin(2.0 * std::numbers::pi * d / kFall); }));

@@ -9,8 +9,10 @@
 #include <exception>
 #include <string>
 
+#include "samara/base/errors.h"
 #include "samara/io/atomic_file.h"
 #include "samara/io/glb.h"
+#include "samara/models/bodies/pose_keys.h"
 #include "samara/motion/bodies/bodies.h"
 #include "samara/motion/bodies/steady_wind.h"
 #include "samara/motion/database/database_file.h"
@@ -20,13 +22,7 @@ using namespace samara;
 namespace {
 
 constexpr Eigen::Index kLeaves = 1000;
-constexpr double kKeys = 120.0;  // a second: between two of them no leaf turns more than 20 degrees
-
-/// Poses of one leaf until it rests.
-struct Track {
-  std::vector<double> times, positions, rotations;
-  bool is_done = false;
-};
+constexpr double kLooks = 960.0;  // a second: of these poses those are kept that players need as keys
 
 /// A flat leaf with a point at both ends, seen from both sides.
 void add_mesh(double a, double b, io::AnimatedScene& scene) {
@@ -38,9 +34,11 @@ void add_mesh(double a, double b, io::AnimatedScene& scene) {
   scene.triangles << 0, 0, 0, 0, 0, 0, 0, 0, 5, 4, 3, 2, 4, 3, 2, 1, 4, 3, 2, 1, 5, 4, 3, 2;
 }
 
-std::vector<Track> fall(const motion::NextPieces& pieces) {
+/// Of each leaf until it rests. Keys are as dense as its turns ask for: what players put between two of them is within
+/// 0.4 degrees and a thousandth of its length.
+std::vector<models::PoseKeys> fall(const motion::NextPieces& pieces) {
   motion::BodiesOptions options;
-  options.step = 1.0 / 240.0;
+  options.step = 1.0 / kLooks;
   options.ground = 0.0;
   options.wind = motion::steady_wind({0.3, 0.1, 0.0});
   options.seed = 7;
@@ -48,22 +46,21 @@ std::vector<Track> fall(const motion::NextPieces& pieces) {
   for (Eigen::Index n = 0; n < kLeaves; ++n)
     leaves.release(n, {0.1 * static_cast<double>(n % 40), 0.1 * static_cast<double>(n / 40), 2.0},
                    2.4 * static_cast<double>(n));
-  std::vector<Track> tracks(kLeaves);
+  const double length = 2.0 * pieces.database().fixed.at("a");
+  std::vector<models::PoseTrack> tracks(kLeaves, models::PoseTrack({.distance = 8e-4 * length}));
   std::vector<double> positions(3 * kLeaves), rotations(4 * kLeaves);
-  for (int key = 0; key < 3600; ++key) {
+  for (int look = 0; look < 30 * static_cast<int>(kLooks) && leaves.falling() > 0; ++look) {
+    if (look > 0) leaves.advance(1.0 / kLooks);
     leaves.read_poses(positions, rotations);
     for (std::size_t n = 0; n < tracks.size(); ++n) {
-      Track& track = tracks[n];
-      if (track.is_done) continue;
-      track.times.push_back(key / kKeys);
-      track.positions.insert(track.positions.end(), &positions[3 * n], &positions[3 * n] + 3);
-      track.rotations.insert(track.rotations.end(), &rotations[4 * n], &rotations[4 * n] + 4);
-      track.is_done = leaves.status(static_cast<Eigen::Index>(n)) != motion::BodyStatus::falling;
+      // One that rests had its last look when it came to rest.
+      if (leaves.time(static_cast<Eigen::Index>(n)) < (look - 0.5) / kLooks) continue;
+      tracks[n].add(look / kLooks, {Eigen::Vector3d(&positions[3 * n]), Eigen::Vector4d(&rotations[4 * n])});
     }
-    if (leaves.falling() == 0) break;
-    leaves.advance(1.0 / kKeys);
   }
-  return tracks;
+  std::vector<models::PoseKeys> keys;
+  for (const models::PoseTrack& track : tracks) keys.push_back(track.keys());
+  return keys;
 }
 
 }  // namespace
@@ -77,7 +74,7 @@ int main(int argc, char** argv) {
     // 1. The motions of one leaf, and what can follow what.
     const motion::NextPieces pieces(motion::load_database(argv[1]));
     // 2. A thousand of them fall to the ground in a light wind.
-    const std::vector<Track> tracks = fall(pieces);
+    const std::vector<models::PoseKeys> tracks = fall(pieces);
     // 3. One mesh, a node each.
     io::AnimatedScene scene;
     scene.name = "leaves";
@@ -86,12 +83,18 @@ int main(int argc, char** argv) {
     scene.parameters = pieces.database().fixed;
     std::size_t keys = 0;
     for (std::size_t n = 0; n < tracks.size(); ++n) {
-      const auto count = static_cast<Eigen::Index>(tracks[n].times.size());
-      keys += tracks[n].times.size();
-      scene.bodies.push_back({"leaf " + std::to_string(n),
-                              Eigen::Map<const Eigen::VectorXd>(tracks[n].times.data(), count),
-                              Eigen::Map<const Eigen::Matrix3Xd>(tracks[n].positions.data(), 3, count),
-                              Eigen::Map<const Eigen::Matrix4Xd>(tracks[n].rotations.data(), 4, count)});
+      const models::PoseKeys& track = tracks[n];
+      if (!track.is_dense) throw NoResultError("a leaf turns too fast for its looks");
+      const auto count = static_cast<Eigen::Index>(track.times.size());
+      keys += track.times.size();
+      io::AnimatedBody body{"leaf " + std::to_string(n),
+                            Eigen::Map<const Eigen::VectorXd>(track.times.data(), count),
+                            Eigen::Matrix3Xd(3, count), Eigen::Matrix4Xd(4, count)};
+      for (Eigen::Index k = 0; k < count; ++k) {
+        body.positions.col(k) = track.poses[static_cast<std::size_t>(k)].p_WB;
+        body.rotations.col(k) = track.poses[static_cast<std::size_t>(k)].q_WB;
+      }
+      scene.bodies.push_back(std::move(body));
     }
     io::write_text_atomically(argv[2], io::format_glb(scene));
     std::printf("%zu leaves with %zu keys in %s\n", tracks.size(), keys, argv[2]);

@@ -23,11 +23,18 @@ bool is_between(const BodyPose& a, const BodyPose& b, double share, const BodyPo
   const double cosine = a.q_WB.dot(b.q_WB);
   const double sign = cosine < 0.0 ? -1.0 : 1.0;
   const double half = std::acos(std::min(1.0, std::abs(cosine)));
+  if (2.0 * half > limits.turn) return false;
   Eigen::Vector4d between = (1.0 - share) * a.q_WB + share * sign * b.q_WB;
   if (half > 1e-6)
     between =
         (std::sin((1.0 - share) * half) * a.q_WB + std::sin(share * half) * sign * b.q_WB) / std::sin(half);
   return 2.0 * std::acos(std::min(1.0, std::abs(between.normalized().dot(pose.q_WB)))) <= limits.angle;
+}
+
+void check_limits(const PoseKeyLimits& limits) {
+  if (!(limits.angle > 0.0) || !(limits.distance > 0.0) || !(limits.turn > 0.0))
+    throw ArgumentError(fmt::format("the limits of keys are {} rad, {} and {} rad, expected more than 0",
+                                    limits.angle, limits.distance, limits.turn));
 }
 
 }  // namespace
@@ -36,9 +43,7 @@ PoseKeys dense_pose_keys(const std::function<std::vector<BodyPose>(const std::ve
                          double from, double to, const PoseKeyLimits& limits) {
   if (!(from < to))
     throw ArgumentError(fmt::format("the motion goes from {} to {}, expected later", from, to));
-  if (!(limits.angle > 0.0) || !(limits.distance > 0.0))
-    throw ArgumentError(fmt::format("the limits of keys are {} rad and {}, expected more than 0",
-                                    limits.angle, limits.distance));
+  check_limits(limits);
   constexpr int kFirst = 64;
   PoseKeys keys;
   for (int i = 0; i <= kFirst; ++i) keys.times.push_back(i == kFirst ? to : from + (to - from) * i / kFirst);
@@ -78,6 +83,47 @@ PoseKeys dense_pose_keys(const std::function<std::vector<BodyPose>(const std::ve
   }
   keys.is_dense = std::ranges::count(is_open, 1) == 0;
   return keys;
+}
+
+PoseTrack::PoseTrack(const PoseKeyLimits& limits) : limits_(limits) {
+  check_limits(limits);
+  keys_.is_dense = true;
+}
+
+bool PoseTrack::covers_waiting(double t, const BodyPose& pose) const {
+  const double from = keys_.times.back();
+  for (std::size_t k = 0; k < waiting_.times.size(); ++k) {
+    const double share = (waiting_.times[k] - from) / (t - from);
+    if (!is_between(keys_.poses.back(), pose, share, waiting_.poses[k], limits_)) return false;
+  }
+  return true;
+}
+
+void PoseTrack::add(double t, const BodyPose& pose) {
+  const auto keep = [&](double at, const BodyPose& key) {
+    keys_.times.push_back(at);
+    keys_.poses.push_back(key);
+  };
+  if (seen_++ == 0) return keep(t, pose);
+  const double before = waiting_.times.empty() ? keys_.times.back() : waiting_.times.back();
+  if (!(t > before))
+    throw ArgumentError(fmt::format("a pose at {} came after one at {}, expected later", t, before));
+  if (!waiting_.times.empty() && !covers_waiting(t, pose)) {
+    keep(waiting_.times.back(), waiting_.poses.back());
+    waiting_ = {};
+  }
+  if (waiting_.times.empty() && !is_between(keys_.poses.back(), pose, 1.0, pose, limits_))
+    keys_.is_dense = false;
+  waiting_.times.push_back(t);
+  waiting_.poses.push_back(pose);
+}
+
+PoseKeys PoseTrack::keys() const {
+  PoseKeys all = keys_;
+  if (waiting_.times.empty()) return all;
+  all.times.push_back(waiting_.times.back());
+  all.poses.push_back(waiting_.poses.back());
+  return all;
 }
 
 }  // namespace samara::models

@@ -56,7 +56,6 @@ struct OpenRun {
   std::vector<MotionSegment> segments;
   std::vector<double> starts, ends, frames;
   std::vector<double> last_event;  // its state; empty before the first
-  Eigen::Index last_frame = 0;
 };
 
 /// Watches runs and cuts them at their events.
@@ -76,13 +75,10 @@ class Cutter {
   bool see(Eigen::Index n, double t, std::span<const double> state) {
     const auto k = static_cast<std::size_t>(n);
     OpenRun& run = runs_[k];
-    const auto frame =
-        static_cast<Eigen::Index>(std::floor(t / (step_ * static_cast<double>(steps_per_frame_)) + 1e-6));
     if (source_.plan.keep_trajectories && std::lround(t / step_) % steps_per_frame_ == 0)
       run.frames.insert(run.frames.end(), state.begin(), state.end());
     EventFinder& finder = finders_[k];
     if (finder.see(t, state)) add(run, finder, n);
-    run.last_frame = frame;
     return t < sweep_.reached[source_.falls[k]] * (1.0 - 1e-9);
   }
 

@@ -108,6 +108,8 @@ TEST_CASE("a course is the one that a stepper takes, and its codebook gives it b
     lane.step(0.125);
   }
   CHECK(book.certificate()->met);
+  CHECK(book.certificate()->times == 4 * 6 + 1);  // quarters between 0, three knots, two ends of ramps, 10
+  CHECK(book.certificate()->max_error < 1e-13);
   CHECK(book.model().fixed.at("inertia_ratio") == 1.3);
 }
 

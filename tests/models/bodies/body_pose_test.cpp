@@ -93,6 +93,39 @@ TEST_CASE("keys are as dense as the motion needs, and no denser than a few times
   CHECK_THROWS_AS(dense_pose_keys(poses_at, 1.0, 1.0, limits), samara::ArgumentError);
 }
 
+TEST_CASE("keys of a track keep all poses that were seen within the limits, and turns short") {
+  // A body whose turns grow faster, up to five a second, on a wave.
+  const auto pose_at = [](double t) {
+    const double a = 5.0 * kPi * t * t;
+    return BodyPose{{0.1 * std::sin(3.0 * t), 0.0, -t}, {std::cos(0.5 * a), std::sin(0.5 * a), 0.0, 0.0}};
+  };
+  const PoseKeyLimits limits{.distance = 1e-4};
+  PoseTrack track(limits);
+  for (int k = 0; k <= 1000; ++k) track.add(1e-3 * k, pose_at(1e-3 * k));
+  const PoseKeys keys = track.keys();
+  CHECK(track.seen() == 1001);
+  CHECK(keys.is_dense);
+  CHECK(keys.times.size() < 200);
+  CHECK(keys.times.front() == 0.0);
+  CHECK(keys.times.back() == 1.0);
+  std::size_t last = 0;
+  for (int k = 0; k <= 1000; ++k) {
+    const double t = 1e-3 * k;
+    while (last + 2 < keys.times.size() && keys.times[last + 1] < t) ++last;
+    const BodyPose &from = keys.poses[last], &to = keys.poses[last + 1], pose = pose_at(t);
+    const double share = (t - keys.times[last]) / (keys.times[last + 1] - keys.times[last]);
+    CHECK((from.p_WB + share * (to.p_WB - from.p_WB) - pose.p_WB).norm() <= limits.distance);
+    const Eigen::Quaterniond a(from.q_WB[0], from.q_WB[1], from.q_WB[2], from.q_WB[3]);
+    const Eigen::Quaterniond b(to.q_WB[0], to.q_WB[1], to.q_WB[2], to.q_WB[3]);
+    const Eigen::Quaterniond q(pose.q_WB[0], pose.q_WB[1], pose.q_WB[2], pose.q_WB[3]);
+    CHECK(a.slerp(share, b).angularDistance(q) <= limits.angle + 1e-7);
+    CHECK(a.angularDistance(b) <= limits.turn);
+  }
+  CHECK_THROWS_AS(track.add(1.0, pose_at(1.0)), samara::ArgumentError);
+  track.add(1.3, pose_at(1.3));
+  CHECK_FALSE(track.keys().is_dense);  // a third of a second without a look: 99 degrees the shorter way
+}
+
 TEST_CASE("a jump of a motion stands between two keys that single precision tells apart") {
   const auto poses_at = [](const std::vector<double>& times) {
     std::vector<BodyPose> poses;
