@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "books/planned_build.h"
 #include "inputs/assignments.h"
 #include "inputs/bodies.h"
 #include "options/commands.h"
@@ -57,10 +58,11 @@ int run(const PlanArguments& arguments) {
     check_replaced(arguments.output, "plan", "[box");
   }
   const models::FieldModel* field = models::find_field_model(arguments.model);
-  write_answer(arguments.output,
-               field != nullptr
-                   ? codebooks::plan_template(*field)
-                   : codebooks::plan_template(*codebooks::open_model(arguments.model), arguments.model));
+  const std::string text =
+      field != nullptr ? codebooks::plan_template(*field)
+                       : codebooks::plan_template(*codebooks::open_model(arguments.model), arguments.model);
+  if (!arguments.output.empty() || !arguments.json) write_answer(arguments.output, text);
+  if (arguments.json) print(planned_json(codebooks::parse_plan(text, "the plan")));
   return kDone;
 }
 

@@ -48,6 +48,7 @@ void add_plan(CLI::App& app, Arguments& arguments) {
                    "name of a model (samara models), or file with equations (MODEL.toml)")
       ->required();
   command->add_option("-o,--output", values->output, "file for the plan, TOML; stdout if not given");
+  command->add_flag("--json", values->json, "print one JSON object: what the plan asks for, and its text");
   on_call(command, arguments.plan, values);
 }
 

@@ -93,6 +93,7 @@ struct BuildArguments {
 struct PlanArguments {
   std::string model;
   std::string output;
+  bool json = false;
 };
 
 /// Asked by the completion of shells.

@@ -19,7 +19,7 @@ struct RunOption {
   ValueKind kind;
 };
 
-constexpr std::array<RunOption, 7> kRunOptions = {{{"--at", ValueKind::number},
+constexpr std::array<RunOption, 8> kRunOptions = {{{"--at", ValueKind::number},
                                                    {"--size", ValueKind::number},
                                                    {"--quantiles", ValueKind::number},
                                                    {"--outputs", ValueKind::name},

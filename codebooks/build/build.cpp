@@ -8,11 +8,11 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "samara/base/errors.h"
 #include "samara/codebooks/book/made.h"
 #include "samara/codebooks/build/compaction.h"
+#include "samara/codebooks/build/described.h"
 #include "samara/codebooks/build/effort.h"
 #include "samara/codebooks/build/field_builder.h"
 #include "samara/codebooks/build/pgd_builder.h"
@@ -24,7 +24,6 @@
 #include "samara/codebooks/source/call_memory.h"
 #include "samara/codebooks/source/checkpoint.h"
 #include "samara/models/checks/parameter_warnings.h"
-#include "samara/models/equations/equation_model.h"
 
 namespace samara::codebooks {
 
@@ -35,39 +34,6 @@ constexpr long kTrialTrajectories = 20'000;
 constexpr long kTrialEvaluations = 50'000;
 
 using Clock = std::chrono::steady_clock;
-
-ModelDescription describe(const models::ParametricModel& model) {
-  const models::ModelInfo& info = model.model().info();
-  const bool is_text = models::equations_of(model.model()) != nullptr;
-  ModelDescription description{.name = info.name,
-                               .title = info.title,
-                               .equations = info.equations,
-                               .frames = info.frames,
-                               .source = info.source,
-                               .fixed = model.fixed(),
-                               .fixed_units = {},
-                               .of_text = is_text ? model.shared_model() : nullptr};
-  std::map<std::string, std::string>& units = description.fixed_units;
-  for (const auto& parameter : info.parameters) units[parameter.name] = parameter.unit;
-  for (const auto& state : info.states) units[state.name + "(0)"] = state.unit;
-  std::erase_if(units, [&](const auto& item) { return !model.fixed().contains(item.first); });
-  return description;
-}
-
-/// Of a command: its call stands for the equations.
-ModelDescription describe(const Plan& plan) {
-  ModelDescription description;
-  description.name = kCommandModel;
-  description.title = "what a program answers";
-  description.equations = fmt::format("{}", fmt::join(plan.command->run, " "));
-  description.frames = "those of the program";
-  description.source = "the plan";
-  description.fixed = plan.fixed;
-  for (const CommandQuantity& input : plan.command->inputs) {
-    if (plan.fixed.contains(input.name)) description.fixed_units[input.name] = input.unit;
-  }
-  return description;
-}
 
 std::string sentence(const BuildRecord& record, const Certificate& certificate, bool of_command,
                      bool cancelled) {

@@ -9,12 +9,12 @@
 
 #include "samara/base/errors.h"
 #include "samara/base/limits.h"
-#include "samara/base/names.h"
 #include "samara/codebooks/book/certificate.h"
 #include "samara/codebooks/model/model_file.h"
 #include "samara/codebooks/plan/plan_body.h"
 #include "samara/codebooks/plan/plan_builder.h"
 #include "samara/codebooks/plan/plan_command.h"
+#include "samara/codebooks/plan/plan_subject.h"
 #include "samara/io/text_file.h"
 #include "samara/io/toml_document.h"
 #include "samara/models/equations/equation_model.h"
@@ -25,110 +25,6 @@ namespace samara::codebooks {
 namespace {
 
 using io::TomlTable;
-
-/// What a plan is about, a model, a field or a command: the names it may use, with their units.
-struct Subject {
-  std::string name;  ///< for messages
-  std::shared_ptr<const models::Model> model;
-  std::string what_settable, what_output;       ///< what it calls them, for messages
-  std::map<std::string, std::string> settable;  ///< what may be fixed or free
-  std::map<std::string, std::string> outputs;
-  std::string time_unit = "s";
-  const models::FieldModel* field = nullptr;
-
-  /// That of the model or the field; null of a command.
-  const models::ModelInfo* info() const {
-    return field != nullptr ? &field->info : model ? &model->info() : nullptr;
-  }
-};
-
-/// Parameters, and initial values "s(0)".
-Subject subject_of(std::shared_ptr<const models::Model> model) {
-  const models::ModelInfo& info = model->info();
-  Subject subject{fmt::format("the model \"{}\"", info.name),
-                  model,
-                  "parameter or initial value",
-                  "state",
-                  {},
-                  {},
-                  models::time_unit(info)};
-  for (const auto& parameter : info.parameters) subject.settable[parameter.name] = parameter.unit;
-  for (const auto& state : info.states) {
-    subject.settable[state.name + "(0)"] = state.unit;
-    subject.outputs[state.name] = state.unit;
-  }
-  return subject;
-}
-
-Subject subject_of(const models::FieldModel& field) {
-  Subject subject{fmt::format("the field \"{}\"", field.info.name),
-                  nullptr,
-                  "parameter",
-                  "output",
-                  {},
-                  {},
-                  models::time_unit(field.info),
-                  &field};
-  for (const auto& parameter : field.info.parameters) subject.settable[parameter.name] = parameter.unit;
-  for (const auto& state : field.info.states) subject.outputs[state.name] = state.unit;
-  return subject;
-}
-
-Subject subject_of(const PlannedCommand& command) {
-  Subject subject{"the command", nullptr, "input", "output", {}, {}};
-  for (const CommandQuantity& input : command.inputs) subject.settable[input.name] = input.unit;
-  for (const CommandQuantity& output : command.outputs) subject.outputs[output.name] = output.unit;
-  return subject;
-}
-
-/// @param what the subject calls such things, for the message
-const std::string& unit_of(const TomlTable& table, const std::string& key,
-                           const std::map<std::string, std::string>& units, const Subject& subject,
-                           const std::string& what) {
-  const auto it = units.find(key);
-  if (it != units.end()) return it->second;
-  std::vector<std::string> known;
-  for (const auto& [name, unit] : units) known.push_back(name);
-  throw table.error(key,
-                    fmt::format("{} has no {} of this name{}", subject.name, what, suggestion(key, known)));
-}
-
-/// Whether the value respects the bound of the parameter's meaning; initial values have none.
-void check_meaning(const TomlTable& table, const std::string& key, const Subject& subject, double value) {
-  if (subject.info() == nullptr) return;
-  for (const models::ParameterInfo& parameter : subject.info()->parameters) {
-    if (parameter.name != key || models::in_meaning(parameter, value)) continue;
-    if (value > parameter.upper) {
-      throw table.error(key, fmt::format("is {}, expected at most {}", value, parameter.upper));
-    }
-    throw table.error(
-        key, fmt::format("is {}, expected {} {}", value, parameter.lower_inclusive ? "at least" : "more than",
-                         parameter.lower));
-  }
-}
-
-/// The one that the plan names, or brings along.
-std::shared_ptr<const models::Model> read_model(const TomlTable& root) {
-  if (const auto equations = root.optional_table("equations")) {
-    if (root.has("model")) throw root.error("equations", "stand beside a model, expected one of the two");
-    check_name(*equations);
-    return read_equation_model(*equations);
-  }
-  const std::string name = root.string("model");
-  try {
-    return open_model(name, std::filesystem::path(root.file()).parent_path());
-  } catch (const ArgumentError& error) {
-    throw root.error("model", error.what());
-  }
-}
-
-Subject read_subject(const TomlTable& root) {
-  if (root.has("model") && !root.has("equations")) {
-    if (const models::FieldModel* field = models::find_field_model(root.string("model")))
-      return subject_of(*field);
-  }
-  return subject_of(read_model(root));
-}
 
 /// A title is shown on terminals and stored in files, one line.
 std::string read_title(const TomlTable& root) {
@@ -205,7 +101,7 @@ BoxEntry read_entry(const TomlTable& box, const std::string& key, const std::str
   return entry;
 }
 
-void read_tolerance(const TomlTable& root, const Subject& subject, Plan& plan) {
+void read_tolerance(const TomlTable& root, const PlanSubject& subject, Plan& plan) {
   const auto table = root.optional_table("tolerance");
   if (!table) return;
   table->expect_keys({"relative", "absolute", "assurance"});
@@ -249,7 +145,7 @@ void check_assurance_is_allowed(const TomlTable& root, const Plan& plan) {
 }
 
 /// What is given for a coordinate, fixed or free.
-void read_coordinates(const TomlTable& root, const Subject& subject, Plan& plan) {
+void read_coordinates(const TomlTable& root, const PlanSubject& subject, Plan& plan) {
   if (const auto fixed = root.optional_table("fixed")) {
     for (const std::string& key : fixed->keys()) {
       plan.fixed[key] =
@@ -275,7 +171,7 @@ void read_coordinates(const TomlTable& root, const Subject& subject, Plan& plan)
 }
 
 /// A command may do without time.
-void read_time(const TomlTable& root, const Subject& subject, Plan& plan) {
+void read_time(const TomlTable& root, const PlanSubject& subject, Plan& plan) {
   if (plan.command && !root.has("time")) return;
   const TomlTable time = root.table("time");
   time.expect_keys({"end"});
@@ -390,9 +286,9 @@ Plan parse_plan(const std::string& text, const std::string& name,
     }
     plan.command = read_command(*command);
   }
-  const Subject subject = plan.command ? subject_of(*plan.command)
-                          : model      ? subject_of(model)
-                                       : read_subject(root);
+  const PlanSubject subject = plan.command ? subject_of(*plan.command)
+                              : model      ? subject_of(model)
+                                           : read_subject(root);
   plan.definition = subject.model;
   plan.field = subject.field;
   if (!model && root.has("model") && is_model_file(root.string("model")))

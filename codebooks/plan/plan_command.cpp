@@ -16,7 +16,7 @@ namespace {
 using io::TomlTable;
 
 /// Names stand in files, on command lines ("name=value") and in heads of columns.
-void check_name(const TomlTable& table, const std::string& name, std::set<std::string>& taken) {
+void check_new_name(const TomlTable& table, const std::string& name, std::set<std::string>& taken) {
   const auto fits = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
   const bool is_name = !name.empty() && std::isdigit(static_cast<unsigned char>(name.front())) == 0 &&
                        std::all_of(name.begin(), name.end(), fits);
@@ -44,7 +44,7 @@ std::vector<CommandQuantity> read_quantities(const TomlTable& command, const std
   const TomlTable table = command.table(key);
   std::vector<CommandQuantity> quantities;
   for (const std::string& name : table.keys()) {
-    check_name(table, name, taken);
+    check_new_name(table, name, taken);
     quantities.push_back({name, table.string(name)});
     check_unit(table, name, quantities.back().unit);
   }

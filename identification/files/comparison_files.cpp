@@ -66,7 +66,7 @@ std::string name_of(const ComparisonRequest& request, std::size_t k) {
 
 PredictionOptions prediction_of(const ComparisonRequest& request, const FitSource& source) {
   const PredictionConfig& config = source.prediction;
-  PredictionOptions prediction{.stride = config.stride, .hidden = config.hidden};
+  PredictionOptions prediction{.stride = config.stride, .hidden = config.hidden, .mixture = config.mixture};
   const std::optional<double> ahead = request.ahead ? request.ahead : config.ahead;
   if (!ahead)
     throw ArgumentError(

@@ -9,6 +9,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/streams.h"
 #include "samara/identification/smoothing/medians.h"
+#include "samara/identification/statistics/trained_forecasts.h"
 
 namespace samara::identification {
 
@@ -19,33 +20,52 @@ const char* const kOfModel = "model";
 /// One forecast, by every predictor; NaN where one says nothing.
 struct Row {
   int cluster = 0;
-  std::vector<double> distances;
+  std::vector<double> distances, crps;
 };
 
 using Part = std::pair<std::string, std::string>;  ///< file and id
 
-/// What is said of one quantity: models in their order, then baselines.
-struct Table {
-  std::vector<std::string> names;
-  std::size_t models = 0;
-  std::map<Part, Row> rows;
+/// Whose a column is: one of a model, or what all models have alike.
+struct Column {
+  std::string name;
+  std::optional<std::size_t> model = {};
+  std::string predictor = {};  ///< as in ForecastError
 };
 
-std::vector<std::string> baselines_of(const ForecastsOfModel& model, const std::string& quantity) {
-  std::vector<std::string> names;
-  for (const ForecastError& e : model.errors) {
-    if (e.quantity == quantity && e.predictor != kOfModel && std::ranges::count(names, e.predictor) == 0)
-      names.push_back(e.predictor);
+/// What is said of one quantity: models in their order, then their mixtures, then baselines.
+struct Table {
+  std::vector<Column> columns;
+  std::map<Part, Row> rows;
+
+  std::size_t own() const {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(columns, [](const Column& c) { return c.model.has_value(); }));
   }
-  return names;
+};
+
+bool says(const ForecastsOfModel& model, const std::string& quantity, const std::string& predictor) {
+  return std::ranges::any_of(model.errors, [&](const ForecastError& e) {
+    return e.quantity == quantity && e.predictor == predictor;
+  });
+}
+
+std::vector<Column> columns_of(std::span<const ForecastsOfModel> models, const std::string& quantity) {
+  std::vector<Column> columns;
+  for (std::size_t m = 0; m < models.size(); ++m) columns.push_back({models[m].name, m, kOfModel});
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    if (says(models[m], quantity, kMixture)) columns.push_back({models[m].name + ", mixed", m, kMixture});
+  }
+  for (const ForecastError& e : models.front().errors) {
+    if (e.quantity == quantity && e.predictor != kOfModel && e.predictor != kMixture &&
+        std::ranges::count(columns, e.predictor, &Column::predictor) == 0)
+      columns.push_back({e.predictor, {}, e.predictor});
+  }
+  return columns;
 }
 
 Table table_of(std::span<const ForecastsOfModel> models, const std::string& quantity,
                const ClusterOfCapture& clusters) {
-  Table table{.names = {}, .models = models.size(), .rows = {}};
-  for (const ForecastsOfModel& model : models) table.names.push_back(model.name);
-  const std::vector<std::string> baselines = baselines_of(models.front(), quantity);
-  table.names.insert(table.names.end(), baselines.begin(), baselines.end());
+  Table table{.columns = columns_of(models, quantity), .rows = {}};
   for (std::size_t m = 0; m < models.size(); ++m) {
     for (const ForecastError& e : models[m].errors) {
       if (e.quantity != quantity) continue;
@@ -54,13 +74,15 @@ Table table_of(std::span<const ForecastsOfModel> models, const std::string& quan
         throw ArgumentError(fmt::format("the capture \"{}\" of a forecast is in no cluster", e.motion));
       Row& row = table.rows[{e.file, e.part}];
       row.cluster = cluster->second;
-      row.distances.resize(table.names.size(), std::nan(""));
-      if (e.predictor == kOfModel) {
-        row.distances[m] = e.distance;
-      } else if (m == 0) {
-        const auto place = std::ranges::find(baselines, e.predictor) - baselines.begin();
-        row.distances[models.size() + static_cast<std::size_t>(place)] = e.distance;
-      }
+      row.distances.resize(table.columns.size(), std::nan(""));
+      row.crps.resize(table.columns.size(), std::nan(""));
+      const auto column = std::ranges::find_if(table.columns, [&](const Column& c) {
+        return c.predictor == e.predictor && c.model.value_or(0) == m;
+      });
+      if (column == table.columns.end()) continue;  // a baseline of a later model
+      const auto at = static_cast<std::size_t>(column - table.columns.begin());
+      row.distances[at] = e.distance;
+      row.crps[at] = e.crps;
     }
   }
   return table;
@@ -69,35 +91,42 @@ Table table_of(std::span<const ForecastsOfModel> models, const std::string& quan
 /// Only what all models say, and only baselines that say all of it.
 std::vector<Row> common_rows(Table& table) {
   std::vector<Row> rows;
+  const std::size_t own = table.own();
   for (const auto& [part, row] : table.rows) {
-    if (std::none_of(row.distances.begin(), row.distances.begin() + static_cast<std::ptrdiff_t>(table.models),
+    if (std::none_of(row.distances.begin(), row.distances.begin() + static_cast<std::ptrdiff_t>(own),
                      [](double d) { return std::isnan(d); }))
       rows.push_back(row);
   }
-  for (std::size_t p = table.names.size(); p-- > table.models;) {
+  for (std::size_t p = table.columns.size(); p-- > own;) {
     if (std::ranges::none_of(rows, [p](const Row& row) { return std::isnan(row.distances[p]); })) continue;
     const auto place = static_cast<std::ptrdiff_t>(p);
-    table.names.erase(table.names.begin() + place);
-    for (Row& row : rows) row.distances.erase(row.distances.begin() + place);
+    table.columns.erase(table.columns.begin() + place);
+    for (Row& row : rows) {
+      row.distances.erase(row.distances.begin() + place);
+      row.crps.erase(row.crps.begin() + place);
+    }
   }
   return rows;
 }
 
 struct Statistics {
-  std::vector<double> median, rms;  ///< by predictor
+  std::vector<double> median, rms, crps;  ///< by predictor
 };
 
 Statistics statistics_of(const std::vector<const Row*>& rows, std::size_t predictors) {
   Statistics statistics;
   std::vector<double> distances(rows.size());
   for (std::size_t p = 0; p < predictors; ++p) {
-    double squares = 0.0;
+    double squares = 0.0, scores = 0.0;
     for (std::size_t k = 0; k < rows.size(); ++k) {
       distances[k] = rows[k]->distances[p];
       squares += distances[k] * distances[k];
+      scores += rows[k]->crps[p];
     }
+    const auto count = static_cast<double>(rows.size());
     statistics.median.push_back(median(distances));
-    statistics.rms.push_back(std::sqrt(squares / static_cast<double>(rows.size())));
+    statistics.rms.push_back(std::sqrt(squares / count));
+    statistics.crps.push_back(scores / count);
   }
   return statistics;
 }
@@ -137,10 +166,13 @@ ForecastDifference difference(const std::vector<double>& values, const std::vect
   return result;
 }
 
-std::optional<std::size_t> best_plain(const std::vector<double>& values, std::size_t models) {
-  if (values.size() == models) return {};
-  return static_cast<std::size_t>(
-      std::min_element(values.begin() + static_cast<std::ptrdiff_t>(models), values.end()) - values.begin());
+std::optional<std::size_t> best_plain(const std::vector<double>& values, const Table& table) {
+  std::optional<std::size_t> best;
+  for (std::size_t p = 0; p < values.size(); ++p) {
+    if (is_plain(table.columns[p].name) && !table.columns[p].model && (!best || values[p] < values[*best]))
+      best = p;
+  }
+  return best;
 }
 
 std::optional<ComparedQuantity> compare_quantity(std::span<const ForecastsOfModel> models,
@@ -155,17 +187,20 @@ std::optional<ComparedQuantity> compare_quantity(std::span<const ForecastsOfMode
     by_cluster[row.cluster].push_back(&row);
     all.push_back(&row);
   }
-  const std::size_t count = table.names.size();
+  const std::size_t count = table.columns.size();
   const Statistics whole = statistics_of(all, count);
   const std::vector<Statistics> samples =
       by_cluster.size() < 2 ? std::vector<Statistics>{} : resampled(by_cluster, count, options);
-  const auto by_median = best_plain(whole.median, table.models), by_rms = best_plain(whole.rms, table.models);
+  const auto by_median = best_plain(whole.median, table), by_rms = best_plain(whole.rms, table),
+             by_crps = best_plain(whole.crps, table);
+  const auto name_of = [&](const std::optional<std::size_t>& p) { return p ? table.columns[*p].name : ""; };
   ComparedQuantity result{.quantity = like.quantity,
                           .unit = like.unit,
                           .forecasts = static_cast<int>(rows.size()),
                           .clusters = static_cast<int>(by_cluster.size()),
-                          .best_by_median = by_median ? table.names[*by_median] : "",
-                          .best_by_rms = by_rms ? table.names[*by_rms] : ""};
+                          .best_by_median = name_of(by_median),
+                          .best_by_rms = name_of(by_rms),
+                          .best_by_crps = std::isnan(whole.crps.front()) ? "" : name_of(by_crps)};
   const auto compared = [&](std::vector<double> Statistics::*statistic, std::size_t p,
                             const std::optional<std::size_t>& plain) {
     const std::vector<double>& values = whole.*statistic;
@@ -175,10 +210,12 @@ std::optional<ComparedQuantity> compare_quantity(std::span<const ForecastsOfMode
     return one;
   };
   for (std::size_t p = 0; p < count; ++p) {
-    ComparedPredictor predictor{.name = table.names[p], .is_plain = p >= table.models};
+    const Column& column = table.columns[p];
+    ComparedPredictor predictor{.name = column.name, .is_plain = !column.model && is_plain(column.name)};
     predictor.median = compared(&Statistics::median, p, by_median);
     predictor.rms = compared(&Statistics::rms, p, by_rms);
-    if (p < table.models) {
+    predictor.crps = compared(&Statistics::crps, p, by_crps);
+    if (column.model) {
       predictor.missed = static_cast<int>(std::ranges::count_if(
           table.rows, [p](const auto& entry) { return std::isnan(entry.second.distances[p]); }));
     }

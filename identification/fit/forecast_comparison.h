@@ -12,13 +12,16 @@
 
 /// Which model? Forecasts of the same captures by several models, side by side, and beside the baselines.
 ///
+/// Where predictions are made as distributions (PredictionOptions::mixture), each model also stands as "NAME, mixed", the
+/// mixture that its fits train, and all by their continuous ranked probability score (statistics/proper_scores.h).
+///
 /// Each model's errors come from cross_validated_errors(), so that no capture helps to predict itself. Compared are the
 /// forecasts that all models make, pair by pair, by their median and their root mean square. The error of a difference
 /// is its standard deviation over bootstrap samples of clusters (B. Efron, Ann. Statist. 7 (1979) 1-26), drawn
 /// with all their forecasts: those of one motion are not independent. Fits of different folds share most of their
 /// captures, which it does not see: differences of less than two errors are none.
 ///
-/// "The best plain baseline" is that of the least median for medians, and of the least rms for rms.
+/// "The best plain baseline" is that of the least median for medians, of the least rms for rms, and so on.
 namespace samara::identification {
 
 /// What one model was off.
@@ -43,16 +46,18 @@ struct ComparedStatistic {
 
 struct ComparedPredictor {
   std::string name = {};
-  bool is_plain = false;  ///< a baseline
+  bool is_plain = false;  ///< a plain baseline, or a mixture of these
   ComparedStatistic median = {}, rms = {};
-  int missed = 0;  ///< forecasts that others make, and it does not: they are left out for all
+  ComparedStatistic crps = {};  ///< the mean; NaN where predictions are no distributions
+  int missed = 0;               ///< forecasts that others make, and it does not: they are left out for all
 };
 
 struct ComparedQuantity {
   std::string quantity = {}, unit = {};
   int forecasts = 0, clusters = 0;
-  std::string best_by_median = {}, best_by_rms = {};  ///< of the plain baselines; empty: there is none
-  std::vector<ComparedPredictor> predictors = {};     ///< the models in their order, then the baselines
+  std::string best_by_median = {}, best_by_rms = {},
+              best_by_crps = {};                   ///< of the plain baselines; empty: none
+  std::vector<ComparedPredictor> predictors = {};  ///< the models in their order, mixtures, baselines
 };
 
 /// The cluster of each capture, by its file and id.

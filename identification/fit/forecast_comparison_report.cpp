@@ -31,6 +31,7 @@ Json json_of(const ComparedQuantity& quantity) {
                           {"is_plain", p.is_plain},
                           {"median", json_of(p.median)},
                           {"rms", json_of(p.rms)},
+                          {"crps", json_of(p.crps)},
                           {"missed", p.missed}});
   }
   return {{"quantity", quantity.quantity},
@@ -39,6 +40,7 @@ Json json_of(const ComparedQuantity& quantity) {
           {"clusters", quantity.clusters},
           {"best_plain_by_median", quantity.best_by_median},
           {"best_plain_by_rms", quantity.best_by_rms},
+          {"best_plain_by_crps", quantity.best_by_crps},
           {"predictors", predictors}};
 }
 
@@ -68,6 +70,8 @@ void add_quantity(const ModelComparison& comparison, const ComparedQuantity& qua
                  quantity.forecasts, quantity.clusters);
   add_rows(quantity, "median", &ComparedPredictor::median, quantity.best_by_median, out);
   add_rows(quantity, "rms", &ComparedPredictor::rms, quantity.best_by_rms, out);
+  if (!std::isnan(quantity.predictors.front().crps.value))
+    add_rows(quantity, "crps", &ComparedPredictor::crps, quantity.best_by_crps, out);
   for (const ComparedPredictor& p : quantity.predictors) {
     if (p.missed > 0)
       fmt::format_to(out, "{} says nothing of {} forecasts that others make; they are left out for all\n",

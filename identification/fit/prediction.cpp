@@ -265,13 +265,13 @@ void add_sentences(PredictedCaptures& outcome, Warnings& warnings) {
   for (const auto& [reason, captures] : outcome.lacks)
     warnings.add(WarningKind::predictions, lack_sentence(reason, captures));
   warnings.add_all(WarningKind::predictions, std::move(outcome.sentences));
+  warnings.add_all(WarningKind::predictions, std::move(outcome.shares));
 }
 
 void add_scores(PredictedCaptures outcome, const PredictionOptions& prediction, FitResult& fitted) {
   add_sentences(outcome, fitted.warnings);
   Scores scores = scores_of(outcome.compared, std::move(outcome.predictions), prediction);
   fitted.predictions = std::move(scores.all);
-  fitted.warnings.add_all(WarningKind::predictions, std::move(outcome.shares));
   fitted.capture_predictions = std::move(scores.by_capture);
 }
 

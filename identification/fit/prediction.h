@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -88,6 +89,8 @@ struct ForecastError {
   std::string unit = {};
   std::string predictor = {};  ///< "model", or the name of a baseline
   double distance = 0.0;       ///< in `unit`
+  /// Continuous ranked probability score, the mean over components, in `unit`; NaN without PredictionOptions::mixture.
+  double crps = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// The same forecast by forecast: those that reach the end of what is to be predicted, the model's where it did not

@@ -210,20 +210,27 @@ std::vector<double> distances_of(const CapturePrediction& one, const Quantity& q
   return prediction_distances(guess, nearest(truth, guess, quantity.period));
 }
 
-/// What a predictor that needs no training says of a capture: outputs and attitudes.
-std::pair<Eigen::MatrixXd, Eigen::MatrixX4d> said_by(const Predictor& predictor,
-                                                     const std::vector<Quantity>& compared,
-                                                     const CapturePrediction& one) {
+/// What the model or a baseline says of a capture: outputs and attitudes.
+std::pair<Eigen::MatrixXd, Eigen::MatrixX4d> said_by(const Predictor& predictor, const CapturePrediction& one,
+                                                     const std::vector<Quantity>& compared) {
   if (!predictor.baseline) return {one.model, one.model_attitude};
   Eigen::MatrixXd values = predict(*predictor.baseline, one.seen, one.times);
   for (const Quantity& q : compared) {
     // Components of a point with drag belong together.
-    if (predictor.baseline != Baseline::point_with_drag || q.is_attitude) continue;
+    if (*predictor.baseline != Baseline::point_with_drag || q.is_attitude) continue;
     const Eigen::MatrixXd point = predict(*predictor.baseline, seen_of(one, q), one.times);
     for (std::size_t c = 0; c < q.columns.size(); ++c)
       values.col(q.columns[c]) = point.col(static_cast<Eigen::Index>(c));
   }
-  return {std::move(values), predict_turn(*predictor.baseline, one.turn, one.times)};
+  return {values, predict_turn(*predictor.baseline, one.turn, one.times)};
+}
+
+/// Mean over components; NaN where no distribution was said.
+double crps_of(const SaidForecast& said, const Eigen::RowVectorXd& truth) {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < said.parts.size(); ++c)
+    sum += crps(said.parts[c], truth[static_cast<Eigen::Index>(c)]);
+  return said.parts.empty() ? std::nan("") : sum / static_cast<double>(said.parts.size());
 }
 
 /// @param tallies to which the capture adds: of all, and its own
@@ -233,7 +240,7 @@ void tally(const CapturePrediction& one, const std::vector<Predictor>& predictor
   const Eigen::Index frames = one.times.size();
   for (std::size_t p = 0; p < predictors.size(); ++p) {
     if (predictors[p].is_trained) continue;
-    const auto [values, attitudes] = said_by(predictors[p], compared, one);
+    const auto [values, attitudes] = said_by(predictors[p], one, compared);
     for (std::size_t k = 0; k < compared.size(); ++k) {
       const auto all = distances_of(one, compared[k], values, attitudes, frames);
       const auto last =
@@ -296,22 +303,35 @@ Scores scores_of(const std::vector<Quantity>& compared, std::vector<CapturePredi
 std::vector<ForecastError> forecast_errors(const std::vector<Quantity>& compared,
                                            std::vector<CapturePrediction> predictions,
                                            const PredictionOptions& prediction) {
+  const std::vector<Predictor> predictors = all_predictors();
   std::vector<ForecastError> errors;
   for (CapturePrediction& one : predictions) {
     unwrap(compared, one.seen);
     if (!reaches_end(one, prediction)) continue;
-    for (const Predictor& predictor : all_predictors()) {
-      if (predictor.is_trained) continue;
-      const auto [values, attitudes] = said_by(predictor, compared, one);
-      for (const Quantity& q : compared) {
-        for (const double distance : distances_of(one, q, values, attitudes, 1)) {
+    const Eigen::Index last = one.times.size() - 1;
+    for (std::size_t q = 0; q < compared.size(); ++q) {
+      const std::vector<SaidForecast> trained =
+          one.trained ? one.trained->say(q, one, last) : std::vector<SaidForecast>{};
+      for (std::size_t p = 0; p < predictors.size(); ++p) {
+        if (predictors[p].is_trained && p >= trained.size()) continue;
+        const Eigen::RowVectorXd truth =
+            trained.empty() ? Eigen::RowVectorXd() : Eigen::RowVectorXd(one.truth(last, compared[q].columns));
+        std::vector<double> distances;
+        if (predictors[p].is_trained) {
+          distances = prediction_distances(trained[p].mean, truth);
+        } else {
+          const auto [values, attitudes] = said_by(predictors[p], one, compared);
+          distances = distances_of(one, compared[q], values, attitudes, 1);
+        }
+        for (const double distance : distances) {
           errors.push_back({.file = one.file,
                             .motion = one.motion,
                             .part = one.part,
-                            .quantity = at_end(q, prediction),
-                            .unit = q.unit,
-                            .predictor = predictor.name,
-                            .distance = distance});
+                            .quantity = at_end(compared[q], prediction),
+                            .unit = compared[q].unit,
+                            .predictor = predictors[p].name,
+                            .distance = distance,
+                            .crps = p < trained.size() ? crps_of(trained[p], truth) : std::nan("")});
         }
       }
     }

@@ -34,7 +34,7 @@ Parameters wake_parameters() {
                    "chords of the centre of pressure towards the leading edge, attached; measured: 0.3"),
       not_negative("cp_slope", "1", 0.0, "its decrease per sin(angle of attack)^2; measured: 3"),
       not_negative("cp_separated", "1", 0.0,
-                   "chords of the centre of pressure over cos(angle of attack), separated; measured: 0.25"),
+                   "chords of the centre of pressure over cos(angle of attack), separated; measured: 0.17"),
   };
 }
 

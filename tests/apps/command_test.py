@@ -341,7 +341,7 @@ class SchemasAndFiles(Case):
             ["models"], ["models", "vertical_fall"], ["simulate", "constant_rate", "--set", "k=2", "--until", "5"], ["info", coin], ["stats", coin, "--quantiles", "0.5"],
             ["query", coin, "--set", "C_D=1", "--set", "v0=0.1", "--gradient"], ["validate", coin, "--points", "50"], ["fit", coin, drop, "--profiles"],
             ["body", "disc", "--size", "1 cm", "1 mm", "--density", "2700", "--fluid", "1000"], ["design", coin, "--fit", fit], ["wind", wind], ["help"],
-            ["build", FOLDER / "coin.toml", "--dry-run"], ["build", FOLDER / "coin.toml", "-o", FOLDER / "schema.h5"], ["regime", "falling_plate", *card],
+            ["build", FOLDER / "coin.toml", "--dry-run"], ["plan", "vertical_fall"], ["build", FOLDER / "coin.toml", "-o", FOLDER / "schema.h5"], ["regime", "falling_plate", *card],
             ["plot", coin, "-o", FOLDER / "schema.svg"], ["explore", coin, "-o", FOLDER / "schema.html"], ["patterns", write("fall.csv", plate())]]
 
     def test_every_answer_holds_the_schema_that_it_names(self):

@@ -70,6 +70,21 @@ class Comparisons(Case):
         again = self.compared(self.right, self.wrong, "--folds", "2")
         self.assertEqual(again["quantities"], answer["quantities"])
 
+    def test_distributions_are_compared_by_their_score_and_mixtures_stand_beside_models(self):
+        def spans_of(config):
+            return config.read_text().replace('span = "0.2 s"\nahead = "0.12 s"', 'span = "0.15 s"\nahead = "0.05 s"\nstride = "30 ms"')
+        mixed, wrong = write("mixed.toml", spans_of(self.right) + "mixture = true\n"), write("wrong_spans.toml", spans_of(self.wrong))
+        position, = self.compared(mixed, wrong)["quantities"]
+        names = [p["name"] for p in position["predictors"]]
+        self.assertEqual(names[:3], ["mixed", "wrong_spans", "mixed, mixed"])
+        self.assertTrue(next(p["is_plain"] for p in position["predictors"] if p["name"] == "mixture of baselines"))
+        model, other = position["predictors"][:2]
+        # A distribution scores better than its mean would, whose score is its distance, component by component.
+        self.assertLess(model["crps"]["value"], model["rms"]["value"])
+        self.assertGreater(model["crps"]["value"], 0)
+        self.assertIsNone(other["crps"]["value"])
+        self.assertIn(position["best_plain_by_crps"], names)
+
     def test_what_cannot_be_compared_is_refused_in_a_sentence(self):
         def refused(code, sentence, *arguments):
             self.check_error(run("compare", *arguments), code, sentence)

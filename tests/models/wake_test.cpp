@@ -23,7 +23,7 @@ const std::map<std::string, double> kAluminium = {
 /// Li, Goodwill, Wang and Ristroph (2022), as wake.h has them.
 const std::map<std::string, double> kMeasured = {
     {"C_T", 0.95}, {"C_R", 1.1},   {"A", 1.0},           {"B", 0.9},        {"C_TA", 1.65},
-    {"C_DA", 3.1}, {"kappa", 0.0}, {"cp_attached", 0.3}, {"cp_slope", 3.0}, {"cp_separated", 0.25}};
+    {"C_DA", 3.1}, {"kappa", 0.0}, {"cp_attached", 0.3}, {"cp_slope", 3.0}, {"cp_separated", 0.17}};
 
 std::map<std::string, double> with(std::map<std::string, double> values,
                                    const std::map<std::string, double>& more) {
@@ -140,7 +140,7 @@ TEST_CASE("lift, drag and centre of pressure are those measured of plates that g
     const double C_L = attached * 5.2 * sine + (1.0 - attached) * 0.95 * std::sin(2.0 * alpha);
     const double C_D = attached * (0.1 + 5.0 * sine * sine) + (1.0 - attached) * 1.9 * sine * sine;
     const double centre =
-        attached * (0.3 - 3.0 * alpha * alpha) + (1.0 - attached) * 0.3 * (1.0 - alpha / (0.5 * kHalfCircle));
+        attached * (0.3 - 3.5 * alpha * alpha) + (1.0 - attached) * 0.2 * (1.0 - alpha / (0.5 * kHalfCircle));
     const double offset = (lift.torque.z() + drag.torque.z()) / (lift.force.y() + drag.force.y()) / kChord;
     largest[0] = std::max(largest[0], std::abs(lift.force.norm() / pressure - C_L));
     largest[1] = std::max(largest[1], std::abs(drag.force.norm() / pressure - C_D));
@@ -149,7 +149,7 @@ TEST_CASE("lift, drag and centre of pressure are those measured of plates that g
   }
   CHECK(largest[0] < 0.09);
   CHECK(largest[1] < 0.12);
-  CHECK(largest[2] < 0.0225);
+  CHECK(largest[2] < 0.014);
 }
 
 TEST_CASE("a falling plate with a wake never gains energy, with the centre of pressure off its middle") {
@@ -263,11 +263,11 @@ TEST_CASE("in its plane the body with a wake has the forces of the plate with a 
 TEST_CASE("a round disc with a wake has no preferred axis, and its spin turns no wake") {
   const ParametricModel disc(find_model("immersed_body_with_wake"),
                              with(kThinCard, {{"b", 0.035},
-                                          {"C_TA", 1.65},
-                                          {"C_DA", 3.1},
-                                          {"cp_attached", 0.3},
-                                          {"cp_slope", 3.0},
-                                          {"cp_separated", 0.25}}),
+                                              {"C_TA", 1.65},
+                                              {"C_DA", 3.1},
+                                              {"cp_attached", 0.3},
+                                              {"cp_slope", 3.0},
+                                              {"cp_separated", 0.25}}),
                              {});
   const double c = std::cos(0.7), s = std::sin(0.7);
   // The same motion in body axes turned by 0.7 about the normal.
