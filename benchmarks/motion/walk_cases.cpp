@@ -1,6 +1,7 @@
 // Walks in a closed loop: how many planned kinds come about, and what hand would have to push, beside blends.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <stdexcept>
@@ -96,6 +97,31 @@ void run_planar_walks(const Options& options) {
   print({kMotion, kName, "ghost_blend", blend, "net weight"});
   print({kMotion, kName, "kinds_kept", kept, "1"});
   print({kMotion, kName, "kinds_kept_untried", untried, "1"});
+}
+
+/// Of two hundred bodies at once.
+void run_crowd(const char* name, const motion::NextPieces& pieces, double time) {
+  for (const int tries : {0, 8}) {
+    motion::Bodies bodies(pieces, 200, {.ramp = pieces.ramp(), .tries = tries, .seed = 2301});
+    for (Eigen::Index n = 0; n < 200; ++n) bodies.release(n, {0.0, 0.0, 0.0}, 0.0);
+    for (int k = 0; k < 100; ++k) bodies.advance(0.01 * time);
+    const motion::BodyCounts& counts = bodies.counts();
+    const auto share = [](long some, long all) {
+      return static_cast<double>(some) / static_cast<double>(all);
+    };
+    print({kMotion, name, tries == 0 ? "kinds_kept_untried" : "kinds_kept",
+           share(counts.kept, counts.planned)});
+    if (tries == 0) print({kMotion, name, "drawn_taken", share(counts.taken, counts.drawn)});
+  }
+}
+
+void run_crowds(const Options& options) {
+  if (options.wants("crowd_planar"))
+    run_crowd("crowd_planar", motion::NextPieces(planar_motions(600)), 300.0);
+  if (!options.wants("crowd_leaf")) return;
+  const auto plan =
+      motion::read_sweep_plan(std::filesystem::path(SAMARA_EXAMPLES_DIR) / "leaves" / "leaf.toml");
+  run_crowd("crowd_leaf", motion::NextPieces(motion::build_database(motion::run_sweep(plan).sweep)), 3.0);
 }
 
 /// Whether a walk is what one run of the stepper makes of its ramps: that nothing else ever moved the state.
@@ -212,6 +238,7 @@ void run_walks(const Options& options) {
   run_planar_walks(options);
   run_continuity(options);
   run_spatial_walks(options);
+  run_crowds(options);
 }
 
 }  // namespace samara::benchmarks::motion_cases

@@ -22,7 +22,7 @@
 /// over a step at their value in its middle: a step has order 2 while they move, 4 while they rest. Derived
 /// defaults follow what they depend on.
 ///
-/// Nothing is allocated once a lane was loaded. One object per thread; lanes do not touch each other.
+/// Nothing is allocated but when a lane is loaded for the first time. One object per thread; lanes do not touch each other.
 namespace samara::models {
 
 class Stepper {

@@ -81,10 +81,13 @@ std::vector<Eigen::Index> PatternMap::nearest(const Eigen::VectorXd& place, int 
   std::array<double, kNeighbours + 1> squares = {};
   const std::size_t last =
       tree_->nearest(at, std::span(found).first(static_cast<std::size_t>(count)), squares) - 1;
-  // Points of a grid lie at equal distances: of those at the last one the first are taken, whatever the round-off.
+  // Points of a grid lie at equal distances, but for round-off: of equal ones the first come first.
   std::vector<Eigen::Index> order = tree_->within(at, squares[last] * (1.0 + 1e-9) + 1e-300);
   std::ranges::sort(order);
-  const auto distance = [&](Eigen::Index n) { return (places_.row(n) - place.transpose()).squaredNorm(); };
+  const double grain = 1e-9 * squares[last] + 1e-300;
+  const auto distance = [&](Eigen::Index n) {
+    return std::round((places_.row(n) - place.transpose()).squaredNorm() / grain);
+  };
   std::ranges::stable_sort(order, {}, distance);
   order.resize(static_cast<std::size_t>(count));
   return order;
