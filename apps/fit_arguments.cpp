@@ -108,10 +108,12 @@ void add_follow(CLI::App& app, Arguments& arguments) {
   CLI::App* command = app.add_subcommand(
       "follow", "a motion frame by frame with a fitted model: state, coefficients, and what comes next");
   command
-      ->add_option("SOURCE", values->source, "a model by its name or its file of equations, or a codebook file")
+      ->add_option("SOURCE", values->source,
+                   "a model by its name or its file of equations, or a codebook file")
       ->required();
   command->add_option("FIT", values->fit, "JSON of a fit of it (samara fit -o)")->required();
-  command->add_option("TRACK", values->track, "what was measured: a table, or a sidecar (.toml) that maps one")
+  command
+      ->add_option("TRACK", values->track, "what was measured: a table, or a sidecar (.toml) that maps one")
       ->required();
   command->add_option("--sidecar", values->sidecar,
                       "what the columns of all tables given are, TOML, in place of sidecars beside them");
@@ -119,12 +121,16 @@ void add_follow(CLI::App& app, Arguments& arguments) {
                       "of the fit, TOML: where [known] finds values of the capture, and the step");
   command->add_option("--ahead", values->ahead,
                       "also forecast so far beyond every frame, s or with a unit: a mean and a band of 90 %");
-  command->add_option("--train", values->training,
-                      "captures on which the noise of model and frames, spread and drift are chosen, one or more");
-  command->add_option("--noise", values->noise, "of frames of an output, NAME=VALUE; default: what the fit found")
+  command->add_option(
+      "--train", values->training,
+      "captures on which the noise of model and frames, spread and drift are chosen, one or more");
+  command
+      ->add_option("--noise", values->noise,
+                   "of frames of an output, NAME=VALUE; default: what the fit found")
       ->allow_extra_args(false);
-  command->add_option("--velocity-noise", values->velocity_noise,
-                      "what the model lacks: white noise in the rates of velocities, m/s per root of a second");
+  command->add_option(
+      "--velocity-noise", values->velocity_noise,
+      "what the model lacks: white noise in the rates of velocities, m/s per root of a second");
   command->add_option("--rate-noise", values->rate_noise,
                       "likewise in the rates of rates of rotation, rad/s per root of a second");
   command->add_option("--spread", values->spread,
@@ -133,7 +139,8 @@ void add_follow(CLI::App& app, Arguments& arguments) {
   command->add_option("--step", values->step, "of the integration at most, s or with a unit; default: 2 ms");
   command->add_option("--start-frames", values->start_frames, "from which the start is found; default: 8")
       ->check(whole_number());
-  command->add_option("-o,--output", values->output, "also write a table with a row a frame to this file, CSV");
+  command->add_option("-o,--output", values->output,
+                      "also write a table with a row a frame to this file, CSV");
   command->add_flag("--json", values->json, "print one JSON object instead of the text");
   on_call(command, arguments.follow, values);
 }

@@ -70,7 +70,8 @@ void check_files(const FollowArguments& arguments) {
   if (arguments.output.empty()) return;
   std::vector<std::string> inputs = {arguments.source, arguments.fit, arguments.config, arguments.sidecar};
   const auto add = [&](const std::string& track) {
-    const auto files = arguments.sidecar.empty() ? id::capture_files(track) : id::capture_files(track, arguments.sidecar);
+    const auto files =
+        arguments.sidecar.empty() ? id::capture_files(track) : id::capture_files(track, arguments.sidecar);
     for (const std::filesystem::path& file : files) inputs.push_back(file.string());
   };
   add(arguments.track);
