@@ -23,7 +23,8 @@ std::shared_ptr<const models::Model> followed_model(const std::string& source) {
   const codebooks::Codebook book = codebooks::load(source);
   const auto family = codebooks::codebook_trajectories(book);
   if (family->equations() == nullptr)
-    throw InputError(source, "a motion is followed with its equations, which are not known; a model was expected");
+    throw InputError(source,
+                     "a motion is followed with its equations, which are not known; a model was expected");
   return family->equations()->shared_model();
 }
 
@@ -38,7 +39,8 @@ FollowOptions requested_options(const models::Model& model, const FitResult& fit
   std::vector<std::string> known;
   for (const auto& [name, noise] : options.noise) known.push_back(name);
   if (options.attitude_noise) known.emplace_back("attitude");
-  const auto given = request.frame_noise ? request.frame_noise(model.info()) : std::map<std::string, double>();
+  const auto given =
+      request.frame_noise ? request.frame_noise(model.info()) : std::map<std::string, double>();
   for (const auto& [name, noise] : given) {
     if (!contains(known, name)) {
       throw ArgumentError(fmt::format("the noise of \"{}\" was given, which is not measured{}", name,
@@ -62,7 +64,8 @@ NoiseChoice chosen_noise(const std::shared_ptr<const models::Model>& model, cons
     for (Capture& capture : captures_in(file, request.sidecar)) captures.push_back(std::move(capture));
   }
   std::vector<FollowOptions> options;
-  for (const Capture& capture : captures) options.push_back(requested_options(*model, fitted, capture, request));
+  for (const Capture& capture : captures)
+    options.push_back(requested_options(*model, fitted, capture, request));
   NoiseSearch search{.ahead = request.ahead, .stride = 0.5 * request.ahead, .progress = request.progress};
   search.start.noise_factor = request.noise.noise_factor;
   for (double NoiseChoice::*const number :
@@ -79,29 +82,34 @@ FollowReport follow_files(const FollowRequest& request) {
   const auto model = followed_model(request.source);
   FollowReport report{.model = model->info().name, .source = request.source, .noise = request.noise};
   if (fitted.model != report.model) {
-    throw InputError(request.fit.string(), fmt::format("it is a fit of the model \"{}\"; one of \"{}\" was expected",
-                                                       fitted.model, report.model));
+    throw InputError(request.fit.string(),
+                     fmt::format("it is a fit of the model \"{}\"; one of \"{}\" was expected", fitted.model,
+                                 report.model));
   }
-  if (!fitted.is_usable()) report.warnings.push_back(fmt::format("{}: {}", request.fit.string(), fitted.message));
+  if (!fitted.is_usable())
+    report.warnings.push_back(fmt::format("{}: {}", request.fit.string(), fitted.message));
   if (!request.config.empty()) {
     const FitOptions config = read_fit_config(request.config, config_names(model->info()));
     fitted.setup.unknowns.known = config.unknowns.known;
     fitted.setup.solver.step = config.solver.step;
   }
   if (fitted.setup.camera.scale || fitted.setup.camera.rotation) {
-    report.warnings.push_back("the camera of the fit was not known for sure; here its lengths and axes are taken as right");
+    report.warnings.push_back(
+        "the camera of the fit was not known for sure; here its lengths and axes are taken as right");
   }
   const std::vector<Capture> tracks = captures_in(request.track, request.sidecar);
   if (tracks.size() != 1) {
     throw InputError(request.track.string(),
-                     fmt::format("it holds {} captures; one was expected (\"where\" in a sidecar chooses)", tracks.size()));
+                     fmt::format("it holds {} captures; one was expected (\"where\" in a sidecar chooses)",
+                                 tracks.size()));
   }
   if (!request.training.empty()) {
     report.noise = chosen_noise(model, fitted, request);
     report.noise_was_chosen = true;
   } else if (request.noise.velocity == 0.0 && request.noise.rate == 0.0) {
     report.warnings.push_back(
-        "the model is taken as exact; errors hold where it is (captures to train on choose how far it is not)");
+        "the model is taken as exact; errors hold where it is (captures to train on choose how far it is "
+        "not)");
   }
   const FollowOptions options = requested_options(*model, fitted, tracks.front(), request);
   report.motion = follow(model, with_noise(options, report.noise), tracks.front(), request.ahead);

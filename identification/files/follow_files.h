@@ -16,7 +16,7 @@
 namespace samara::identification {
 
 struct FollowRequest {
-  std::string source = {};             ///< a model by its name or its file of equations, or the file of a codebook
+  std::string source = {};  ///< a model by its name or its file of equations, or the file of a codebook
   std::filesystem::path fit = {};      ///< JSON of a fit of that model
   std::filesystem::path track = {};    ///< a table, or a sidecar (".toml"), with one capture
   std::filesystem::path sidecar = {};  ///< of every table; empty: those beside them
@@ -29,7 +29,7 @@ struct FollowRequest {
   NoiseChoice noise = {.velocity = 0.0, .rate = 0.0, .spread = 0.0, .drift = 0.0};
   /// Noise of outputs, or of the "attitude", SI, in place of the fit's, once names and units are known. Empty: none.
   std::function<std::map<std::string, double>(const models::ModelInfo& model)> frame_noise = {};
-  std::optional<double> step = {};                 ///< s, of Runge-Kutta steps
+  std::optional<double> step = {};  ///< s, of Runge-Kutta steps
   std::optional<int> start_frames = {};
   ProgressCallback progress = {};
 };

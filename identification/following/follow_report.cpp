@@ -45,7 +45,8 @@ std::string follow_text(const FollowReport& report) {
   const auto out = std::back_inserter(text);
   std::array<int, 5> counts = {};
   for (const FollowedFrame& frame : motion.frames) ++counts[static_cast<std::size_t>(frame.status)];
-  fmt::format_to(out, "{} followed through \"{}\": {} frames", report.model, motion.capture, motion.frames.size());
+  fmt::format_to(out, "{} followed through \"{}\": {} frames", report.model, motion.capture,
+                 motion.frames.size());
   for (std::size_t k = 0; k < counts.size(); ++k) {
     if (counts[k] > 0) fmt::format_to(out, ", {} {}", counts[k], to_string(static_cast<FollowStatus>(k)));
   }
@@ -58,11 +59,12 @@ std::string follow_text(const FollowReport& report) {
   }
   text += "\n";
   if (compared > 0) {
-    fmt::format_to(out, "innovations squared are {:.3g} times what was expected of {} values\n", innovations / compared,
-                   compared);
+    fmt::format_to(out, "innovations squared are {:.3g} times what was expected of {} values\n",
+                   innovations / compared, compared);
   }
   fmt::format_to(out,
-                 "noise of frames times {:.3g}, of velocities {:.3g} m/s and of rates {:.3g} rad/s per root of a second; "
+                 "noise of frames times {:.3g}, of velocities {:.3g} m/s and of rates {:.3g} rad/s per root "
+                 "of a second; "
                  "coefficients differ by {:.3g} and drift by {:.3g} per root of a second: {}\n",
                  report.noise.noise_factor, report.noise.velocity, report.noise.rate, report.noise.spread,
                  report.noise.drift, report.noise_was_chosen ? "chosen on captures to train" : "as given");
@@ -75,16 +77,17 @@ std::string follow_text(const FollowReport& report) {
   for (std::size_t k = 0; k < motion.names.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
     const double error = motion.errors(row, at);
-    fmt::format_to(out, "{:<24} {:>14} {:>14.2g} {}\n", motion.names[k], rounded(motion.values(row, at), error), error,
-                   shown_unit(motion.units[k]));
+    fmt::format_to(out, "{:<24} {:>14} {:>14.2g} {}\n", motion.names[k],
+                   rounded(motion.values(row, at), error), error, shown_unit(motion.units[k]));
   }
   if (motion.outputs.empty()) return text;
-  fmt::format_to(out, "\nfrom {:.6g} s, {:.6g} s ahead{:>8} {:>14} {:>14}\n", motion.times[row], motion.ahead, "mean",
-                 "90 % from", "to");
+  fmt::format_to(out, "\nfrom {:.6g} s, {:.6g} s ahead{:>8} {:>14} {:>14}\n", motion.times[row], motion.ahead,
+                 "mean", "90 % from", "to");
   for (std::size_t k = 0; k < motion.outputs.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
-    fmt::format_to(out, "{:<24} {:>14.5g} {:>14.5g} {:>14.5g} {}\n", motion.outputs[k], motion.forecasts.mean(row, at),
-                   motion.forecasts.lower(row, at), motion.forecasts.upper(row, at), shown_unit(motion.output_units[k]));
+    fmt::format_to(out, "{:<24} {:>14.5g} {:>14.5g} {:>14.5g} {}\n", motion.outputs[k],
+                   motion.forecasts.mean(row, at), motion.forecasts.lower(row, at),
+                   motion.forecasts.upper(row, at), shown_unit(motion.output_units[k]));
   }
   return text;
 }
@@ -116,7 +119,8 @@ std::string follow_csv(const FollowReport& report) {
       }
     }
     for (Eigen::Index k = 0; k < std::ssize(motion.outputs); ++k) {
-      for (const Eigen::MatrixXd* table : {&motion.forecasts.mean, &motion.forecasts.lower, &motion.forecasts.upper})
+      for (const Eigen::MatrixXd* table :
+           {&motion.forecasts.mean, &motion.forecasts.lower, &motion.forecasts.upper})
         add_cell(line, (*table)(row, k));
     }
     text += line + "\n";

@@ -24,13 +24,16 @@ void check_follow_options(const FollowOptions& options) {
   constexpr const char* kWhere = "following a motion";
   for (const auto& [name, noise] : options.noise) require_positive(noise, "noise of " + name, kWhere);
   if (options.attitude_noise) require_positive(*options.attitude_noise, "noise of the attitude", kWhere);
-  for (const auto& [name, period] : options.periods) require_not_negative(period, "period of " + name, kWhere);
-  require(options.averaged_frames >= 1 && options.averaged_frames % 2 == 1, "averaged_frames", options.averaged_frames,
-          "an odd number from 1 on", kWhere);
-  require(options.gate > 0.0 && options.gate < 1.0, "gate", options.gate, "a probability between 0 and 1", kWhere);
+  for (const auto& [name, period] : options.periods)
+    require_not_negative(period, "period of " + name, kWhere);
+  require(options.averaged_frames >= 1 && options.averaged_frames % 2 == 1, "averaged_frames",
+          options.averaged_frames, "an odd number from 1 on", kWhere);
+  require(options.gate > 0.0 && options.gate < 1.0, "gate", options.gate, "a probability between 0 and 1",
+          kWhere);
   require_not_negative(options.model_noise.velocity, "model_noise.velocity", kWhere);
   require_not_negative(options.model_noise.rate, "model_noise.rate", kWhere);
-  for (const auto& [name, noise] : options.model_noise.states) require_not_negative(noise, "model noise of " + name, kWhere);
+  for (const auto& [name, noise] : options.model_noise.states)
+    require_not_negative(noise, "model noise of " + name, kWhere);
   require_positive(options.step, "step", kWhere);
   for (const auto& [name, start] : options.start) {
     require(std::isfinite(start.mean), "start of " + name, start.mean, "a finite value", kWhere);
@@ -53,8 +56,9 @@ void check_follow_options(const FollowOptions& options) {
   const Eigen::MatrixXd& covariance = options.coefficient_covariance;
   if (covariance.size() == 0) return;
   if (covariance.rows() != count || covariance.cols() != count || !covariance.allFinite()) {
-    throw ArgumentError(fmt::format("the covariance of coefficients is {} x {}; finite and {} x {} was expected",
-                                    covariance.rows(), covariance.cols(), count, count));
+    throw ArgumentError(
+        fmt::format("the covariance of coefficients is {} x {}; finite and {} x {} was expected",
+                    covariance.rows(), covariance.cols(), count, count));
   }
 }
 
@@ -68,13 +72,14 @@ models::ParametricModel free_model(std::shared_ptr<const models::Model> model, c
     if (std::ranges::count(free, name) == 0) fixed.emplace(name, value);
   }
   for (const FollowedCoefficient& c : options.coefficients) {
-    const bool is_parameter = std::ranges::any_of(
-        model->info().parameters, [&](const models::ParameterInfo& parameter) { return parameter.name == c.name; });
+    const bool is_parameter =
+        std::ranges::any_of(model->info().parameters,
+                            [&](const models::ParameterInfo& parameter) { return parameter.name == c.name; });
     if (!is_parameter) {
       std::vector<std::string> known;
       for (const models::ParameterInfo& parameter : model->info().parameters) known.push_back(parameter.name);
-      throw ArgumentError(fmt::format("the model \"{}\" has no parameter \"{}\" to follow{}", model->info().name, c.name,
-                                      suggestion(c.name, known)));
+      throw ArgumentError(fmt::format("the model \"{}\" has no parameter \"{}\" to follow{}",
+                                      model->info().name, c.name, suggestion(c.name, known)));
     }
     free.push_back(c.name);
   }
@@ -129,8 +134,8 @@ FollowedModel::FollowedModel(std::shared_ptr<const models::Model> model, const F
   const auto check_states = [&](const auto& named, const char* what) {
     for (const auto& [name, value] : named) {
       if (std::ranges::count(states, name) == 0) {
-        throw ArgumentError(fmt::format("{} of \"{}\": the model \"{}\" has no such state{}", what, name, info.name,
-                                        suggestion(name, states)));
+        throw ArgumentError(fmt::format("{} of \"{}\": the model \"{}\" has no such state{}", what, name,
+                                        info.name, suggestion(name, states)));
       }
     }
   };
@@ -146,15 +151,18 @@ void FollowedModel::resolve_outputs() {
   for (const auto& [name, noise] : options_.noise) {
     SeenOutput seen = output(name);
     seen.noise = noise;
-    const bool of_attitude = seen.is_state && attitude_ && seen.index >= *attitude_ && seen.index < *attitude_ + 4;
+    const bool of_attitude =
+        seen.is_state && attitude_ && seen.index >= *attitude_ && seen.index < *attitude_ + 4;
     if (of_attitude) {
-      throw ArgumentError(fmt::format("\"{}\" is a part of the attitude, which is compared by its turn; "
-                                      "attitude_noise was expected",
-                                      name));
+      throw ArgumentError(
+          fmt::format("\"{}\" is a part of the attitude, which is compared by its turn; "
+                      "attitude_noise was expected",
+                      name));
     }
     measured_.push_back(std::move(seen));
   }
-  if (compared() == 0) throw ArgumentError("nothing is measured; the noise of one output was expected at least");
+  if (compared() == 0)
+    throw ArgumentError("nothing is measured; the noise of one output was expected at least");
 }
 
 SeenOutput FollowedModel::output(const std::string& name) const {
@@ -163,7 +171,9 @@ SeenOutput FollowedModel::output(const std::string& name) const {
   const auto found = [&](bool is_state, std::size_t index, const std::string& unit) {
     SeenOutput seen{.name = name, .is_state = is_state, .index = static_cast<Eigen::Index>(index)};
     const auto period = options_.periods.find(name);
-    seen.period = period != options_.periods.end() ? period->second : unit == "rad" ? 2.0 * std::numbers::pi : 0.0;
+    seen.period = period != options_.periods.end() ? period->second
+                  : unit == "rad"                  ? 2.0 * std::numbers::pi
+                                                   : 0.0;
     return seen;
   };
   for (std::size_t i = 0; i < info.states.size(); ++i) {
@@ -184,9 +194,9 @@ void FollowedModel::resolve_noise() {
   for (Eigen::Index i = 0; i < states_; ++i) {
     if (attitude_ && i >= *attitude_ && i < *attitude_ + 4) continue;
     const models::StateInfo& state = states[static_cast<std::size_t>(i)];
-    double noise = state.unit == "m/s"                              ? options_.model_noise.velocity
+    double noise = state.unit == "m/s"                            ? options_.model_noise.velocity
                    : state.unit == "rad/s" || state.unit == "1/s" ? options_.model_noise.rate
-                                                                    : 0.0;
+                                                                  : 0.0;
     const auto given = options_.model_noise.states.find(state.name);
     if (given != options_.model_noise.states.end()) noise = given->second;
     noise_rates_[error_of_state(i)] = noise * noise;
@@ -201,7 +211,8 @@ Eigen::Index FollowedModel::error_of_state(Eigen::Index state) const {
   return attitude_ && state >= *attitude_ + 4 ? state - 1 : state;
 }
 
-void FollowedModel::plus(const Eigen::VectorXd& from, const Eigen::VectorXd& error, Eigen::VectorXd& to) const {
+void FollowedModel::plus(const Eigen::VectorXd& from, const Eigen::VectorXd& error,
+                         Eigen::VectorXd& to) const {
   for (Eigen::Index i = 0; i < states_; ++i) {
     if (attitude_ && i == *attitude_) {
       const models::Quaternion turned = models::normalised(
@@ -221,7 +232,8 @@ void FollowedModel::plus(const Eigen::VectorXd& from, const Eigen::VectorXd& err
   }
 }
 
-void FollowedModel::minus(const Eigen::VectorXd& to, const Eigen::VectorXd& from, Eigen::VectorXd& error) const {
+void FollowedModel::minus(const Eigen::VectorXd& to, const Eigen::VectorXd& from,
+                          Eigen::VectorXd& error) const {
   for (Eigen::Index i = 0; i < states_; ++i) {
     if (attitude_ && i == *attitude_) {
       error.segment<3>(i) = turn_between(from.data() + i, to.data() + i).vector;
@@ -268,7 +280,8 @@ void FollowedModel::minus_times(const Eigen::VectorXd& at, const Eigen::MatrixXd
   product.middleRows(before + 3, after) = matrix.middleRows(before + 4, after);
 }
 
-void FollowedModel::carry(const Eigen::VectorXd& error, Eigen::MatrixXd& covariance, Eigen::MatrixXd& scratch) const {
+void FollowedModel::carry(const Eigen::VectorXd& error, Eigen::MatrixXd& covariance,
+                          Eigen::MatrixXd& scratch) const {
   if (!attitude_) return;
   const Eigen::Index at = *attitude_;
   const Eigen::Matrix3d turned = right_jacobian(error.segment<3>(at));

@@ -40,7 +40,9 @@ class FollowedModel {
   std::optional<Eigen::Index> attitude() const { return attitude_; }
   /// The error of a state that is no part of the attitude, and of a coefficient.
   Eigen::Index error_of_state(Eigen::Index state) const;
-  Eigen::Index error_of_coefficient(Eigen::Index coefficient) const { return errors() - coefficients_ + coefficient; }
+  Eigen::Index error_of_coefficient(Eigen::Index coefficient) const {
+    return errors() - coefficients_ + coefficient;
+  }
   const std::vector<std::string>& error_names() const { return error_names_; }
 
   /// Measured outputs, without the attitude.

@@ -69,8 +69,8 @@ double noise_of(const FitResult& fitted, const std::string& output) {
     if (residual.output == output && residual.rms > 0.0)
       return output == "attitude" ? residual.rms / std::sqrt(3.0) : residual.rms;
   }
-  throw ArgumentError(fmt::format("the fit says nothing of the noise of \"{}\"; a noise level or a residual was expected",
-                                  output));
+  throw ArgumentError(fmt::format(
+      "the fit says nothing of the noise of \"{}\"; a noise level or a residual was expected", output));
 }
 
 void refuse_unfollowed(const FitResult& fitted, const models::ModelInfo& info) {
@@ -79,15 +79,17 @@ void refuse_unfollowed(const FitResult& fitted, const models::ModelInfo& info) {
   for (const auto& names : {fitted.setup.unknowns.shared, fitted.setup.unknowns.per_capture}) {
     for (const std::string& name : names) {
       if (name == kDelay || name.starts_with("gain of "))
-        throw ArgumentError(fmt::format("the fit has an unknown \"{}\"; one without delay and gains was expected", name));
+        throw ArgumentError(
+            fmt::format("the fit has an unknown \"{}\"; one without delay and gains was expected", name));
     }
   }
   for (const std::string& offset : fitted.setup.unknowns.offsets.value_or(std::vector<std::string>())) {
     const bool is_place = std::ranges::count(info.symmetries, "translation of " + offset) > 0;
     if (!is_place) {
-      throw ArgumentError(fmt::format("the fit has an offset of \"{}\", on which the motion depends; offsets of places "
-                                      "alone were expected",
-                                      offset));
+      throw ArgumentError(
+          fmt::format("the fit has an offset of \"{}\", on which the motion depends; offsets of places "
+                      "alone were expected",
+                      offset));
     }
   }
 }
@@ -159,21 +161,24 @@ void add_coefficients(const models::ModelInfo& info, const FitResult& fitted, Fo
     }
     followed.push_back(k);
     const bool logarithmic = c.lower > 0.0;
-    options.coefficients.push_back({.name = c.name,
-                                    .value = c.value,
-                                    .deviation = std::sqrt(fitted.covariance(k, k)) / (logarithmic ? c.value : 1.0),
-                                    .logarithmic = logarithmic,
-                                    .lower = c.lower,
-                                    .upper = c.upper});
+    options.coefficients.push_back(
+        {.name = c.name,
+         .value = c.value,
+         .deviation = std::sqrt(fitted.covariance(k, k)) / (logarithmic ? c.value : 1.0),
+         .logarithmic = logarithmic,
+         .lower = c.lower,
+         .upper = c.upper});
   }
   const auto own = std::ssize(options.coefficients) - std::ssize(followed);
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(std::ssize(options.coefficients), std::ssize(options.coefficients));
+  Eigen::MatrixXd covariance =
+      Eigen::MatrixXd::Zero(std::ssize(options.coefficients), std::ssize(options.coefficients));
   for (Eigen::Index j = 0; j < covariance.rows(); ++j) {
     const FollowedCoefficient& c = options.coefficients[static_cast<std::size_t>(j)];
     covariance(j, j) = c.deviation * c.deviation;
     for (Eigen::Index i = own; j >= own && i < j; ++i) {
       const FollowedCoefficient& other = options.coefficients[static_cast<std::size_t>(i)];
-      const double between = fitted.covariance(followed[static_cast<std::size_t>(i - own)], followed[static_cast<std::size_t>(j - own)]) /
+      const double between = fitted.covariance(followed[static_cast<std::size_t>(i - own)],
+                                               followed[static_cast<std::size_t>(j - own)]) /
                              ((c.logarithmic ? c.value : 1.0) * (other.logarithmic ? other.value : 1.0));
       covariance(i, j) = covariance(j, i) = std::isfinite(between) ? between : 0.0;
     }
@@ -197,7 +202,8 @@ FollowOptions follow_options(const models::Model& model, const FitResult& fitted
       if (is_start || is_parameter(info, name)) options.fixed[name] = value;
     }
   }
-  for (const auto& [name, known] : fitted.setup.unknowns.known) options.fixed[name] = known_value(capture, name, known);
+  for (const auto& [name, known] : fitted.setup.unknowns.known)
+    options.fixed[name] = known_value(capture, name, known);
   add_outputs(info, fitted, capture, options);
   for (const std::string& offset : fitted.setup.unknowns.offsets.value_or(std::vector<std::string>()))
     options.fixed.erase(offset + kInitial);  // the place is what the frames say
@@ -214,7 +220,8 @@ FollowOptions follow_options(const models::Model& model, const FitResult& fitted
 
 Eigen::MatrixXd frames_of(const Follower& follower, const Capture& capture) {
   const std::vector<std::string>& measured = follower.measured();
-  Eigen::MatrixXd values = Eigen::MatrixXd::Constant(capture.times.size(), std::ssize(measured), kNotFollowed);
+  Eigen::MatrixXd values =
+      Eigen::MatrixXd::Constant(capture.times.size(), std::ssize(measured), kNotFollowed);
   bool any = false;
   for (std::size_t k = 0; k < measured.size(); ++k) {
     if (!capture.has(measured[k])) continue;
@@ -222,8 +229,8 @@ Eigen::MatrixXd frames_of(const Follower& follower, const Capture& capture) {
     values.col(static_cast<Eigen::Index>(k)) = capture.channel(measured[k]).values;
   }
   if (!any) {
-    throw ArgumentError(
-        fmt::format("the capture \"{}\" measures nothing of what is followed: {}", capture.id, join(measured)));
+    throw ArgumentError(fmt::format("the capture \"{}\" measures nothing of what is followed: {}", capture.id,
+                                    join(measured)));
   }
   return values;
 }
@@ -246,10 +253,12 @@ FollowedMotion follow(std::shared_ptr<const models::Model> model, const FollowOp
   Follower follower(model, remembered);
   const Eigen::MatrixXd values = frames_of(follower, capture);
   const Eigen::Index rows = capture.times.size(), columns = std::ssize(motion.names);
-  for (Eigen::MatrixXd* table : {&motion.values, &motion.errors, &motion.smoothed_values, &motion.smoothed_errors})
+  for (Eigen::MatrixXd* table :
+       {&motion.values, &motion.errors, &motion.smoothed_values, &motion.smoothed_errors})
     table->setConstant(rows, columns, kNotFollowed);
   motion.state_times.setConstant(rows, kNotFollowed);
-  const auto put = [&](const FollowedState& state, Eigen::Index row, Eigen::MatrixXd& to, Eigen::MatrixXd& errors) {
+  const auto put = [&](const FollowedState& state, Eigen::Index row, Eigen::MatrixXd& to,
+                       Eigen::MatrixXd& errors) {
     to.row(row) << state.states.transpose(), state.coefficients.transpose();
     errors.row(row) = follower.deviations(state).transpose();
   };
@@ -285,7 +294,8 @@ FollowedMotion follow(std::shared_ptr<const models::Model> model, const FollowOp
   motion.state_times = motion.times.array() - lead;
   Eigen::Index row = 0;
   for (const FollowedState& state : follower.smoothed()) {
-    while (row + 1 < rows && std::abs(motion.state_times[row] - state.time) > std::abs(motion.state_times[row + 1] - state.time))
+    while (row + 1 < rows && std::abs(motion.state_times[row] - state.time) >
+                                 std::abs(motion.state_times[row + 1] - state.time))
       ++row;
     put(state, row, motion.smoothed_values, motion.smoothed_errors);
   }

@@ -8,8 +8,8 @@
 
 #include "samara/identification/captures/capture.h"
 #include "samara/identification/following/follower.h"
-#include "samara/identification/statistics/forecast_band.h"
 #include "samara/identification/problem/fit_result.h"
+#include "samara/identification/statistics/forecast_band.h"
 #include "samara/models/interface/model.h"
 
 /// Captures followed with what a fit found (follower.h).
@@ -35,7 +35,8 @@ struct FollowedMotion {
   Eigen::VectorXd times = {};        ///< s, of frames
   Eigen::VectorXd state_times = {};  ///< s, of states: half a mean of frames earlier
   std::vector<FollowedFrame> frames = {};
-  Eigen::MatrixXd values = {}, errors = {};  ///< SI; the most likely hypothesis after the frame, and standard errors
+  Eigen::MatrixXd values = {},
+                  errors = {};  ///< SI; the most likely hypothesis after the frame, and standard errors
   /// The same in the light of all frames; NaN for frames that were not followed.
   Eigen::MatrixXd smoothed_values = {}, smoothed_errors = {};
   double log_likelihood = 0.0;  ///< of all frames after starts, each before it was seen

@@ -60,7 +60,8 @@ struct Follower::Impl {
 
   void check(double next, std::span<const double> values) const {
     if (!std::isfinite(next) || next < 0.0)
-      throw ArgumentError(fmt::format("the time of a frame is {} s; a finite time from 0 on was expected", next));
+      throw ArgumentError(
+          fmt::format("the time of a frame is {} s; a finite time from 0 on was expected", next));
     if (next <= time) {
       throw ArgumentError(
           fmt::format("a frame at {} s follows one at {} s; a later one was expected", next, time));
@@ -72,17 +73,19 @@ struct Follower::Impl {
     int missing = 0;
     for (std::size_t k = 0; k < values.size(); ++k) {
       if (std::isinf(values[k]))
-        throw ArgumentError(fmt::format("\"{}\" is infinite at {} s; a number, or NaN where it was not seen, was "
-                                        "expected",
-                                        measured[k], next));
+        throw ArgumentError(
+            fmt::format("\"{}\" is infinite at {} s; a number, or NaN where it was not seen, was "
+                        "expected",
+                        measured[k], next));
       if (k >= model.measured().size() && std::isnan(values[k])) ++missing;
     }
     if (!model.attitude_is_measured()) return;
     const std::span<const double> attitude = values.last(4);
     const bool is_zero = std::ranges::all_of(attitude, [](double part) { return part == 0.0; });
     if (is_zero || (missing > 0 && missing < 4)) {
-      throw ArgumentError(fmt::format("the attitude at {} s {}; four numbers, not all 0, or four times NaN was expected",
-                                      next, is_zero ? "has the length 0" : "lacks some of its four numbers"));
+      throw ArgumentError(
+          fmt::format("the attitude at {} s {}; four numbers, not all 0, or four times NaN was expected",
+                      next, is_zero ? "has the length 0" : "lacks some of its four numbers"));
     }
   }
 
@@ -94,7 +97,8 @@ struct Follower::Impl {
       if (!std::isnan(frame.values[k])) ++frame.count;
     }
     if (!model.attitude_is_measured()) return;
-    for (Eigen::Index part = 0; part < 4; ++part) frame.attitude[part] = values[values.size() - 4 + static_cast<std::size_t>(part)];
+    for (Eigen::Index part = 0; part < 4; ++part)
+      frame.attitude[part] = values[values.size() - 4 + static_cast<std::size_t>(part)];
     if (!frame.attitude.hasNaN()) frame.count += 3;
   }
 
@@ -213,9 +217,9 @@ struct Follower::Impl {
       settle_weights();
       merge();
     }
-    outliers_in_row = result.status == FollowStatus::outlier    ? outliers_in_row + 1
+    outliers_in_row = result.status == FollowStatus::outlier     ? outliers_in_row + 1
                       : result.status == FollowStatus::following ? 0
-                                                                  : outliers_in_row;
+                                                                 : outliers_in_row;
     return result;
   }
 
@@ -248,7 +252,8 @@ struct Follower::Impl {
   /// Before a motion is let go.
   void keep_past() {
     if (!model.options().remember || hypotheses.empty()) return;
-    for (FollowedState& state : smooth(model, hypotheses.front().records)) finished.push_back(std::move(state));
+    for (FollowedState& state : smooth(model, hypotheses.front().records))
+      finished.push_back(std::move(state));
   }
 
   FollowedModel model;
@@ -323,22 +328,25 @@ Forecast Follower::forecast(std::span<const double> times, const std::vector<std
   double last = run.time;
   for (const double time : times) {
     if (!std::isfinite(time) || time < last) {
-      throw ArgumentError(fmt::format("a forecast for {} s follows {} s; a finite time, not earlier, was expected",
-                                      time, last));
+      throw ArgumentError(fmt::format(
+          "a forecast for {} s follows {} s; a finite time, not earlier, was expected", time, last));
     }
     last = time;
   }
   for (const Hypothesis& now : run.hypotheses)
-    result.components.push_back(forecast_component(run.model, run.filter, now, run.state_time(), times, seen));
+    result.components.push_back(
+        forecast_component(run.model, run.filter, now, run.state_time(), times, seen));
   return result;
 }
 
 std::vector<FollowedState> Follower::smoothed() const {
   if (!impl_->model.options().remember)
-    throw ArgumentError("a motion that was not remembered was to be smoothed; FollowOptions::remember was expected");
+    throw ArgumentError(
+        "a motion that was not remembered was to be smoothed; FollowOptions::remember was expected");
   std::vector<FollowedState> result = impl_->finished;
   if (impl_->hypotheses.empty()) return result;
-  for (FollowedState& state : smooth(impl_->model, impl_->hypotheses.front().records)) result.push_back(std::move(state));
+  for (FollowedState& state : smooth(impl_->model, impl_->hypotheses.front().records))
+    result.push_back(std::move(state));
   return result;
 }
 

@@ -58,8 +58,8 @@ struct FollowedFrame {
 
 /// What is known of the motion, for one hypothesis.
 struct FollowedState {
-  double time = 0.0;    ///< s, of the state: of the last frame; half a mean of frames earlier
-  double weight = 1.0;  ///< of all hypotheses 1 together
+  double time = 0.0;                  ///< s, of the state: of the last frame; half a mean of frames earlier
+  double weight = 1.0;                ///< of all hypotheses 1 together
   Eigen::VectorXd states = {};        ///< of the model, in its order, SI
   Eigen::VectorXd coefficients = {};  ///< in the order of FollowOptions::coefficients, SI
   /// Of the errors: for each state one, but three for an attitude (its turn in body axes, rad), then one for each

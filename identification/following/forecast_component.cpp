@@ -13,9 +13,9 @@ namespace {
 constexpr double kDistance2 = 3.0;
 
 /// Means and covariances by derivatives, without the noise of frames. @returns rows that are finite
-Eigen::Index to_first_order(const FollowedModel& model, HypothesisFilter& filter, Hypothesis ahead, double here,
-                            std::span<const double> times, const std::vector<SeenOutput>& outputs,
-                            ForecastComponent& component) {
+Eigen::Index to_first_order(const FollowedModel& model, HypothesisFilter& filter, Hypothesis ahead,
+                            double here, std::span<const double> times,
+                            const std::vector<SeenOutput>& outputs, ForecastComponent& component) {
   Eigen::VectorXd values(component.mean.cols());
   Eigen::MatrixXd by_errors(component.mean.cols(), model.errors());
   for (Eigen::Index row = 0; row < component.mean.rows(); ++row) {
@@ -51,8 +51,8 @@ bool to_second_order(const FollowedModel& model, HypothesisFilter& filter, const
   const Eigen::MatrixXd root = std::sqrt(kDistance2) * root_of(now.covariance);
   const Eigen::MatrixXd middle = component.mean;
   Eigen::MatrixXd one(middle.rows(), middle.cols()), other = one, mean = middle;
-  std::vector<Eigen::MatrixXd> covariances(
-      component.covariance.size(), Eigen::MatrixXd::Zero(middle.cols(), middle.cols()));
+  std::vector<Eigen::MatrixXd> covariances(component.covariance.size(),
+                                           Eigen::MatrixXd::Zero(middle.cols(), middle.cols()));
   Eigen::VectorXd point(model.size());
   for (Eigen::Index column = 0; column < root.cols(); ++column) {
     model.plus(now.point, root.col(column), point);
@@ -75,8 +75,8 @@ bool to_second_order(const FollowedModel& model, HypothesisFilter& filter, const
 
 }  // namespace
 
-ForecastComponent forecast_component(const FollowedModel& model, HypothesisFilter& filter, const Hypothesis& now,
-                                     double state_time, std::span<const double> times,
+ForecastComponent forecast_component(const FollowedModel& model, HypothesisFilter& filter,
+                                     const Hypothesis& now, double state_time, std::span<const double> times,
                                      const std::vector<SeenOutput>& outputs) {
   constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   const auto rows = static_cast<Eigen::Index>(times.size()), width = std::ssize(outputs);
@@ -90,18 +90,20 @@ ForecastComponent forecast_component(const FollowedModel& model, HypothesisFilte
   bool is_second = model.options().forecasts == ForecastOrder::second;
   if (is_second) {
     // What comes in on the way alone; then the rest.
-    const Hypothesis exact{.point = now.point, .covariance = Eigen::MatrixXd::Zero(model.errors(), model.errors())};
+    const Hypothesis exact{.point = now.point,
+                           .covariance = Eigen::MatrixXd::Zero(model.errors(), model.errors())};
     is_second = to_first_order(model, filter, exact, state_time, times, outputs, component) == rows &&
                 to_second_order(model, filter, now, state_time, times, outputs, component);
   }
   if (!is_second) {
     component = empty();
-    to_first_order(model, filter, {.point = now.point, .covariance = now.covariance}, state_time, times, outputs,
-                   component);
+    to_first_order(model, filter, {.point = now.point, .covariance = now.covariance}, state_time, times,
+                   outputs, component);
   }
   for (Eigen::MatrixXd& covariance : component.covariance) {
     for (Eigen::Index o = 0; o < width; ++o)
-      covariance(o, o) += outputs[static_cast<std::size_t>(o)].noise * outputs[static_cast<std::size_t>(o)].noise;
+      covariance(o, o) +=
+          outputs[static_cast<std::size_t>(o)].noise * outputs[static_cast<std::size_t>(o)].noise;
   }
   return component;
 }

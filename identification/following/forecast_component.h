@@ -15,8 +15,8 @@ namespace samara::identification {
 /// that comes in on the way is carried by derivatives.
 /// @param now at `state_time` [s]
 /// @param times s, of frames; not decreasing, the first not before that of the state and its lead
-ForecastComponent forecast_component(const FollowedModel& model, HypothesisFilter& filter, const Hypothesis& now,
-                                     double state_time, std::span<const double> times,
+ForecastComponent forecast_component(const FollowedModel& model, HypothesisFilter& filter,
+                                     const Hypothesis& now, double state_time, std::span<const double> times,
                                      const std::vector<SeenOutput>& outputs);
 
 }  // namespace samara::identification

@@ -75,7 +75,8 @@ double HypothesisFilter::lead() const {
   return 0.5 * (model_.options().averaged_frames - 1) * interval_;
 }
 
-bool HypothesisFilter::predict(Hypothesis& hypothesis, double t, double duration, Eigen::MatrixXd* transition) {
+bool HypothesisFilter::predict(Hypothesis& hypothesis, double t, double duration,
+                               Eigen::MatrixXd* transition) {
   const Eigen::Index states = model_.states();
   const Eigen::Index moving = model_.errors() - model_.coefficients();
   const double count =
@@ -151,9 +152,9 @@ bool HypothesisFilter::observe(const Eigen::VectorXd& point, double t, const std
       if (by_errors) flow.read_derivatives(by_flow_);
     }
     if (derived) {
-      equations.model().outputs_with_derivatives(t + n * interval_, as_span(point_).first(static_cast<std::size_t>(states)),
-                                                 workspace_.p, states_of(outputs_, outputs_.size()), outputs_by_time_,
-                                                 outputs_by_states_, outputs_by_parameters_);
+      equations.model().outputs_with_derivatives(
+          t + n * interval_, as_span(point_).first(static_cast<std::size_t>(states)), workspace_.p,
+          states_of(outputs_, outputs_.size()), outputs_by_time_, outputs_by_states_, outputs_by_parameters_);
     }
     for (Eigen::Index row = 0; row < own; ++row) {
       const SeenOutput& output = outputs[static_cast<std::size_t>(row)];
@@ -180,7 +181,8 @@ bool HypothesisFilter::observe(const Eigen::VectorXd& point, double t, const std
 }
 
 bool HypothesisFilter::compare(const Eigen::VectorXd& point, double t, const SeenFrame& frame,
-                               Eigen::VectorXd& residuals, Eigen::MatrixXd* by_errors, Eigen::VectorXd& variances) {
+                               Eigen::VectorXd& residuals, Eigen::MatrixXd* by_errors,
+                               Eigen::VectorXd& variances) {
   const std::vector<SeenOutput>& measured = model_.measured();
   const bool attitude = model_.attitude_is_measured();
   if (!observe(point, t, measured, attitude, expected_, by_errors ? &seen_by_errors_ : nullptr)) return false;
@@ -200,8 +202,10 @@ bool HypothesisFilter::compare(const Eigen::VectorXd& point, double t, const See
     const Turn turn = turn_between(expected_.data() + own, frame.attitude.data());
     residuals.segment<3>(own) = turn.vector;
     if (by_errors)
-      by_errors->middleRows<3>(own).noalias() = (-turn.by_from).lazyProduct(seen_by_errors_.middleRows<4>(own));
-    variances.segment<3>(own).setConstant(*model_.options().attitude_noise * *model_.options().attitude_noise);
+      by_errors->middleRows<3>(own).noalias() =
+          (-turn.by_from).lazyProduct(seen_by_errors_.middleRows<4>(own));
+    variances.segment<3>(own).setConstant(*model_.options().attitude_noise *
+                                          *model_.options().attitude_noise);
   }
   return true;
 }

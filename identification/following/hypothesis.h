@@ -15,9 +15,9 @@ namespace samara::identification {
 /// What smoothing needs of a frame.
 struct FrameRecord {
   double time = 0.0;
-  Eigen::VectorXd expected, point;              ///< before and after the frame
+  Eigen::VectorXd expected, point;  ///< before and after the frame
   Eigen::MatrixXd expected_covariance, covariance;
-  Eigen::MatrixXd transition;                   ///< from the frame before to `expected`
+  Eigen::MatrixXd transition;  ///< from the frame before to `expected`
 };
 
 /// A point with its errors, and how likely it is.

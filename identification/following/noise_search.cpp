@@ -11,6 +11,7 @@
 #include "samara/base/errors.h"
 #include "samara/base/parallel.h"
 #include "samara/base/require.h"
+#include "samara/identification/following/followed_model.h"
 #include "samara/identification/following/followed_motion.h"
 
 namespace samara::identification {
@@ -28,7 +29,9 @@ struct Score {
 };
 
 /// Logarithm of the density of what was seen, of the outputs that were.
-double log_density(const Forecast& forecast, const Eigen::RowVectorXd& seen) {
+/// @param periods of outputs; 0: none
+double log_density(const Forecast& forecast, const Eigen::RowVectorXd& seen,
+                   const std::vector<double>& periods) {
   std::vector<Eigen::Index> there;
   for (Eigen::Index o = 0; o < std::ssize(forecast.outputs); ++o) {
     if (!std::isnan(seen[o])) there.push_back(o);
@@ -40,6 +43,8 @@ double log_density(const Forecast& forecast, const Eigen::RowVectorXd& seen) {
     for (Eigen::Index i = 0; i < whitened.size(); ++i) {
       const Eigen::Index o = there[static_cast<std::size_t>(i)];
       whitened[i] = seen[o] - component.mean(0, o);
+      const double period = periods[static_cast<std::size_t>(o)];
+      if (period > 0.0) whitened[i] = std::remainder(whitened[i], period);
       for (Eigen::Index j = 0; j < whitened.size(); ++j)
         covariance(i, j) = component.covariance[0](o, there[static_cast<std::size_t>(j)]);
     }
@@ -58,13 +63,16 @@ Score score_capture(const std::shared_ptr<const models::Model>& model, const Fol
                     const Capture& capture, const NoiseSearch& search) {
   Follower follower(model, options);
   const Eigen::MatrixXd values = frames_of(follower, capture);
-  const Eigen::Index outputs = std::ssize(options.noise);
+  std::vector<double> periods;
+  for (const SeenOutput& output : FollowedModel(model, options).measured()) periods.push_back(output.period);
+  const auto outputs = std::ssize(periods);
   Score score;
   double next_origin = 0.0;
   Eigen::RowVectorXd row(values.cols());
   for (Eigen::Index k = 0; k < values.rows(); ++k) {
     row = values.row(k);
-    const FollowedFrame frame = follower.add(capture.times[k], {row.data(), static_cast<std::size_t>(row.size())});
+    const FollowedFrame frame =
+        follower.add(capture.times[k], {row.data(), static_cast<std::size_t>(row.size())});
     if (search.ahead <= 0.0) {
       if (frame.log_likelihood == 0.0 && frame.status != FollowStatus::lost) continue;
       score.sum += std::max(kLeastDensity, frame.log_likelihood);
@@ -74,11 +82,12 @@ Score score_capture(const std::shared_ptr<const models::Model>& model, const Fol
     if (!follower.is_following() || capture.times[k] < next_origin - kSameFrame) continue;
     next_origin = capture.times[k] + search.stride;
     Eigen::Index ahead = k;
-    while (ahead < values.rows() && capture.times[ahead] < capture.times[k] + search.ahead - kSameFrame) ++ahead;
+    while (ahead < values.rows() && capture.times[ahead] < capture.times[k] + search.ahead - kSameFrame)
+      ++ahead;
     if (ahead >= values.rows()) continue;
     const Eigen::RowVectorXd seen = values.row(ahead).head(outputs);
     if (seen.array().isNaN().all()) continue;
-    score.sum += log_density(follower.forecast({&capture.times[ahead], 1}), seen);
+    score.sum += log_density(follower.forecast({&capture.times[ahead], 1}), seen, periods);
     ++score.frames;
   }
   return score;
@@ -104,8 +113,9 @@ FollowOptions with_noise(FollowOptions options, const NoiseChoice& choice) {
   return options;
 }
 
-NoiseChoice score_of(const std::shared_ptr<const models::Model>& model, std::span<const FollowOptions> options,
-                     std::span<const Capture> captures, const NoiseSearch& search, NoiseChoice choice) {
+NoiseChoice score_of(const std::shared_ptr<const models::Model>& model,
+                     std::span<const FollowOptions> options, std::span<const Capture> captures,
+                     const NoiseSearch& search, NoiseChoice choice) {
   std::vector<Score> scores(captures.size());
   parallel_for(std::ssize(captures), [&](std::ptrdiff_t k) {
     const auto n = static_cast<std::size_t>(k);
@@ -121,14 +131,16 @@ NoiseChoice score_of(const std::shared_ptr<const models::Model>& model, std::spa
   return choice;
 }
 
-NoiseChoice choose_noise(const std::shared_ptr<const models::Model>& model, std::span<const FollowOptions> options,
-                         std::span<const Capture> captures, const NoiseSearch& search) {
+NoiseChoice choose_noise(const std::shared_ptr<const models::Model>& model,
+                         std::span<const FollowOptions> options, std::span<const Capture> captures,
+                         const NoiseSearch& search) {
   require_not_negative(search.ahead, "ahead", "the choice of noise");
   require_not_negative(search.stride, "stride", "the choice of noise");
   if (captures.empty() || options.size() != captures.size()) {
-    throw ArgumentError(fmt::format("noise was to be chosen on {} captures with options of {}; as many, and one at "
-                                    "least, were expected",
-                                    captures.size(), options.size()));
+    throw ArgumentError(
+        fmt::format("noise was to be chosen on {} captures with options of {}; as many, and one at "
+                    "least, were expected",
+                    captures.size(), options.size()));
   }
   std::vector<double NoiseChoice::*> sought;
   if (search.finds_noise_factor) sought.push_back(&NoiseChoice::noise_factor);
@@ -154,7 +166,9 @@ NoiseChoice choose_noise(const std::shared_ptr<const models::Model>& model, std:
           best = trial;
           gained = true;
           constexpr double kFarEnough = 1e6;
-          if (best.*number > kFarEnough * search.start.*number || best.*number * kFarEnough < search.start.*number) break;
+          if (best.*number > kFarEnough * search.start.*number ||
+              best.*number * kFarEnough < search.start.*number)
+            break;
         }
         if (search.progress && !search.progress({"following captures", std::min(0.99, 0.02 * evaluations)})) {
           best.evaluations = evaluations;

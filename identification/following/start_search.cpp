@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "samara/identification/following/covariances.h"
+#include "samara/identification/following/measured_states.h"
 #include "samara/models/batch/rk4_flow.h"
 #include "samara/models/integrators/rotations.h"
 
@@ -15,7 +16,6 @@ namespace samara::identification {
 
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 /// rad: of an attitude that nothing is known of, about each axis; it hardly holds a descent back.
 constexpr double kAnyTurn = 1.5;
 /// rad: an angle with as large a deviation may start anywhere on its circle.
@@ -42,13 +42,14 @@ Eigen::Vector4d first_attitude(std::span<const SeenFrame> frames) {
   return {1.0, 0.0, 0.0, 0.0};
 }
 
-StartPrior prior_of(const FollowedModel& model, std::span<const SeenFrame> frames, const MeasuredStates& seen) {
+StartPrior prior_of(const FollowedModel& model, std::span<const SeenFrame> frames,
+                    const MeasuredStates& seen) {
   const FollowOptions& options = model.options();
   const auto& states = model.equations().model().info().states;
   StartPrior prior{.point = Eigen::VectorXd::Zero(model.size()),
-              .deviations = Eigen::VectorXd::Zero(model.errors()),
-              .root = {},
-              .spread = Eigen::VectorXi::Zero(model.errors())};
+                   .deviations = Eigen::VectorXd::Zero(model.errors()),
+                   .root = {},
+                   .spread = Eigen::VectorXi::Zero(model.errors())};
   bool attitude_fixed = false;
   for (Eigen::Index i = 0; i < model.states(); ++i) {
     const models::StateInfo& state = states[static_cast<std::size_t>(i)];
@@ -121,13 +122,13 @@ std::vector<Eigen::Vector4d> attitudes_around(bool round_body) {
         if (!upper) continue;
         if (round_body) {
           // About what is at right angles to z and the axis; of z itself the angle is 0.
-          add(std::acos(axis.z() / std::sqrt(parts)), Eigen::Vector3d(-axis.y(), axis.x(), x == 0 && y == 0 ? 1.0 : 0.0));
+          add(std::acos(axis.z() / std::sqrt(parts)),
+              Eigen::Vector3d(-axis.y(), axis.x(), x == 0 && y == 0 ? 1.0 : 0.0));
           continue;
         }
         constexpr double kTurn = 2.0 * std::numbers::pi;
         const int turns = parts == 1 ? 4 : parts == 2 ? 2 : 3;
-        for (int turn = 1; turn < turns; ++turn)
-          add(kTurn * turn / turns, axis);
+        for (int turn = 1; turn < turns; ++turn) add(kTurn * turn / turns, axis);
       }
     }
   }
@@ -180,10 +181,10 @@ void meet_rates(const FollowedModel& model, double time, const MeasuredStates& s
   Eigen::MatrixXd by_point = Eigen::MatrixXd::Zero(model.states(), model.size());
   Eigen::MatrixXd by_errors(model.states(), model.errors());
   for (int iteration = 0; iteration < 6; ++iteration) {
-    model.equations().rhs_with_derivatives(
-        time, {point.data(), static_cast<std::size_t>(model.states())},
-        {point.data(), static_cast<std::size_t>(model.size())},
-        {rates.data(), static_cast<std::size_t>(rates.size())}, derivatives, workspace);
+    model.equations().rhs_with_derivatives(time, {point.data(), static_cast<std::size_t>(model.states())},
+                                           {point.data(), static_cast<std::size_t>(model.size())},
+                                           {rates.data(), static_cast<std::size_t>(rates.size())},
+                                           derivatives, workspace);
     if (!rates.allFinite() || !derivatives.df_dx.allFinite()) {
       point = mean;
       return;
@@ -195,10 +196,10 @@ void meet_rates(const FollowedModel& model, double time, const MeasuredStates& s
     Eigen::VectorXd right = Eigen::VectorXd::Zero(model.errors());
     for (Eigen::Index i = 0; i < model.states(); ++i) {
       if (std::isnan(seen.rates[i])) continue;
-      const Eigen::VectorXd row =
-          by_errors.row(i).transpose().cwiseProduct(deviations) / seen.rate_errors[i];
+      const Eigen::VectorXd row = by_errors.row(i).transpose().cwiseProduct(deviations) / seen.rate_errors[i];
       normal += row * row.transpose();
-      right += row * ((seen.rates[i] - rates[i]) / seen.rate_errors[i] + by_errors.row(i).dot(error) / seen.rate_errors[i]);
+      right += row * ((seen.rates[i] - rates[i]) / seen.rate_errors[i] +
+                      by_errors.row(i).dot(error) / seen.rate_errors[i]);
     }
     const Eigen::VectorXd whole = normal.llt().solve(right).cwiseProduct(deviations);
     model.plus(mean, whole, point);
@@ -208,8 +209,12 @@ void meet_rates(const FollowedModel& model, double time, const MeasuredStates& s
 /// One descent: the most likely point at the first frame.
 class Descent {
  public:
-  Descent(const FollowedModel& model, std::span<const SeenFrame> frames, const StartPrior& prior, HypothesisFilter& filter)
-      : model_(model), frames_(frames), prior_(prior), filter_(filter),
+  Descent(const FollowedModel& model, std::span<const SeenFrame> frames, const StartPrior& prior,
+          HypothesisFilter& filter)
+      : model_(model),
+        frames_(frames),
+        prior_(prior),
+        filter_(filter),
         flow_(model.equations(), model.options().step, directions(model)),
         weights_(Eigen::VectorXd::Ones(std::ssize(frames))) {}
 
@@ -221,7 +226,8 @@ class Descent {
     Eigen::VectorXd error(model_.errors());
     model_.minus(begin, mean, error);
     // Scaled by the deviations, a root's columns are of about the same size.
-    const Eigen::VectorXd scales = prior_.root.rowwise().norm().unaryExpr([](double size) { return size > 0.0 ? 1.0 / size : 0.0; });
+    const Eigen::VectorXd scales =
+        prior_.root.rowwise().norm().unaryExpr([](double size) { return size > 0.0 ? 1.0 / size : 0.0; });
     const Eigen::MatrixXd scaled = scales.asDiagonal() * prior_.root;
     const Eigen::VectorXd right = scaled.transpose() * scales.cwiseProduct(error);
     const Eigen::MatrixXd gram = scaled.transpose() * scaled;
@@ -231,7 +237,8 @@ class Descent {
     const Eigen::LLT<Eigen::MatrixXd> llt(normal_);
     if (llt.info() != Eigen::Success) return false;
     double log_determinant = 0.0;
-    for (Eigen::Index k = 0; k < normal_.rows(); ++k) log_determinant += 2.0 * std::log(llt.matrixLLT()(k, k));
+    for (Eigen::Index k = 0; k < normal_.rows(); ++k)
+      log_determinant += 2.0 * std::log(llt.matrixLLT()(k, k));
     found.point = point_;
     const Eigen::MatrixXd half = llt.matrixL().solve(root_here_.transpose());
     found.covariance = half.transpose() * half;
@@ -347,46 +354,6 @@ bool are_same(const FollowedModel& model, const Hypothesis& a, const Hypothesis&
 
 }  // namespace
 
-MeasuredStates measured_states(const FollowedModel& model, std::span<const SeenFrame> frames) {
-  MeasuredStates result;
-  for (Eigen::VectorXd* vector : {&result.values, &result.rates, &result.rate_errors})
-    vector->setConstant(model.states(), kUnknown);
-  for (Eigen::Index row = 0; row < std::ssize(model.measured()); ++row) {
-    const SeenOutput& output = model.measured()[static_cast<std::size_t>(row)];
-    if (!output.is_state) continue;
-    std::vector<double> times, values;
-    double last = kUnknown;
-    for (const SeenFrame& frame : frames) {
-      double value = frame.values[row];
-      if (std::isnan(value)) continue;
-      // Angles go on from the frame before.
-      if (output.period > 0.0 && !values.empty()) value = last + std::remainder(value - last, output.period);
-      times.push_back(frame.time - frames.front().time);
-      values.push_back(last = value);
-    }
-    if (values.empty()) continue;
-    const Eigen::Index count = std::ssize(values);
-    const Eigen::Index degree = count >= 5 ? 2 : std::min<Eigen::Index>(count - 1, 1);
-    const double span = degree > 0 ? times.back() : 1.0;  // times are scaled by it
-    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(degree + 1, degree + 1);
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(degree + 1);
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      Eigen::VectorXd powers = Eigen::VectorXd::Ones(degree + 1);
-      for (Eigen::Index power = 1; power <= degree; ++power) powers[power] = powers[power - 1] * times[k] / span;
-      normal += powers * powers.transpose();
-      right += values[k] * powers;
-    }
-    const Eigen::LLT<Eigen::MatrixXd> llt(normal);
-    const Eigen::VectorXd fitted = llt.solve(right);
-    result.values[output.index] = fitted[0];
-    if (degree == 0) continue;
-    const Eigen::VectorXd spread = llt.solve(Eigen::VectorXd::Unit(degree + 1, 1));
-    result.rates[output.index] = fitted[1] / span;
-    result.rate_errors[output.index] = output.noise * std::sqrt(spread[1]) / span;
-  }
-  return result;
-}
-
 std::vector<Hypothesis> find_starts(const FollowedModel& model, std::span<const SeenFrame> frames,
                                     HypothesisFilter& filter) {
   const MeasuredStates seen = measured_states(model, frames);
@@ -402,10 +369,12 @@ std::vector<Hypothesis> find_starts(const FollowedModel& model, std::span<const 
   std::ranges::stable_sort(starts, std::ranges::greater{}, &Hypothesis::log_weight);
   std::vector<Hypothesis> kept;
   for (Hypothesis& start : starts) {
-    const bool is_known = std::ranges::any_of(kept, [&](const Hypothesis& other) { return are_same(model, other, start); });
+    const bool is_known =
+        std::ranges::any_of(kept, [&](const Hypothesis& other) { return are_same(model, other, start); });
     if (!is_known) kept.push_back(std::move(start));
   }
-  if (std::ssize(kept) > model.options().hypotheses) kept.resize(static_cast<std::size_t>(model.options().hypotheses));
+  if (std::ssize(kept) > model.options().hypotheses)
+    kept.resize(static_cast<std::size_t>(model.options().hypotheses));
   return kept;
 }
 

@@ -20,11 +20,4 @@ namespace samara::identification {
 std::vector<Hypothesis> find_starts(const FollowedModel& model, std::span<const SeenFrame> frames,
                                     HypothesisFilter& filter);
 
-/// The values, and the rates, that parabolas (lines, if there are few frames) through the frames give the states that
-/// are measured, at the first frame; NaN for others.
-struct MeasuredStates {
-  Eigen::VectorXd values, rates, rate_errors;
-};
-MeasuredStates measured_states(const FollowedModel& model, std::span<const SeenFrame> frames);
-
 }  // namespace samara::identification

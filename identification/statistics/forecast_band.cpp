@@ -28,7 +28,8 @@ double mixture_quantile(const Eigen::VectorXd& weights, const Eigen::VectorXd& m
 }
 
 ForecastBand band_of(const Forecast& forecast, double probability) {
-  require(probability > 0.0 && probability < 1.0, "probability", probability, "a number between 0 and 1", "band_of");
+  require(probability > 0.0 && probability < 1.0, "probability", probability, "a number between 0 and 1",
+          "band_of");
   const Eigen::Index rows = forecast.times.size(), columns = std::ssize(forecast.outputs);
   ForecastBand band;
   for (Eigen::MatrixXd* table : {&band.mean, &band.lower, &band.upper})

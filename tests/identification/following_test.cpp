@@ -69,7 +69,8 @@ BatchSolution batch_solution(const PointFrames& frames, std::size_t count, std::
   const Eigen::Index g = size - 1;
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
-  const auto add = [&](const Eigen::MatrixXd& rows, const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance) {
+  const auto add = [&](const Eigen::MatrixXd& rows, const Eigen::VectorXd& value,
+                       const Eigen::MatrixXd& covariance) {
     const Eigen::MatrixXd weighted = covariance.inverse() * rows;
     normal += rows.transpose() * weighted;
     right += weighted.transpose() * value;
@@ -117,9 +118,14 @@ void check_equal(const FollowedState& state, const BatchSolution& exact, std::si
 }
 
 /// A plate in air: chord 7 cm, 1 mm thick.
-const std::map<std::string, double> kPlate = {{"semi_chord", 0.035}, {"semi_thickness", 5e-4}, {"density", 1200.0},
-                                              {"fluid_density", 1.2}, {"A", 1.4},              {"B", 1.0},
-                                              {"mu1", 0.2},          {"mu2", 0.2}};
+const std::map<std::string, double> kPlate = {{"semi_chord", 0.035},
+                                              {"semi_thickness", 5e-4},
+                                              {"density", 1200.0},
+                                              {"fluid_density", 1.2},
+                                              {"A", 1.4},
+                                              {"B", 1.0},
+                                              {"mu1", 0.2},
+                                              {"mu2", 0.2}};
 constexpr double kFrame = 0.01;
 
 /// States of the plate at frames.
@@ -145,15 +151,16 @@ FollowOptions plate_options(PlateNoise noise) {
   if (noise.angle > 0.0) options.noise["theta"] = noise.angle;
   options.fixed = kPlate;
   options.fixed["C_R"] = 1.5;
-  options.coefficients = {{.name = "C_T", .value = 1.2, .deviation = 0.1, .logarithmic = true, .lower = 0.1, .upper = 5.0}};
+  options.coefficients = {
+      {.name = "C_T", .value = 1.2, .deviation = 0.1, .logarithmic = true, .lower = 0.1, .upper = 5.0}};
   options.start = {{"vx", {0.0, 1.0}}, {"vy", {0.0, 1.0}}, {"w", {0.0, 8.0}}};
   if (noise.angle == 0.0) options.start["theta"] = {0.0, 1.9};
   return options;
 }
 
 /// In the order of Follower::measured(): by name.
-std::vector<double> seen_of(const Follower& follower, const models::ModelInfo& info, const Eigen::RowVectorXd& state,
-                            const FollowOptions& options, Stream& random) {
+std::vector<double> seen_of(const Follower& follower, const models::ModelInfo& info,
+                            const Eigen::RowVectorXd& state, const FollowOptions& options, Stream& random) {
   std::vector<double> values;
   for (const std::string& name : follower.measured()) {
     for (std::size_t i = 0; i < info.states.size(); ++i) {
@@ -259,7 +266,8 @@ TEST_CASE("frames after the origin of a forecast do not change a bit of it") {
       std::vector<double> values = seen_of(follower, model->info(), truth.row(k), options, random);
       if (k > kOrigin) values[0] += altered;
       follower.add(kFrame * k, values);
-      if (k == kOrigin) forecasts.push_back(follower.forecast(std::array{kFrame * (k + 5), kFrame * (k + 10)}));
+      if (k == kOrigin)
+        forecasts.push_back(follower.forecast(std::array{kFrame * (k + 5), kFrame * (k + 10)}));
     }
   }
   for (const Forecast& other : forecasts) {
@@ -278,7 +286,8 @@ TEST_CASE("an angle that no frame shows is found from the places, up to the half
   for (int fall = 0; fall < 6; ++fall) {
     Stream random(5, static_cast<std::uint64_t>(fall));
     const double theta = std::numbers::pi * (random.uniform() - 0.5);
-    const Eigen::MatrixXd truth = plate_fall({{"vx(0)", 0.3}, {"w(0)", 5.0 * random.normal()}, {"theta(0)", theta}}, 1.2, 60);
+    const Eigen::MatrixXd truth =
+        plate_fall({{"vx(0)", 0.3}, {"w(0)", 5.0 * random.normal()}, {"theta(0)", theta}}, 1.2, 60);
     Follower follower(model, options);
     int most = 0;
     for (int k = 0; k < 60; ++k) {
@@ -320,13 +329,16 @@ TEST_CASE("a coefficient that drifts is followed, within its errors") {
 TEST_CASE("an attitude stays a unit quaternion and is found from places alone, or from itself") {
   // A disc of 5 cm, seen from one of its flutters.
   const auto model = models::find_model("immersed_body");
-  const std::map<std::string, double> disc = {{"a", 0.05},   {"b", 0.05},   {"c", 1e-3},  {"density", 100.0},
-                                              {"fluid_density", 1.2}, {"C_D0", 0.1}, {"C_D90", 2.0}, {"C_T", 1.0},
-                                              {"C_R", 1.0},  {"C_w", 3.0}};
+  const std::map<std::string, double> disc = {
+      {"a", 0.05},   {"b", 0.05},    {"c", 1e-3},  {"density", 100.0}, {"fluid_density", 1.2},
+      {"C_D0", 0.1}, {"C_D90", 2.0}, {"C_T", 1.0}, {"C_R", 1.0},       {"C_w", 3.0}};
   std::map<std::string, double> values = disc;
   const double half = 0.35;
-  values.insert({{"qw(0)", std::cos(half)}, {"qx(0)", std::sin(half) * 0.8}, {"qy(0)", std::sin(half) * 0.6},
-                 {"wx(0)", 1.0}, {"wy(0)", -0.5}});
+  values.insert({{"qw(0)", std::cos(half)},
+                 {"qx(0)", std::sin(half) * 0.8},
+                 {"qy(0)", std::sin(half) * 0.6},
+                 {"wx(0)", 1.0},
+                 {"wy(0)", -0.5}});
   std::vector<double> times;
   for (int k = 0; k < 60; ++k) times.push_back(kFrame * k);
   const Eigen::MatrixXd truth =
@@ -349,14 +361,17 @@ TEST_CASE("an attitude stays a unit quaternion and is found from places alone, o
     Stream random(2, 0);
     for (Eigen::Index k = 0; k < truth.rows(); ++k) {
       std::vector<double> seen;
-      for (const char* place : {"x", "y", "z"}) seen.push_back(truth(k, index(place)) + 2e-4 * random.normal());
+      for (const char* place : {"x", "y", "z"})
+        seen.push_back(truth(k, index(place)) + 2e-4 * random.normal());
       if (is_seen) {
-        for (const char* part : {"qw", "qx", "qy", "qz"}) seen.push_back(-truth(k, index(part)));  // the same attitude
+        for (const char* part : {"qw", "qx", "qy", "qz"})
+          seen.push_back(-truth(k, index(part)));  // the same attitude
       }
       follower.add(times[static_cast<std::size_t>(k)], seen);
     }
     const FollowedState state = follower.state();
-    const Eigen::Vector4d q = state.states.segment<4>(index("qw")), exact = truth.row(59).segment<4>(index("qw"));
+    const Eigen::Vector4d q = state.states.segment<4>(index("qw")),
+                          exact = truth.row(59).segment<4>(index("qw"));
     CHECK(std::abs(q.norm() - 1.0) < 1e-12);
     const auto normal = [](const Eigen::Vector4d& p) {
       return Eigen::Vector3d(2 * (p[1] * p[3] + p[0] * p[2]), 2 * (p[2] * p[3] - p[0] * p[1]),
@@ -379,7 +394,7 @@ TEST_CASE("a follower passes over frames that are blind and far off, and says so
     if (k == 35) values.assign(3, kNotSeen);
     const FollowStatus status = follower.add(kFrame * k, values).status;
     CAPTURE(k);
-    CHECK(status == (k < 7                  ? FollowStatus::starting
+    CHECK(status == (k < 7                ? FollowStatus::starting
                      : k == 30 || k == 41 ? FollowStatus::outlier
                      : k == 35            ? FollowStatus::blind
                                           : FollowStatus::following));
