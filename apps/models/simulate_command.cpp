@@ -159,7 +159,7 @@ void check_frames(const SimulateArguments& arguments, const models::ModelInfo& i
 
 /// What --integrator and --step say.
 models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const models::ModelInfo& info) {
-  const bool fixed = arguments.integrator == "rk4" || arguments.integrator == "rkmk";
+  const bool fixed = arguments.integrator != "cvodes" && arguments.integrator != "adaptive";
   if (fixed && arguments.step.empty()) {
     throw ArgumentError(
         fmt::format("--integrator {} takes fixed steps: --step was expected", arguments.integrator));
@@ -178,7 +178,8 @@ models::IntegratorChoice integrator_of(const SimulateArguments& arguments, const
   if (!(step > 0.0)) throw ArgumentError(fmt::format("--step is {}, expected more than 0", arguments.step));
   if (!arguments.wind.empty()) warn_of_gusts(arguments.wind, step);
   if (arguments.integrator == "rk4") return models::Rk4Options{.step = step};
-  return models::RkmkOptions{.step = step};
+  if (arguments.integrator == "rkmk") return models::RkmkOptions{.step = step};
+  return models::LieGroupOptions{.step = step, .order = 4};
 }
 
 /// Parameters that follow from the body, if one is given.

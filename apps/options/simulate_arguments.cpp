@@ -84,11 +84,12 @@ void add_simulate(CLI::App& app, Arguments& arguments) {
   command
       ->add_option("--integrator", values->integrator,
                    "cvodes (the reference), adaptive (orders 7 and 8), or with fixed steps: rk4, rkmk (the "
-                   "attitude stays a rotation)")
-      ->check(CLI::IsMember({"cvodes", "adaptive", "rk4", "rkmk"}))
+                   "attitude stays a rotation), lie_group (of one rigid body: neither energy nor momentum "
+                   "drifts)")
+      ->check(CLI::IsMember({"cvodes", "adaptive", "rk4", "rkmk", "lie_group"}))
       ->capture_default_str();
   command->add_option("--step", values->step,
-                      "of rk4, rkmk and realisations, s or with a unit; frames divide it further");
+                      "of rk4, rkmk, lie_group and realisations, s or with a unit; frames divide it further");
   command->add_flag("--forces", values->forces,
                     "add what every force term does: TERM.Fx, TERM.Fy, .. (force), TERM.T.. (torque) in body "
                     "axes, TERM.power, and the kinetic energy where the model has one");

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "samara/base/errors.h"
+#include "samara/models/integrators/lie_group_model.h"
 #include "samara/models/integrators/trajectory_tools.h"
 #include "samara/models/trajectories/derived_outputs.h"
 #include "samara/models/trajectories/model_family.h"
@@ -141,6 +142,10 @@ std::unique_ptr<TrajectoryFamily> of_states(std::shared_ptr<const Model> model,
   if (const auto* rkmk = std::get_if<RkmkOptions>(&integrator)) {
     return std::make_unique<ValuesTrajectories<RkmkIntegrator, RkmkOptions>>(
         std::move(model), fixed, box, "Runge-Kutta-Munthe-Kaas steps", *rkmk);
+  }
+  if (const auto* on_group = std::get_if<LieGroupOptions>(&integrator)) {
+    return std::make_unique<ValuesTrajectories<LieGroupModelIntegrator, LieGroupOptions>>(
+        std::move(model), fixed, box, "steps on the group of rigid motions", *on_group);
   }
   return std::make_unique<ReferenceTrajectories>(std::move(model), fixed, box,
                                                  std::get<IntegrateOptions>(integrator));

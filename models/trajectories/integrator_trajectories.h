@@ -7,6 +7,7 @@
 
 #include "samara/models/integrators/adaptive.h"
 #include "samara/models/integrators/integrate.h"
+#include "samara/models/integrators/lie_group.h"
 #include "samara/models/integrators/rk4.h"
 #include "samara/models/integrators/rkmk.h"
 #include "samara/models/interface/model.h"
@@ -22,7 +23,9 @@
 /// (FamilyInfo::has_derivatives). Runge-Kutta steps with derivatives: step_trajectories.h.
 namespace samara::models {
 
-using IntegratorChoice = std::variant<IntegrateOptions, AdaptiveOptions, Rk4Options, RkmkOptions>;
+/// LieGroupOptions are for models of one rigid body (lie_group_model.h).
+using IntegratorChoice =
+    std::variant<IntegrateOptions, AdaptiveOptions, Rk4Options, RkmkOptions, LieGroupOptions>;
 
 /// @param fixed values (SI) of parameters and initial values that are held
 /// @param box of the coordinates that are free; may be empty, for the one trajectory of `fixed`

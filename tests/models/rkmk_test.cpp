@@ -9,6 +9,7 @@
 #include "kirchhoff_ellipsoid.h"
 #include "samara/base/errors.h"
 #include "samara/models/integrators/adaptive.h"
+#include "samara/models/integrators/lie_group_model.h"
 #include "samara/models/laws/registry.h"
 
 using namespace samara::models;
@@ -50,6 +51,35 @@ TEST_CASE("quaternions keep unit length at steps where they would not by themsel
   const Trajectory trajectory = integrate_rkmk(body, {}, times, {.step = 0.1});
   for (Eigen::Index row = 0; row < 2; ++row)
     CHECK_THAT(quaternion_norm(trajectory, row), WithinAbs(1.0, 4e-16));
+}
+
+TEST_CASE("models of one rigid body are integrated on the group, to order four") {
+  std::map<std::string, double> heavy = {
+      {"mass", 1.0}, {"I_xx", 0.4},  {"I_yy", 0.6},           {"I_zz", 0.9},  {"r_cz", -0.05}, {"K_11", 0.1},
+      {"K_33", 0.6}, {"K_15", 0.05}, {"displaced_mass", 0.9}, {"wx(0)", 1.0}, {"uy(0)", 0.4}};
+  const ParametricModel bodies[] = {{find_model("immersed_body"), ellipsoid_421_values(), {}},
+                                    {find_model("kirchhoff_body"), heavy, {}}};
+  for (const ParametricModel& body : bodies) {
+    INFO(body.model().info().name);
+    const std::array times = {0.7, 2.0};
+    const Trajectory reference = integrate_adaptive(body, {}, times, {.relative_tolerance = 1e-13});
+    const auto error = [&](double step) {
+      const Trajectory found = LieGroupModelIntegrator(body, {.step = step, .order = 4})({}, times);
+      REQUIRE(found.is_usable());
+      return (found.states - reference.states).norm();
+    };
+    const double coarse = error(0.02), fine = error(0.01);
+    CHECK_THAT(std::log2(coarse / fine), WithinAbs(4.0, 0.3));
+    CHECK(fine < 1e-5);
+  }
+}
+
+TEST_CASE("the integrator on the group refuses models that are no rigid body") {
+  CHECK_THROWS_WITH(LieGroupModelIntegrator(falling_card({})),
+                    Catch::Contains("expected a model of one rigid body"));
+  CHECK_THROWS_AS(
+      LieGroupModelIntegrator({find_model("immersed_body"), ellipsoid_421_values(), {}}, {.step = 0.0}),
+      samara::ArgumentError);
 }
 
 TEST_CASE("the Runge-Kutta-Munthe-Kaas method refuses models without attitude, and steps without meaning") {
