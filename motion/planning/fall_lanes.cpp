@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "samara/base/errors.h"
+#include "samara/motion/planning/fall_cost.h"
 
 namespace samara::motion {
 
@@ -63,6 +64,23 @@ double MotionPlan::steps() const {
   return std::max(time, kLongestPiece * semi_length() / speed) / search.step;
 }
 
+bool MotionPlan::sinks() const {
+  const models::ParametricModel natural(model, fixed, {});
+  const models::ModelInfo& info = model->info();
+  std::vector<double> state(static_cast<std::size_t>(natural.state_count())), rate(state.size());
+  natural.initial({}, state);
+  const std::vector<std::size_t> velocities = velocity_places(info);
+  for (std::size_t i = 0; i < state.size(); ++i) {
+    const std::string& name = info.states[i].name;
+    if (name.starts_with('w') || std::ranges::find(velocities, i) != velocities.end()) state[i] = 0.0;
+  }
+  auto workspace = natural.make_workspace();
+  natural.rhs(0.0, state, {}, rate, workspace);
+  // At rest the rates of the velocities along body axes are the acceleration: in the place of these it is turned alike.
+  for (const std::size_t i : velocities) state[i] = rate[i];
+  return MovingStates(info, BodySymmetry::none).at(state).velocity.z() < 0.0;
+}
+
 PlannedFall::PlannedFall(const MotionPlan& plan)
     : plan_(plan),
       names_(names_of(plan)),
@@ -74,6 +92,15 @@ PlannedFall::PlannedFall(const MotionPlan& plan)
   const models::Scales scales = plan.scales();
   prominence_ = 0.02 * scales.velocity * scales.velocity;
   longest_piece_ = kLongestPiece * semi_length_ / scales.velocity;
+  release_height_ = release().height;
+  turbulence_factor_ = motion::turbulence_factor(plan);
+  if (plan.database) choices_.emplace(plan);
+  if (plan.sequence) {
+    const MovingStates moving(plan.model->info(), BodySymmetry::none);
+    events_.emplace(moving, plan.database
+                                ? plan.database->events
+                                : event_options(scales.velocity * scales.velocity, 2.0 * semi_length_));
+  }
   if (!plan.landing || plan.sketch) return;
   const Eigen::Vector3d start = states_.position(release().state);
   if (!(start.z() > plan.ground)) return;
@@ -96,6 +123,12 @@ FallPoint PlannedFall::release() const {
 
 bool PlannedFall::is_over(double t, double height) const {
   return height <= plan_.ground || (plan_.duration && t >= *plan_.duration);
+}
+
+const AskedSegment* PlannedFall::asked(const FallPoint& point) const {
+  const auto number = static_cast<std::size_t>(point.events) - 1;
+  if (!plan_.sequence || point.events < 1 || number >= plan_.sequence->segments.size()) return nullptr;
+  return &plan_.sequence->segments[number];
 }
 
 Eigen::Vector3d PlannedFall::deviation(double t, const Eigen::Vector3d& position) const {
@@ -130,6 +163,22 @@ SpeedMinimum::Seen SpeedMinimum::look(double speed_square) {
   return speed_square < low_ + prominence_ ? Seen::nothing : Seen::confirmed;
 }
 
+Roaming::Roaming(const PlannedFall& fall)
+    : fall_(fall),
+      rate_(static_cast<std::size_t>(fall.model().state_count())),
+      natural_rate_(rate_.size()),
+      workspace_(fall.model().make_workspace()) {}
+
+void Roaming::at(double t, std::span<const double> state, std::span<const double> coefficients,
+                 Eigen::VectorXd& difference) {
+  fall_.model().rhs(t, state, coefficients, rate_, workspace_);
+  fall_.model().rhs(t, state, fall_.natural(), natural_rate_, workspace_);
+  const std::vector<std::size_t>& places = fall_.velocities();
+  difference.resize(static_cast<Eigen::Index>(places.size()));
+  for (std::size_t k = 0; k < places.size(); ++k)
+    difference[static_cast<Eigen::Index>(k)] = rate_[places[k]] - natural_rate_[places[k]];
+}
+
 struct FallLanes::Rider {
   std::size_t number = 0;
   bool rides = false;
@@ -137,19 +186,23 @@ struct FallLanes::Rider {
   double square_time = 0.0;
   Eigen::Vector3d deviation = Eigen::Vector3d::Zero();
   SpeedMinimum minimum{0.0};
+  std::optional<EventFinder> events;  ///< in the place of `minimum` where kinds are asked for
+  double speed_square = 0.0;
+  bool slows = false;
+  std::vector<FallPoint> minima;  ///< of the speed, so far; the first `minima_count` of them
+  std::size_t minima_count = 0;
   int steps = 0, looks = 0;
   double roaming = 0.0;  ///< sum over the looks
   FallPoint lowest;      ///< the last one; of a piece that has ended, its end
   FallEnd end = FallEnd::decision;
+  bool has_event = false;
 };
 
 FallLanes::FallLanes(const PlannedFall& fall)
     : fall_(fall),
       stepper_(fall.model(), fall.names(), kLanes),
       state_(static_cast<std::size_t>(fall.model().state_count())),
-      rate_(state_.size()),
-      natural_rate_(state_.size()),
-      workspace_(fall.model().make_workspace()) {
+      roaming_(fall) {
   for (Eigen::Index lane = 0; lane < kLanes; ++lane) {
     stepper_.load(lane, fall.natural());
     stepper_.set_running(lane, false);
@@ -167,6 +220,16 @@ void FallLanes::board(Rider& rider, Eigen::Index lane, const Continuation& conti
   rider.steps = rider.looks = 0;
   rider.roaming = 0.0;
   rider.deviation = from.deviation;
+  rider.has_event = false;
+  if (fall_.events()) {
+    if (!rider.events) rider.events = fall_.events();
+    rider.events->restart();
+    rider.events->see(from.t, from.state);
+    rider.speed_square = fall_.speed_square(from.state);
+    rider.slows = false;
+    rider.minima_count = 0;
+    return;
+  }
   rider.minimum = SpeedMinimum(fall_.prominence());
   rider.minimum.look(fall_.speed_square(from.state));
 }
@@ -181,6 +244,38 @@ void FallLanes::put_point(const Rider& rider, Eigen::Index lane, FallPoint& poin
   point.height = fall_.states().position(state_).z();
   point.square_time = rider.square_time;
   point.deviation = rider.deviation;
+  point.acceleration_square = rider.looks > 0 ? rider.roaming / rider.looks : 0.0;
+}
+
+/// The event lies some steps back: between two of them, at a minimum of the speed that was kept.
+bool FallLanes::is_event(Rider& rider, Eigen::Index lane) {
+  const double square = fall_.speed_square(state_);
+  if (square < rider.speed_square) {
+    if (!rider.slows && rider.minima_count == rider.minima.size()) rider.minima.emplace_back();
+    put_point(rider, lane, rider.minima[rider.minima_count]);
+    rider.slows = true;
+  } else if (rider.slows) {
+    ++rider.minima_count;
+    rider.slows = false;
+  }
+  rider.speed_square = square;
+  if (!rider.events->see(stepper_.time(lane), state_)) return false;
+  rider.has_event = true;
+  const Event& event = rider.events->event();
+  if (event.is_steady || rider.minima_count == 0) {
+    put_point(rider, lane, rider.lowest);
+    return true;
+  }
+  const auto apart = [&](const FallPoint& point) { return std::abs(point.t - event.t); };
+  rider.lowest = *std::ranges::min_element(std::span(rider.minima).first(rider.minima_count), {}, apart);
+  return true;
+}
+
+bool FallLanes::is_decided(Rider& rider, Eigen::Index lane) {
+  if (rider.events) return is_event(rider, lane);
+  const SpeedMinimum::Seen seen = rider.minimum.look(fall_.speed_square(state_));
+  if (seen == SpeedMinimum::Seen::lowest) put_point(rider, lane, rider.lowest);
+  return seen == SpeedMinimum::Seen::confirmed;
 }
 
 bool FallLanes::look(Rider& rider, Eigen::Index lane) {
@@ -191,9 +286,9 @@ bool FallLanes::look(Rider& rider, Eigen::Index lane) {
   rider.deviation = fall_.deviation(t, place);
   rider.square_time +=
       0.5 * fall_.plan().search.step * (before.squaredNorm() + rider.deviation.squaredNorm());
-  constexpr int kBetweenLooks = 16;
   if (fall_.plan().turbulence > 0.0 && rider.steps++ % kBetweenLooks == 0) {
-    rider.roaming += roaming(t, rider.continuation->target);
+    roaming_.at(t, state_, rider.continuation->target, difference_);
+    rider.roaming += difference_.squaredNorm();
     ++rider.looks;
   }
   const auto end_here = [&](FallEnd how) {
@@ -203,23 +298,14 @@ bool FallLanes::look(Rider& rider, Eigen::Index lane) {
   };
   if (!stepper_.finite(lane)) return end_here(FallEnd::not_finite);
   if (fall_.is_over(t, place.z())) return end_here(FallEnd::ground);
-  const SpeedMinimum::Seen seen = rider.minimum.look(fall_.speed_square(state_));
-  if (seen == SpeedMinimum::Seen::lowest) put_point(rider, lane, rider.lowest);
-  if (seen == SpeedMinimum::Seen::confirmed) {
+  if (is_decided(rider, lane)) {
     rider.end = FallEnd::decision;
     return true;
   }
-  if (t - rider.continuation->from->t < fall_.longest_piece()) return false;
+  // Where kinds are asked for the finder ends segments that are steady; this is for what is neither.
+  const double longest = (rider.events ? 4.0 : 1.0) * fall_.longest_piece();
+  if (t - rider.continuation->from->t < longest) return false;
   return end_here(FallEnd::decision);
-}
-
-/// Of what the coefficients do beyond the natural ones in the state that was read last.
-double FallLanes::roaming(double t, const std::vector<double>& coefficients) {
-  const auto& model = fall_.model();
-  model.rhs(t, state_, coefficients, rate_, workspace_);
-  model.rhs(t, state_, fall_.natural(), natural_rate_, workspace_);
-  for (std::size_t i = 0; i < rate_.size(); ++i) rate_[i] -= natural_rate_[i];
-  return fall_.speed_square(rate_);
 }
 
 void FallLanes::run(std::span<const Continuation> continuations, std::span<FallPiece> pieces,
@@ -238,8 +324,8 @@ void FallLanes::run(std::span<const Continuation> continuations, std::span<FallP
       Rider& rider = riders[static_cast<std::size_t>(lane)];
       if (!rider.rides || !look(rider, lane)) continue;
       FallPiece& piece = pieces[rider.number];
-      piece = {.to = rider.lowest, .end = rider.end};
-      if (rider.looks > 0) piece.acceleration_square = rider.roaming / rider.looks;
+      piece = {.to = rider.lowest, .end = rider.end, .has_event = rider.has_event};
+      if (rider.has_event && !rider.events->event().is_steady) piece.kind = rider.events->event().kind;
       if (next < continuations.size()) {
         rider.number = next;
         board(rider, lane, continuations[next++]);

@@ -6,11 +6,16 @@
 
 #include "samara/base/shared_progress.h"
 #include "samara/models/batch/stepper.h"
+#include "samara/motion/events/event_finder.h"
 #include "samara/motion/planning/motion_plan.h"
+#include "samara/motion/planning/segment_choices.h"
 #include "samara/motion/records/motion_record.h"
 
 /// Pieces of falls, from one decision to the next, many side by side.
 namespace samara::motion {
+
+/// Steps between looks at accelerations, where turbulence is what they cost.
+inline constexpr int kBetweenLooks = 16;
 
 /// How far a fall has come, and what it has cost.
 struct FallPoint {
@@ -21,10 +26,16 @@ struct FallPoint {
   double height = 0.0;               ///< of the place
   double square_time = 0.0;          ///< integral of the squared deviation over time [m^2 s]
   Eigen::Vector3d deviation = Eigen::Vector3d::Zero();  ///< here [m]
+  double acceleration_square = 0.0;  ///< mean since the last decision of |a(c) - a(natural)|^2 [m^2/s^4]
+
+  // What fall_cost.h adds up.
+  double changes = 0.0, turbulence = 0.0, kinds = 0.0;
+  int events = 0;         ///< that were passed; the segment that comes is number events - 1
+  std::vector<int> past;  ///< kinds of the last segments, the latest last
 };
 
 enum class FallEnd {
-  decision,  ///< a minimum of speed, or no event for long
+  decision,  ///< a minimum of speed, an event, or none for long
   ground,    ///< or the time that the plan gives
   not_finite,
 };
@@ -32,7 +43,8 @@ enum class FallEnd {
 struct FallPiece {
   FallPoint to;
   FallEnd end = FallEnd::not_finite;
-  double acceleration_square = 0.0;  ///< mean over the piece of |a(c) - a(natural)|^2 [m^2/s^4]
+  bool has_event = false;              ///< where kinds are asked for: whether a segment has ended
+  std::optional<EventKind> kind = {};  ///< of that segment; none: it is steady
 };
 
 /// What the search needs of a plan, once.
@@ -51,6 +63,14 @@ class PlannedFall {
   double prominence() const { return prominence_; }
   /// A decision is due after so long without an event.
   double longest_piece() const { return longest_piece_; }
+  double release_height() const { return release_height_; }
+  double turbulence_factor() const { return turbulence_factor_; }  ///< see fall_cost.h
+  /// Where the plan has a sequence: what finds events and kinds, ready to be copied. Decisions fall at events then.
+  const std::optional<EventFinder>& events() const { return events_; }
+  /// Of the plan's database, if it has one.
+  const std::optional<SegmentChoices>& choices() const { return choices_; }
+  /// What the next segment is asked to be; none where nothing is.
+  const AskedSegment* asked(const FallPoint& point) const;
 
   FallPoint release() const;
   bool is_over(double t, double height) const;
@@ -59,6 +79,8 @@ class PlannedFall {
   /// From the straight way to the landing place; zero where none is asked for, or a sketch leads there.
   Eigen::Vector3d off_course(const FallPoint& point) const;
   double speed_square(std::span<const double> state) const;
+  /// Which states are velocities.
+  const std::vector<std::size_t>& velocities() const { return velocity_; }
 
  private:
   const MotionPlan& plan_;
@@ -68,7 +90,24 @@ class PlannedFall {
   models::ParametricModel model_;
   MotionStates states_;
   std::vector<std::size_t> velocity_;
-  double semi_length_ = 1.0, prominence_ = 0.0, longest_piece_ = 0.0;
+  double semi_length_ = 1.0, prominence_ = 0.0, longest_piece_ = 0.0, release_height_ = 0.0,
+         turbulence_factor_ = 0.0;
+  std::optional<EventFinder> events_;
+  std::optional<SegmentChoices> choices_;
+};
+
+/// Of what the coefficients do beyond the natural ones: the difference of accelerations, in body axes.
+class Roaming {
+ public:
+  explicit Roaming(const PlannedFall& fall);
+  /// @param difference one number per velocity
+  void at(double t, std::span<const double> state, std::span<const double> coefficients,
+          Eigen::VectorXd& difference);
+
+ private:
+  const PlannedFall& fall_;
+  std::vector<double> rate_, natural_rate_;
+  models::ParametricModel::Workspace workspace_;
 };
 
 /// A minimum that a rise has confirmed.
@@ -106,13 +145,16 @@ class FallLanes {
   void board(Rider& rider, Eigen::Index lane, const Continuation& continuation);
   /// @returns whether the piece of this lane has ended
   bool look(Rider& rider, Eigen::Index lane);
+  /// The end of a piece at an event, if it is certain now.
+  bool is_decided(Rider& rider, Eigen::Index lane);
+  bool is_event(Rider& rider, Eigen::Index lane);
   void put_point(const Rider& rider, Eigen::Index lane, FallPoint& point) const;
-  double roaming(double t, const std::vector<double>& coefficients);
 
   const PlannedFall& fall_;
   models::Stepper stepper_;
-  std::vector<double> state_, rate_, natural_rate_;
-  models::ParametricModel::Workspace workspace_;
+  std::vector<double> state_;
+  Roaming roaming_;
+  Eigen::VectorXd difference_;
 };
 
 }  // namespace samara::motion
