@@ -20,6 +20,9 @@ constexpr int kMostOfOneParent = 4;
 constexpr int kMostRoundsAloft = 40;
 /// What the squared deviation of the place where a fall stands counts beside its cost.
 constexpr double kHereCost = 0.15;
+/// What the outlook counts at most, twice, of a segment that is missed; from which distance on there is none.
+constexpr double kOutlook = 0.4, kNear = 0.4;
+constexpr std::uint64_t kOfOutlooks = 0x6f75746c6f6f6bULL;  // streams that no child draws from
 /// Of the width of a range: how far a jitter goes.
 constexpr double kJitter = 0.15;
 
@@ -123,8 +126,20 @@ class Beam {
     choose(parents, continuations, pieces);
   }
 
-  BeamNode node_of(const BeamNode& parent, int number, const Continuation& continuation,
-                   FallPiece& piece) const {
+  /// Of falls that have had what was asked so far, which one can have what comes: falls that stand where the database has
+  /// segments of that kind are better off; and a draw among equals, or all that are kept would be one fall that changes
+  /// nothing. Less than a segment that is missed.
+  double outlook(const FallPoint& point, std::uint64_t number) const {
+    const AskedSegment* asked = fall_.asked(point);
+    if (asked == nullptr || !asked->kind) return 0.0;
+    const double miss = plan_.sequence->weight / static_cast<double>(plan_.sequence->segments.size());
+    double outlook = Stream(plan_.search.seed ^ kOfOutlooks, number).uniform();
+    if (fall_.choices()) outlook += std::min(1.0, fall_.choices()->distance(point.state, *asked) / kNear);
+    return kOutlook * miss * outlook;
+  }
+
+  BeamNode node_of(const BeamNode& parent, int number, const Continuation& continuation, FallPiece& piece,
+                   std::uint64_t stream_number) const {
     const FallPoint& from = parent.point;
     BeamNode node{
         .point = std::move(piece.to), .target = continuation.target, .parent = number, .t_from = from.t};
@@ -139,6 +154,7 @@ class Beam {
     if (piece.has_event) add_event(fall_, to, piece.kind);
     node.rank = cost_of(fall_, to).total();
     if (piece.end == FallEnd::ground) return node;
+    node.rank += outlook(to, stream_number);
     node.rank += kHereCost * (to.deviation.squaredNorm() + fall_.off_course(to).squaredNorm()) /
                  std::pow(fall_.semi_length(), 2);
     return node;
@@ -155,7 +171,8 @@ class Beam {
       if (piece.end == FallEnd::not_finite || !(piece.to.t > parents[parent].point.t)) continue;
       const bool has_ended = piece.end == FallEnd::ground;
       (has_ended ? ended : nodes)
-          .push_back(node_of(parents[parent], static_cast<int>(parent), continuations[n], piece));
+          .push_back(node_of(parents[parent], static_cast<int>(parent), continuations[n], piece,
+                             (state_.rounds.size() << 40) + n));
     }
     keep_best(nodes);
     keep_best(ended);

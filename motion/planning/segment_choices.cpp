@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -38,6 +39,14 @@ const SegmentTree* SegmentChoices::tree_of(const AskedSegment* asked) const {
   if (asked == nullptr || !asked->pattern) return &tree_;
   const auto found = of_pattern_.find(*asked->pattern);
   return found == of_pattern_.end() ? nullptr : &found->second;
+}
+
+double SegmentChoices::distance(std::span<const double> state, const AskedSegment& asked) const {
+  const SegmentTree* tree = tree_of(&asked);
+  NearSegment near;
+  if (tree == nullptr || tree->nearest(state, {&near, 1}, asked.kind) == 0)
+    return std::numeric_limits<double>::infinity();
+  return near.distance;
 }
 
 std::size_t SegmentChoices::propose(std::span<const double> state, const AskedSegment* asked,

@@ -24,6 +24,10 @@ class SegmentChoices {
   std::size_t propose(std::span<const double> state, const AskedSegment* asked,
                       std::span<std::vector<double>> targets) const;
 
+  /// How far a state is from the nearest in which a segment of what is asked has begun, in the metric of the database;
+  /// infinite where none has.
+  double distance(std::span<const double> state, const AskedSegment& asked) const;
+
  private:
   const SegmentTree* tree_of(const AskedSegment* asked) const;
 

@@ -70,7 +70,7 @@ def plan(name, more="", text=PLAN):
 
 class Syntheses(Case):
     def test_a_drawn_sequence_is_told_in_the_answer_beside_what_came_of_it(self):
-        motion = plan("drawn.toml", "[sequence]\nlength = 6\nseed = 3\n")
+        motion = plan("drawn.toml", "[sequence]\nlength = 6\nseed = 3\n", PLAN.replace("height = 40", "height = 90"))
         result = run("synthesize", motion, "-o", FOLDER / "drawn.csv", "--json")
         self.assertIn(result.returncode, (0, 4), result.stderr)
         answer = json.loads(result.stdout)

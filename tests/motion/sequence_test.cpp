@@ -16,7 +16,7 @@ using namespace samara::motion;
 namespace {
 
 /// Plates of I* 1.3 in their plane, a hundred of them.
-std::shared_ptr<const MotionDatabase> plates() {
+std::shared_ptr<const MotionDatabase> plate_motions() {
   static const auto database = std::make_shared<const MotionDatabase>(build_database(
       run_sweep(parse_sweep_plan(
                     "model = \"falling_plate_nd\"\n[fixed]\nbeta = 0\ninertia_ratio = 1.3\n[axes]\n"
@@ -28,7 +28,7 @@ std::shared_ptr<const MotionDatabase> plates() {
   return database;
 }
 
-MotionPlan plate_plan(double height = 40.0) {
+MotionPlan sequence_plan(double height = 40.0) {
   MotionPlan plan;
   plan.model = samara::models::find_model("falling_plate_nd");
   plan.fixed = {{"inertia_ratio", 1.3}, {"beta", 0.0}, {"theta(0)", 0.6}, {"y(0)", height},
@@ -38,13 +38,13 @@ MotionPlan plate_plan(double height = 40.0) {
   return plan;
 }
 
-Sketch slanted(double height) {
+Sketch slanted_sketch(double height) {
   Eigen::MatrixX3d points(2, 3);
   points << 0.0, 0.0, height, 0.4 * height, 0.0, 0.0;
   return Sketch(points);
 }
 
-MotionSequence read(const std::string& text, const MotionDatabase* database = plates().get()) {
+MotionSequence read_text(const std::string& text, const MotionDatabase* database = plate_motions().get()) {
   const auto root = samara::io::TomlTable::parse("[sequence]\n" + text, "motion.toml");
   return read_sequence(root.table("sequence"), std::filesystem::temp_directory_path(), database);
 }
@@ -57,20 +57,22 @@ std::string named_file(const std::string& name, const std::string& text) {
 }  // namespace
 
 TEST_CASE("kinds that are drawn from a chain come about, and are counted in the motion itself") {
-  MotionPlan plan = plate_plan();
-  plan.database = plates();
-  plan.sequence = read("length = 7\nseed = 3");
-  CHECK(read("length = 7\nseed = 4").segments.front().kind.has_value());
+  MotionPlan plan = sequence_plan(100.0);
+  plan.search.beam = 24;
+  plan.search.children = 24;
+  plan.database = plate_motions();
+  plan.sequence = read_text("length = 7\nseed = 3");
+  CHECK(read_text("length = 7\nseed = 4").segments.front().kind.has_value());
   const MotionResult motion = plan_motion(plan);
   REQUIRE(motion.is_usable());
   const SequenceOutcome& outcome = *motion.sequence;
   CHECK(outcome.asked == 7);
-  CHECK(outcome.had >= 6);
+  CHECK(outcome.had >= 6);  // 7 here; the first kinds are often decided by the release
   CHECK((motion.status == MotionStatus::found) == (outcome.had == outcome.asked));
   // Another finder, in the states that came out.
-  const EventList list = events_of(MovingStates(plan.model->info(), BodySymmetry::none), plates()->events,
-                                   {motion.times.data(), static_cast<std::size_t>(motion.times.size())},
-                                   motion.states.transpose());
+  const EventList list = events_of(
+      MovingStates(plan.model->info(), BodySymmetry::none), plate_motions()->events,
+      {motion.times.data(), static_cast<std::size_t>(motion.times.size())}, motion.states.transpose());
   REQUIRE(list.events.size() == outcome.segments.size() + 1);
   int had = 0;
   for (std::size_t k = 0; k < outcome.segments.size(); ++k) {
@@ -82,8 +84,8 @@ TEST_CASE("kinds that are drawn from a chain come about, and are counted in the 
 }
 
 TEST_CASE("kinds that cannot be had are no kinds that were dropped: the status and the counts say so") {
-  MotionPlan plan = plate_plan(20.0);
-  plan.sequence = read("kinds = [\"30 turn-\"]", nullptr);
+  MotionPlan plan = sequence_plan(20.0);
+  plan.sequence = read_text("kinds = [\"30 turn-\"]", nullptr);
   const MotionResult motion = plan_motion(plan);
   CHECK(motion.status == MotionStatus::kinds_missed);
   CHECK(motion.sequence->asked == 30);
@@ -93,25 +95,32 @@ TEST_CASE("kinds that cannot be had are no kinds that were dropped: the status a
 }
 
 TEST_CASE("patterns are told by what the motion shows, stretch by stretch") {
-  MotionPlan plan = plate_plan(60.0);
-  plan.database = plates();
-  plan.sequence = read("patterns = [\"8 zigzag\"]");
-  CHECK(plan.sequence->is_of_patterns());
-  const MotionResult motion = plan_motion(plan);
-  REQUIRE(motion.sequence->stretches.size() == 1);
-  const SequenceOutcome::Stretch& stretch = motion.sequence->stretches.front();
-  CHECK(stretch.got.pattern == Pattern::zigzag);
-  CHECK(stretch.end > stretch.begin);
-  CHECK(motion.status == MotionStatus::found);
+  MotionPlan plan = sequence_plan(120.0);
+  plan.database = plate_motions();
+  for (const Pattern pattern : {Pattern::zigzag, Pattern::autorotation}) {
+    plan.sequence = read_text("patterns = [\"8 " + to_string(pattern) + "\"]");
+    CHECK(plan.sequence->is_of_patterns());
+    const MotionResult motion = plan_motion(plan);
+    REQUIRE(motion.sequence->stretches.size() == 1);
+    const SequenceOutcome::Stretch& stretch = motion.sequence->stretches.front();
+    CHECK(stretch.got.pattern == pattern);
+    CHECK(stretch.end > stretch.begin);
+    CHECK(motion.status == MotionStatus::found);
+  }
 }
 
 TEST_CASE("a fall that is asked to be likely is likelier under the chain than one that is not") {
-  MotionPlan plan = plate_plan();
-  plan.sequence = read("weight = 1e-6");
+  MotionPlan plan = sequence_plan(100.0);
+  // A chain that swings to and fro, as zigzags do.
+  const std::string zigzags =
+      named_file("zigzags.json",
+                 R"({"schema": "samara-chain/1", "symbols": ["swing-", "swing+", "turn-", "turn+"],
+          "counts": [[0, 90, 0, 0], [90, 0, 0, 0], [45, 45, 0, 0], [45, 45, 0, 0]]})");
+  plan.sequence = read_text("chain = \"" + zigzags + "\"\nweight = 1e-6", nullptr);
   const double careless = plan_motion(plan).sequence->log_likelihood;
   plan.sequence->weight = 20.0;
   const MotionResult likely = plan_motion(plan);
-  CHECK(likely.sequence->log_likelihood > careless + 0.1);
+  CHECK(likely.sequence->log_likelihood > careless + 1.0);
   CHECK(likely.sequence->asked == 0);
   CHECK(likely.status == MotionStatus::found);
 }
@@ -120,7 +129,7 @@ TEST_CASE("chains come from films, from counts and from databases; what is none 
   const std::string film = named_file("film.json",
                                       R"({"schema": "samara-patterns/1", "captures": [{"id": "a", "windows": [
           {"pattern": "zigzag", "windows": 40}, {"pattern": "unresolved"}, {"pattern": "chaotic", "windows": 40}]}]})");
-  const MotionSequence drawn = read("chain = \"" + film + "\"\nlength = 30\nseed = 2\nevents = 3");
+  const MotionSequence drawn = read_text("chain = \"" + film + "\"\nlength = 30\nseed = 2\nevents = 3");
   REQUIRE(drawn.segments.size() == 90);
   int changes = 0;
   for (std::size_t k = 1; k < drawn.segments.size(); ++k) {
@@ -133,14 +142,15 @@ TEST_CASE("chains come from films, from counts and from databases; what is none 
   const std::string counts = named_file(
       "counts.json",
       R"({"schema": "samara-chain/1", "symbols": ["turn+", "swing-"], "counts": [[0, 9], [9, 0]]})");
-  const MotionSequence alternating = read("chain = \"" + counts + "\"\nlength = 12\nseed = 5", nullptr);
+  const MotionSequence alternating = read_text("chain = \"" + counts + "\"\nlength = 12\nseed = 5", nullptr);
   int turns = 0;
   for (const AskedSegment& segment : alternating.segments)
     turns += segment.kind == EventKind::turn_plus ? 1 : 0;
   CHECK(turns > 2);
   CHECK(turns < 10);
   const auto refuses = [](const std::string& text, const std::string& sentence, bool has_database = true) {
-    CHECK_THROWS_WITH(read(text, has_database ? plates().get() : nullptr), Catch::Contains(sentence));
+    CHECK_THROWS_WITH(read_text(text, has_database ? plate_motions().get() : nullptr),
+                      Catch::Contains(sentence));
   };
   refuses("kinds = [\"swing\"]", "expected one of swing-");
   refuses("kinds = [\"0 swing+\"]", "a count of 1 or more");
@@ -160,8 +170,8 @@ TEST_CASE("chains come from films, from counts and from databases; what is none 
 }
 
 TEST_CASE("search and windows ask one cost, and refining never loses the landing") {
-  MotionPlan plan = plate_plan(30.0);
-  plan.sketch = slanted(30.0);
+  MotionPlan plan = sequence_plan(30.0);
+  plan.sketch = slanted_sketch(30.0);
   plan.landing = Eigen::Vector3d(12.0, 0.0, 0.0);
   for (const double turbulence : {0.0, 0.5}) {
     plan.turbulence = turbulence;
@@ -188,7 +198,7 @@ TEST_CASE("search and windows ask one cost, and refining never loses the landing
 }
 
 TEST_CASE("windows find the landing that the search has missed") {
-  MotionPlan plan = plate_plan(20.0);
+  MotionPlan plan = sequence_plan(20.0);
   plan.landing = Eigen::Vector3d(2.0, 0.0, 0.0);
   plan.search.beam = 1;
   plan.search.children = 2;
@@ -199,10 +209,10 @@ TEST_CASE("windows find the landing that the search has missed") {
 }
 
 TEST_CASE("a search that is interrupted again and again comes to the same motion, to the bit") {
-  MotionPlan plan = plate_plan();
-  plan.database = plates();
-  plan.sketch = slanted(40.0);
-  plan.sequence = read("length = 5\nseed = 3");
+  MotionPlan plan = sequence_plan();
+  plan.database = plate_motions();
+  plan.sketch = slanted_sketch(40.0);
+  plan.sequence = read_text("length = 5\nseed = 3");
   const MotionResult whole = plan_motion(plan);
   const auto part = std::filesystem::temp_directory_path() / "samara_planning.part";
   std::filesystem::remove(part);
@@ -251,9 +261,9 @@ TEST_CASE("bodies that do not come down, and databases of others, are refused be
       "[landing]",
       "[path]\nfile = \"" + (std::filesystem::temp_directory_path() / "early.csv").string() + "\"\n[landing]",
       "ends at the time -1");
-  MotionPlan plan = plate_plan();
-  plan.database = plates();
+  MotionPlan plan = sequence_plan();
+  plan.database = plate_motions();
   plan.fixed["inertia_ratio"] = 1.4;
-  plan.sequence = read("length = 2");
+  plan.sequence = read_text("length = 2");
   CHECK_THROWS_WITH(plan_motion(plan), Catch::Contains("inertia_ratio = 1.3"));
 }
